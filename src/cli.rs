@@ -1,0 +1,1 @@
+//! The command line: arguments, commands, exit codes. The names are a contract (README, "Commands").

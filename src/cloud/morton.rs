@@ -1,0 +1,1 @@
+//! Morton codes.

@@ -1,0 +1,175 @@
+//! Settings: the defaults here, then `--config FILE`, then `--set KEY=VALUE`, then the command's own options.
+//!
+//! `config/default.toml` shows every key with its default and a comment; a test says that it equals
+//! [`Config::default`]. Unknown keys and wrong types are refused with the line and the nearest valid key.
+
+mod load;
+
+pub use load::{ConfigError, load};
+
+use crate::cloud::Order;
+use serde::{Deserialize, Serialize};
+
+/// Everything that can be set.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Config {
+    /// The GPU.
+    pub gpu: GpuConfig,
+    /// Loading.
+    pub cloud: CloudConfig,
+    /// The frame's stages.
+    pub frame: FrameConfig,
+    /// Real headsets.
+    pub headset: HeadsetConfig,
+    /// The headset that stands in where there is none.
+    pub simulated: SimulatedConfig,
+    /// Getting about.
+    pub locomotion: LocomotionConfig,
+    /// The desktop window.
+    pub window: WindowConfig,
+}
+
+/// `[gpu]`
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GpuConfig {
+    /// Part of the GPU's name, any case; empty: the fastest kind. A headset's runtime chooses its own.
+    pub adapter: String,
+    /// Largest part of the point pool in MiB that one binding holds; 0: what the GPU allows.
+    pub chunk_mib: u32,
+}
+
+/// `[cloud]`
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CloudConfig {
+    /// Order of the points in memory.
+    pub order: Order,
+}
+
+/// `[frame]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FrameConfig {
+    /// Points nearer than this are not drawn; metres in a headset, world units in a picture.
+    pub near_m: f64,
+    /// Colour where no point is: red, green, blue, 0–255.
+    pub background: [u8; 3],
+    /// `auto`: coordinate bits by projected size; `full`: always 30.
+    pub precision: Precision,
+}
+
+impl Default for FrameConfig {
+    fn default() -> Self {
+        Self { near_m: 0.05, background: [0, 0, 0], precision: Precision::Auto }
+    }
+}
+
+/// Coordinate bits read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// 10, 20 or 30 bits by the batch's projected size.
+    #[default]
+    Auto,
+    /// All 30 bits.
+    Full,
+}
+
+/// `[headset]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HeadsetConfig {
+    /// Factor on the width and height that the runtime recommends.
+    pub resolution_scale: f64,
+}
+
+impl Default for HeadsetConfig {
+    fn default() -> Self {
+        Self { resolution_scale: 1.0 }
+    }
+}
+
+/// `[simulated]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulatedConfig {
+    /// Pixels of each eye's image: width, height.
+    pub size_px: [u32; 2],
+    /// Half angles of the left eye's field of view in degrees: outwards (left), inwards (right), up, down;
+    /// the right eye mirrors it.
+    pub fov_deg: [f64; 4],
+    /// Distance of the eyes.
+    pub eye_distance_m: f64,
+    /// Outward turn of each eye's display in degrees.
+    pub cant_deg: f64,
+    /// Displays a second.
+    pub refresh_hz: f64,
+    /// Height of the eyes above the floor.
+    pub eye_height_m: f64,
+}
+
+impl Default for SimulatedConfig {
+    fn default() -> Self {
+        Self {
+            size_px: [960, 1080],
+            fov_deg: [45.0, 45.0, 45.0, 45.0],
+            eye_distance_m: 0.063,
+            cant_deg: 0.0,
+            refresh_hz: 90.0,
+            eye_height_m: 1.7,
+        }
+    }
+}
+
+/// `[locomotion]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LocomotionConfig {
+    /// Metres a second at full stick or key; 0: from the scan's size.
+    pub speed: f64,
+    /// Factor while the fast key is held.
+    pub fast: f64,
+    /// Degrees of a snap turn.
+    pub snap_deg: f64,
+    /// Degrees a pixel of mouse movement.
+    pub look_deg_per_px: f64,
+}
+
+impl Default for LocomotionConfig {
+    fn default() -> Self {
+        Self { speed: 0.0, fast: 4.0, snap_deg: 30.0, look_deg_per_px: 0.15 }
+    }
+}
+
+/// `[window]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WindowConfig {
+    /// Size at start: width, height in points.
+    pub size: [u32; 2],
+    /// Which eye the window mirrors.
+    pub mirror: Mirror,
+    /// Show the panel at start.
+    pub panel: bool,
+}
+
+impl Default for WindowConfig {
+    fn default() -> Self {
+        Self { size: [1280, 720], mirror: Mirror::Left, panel: true }
+    }
+}
+
+/// What the window mirrors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mirror {
+    /// The left eye.
+    #[default]
+    Left,
+    /// The right eye.
+    Right,
+    /// Side by side.
+    Both,
+}

@@ -1,0 +1,124 @@
+//! Choosing an adapter and opening it without a headset runtime.
+
+use super::{Gpu, Queue};
+
+/// Why no GPU could be opened; each sentence says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// No Vulkan driver at all.
+    #[error(
+        "no Vulkan driver found: install one (on Debian and Ubuntu: `apt install mesa-vulkan-drivers`) or run scripts/demo, which does"
+    )]
+    NoDriver,
+    /// `--adapter` matched nothing.
+    #[error("no GPU is called like '{wanted}'; there is: {found}")]
+    NoSuchAdapter {
+        /// What was asked for.
+        wanted: String,
+        /// Names of those that exist.
+        found: String,
+    },
+    /// The GPU lacks something that the frame cannot do without.
+    #[error("the GPU '{name}' cannot run scanwalk: it lacks {missing}; choose another with --adapter")]
+    Lacking {
+        /// The GPU.
+        name: String,
+        /// What it lacks, in words.
+        missing: String,
+    },
+    /// The driver refused to open it.
+    #[error("the GPU '{name}' could not be opened: {source}")]
+    Open {
+        /// The GPU.
+        name: String,
+        /// The driver's words.
+        source: wgpu::RequestDeviceError,
+    },
+}
+
+/// Features that every frame needs.
+const NEEDED: wgpu::Features =
+    wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
+/// Features that are used where they exist.
+const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY;
+
+/// The features to open an adapter with, or what it lacks.
+///
+/// # Errors
+/// [`GpuError::Lacking`] if the adapter has no 64-bit atomic minimum.
+pub fn required_features(name: &str, offered: wgpu::Features) -> Result<wgpu::Features, GpuError> {
+    if offered.contains(NEEDED) {
+        return Ok(NEEDED | (WANTED & offered));
+    }
+    let missing = "64-bit integers and their atomic minimum in shaders (VK_KHR_shader_atomic_int64)";
+    Err(GpuError::Lacking { name: name.to_string(), missing: missing.to_string() })
+}
+
+/// Validation layers in debug builds and where `WGPU_VALIDATION=1` asks; else nothing between us and the driver.
+#[must_use]
+pub(crate) fn instance_flags() -> wgpu::InstanceFlags {
+    wgpu::InstanceFlags::from_build_config().with_env()
+}
+
+impl Gpu {
+    /// Opens a Vulkan GPU: the one whose name contains `wanted` (any case), else the fastest kind there is.
+    ///
+    /// # Errors
+    /// No driver, no such GPU, or one that cannot run the frame.
+    pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::VULKAN,
+            flags: instance_flags(),
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let mut adapters = block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+        adapters.sort_by_key(|a| kind_rank(a.get_info().device_type));
+        if adapters.is_empty() {
+            return Err(GpuError::NoDriver);
+        }
+        let adapter = match wanted.filter(|w| !w.is_empty()) {
+            None => adapters.swap_remove(0),
+            Some(wanted) => {
+                let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+                let matches = |name: &String| name.to_lowercase().contains(&wanted.to_lowercase());
+                let Some(index) = names.iter().position(matches) else {
+                    return Err(GpuError::NoSuchAdapter { wanted: wanted.into(), found: names.join(", ") });
+                };
+                adapters.swap_remove(index)
+            }
+        };
+        let name = adapter.get_info().name;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("scanwalk"),
+            required_features: required_features(&name, adapter.features())?,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = block_on(adapter.request_device(&descriptor))
+            .map_err(|source| GpuError::Open { name, source })?;
+        Ok(Self { instance, adapter, device, queue: Queue::new(queue) })
+    }
+}
+
+/// Discrete GPUs first, software last.
+fn kind_rank(kind: wgpu::DeviceType) -> u32 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+/// wgpu's Vulkan futures are ready at once; this is all the executor they need.
+fn block_on<T>(future: impl Future<Output = T>) -> T {
+    let mut future = std::pin::pin!(future);
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    loop {
+        if let std::task::Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return value;
+        }
+        std::thread::yield_now();
+    }
+}

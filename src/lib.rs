@@ -1,0 +1,32 @@
+//! scanwalk: walk through laser scans and photogrammetry in a VR headset.
+//!
+//! ```text
+//!  files ──scan──▶ Scan ──cloud──▶ Cloud ──render──▶ CloudBuffers (GPU)
+//!                (columns)   (Morton batches,             │
+//!                             quantised planes)           ▼
+//!  Headset (xr | simulated) ──eyes──▶ Renderer: clear · cull · depth · resolve
+//!        ▲                                   │ timings          │ images
+//!        └────────── walk (frame thread) ◀───┴──────────────────┘
+//!                      │ rows                     │ mirror
+//!                      ▼                          ▼
+//!                 timing (frame log)        desktop (window, egui)
+//! ```
+//!
+//! Dependencies point one way; `docs/ARCHITECTURE.md` says which, and a test keeps it so.
+
+pub mod cli;
+pub mod cloud;
+pub mod config;
+pub mod desktop;
+pub mod gpu;
+pub mod layout;
+pub mod progress;
+pub mod render;
+pub mod scan;
+pub mod shot;
+pub mod space;
+pub mod synth;
+pub mod timing;
+pub mod twin;
+pub mod walk;
+pub mod xr;

@@ -1,0 +1,103 @@
+//! Files to columns of points: one reader a format, all handing over a [`Scan`].
+//!
+//! Readers parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose
+//! nothing that can be read.
+
+use crate::space::Bounds;
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// The integer grid of a file's coordinates: `p_in_world = offset + scale · xyz`, exactly as LAS stores it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// World units a step, an axis; finite and not zero.
+    pub scale: DVec3,
+    /// World position of the lattice's origin; finite.
+    pub offset: DVec3,
+}
+
+impl Lattice {
+    /// World position of a lattice point.
+    #[must_use]
+    pub fn p_in_world(&self, xyz: [i32; 3]) -> DVec3 {
+        self.offset + self.scale * DVec3::new(f64::from(xyz[0]), f64::from(xyz[1]), f64::from(xyz[2]))
+    }
+}
+
+/// The points of one file, a column an attribute, in file order. Columns are empty or as long as `xyz`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// Lattice coordinates.
+    pub xyz: Vec<[i32; 3]>,
+    /// Red, green, blue as stored (8 or 16 bits used; see [`ColorSource`]).
+    pub rgb: Vec<[u16; 3]>,
+    /// Intensity as stored.
+    pub intensity: Vec<u16>,
+}
+
+/// Where a file's point colours come from; decided once the whole file (for ramps: the whole scan) is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ColorSource {
+    /// `rgb` holds 8-bit values.
+    Rgb8,
+    /// `rgb` holds 16-bit values; 8-bit colour = round(c / 257).
+    Rgb16,
+    /// No colour: intensity through the ramp, `low..=high` of the scan.
+    Intensity {
+        /// Value at the dark end.
+        low: f64,
+        /// Value at the bright end.
+        high: f64,
+    },
+    /// Neither: height (world z) through the ramp, `low..=high` of the scan.
+    Height {
+        /// Height at the dark end.
+        low: f64,
+        /// Height at the bright end.
+        high: f64,
+    },
+}
+
+/// One file, read.
+#[derive(Clone, Debug)]
+pub struct ScanFile {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// For people: "LAS 1.2, point format 3".
+    pub format: String,
+    /// Grid of `points.xyz`.
+    pub lattice: Lattice,
+    /// The points.
+    pub points: Points,
+    /// Their colours.
+    pub color: ColorSource,
+    /// True box of the points read, world space.
+    pub bounds: Bounds,
+}
+
+/// Several files as one cloud.
+#[derive(Clone, Debug, Default)]
+pub struct Scan {
+    /// In the order given.
+    pub files: Vec<ScanFile>,
+    /// Sentences for people about what was odd, each naming its file.
+    pub warnings: Vec<String>,
+    /// Coordinate reference system, as the files name it.
+    pub crs: Option<String>,
+    /// Metres a world unit where the files say so.
+    pub unit_m: Option<f64>,
+}
+
+impl Scan {
+    /// Points of all files.
+    #[must_use]
+    pub fn num_points(&self) -> usize {
+        self.files.iter().map(|f| f.points.xyz.len()).sum()
+    }
+
+    /// Box of all files, world space.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.files.iter().fold(Bounds::EMPTY, |b, f| b.union(f.bounds))
+    }
+}

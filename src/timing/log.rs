@@ -1,0 +1,1 @@
+//! The frame log's writer.

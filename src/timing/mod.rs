@@ -1,0 +1,75 @@
+//! Frame timing: the row of a frame, the log that writes rows, and the report that reads them
+//! (frame.md section 9).
+
+pub mod log;
+pub mod report;
+
+/// The stages of a frame, in order. One name everywhere: shader, host, twin, timer row, log column, test.
+pub const STAGES: [&str; 4] = ["clear", "cull", "depth", "resolve"];
+
+/// GPU milliseconds of each of [`STAGES`]; NaN where the device gave no time.
+pub type StageMs = [f32; STAGES.len()];
+
+/// Everything the log says of one frame. Small and `Copy`: it crosses threads by value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameRow {
+    /// Counts from 0.
+    pub frame: u64,
+    /// Start of the frame on the CPU, seconds since the log began.
+    pub time_s: f64,
+    /// The runtime's predicted display time, nanoseconds of its clock.
+    pub predicted_display_ns: i64,
+    /// CPU: waiting for the runtime (or the simulated display).
+    pub wait_ms: f32,
+    /// CPU: recording commands.
+    pub record_ms: f32,
+    /// CPU: locating the eyes and submitting.
+    pub submit_ms: f32,
+    /// GPU time of each stage.
+    pub stage_ms: StageMs,
+    /// GPU time from the first stage's start to the last one's end.
+    pub gpu_ms: f32,
+    /// 1000 / refresh rate.
+    pub budget_ms: f32,
+    /// Display periods that passed without a new image since the frame before.
+    pub missed_periods: u32,
+    /// Batches or nodes that `depth` drew.
+    pub visible_nodes: u32,
+    /// Points in them.
+    pub points_read: u64,
+    /// Points on the GPU.
+    pub points_resident: u64,
+    /// Factor on the LOD thresholds.
+    pub lod_scale: f32,
+    /// Factor on the image's edge.
+    pub resolution_scale: f32,
+    /// `closest` or `hqs`.
+    pub quality: &'static str,
+    /// Bytes sent to the GPU for this frame.
+    pub upload_bytes: u64,
+}
+
+impl FrameRow {
+    /// True if the GPU took longer than the budget.
+    #[must_use]
+    pub fn over_budget(&self) -> bool {
+        self.gpu_ms > self.budget_ms
+    }
+}
+
+/// What the log's `#` header tells of the run.
+#[derive(Clone, Debug, Default)]
+pub struct RunFacts {
+    /// Files shown.
+    pub scan: String,
+    /// GPU name.
+    pub device: String,
+    /// Its driver and version.
+    pub driver: String,
+    /// OpenXR runtime, or "simulated".
+    pub runtime: String,
+    /// Pixels an eye, "1440x1600".
+    pub resolution: String,
+    /// Digest of the resolved configuration.
+    pub config_digest: String,
+}

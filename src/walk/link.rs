@@ -1,0 +1,117 @@
+//! The link between the frame thread and the desktop window. Neither end ever makes the frame thread wait:
+//! rows that nobody takes are dropped, commands queue up, the mirror's textures change hands only at start
+//! and when their size changes.
+
+use crate::timing::FrameRow;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What the user asks of the walk from the desktop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Command {
+    /// Keys now held: right, up, forward, each −1 to 1, in the viewer's own directions; and the fast key.
+    Move {
+        /// Right, up, forward.
+        direction: [f32; 3],
+        /// Fast key held.
+        fast: bool,
+    },
+    /// Mouse moved while looking: pixels right, pixels down.
+    Look {
+        /// Pixels right, pixels down.
+        delta_px: [f32; 2],
+    },
+    /// Faster (> 1) or slower (< 1) from now on: the mouse wheel.
+    ScaleSpeed(f32),
+    /// Turn by this many snap steps; right is positive.
+    Snap(i32),
+    /// Back to the starting place.
+    Reset,
+    /// Move back until the whole scan is in view.
+    WholeView,
+    /// End the walk.
+    Quit,
+}
+
+/// What loading has come to, for the window's panel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadState {
+    /// "reading", "sorting", "uploading"; empty when done.
+    pub step: String,
+    /// 0 to 1.
+    pub fraction: f32,
+    /// Set if loading failed: the sentence for people.
+    pub error: Option<String>,
+    /// Facts of the scan, name and value, once known.
+    pub facts: Vec<(String, String)>,
+    /// Warnings of the readers.
+    pub warnings: Vec<String>,
+}
+
+/// The textures that show what the headset shows, left and right; same format and size as the eyes' images.
+pub type MirrorImages = [wgpu::Texture; 2];
+
+/// State that changes rarely, read by the window once a frame of its own.
+#[derive(Debug, Default)]
+struct Shared {
+    mirror: Option<MirrorImages>,
+    load: LoadState,
+}
+
+/// The frame thread's (and the loader's) end.
+#[derive(Clone, Debug)]
+pub struct WalkEnd {
+    rows: SyncSender<FrameRow>,
+    shared: Arc<Mutex<Shared>>,
+}
+
+/// The window's end.
+#[derive(Debug)]
+pub struct ViewerEnd {
+    /// Finished rows of the frame log, oldest first.
+    pub rows: Receiver<FrameRow>,
+    /// To the frame thread.
+    pub commands: Sender<Command>,
+    shared: Arc<Mutex<Shared>>,
+}
+
+/// Makes the two ends, and the receiver of commands for the frame thread.
+#[must_use]
+pub fn link() -> (WalkEnd, Receiver<Command>, ViewerEnd) {
+    let (row_sender, rows) = sync_channel(512);
+    let (commands, command_receiver) = channel();
+    let shared = Arc::new(Mutex::new(Shared::default()));
+    let walk = WalkEnd { rows: row_sender, shared: Arc::clone(&shared) };
+    (walk, command_receiver, ViewerEnd { rows, commands, shared })
+}
+
+impl WalkEnd {
+    /// Offers a row; dropped if the window does not keep up.
+    pub fn offer_row(&self, row: FrameRow) {
+        let _ = self.rows.try_send(row);
+    }
+
+    /// New mirror textures: at start and when the eyes' sizes change.
+    pub fn set_mirror(&self, images: MirrorImages) {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror = Some(images);
+    }
+
+    /// Changes what the window says about loading; called by the loader's thread only.
+    pub fn update_load(&self, change: impl FnOnce(&mut LoadState)) {
+        change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner).load);
+    }
+}
+
+impl ViewerEnd {
+    /// The mirror textures, once there are any. (Textures are reference-counted: a clone is cheap.)
+    #[must_use]
+    pub fn mirror(&self) -> Option<MirrorImages> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror.clone()
+    }
+
+    /// What loading has come to.
+    #[must_use]
+    pub fn load(&self) -> LoadState {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).load.clone()
+    }
+}
