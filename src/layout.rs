@@ -1,7 +1,9 @@
 //! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
 //! generated [`prelude`]; struct offsets are compared with naga's in `tests/shaders.rs`.
 
+use crate::space::{Eye, Split, View};
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// Threads of a workgroup of the geometry stages [2022 §3.2].
 pub const WORKGROUP_SIZE: u32 = 128;
@@ -19,6 +21,10 @@ pub const PRECISION_THRESHOLD_PX: f32 = 500.0;
 /// The head's cell coordinate is a multiple of this, so that its product with a cell edge is exact in f32
 /// (12 + 12 bits of mantissa); see [`VisibleBatch`].
 pub const HEAD_CELL_STEP: i32 = 1 << 18;
+/// Bytes from one chunk's [`CullCounters`] to the next: no adapter wants bindings aligned more coarsely.
+pub const COUNTERS_STRIDE: u32 = 256;
+/// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
+pub const EMPTY_DEPTH: u32 = u32::MAX;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 
@@ -40,7 +46,28 @@ pub struct Batch {
     /// Edge of a 30-bit cell an axis, world units, ≤ 12 bits of mantissa; 0 on a flat axis.
     pub cell: [f32; 3],
     /// Always 0.
-    pub reserved: u32,
+    pub reserved_a: u32,
+    /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
+    pub steps_per_unit: [f32; 3],
+    /// Always 0.
+    pub reserved_b: u32,
+}
+
+impl Batch {
+    /// The GPU's form of a batch whose points begin at `first_point` of its chunk.
+    #[must_use]
+    pub fn new(
+        split: &Split,
+        min_in_world: DVec3,
+        cell: [f32; 3],
+        first_point: u32,
+        num_points: u32,
+    ) -> Self {
+        let (hi, lo) = split.pair(min_in_world);
+        let steps_per_unit = cell.map(|c| if c > 0.0 { 1.0 / (c * HEAD_CELL_STEP as f32) } else { 0.0 });
+        let (min_hi, min_lo) = (hi.to_array(), lo.to_array());
+        Self { min_hi, first_point, min_lo, num_points, cell, reserved_a: 0, steps_per_unit, reserved_b: 0 }
+    }
 }
 
 /// One eye as the shaders see it: rows of `pixel_from_head` ([`crate::space::Eye::pixel_from_head`]).
@@ -53,12 +80,35 @@ pub struct EyeUniform {
     pub row_y: [f32; 4],
     /// Row that gives w, the linear depth.
     pub row_w: [f32; 4],
+    /// The eye in head space.
+    pub eye_in_head: [f32; 3],
+    /// Pixels per radian at the optical axis.
+    pub pixels_per_radian: f32,
     /// Image size in pixels, as floats.
     pub size_px: [f32; 2],
     /// Image width in pixels.
     pub width: u32,
-    /// Pixels per radian at the optical axis.
-    pub pixels_per_radian: f32,
+    /// Image height in pixels.
+    pub height: u32,
+}
+
+impl EyeUniform {
+    /// The GPU's form of an eye, relative to the head.
+    #[must_use]
+    pub fn new(eye: &Eye, head_in_world: DVec3) -> Self {
+        let [row_x, row_y, row_w] = eye.pixel_from_head(head_in_world).map(|row| row.map(|v| v as f32));
+        let [width, height] = eye.size_px;
+        Self {
+            row_x,
+            row_y,
+            row_w,
+            eye_in_head: (eye.world_from_view.position - head_in_world).as_vec3().to_array(),
+            pixels_per_radian: eye.pixels_per_radian() as f32,
+            size_px: [width as f32, height as f32],
+            width,
+            height,
+        }
+    }
 }
 
 /// The view of one frame: both eyes and the head that they are relative to.
@@ -75,6 +125,52 @@ pub struct ViewUniform {
     pub forced_planes: u32,
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
+}
+
+impl ViewUniform {
+    /// The GPU's form of a view of one or two eyes; `forced_planes` as the field.
+    ///
+    /// # Panics
+    /// If the view has no eye.
+    #[must_use]
+    pub fn new(view: &View, split: &Split, forced_planes: u32) -> Self {
+        let head_in_world = view.head_in_world();
+        let (hi, lo) = split.pair(head_in_world);
+        let eye = |index: usize| EyeUniform::new(&view.eyes[index.min(view.eyes.len() - 1)], head_in_world);
+        Self {
+            head_hi: hi.to_array(),
+            near: view.near as f32,
+            head_lo: lo.to_array(),
+            forced_planes,
+            eyes: [eye(0), eye(1)],
+        }
+    }
+}
+
+/// A chunk of the point pool.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct ChunkUniform {
+    /// Index of its first point in the whole pool.
+    pub first_index: u32,
+    /// Points in its planes.
+    pub num_points: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}
+
+/// What `resolve` needs to turn point indices into colours.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct ResolveUniform {
+    /// Image width in pixels.
+    pub width: u32,
+    /// Index of the chunk's first point in the whole pool.
+    pub first_index: u32,
+    /// Points in the chunk's planes.
+    pub num_points: u32,
+    /// Always 0.
+    pub reserved: u32,
 }
 
 /// What `cull` tells `depth` about a batch that is seen.
@@ -123,6 +219,8 @@ pub fn prelude(num_eyes: u32) -> String {
          const COORDINATE_BITS: u32 = {COORDINATE_BITS}u;\n\
          const PLANE_BITS: u32 = {PLANE_BITS}u;\n\
          const PRECISION_THRESHOLD_PX: f32 = {PRECISION_THRESHOLD_PX:?};\n\
+         const COUNTERS_STRIDE: u32 = {COUNTERS_STRIDE}u;\n\
+         const EMPTY_DEPTH: u32 = {EMPTY_DEPTH}u;\n\
          const HEAD_CELL_STEP: i32 = {HEAD_CELL_STEP};\n\
          const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n"
     )

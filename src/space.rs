@@ -10,7 +10,7 @@
 //!
 //! Matrices and poses are named `to_from`.
 
-use glam::{DMat3, DMat4, DQuat, DVec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
 
 /// An axis-aligned box in world space. `min > max` on every axis means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,5 +198,123 @@ impl View {
     pub fn head_in_world(&self) -> DVec3 {
         let sum: DVec3 = self.eyes.iter().map(|e| e.world_from_view.position).sum();
         sum / self.eyes.len().max(1) as f64
+    }
+}
+
+/// How world positions become pairs of f32 that lose nothing that matters.
+///
+/// `p − origin = hi + lo`: `hi` is a multiple of `unit`, a power of two so large that every `hi` of the cloud
+/// has at most 22 significant bits. The difference of two `hi` is then exact in f32, and `lo`, at most
+/// half a unit, is exact to 2⁻²⁵ of it: micrometres in a cloud of a thousand kilometres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// World position that maps to (0, 0).
+    pub origin: DVec3,
+    /// Grid of `hi`; a power of two, world units.
+    pub unit: f64,
+}
+
+impl Split {
+    /// The split for a cloud: its box centre as origin.
+    #[must_use]
+    pub fn of(bounds: &Bounds) -> Self {
+        let reach = 0.5 * bounds.size().max_element();
+        let unit = if reach > 0.0 { (reach.log2().ceil() - 22.0).exp2() } else { 2f64.powi(-22) };
+        Self { origin: bounds.center(), unit }
+    }
+
+    /// (hi, lo) of a world position.
+    #[must_use]
+    pub fn pair(&self, p_in_world: DVec3) -> (Vec3, Vec3) {
+        let relative = p_in_world - self.origin;
+        let hi = (relative / self.unit).round() * self.unit;
+        (hi.as_vec3(), (relative - hi).as_vec3())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vec(range: f64) -> impl Strategy<Value = DVec3> {
+        [-range..range, -range..range, -range..range].prop_map(DVec3::from_array)
+    }
+
+    /// The picture formula of the command line contract, straight from its text.
+    fn contract_pixel(
+        p: DVec3,
+        eye: DVec3,
+        target: DVec3,
+        up: DVec3,
+        fov_y: f64,
+        size: [f64; 2],
+    ) -> (f64, f64, f64) {
+        let back = (eye - target).normalize();
+        let right = up.cross(back).normalize();
+        let true_up = back.cross(right);
+        let v = p - eye;
+        let (x, y, d) = (v.dot(right), v.dot(true_up), -v.dot(back));
+        let (t, aspect) = ((fov_y / 2.0).tan(), size[0] / size[1]);
+        ((x / (d * t * aspect) * 0.5 + 0.5) * size[0], (0.5 - y / (d * t) * 0.5) * size[1], d)
+    }
+
+    proptest! {
+        #[test]
+        fn rows_follow_the_picture_formula(p in vec(50.0), eye in vec(50.0), target in vec(50.0), fov in 20.0f64..120.0) {
+            let direction = target - eye;
+            prop_assume!(direction.length() > 0.1 && direction.normalize().z.abs() < 0.99);
+            let size = [641u32, 479];
+            let camera = Eye {
+                world_from_view: Pose::look_at(eye, target, DVec3::Z),
+                fov: Fov::symmetric(fov.to_radians(), f64::from(size[0]) / f64::from(size[1])),
+                size_px: size,
+            };
+            let head = eye + DVec3::new(0.1, -0.2, 0.3);
+            let rows = camera.pixel_from_head(head);
+            let q = (p - head).extend(1.0);
+            let [x, y, w] = rows.map(|r| glam::DVec4::from_array(r).dot(q));
+            let want = contract_pixel(p, eye, target, DVec3::Z, fov.to_radians(), size.map(f64::from));
+            prop_assume!(want.2.abs() > 0.05);
+            prop_assert!((w - want.2).abs() < 1e-9);
+            prop_assert!((x / w - want.0).abs() < 1e-6 * (1.0 + want.0.abs()), "{} {}", x / w, want.0);
+            prop_assert!((y / w - want.1).abs() < 1e-6 * (1.0 + want.1.abs()), "{} {}", y / w, want.1);
+        }
+
+        #[test]
+        fn pairs_keep_micrometres_in_twenty_kilometres(a in vec(10_000.0), b in vec(10_000.0)) {
+            let corner = DVec3::new(500_000.0, 4_000_000.0, 100.0);
+            let bounds = Bounds { min: corner - 10_000.0, max: corner + 10_000.0 };
+            let split = Split::of(&bounds);
+            let ((a_hi, a_lo), (b_hi, b_lo)) = (split.pair(corner + a), split.pair(corner + b));
+            let hi = a_hi - b_hi;
+            prop_assert_eq!(hi.as_dvec3(), a_hi.as_dvec3() - b_hi.as_dvec3(), "difference of hi is exact");
+            let got = hi.as_dvec3() + (a_lo - b_lo).as_dvec3();
+            // 1e-8 covers the f64 coordinates' own grid at 4e6.
+            prop_assert!((got - (a - b)).length() < 1e-8);
+        }
+
+        #[test]
+        fn pose_inverse_undoes(p in vec(9.0), eye in vec(9.0), target in vec(9.0)) {
+            prop_assume!((target - eye).length() > 0.1);
+            let pose = Pose::look_at(eye, target, DVec3::Z);
+            let q = pose.matrix().transform_point3(p);
+            prop_assert!((pose.inverse().matrix().transform_point3(q) - p).length() < 1e-9);
+            prop_assert!((pose.then(&pose.inverse()).position).length() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn looking_straight_down_has_a_right_hand_side() {
+        let pose = Pose::look_at(DVec3::new(1.0, 2.0, 9.0), DVec3::new(1.0, 2.0, 0.0), DVec3::Z);
+        assert!((pose.orientation * DVec3::NEG_Z - DVec3::NEG_Z).length() < 1e-12);
+        assert!((pose.orientation * DVec3::X).z.abs() < 1e-12);
+    }
+
+    #[test]
+    fn bounds_of_nothing_are_empty() {
+        assert!(Bounds::EMPTY.is_empty());
+        assert_eq!(Bounds::EMPTY.size(), DVec3::ZERO);
+        assert!(!Bounds::EMPTY.with(DVec3::ONE).is_empty());
     }
 }

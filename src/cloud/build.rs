@@ -1,8 +1,150 @@
-//! Scan to cloud.
-use super::{Cloud, Order};
+//! Scan to cloud: order, cut into batches, quantise; every step on all cores.
+
+use super::quantize::{Cells, planes};
+use super::{Batch, Cloud, Order, morton};
+use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::progress::Progress;
 use crate::scan::Scan;
-/// Builds the cloud.
-pub fn build(_scan: Scan, _order: Order, _progress: &Progress) -> Option<Cloud> {
-    None
+use crate::space::{Bounds, Split};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Why no cloud came of a scan.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum BuildError {
+    /// Nothing to draw.
+    #[error("the scan holds no points")]
+    Empty,
+    /// Point indices are 32 bits.
+    #[error(
+        "the scan has {0} points; more than 4 294 950 000 do not fit one cloud: open fewer files at once"
+    )]
+    TooMany(usize),
+    /// Coordinates beyond what f32 spans.
+    #[error("the scan's box is {0} units wide: its coordinates or its scale are broken")]
+    TooWide(String),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Stopped,
+}
+
+/// Largest box edge: far more than any planet, far less than f32 holds.
+const MAX_EDGE: f64 = 1e15;
+
+/// Orders the points of a scan, cuts them into batches and quantises them.
+///
+/// The scan is consumed: its columns are dropped as soon as the planes stand. Peak memory above the scan:
+/// 16 B a point to sort, 16 B for the planes.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build(scan: Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
+    let (num_points, bounds) = (scan.num_points(), scan.bounds());
+    if num_points == 0 {
+        return Err(BuildError::Empty);
+    }
+    if num_points > (u32::MAX - 2 * BATCH_POINTS) as usize {
+        return Err(BuildError::TooMany(num_points));
+    }
+    let edge = bounds.size().max_element();
+    if !edge.is_finite() || edge > MAX_EDGE {
+        return Err(BuildError::TooWide(format!("{edge:e}")));
+    }
+    let index = Index::new(&scan);
+    let sorted = match order {
+        Order::Original => None,
+        Order::Morton => Some(sort(&index, &bounds)),
+    };
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
+
+    let padded = num_points.next_multiple_of(POINTS_PER_LOAD as usize);
+    let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; padded]);
+    let size = BATCH_POINTS as usize;
+    let batches = hi
+        .par_chunks_mut(size)
+        .zip(mid.par_chunks_mut(size))
+        .zip(lo.par_chunks_mut(size))
+        .zip(colors.par_chunks_mut(size))
+        .enumerate()
+        .map_init(Vec::new, |positions, (number, (((hi, mid), lo), colors))| {
+            let first = number * size;
+            let count = size.min(num_points - first);
+            if progress.stopped() {
+                return Batch { first_point: 0, num_points: 0, min: DVec3::ZERO, cell: [0.0; 3] };
+            }
+            positions.clear();
+            let mut bounds = Bounds::EMPTY;
+            for (i, color) in colors.iter_mut().take(count).enumerate() {
+                let (p, c) = index.point(source(first + i));
+                bounds = bounds.with(p);
+                positions.push(p);
+                *color = c;
+            }
+            let cells = Cells::covering(&bounds);
+            for (i, p) in positions.iter().enumerate() {
+                [hi[i], mid[i], lo[i]] = planes(cells.quantize(*p));
+            }
+            progress.add(count as u64);
+            Batch { first_point: first as u32, num_points: count as u32, min: cells.min, cell: cells.cell }
+        })
+        .collect();
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let split = Split::of(&bounds);
+    Ok(Cloud { split, bounds, batches, planes: [hi, mid, lo], colors, num_points: num_points as u64 })
+}
+
+/// (Morton code, point) in ascending order; equal codes keep the files' order.
+fn sort(index: &Index, bounds: &Bounds) -> Vec<(u64, u32)> {
+    let grid = morton::Grid::new(bounds);
+    let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
+        .into_par_iter()
+        .with_min_len(1 << 14)
+        .map(|i| (grid.code(index.position(i as usize)), i))
+        .collect();
+    keys.par_sort_unstable();
+    keys
+}
+
+/// Points of all files by one running number.
+struct Index<'a> {
+    scan: &'a Scan,
+    /// First number of each file.
+    starts: Vec<usize>,
+    num_points: usize,
+}
+
+impl<'a> Index<'a> {
+    fn new(scan: &'a Scan) -> Self {
+        let mut num_points = 0;
+        let starts = scan.files.iter().map(|f| {
+            let start = num_points;
+            num_points += f.points.xyz.len();
+            start
+        });
+        Self { scan, starts: starts.collect(), num_points }
+    }
+
+    /// File and number within it.
+    fn locate(&self, i: usize) -> (usize, usize) {
+        let file = self.starts.partition_point(|&start| start <= i) - 1;
+        (file, i - self.starts[file])
+    }
+
+    fn position(&self, i: usize) -> DVec3 {
+        let (file, i) = self.locate(i);
+        let file = &self.scan.files[file];
+        file.lattice.p_in_world(file.points.xyz[i])
+    }
+
+    /// World position and colour.
+    fn point(&self, i: usize) -> (DVec3, u32) {
+        let (file, i) = self.locate(i);
+        let file = &self.scan.files[file];
+        (file.lattice.p_in_world(file.points.xyz[i]), file.color(i))
+    }
 }

@@ -4,9 +4,9 @@ mod build;
 pub mod morton;
 pub mod quantize;
 
-pub use build::build;
+pub use build::{BuildError, build};
 
-use crate::space::Bounds;
+use crate::space::{Bounds, Split};
 use glam::DVec3;
 
 /// Order of the points in a cloud.
@@ -36,8 +36,8 @@ pub struct Batch {
 /// A cloud as the GPU wants it.
 #[derive(Clone, Debug)]
 pub struct Cloud {
-    /// What the GPU's coordinates are relative to: the box centre, world space.
-    pub origin: DVec3,
+    /// How world positions become the GPU's pairs of f32.
+    pub split: Split,
     /// True box of the points, world space.
     pub bounds: Bounds,
     /// In plane order.

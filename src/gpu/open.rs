@@ -112,7 +112,7 @@ fn kind_rank(kind: wgpu::DeviceType) -> u32 {
 }
 
 /// wgpu's Vulkan futures are ready at once; this is all the executor they need.
-fn block_on<T>(future: impl Future<Output = T>) -> T {
+pub(crate) fn block_on<T>(future: impl Future<Output = T>) -> T {
     let mut future = std::pin::pin!(future);
     let mut context = std::task::Context::from_waker(std::task::Waker::noop());
     loop {

@@ -1,1 +1,57 @@
-//! GPU to CPU.
+//! GPU to CPU, waiting: for pictures and tests. The frame loop reads back through [`super::timer`] instead.
+
+use super::Gpu;
+
+/// The bytes of a whole buffer (usage must include COPY_SRC).
+///
+/// # Errors
+/// If the device is lost.
+pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> anyhow::Result<Vec<u8>> {
+    let size = buffer.size();
+    let staging = staging(gpu, size);
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+    finish(gpu, encoder, &staging)
+}
+
+/// The pixels of a 4-byte-a-pixel texture (usage must include COPY_SRC), rows tightly packed.
+///
+/// # Errors
+/// If the device is lost.
+pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> anyhow::Result<Vec<u8>> {
+    let (width, height) = (texture.width(), texture.height());
+    let row = 4 * width;
+    let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let staging = staging(gpu, u64::from(padded_row) * u64::from(height));
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row), rows_per_image: None };
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
+        texture.size(),
+    );
+    let padded = finish(gpu, encoder, &staging)?;
+    Ok(padded.chunks(padded_row as usize).flat_map(|r| &r[..row as usize]).copied().collect())
+}
+
+fn staging(gpu: &Gpu, size: u64) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    })
+}
+
+fn finish(gpu: &Gpu, encoder: wgpu::CommandEncoder, staging: &wgpu::Buffer) -> anyhow::Result<Vec<u8>> {
+    let commands = encoder.finish();
+    let submission = gpu.queue.lock().submit([commands]);
+    let (sender, mapped) = std::sync::mpsc::channel();
+    staging.map_async(wgpu::MapMode::Read, .., move |result| {
+        let _ = sender.send(result);
+    });
+    gpu.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })?;
+    mapped.recv()??;
+    Ok(staging.get_mapped_range(..)?.to_vec())
+}

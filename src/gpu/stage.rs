@@ -1,1 +1,109 @@
-//! Stages.
+//! A compute stage: one shader, one entry point `main`, its resources bound by their names in the shader.
+
+use super::Gpu;
+use wgpu::naga;
+
+/// A compiled compute stage.
+#[derive(Debug)]
+pub struct Stage {
+    name: &'static str,
+    pipeline: wgpu::ComputePipeline,
+    bindings: Bindings,
+}
+
+/// Names and numbers of a shader's resources in group 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Bindings(Vec<(String, u32)>);
+
+impl Bindings {
+    /// Reads them from WGSL text.
+    ///
+    /// # Panics
+    /// If the text does not parse: shaders are ours, and a test parses each.
+    #[must_use]
+    pub fn of(name: &str, wgsl: &str) -> Self {
+        let module = naga::front::wgsl::parse_str(wgsl)
+            .unwrap_or_else(|e| panic!("shader {name}: {}", e.emit_to_string(wgsl)));
+        let named = module.global_variables.iter().filter_map(|(_, v)| {
+            Some((v.name.clone()?, v.binding.as_ref().filter(|b| b.group == 0)?.binding))
+        });
+        Self(named.collect())
+    }
+
+    /// A bind group of these resources. Every name of the shader must be given; others are ignored, so
+    /// that stages can be handed one list.
+    ///
+    /// # Panics
+    /// If a resource of the shader is not given.
+    #[must_use]
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[(&str, wgpu::BindingResource)],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = self
+            .0
+            .iter()
+            .map(|(name, binding)| {
+                let found = resources.iter().find(|(n, _)| n == name);
+                let Some((_, resource)) = found else { panic!("{label}: no resource called {name}") };
+                wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() }
+            })
+            .collect();
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+    }
+}
+
+impl Stage {
+    /// Compiles `wgsl` (the whole text, prelude included).
+    #[must_use]
+    pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
+        let module = shader_module(&gpu.device, name, wgsl);
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Self { name, pipeline, bindings: Bindings::of(name, wgsl) }
+    }
+
+    /// A bind group for this stage; see [`Bindings::bind`].
+    #[must_use]
+    pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource)]) -> wgpu::BindGroup {
+        self.bindings.bind(&gpu.device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
+    }
+
+    /// Records a dispatch of `num_groups` workgroups.
+    pub fn dispatch(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: u32) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.dispatch_workgroups(num_groups, 1, 1);
+    }
+
+    /// Records a dispatch whose workgroup counts lie in `arguments` at `offset` bytes.
+    pub fn dispatch_indirect(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        arguments: &wgpu::Buffer,
+        offset: u64,
+    ) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.dispatch_workgroups_indirect(arguments, offset);
+    }
+}
+
+/// Compiles WGSL text.
+#[must_use]
+pub fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+    })
+}

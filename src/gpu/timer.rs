@@ -1,1 +1,207 @@
-//! Timers.
+//! GPU times of a frame's passes, and a few bytes more, read back some frames late without ever waiting.
+
+use super::Gpu;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Frames that may be under way at once; a frame beyond that goes without times.
+const NUM_SLOTS: usize = 8;
+
+/// State of a slot's readback buffer.
+const IDLE: u8 = 0;
+const WAITING: u8 = 1;
+const MAPPED: u8 = 2;
+const FAILED: u8 = 3;
+
+/// A ring of query sets and readback buffers.
+#[derive(Debug)]
+pub struct Timer {
+    slots: Vec<Slot>,
+    num_stages: usize,
+    extra_bytes: u64,
+    nanoseconds_per_tick: f64,
+    /// Slot of the frame being recorded.
+    current: Option<usize>,
+}
+
+#[derive(Debug)]
+struct Slot {
+    frame: u64,
+    /// None where the device cannot time.
+    queries: Option<wgpu::QuerySet>,
+    resolved: wgpu::Buffer,
+    readback: wgpu::Buffer,
+    state: Arc<AtomicU8>,
+}
+
+/// What came back of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Times {
+    /// As given to [`Timer::begin`].
+    pub frame: u64,
+    /// Milliseconds of each stage; NaN where the device gave none.
+    pub stage_ms: Vec<f32>,
+    /// From the first stage's start to the last stage's end.
+    pub total_ms: f32,
+    /// The bytes copied by [`Timer::end`].
+    pub extra: Vec<u8>,
+}
+
+impl Timer {
+    /// For frames of `num_stages` stages, with `extra_bytes` read back besides.
+    #[must_use]
+    pub fn new(gpu: &Gpu, num_stages: usize, extra_bytes: u64) -> Self {
+        let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let count = 2 * num_stages as u32;
+        let query_bytes = u64::from(count) * 8;
+        let buffer = |label, size, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let slot = |_| Slot {
+            frame: 0,
+            queries: can_time.then(|| {
+                gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                    label: Some("timer"),
+                    ty: wgpu::QueryType::Timestamp,
+                    count,
+                })
+            }),
+            resolved: buffer(
+                "timer resolved",
+                query_bytes,
+                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            ),
+            readback: buffer(
+                "timer readback",
+                query_bytes + extra_bytes,
+                wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            ),
+            state: Arc::new(AtomicU8::new(IDLE)),
+        };
+        Self {
+            slots: (0..NUM_SLOTS).map(slot).collect(),
+            num_stages,
+            extra_bytes,
+            nanoseconds_per_tick: f64::from(gpu.queue.lock().get_timestamp_period()),
+            current: None,
+        }
+    }
+
+    /// Begins a frame.
+    pub fn begin(&mut self, frame: u64) {
+        self.current = self.slots.iter().position(|s| s.state.load(Ordering::Acquire) == IDLE);
+        if let Some(slot) = self.current {
+            self.slots[slot].frame = frame;
+        }
+    }
+
+    fn writes(
+        &self,
+        stage: usize,
+        first: bool,
+        last: bool,
+    ) -> Option<(&wgpu::QuerySet, Option<u32>, Option<u32>)> {
+        let queries = self.slots[self.current?].queries.as_ref()?;
+        let at = |wanted: bool, end: u32| wanted.then_some(2 * stage as u32 + end);
+        (first || last).then_some((queries, at(first, 0), at(last, 1)))
+    }
+
+    /// Timestamps for a compute pass: the stage's `first` pass, its `last`, both, or neither.
+    #[must_use]
+    pub fn compute(
+        &self,
+        stage: usize,
+        first: bool,
+        last: bool,
+    ) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let (query_set, begin, end) = self.writes(stage, first, last)?;
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: begin,
+            end_of_pass_write_index: end,
+        })
+    }
+
+    /// The same for a render pass.
+    #[must_use]
+    pub fn render(
+        &self,
+        stage: usize,
+        first: bool,
+        last: bool,
+    ) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let (query_set, begin, end) = self.writes(stage, first, last)?;
+        Some(wgpu::RenderPassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: begin,
+            end_of_pass_write_index: end,
+        })
+    }
+
+    /// Records the copies that bring times and `extra` bytes back.
+    pub fn end(&mut self, encoder: &mut wgpu::CommandEncoder, extra: &wgpu::Buffer) {
+        let Some(slot) = self.current.map(|i| &self.slots[i]) else { return };
+        let query_bytes = slot.resolved.size();
+        if let Some(queries) = &slot.queries {
+            encoder.resolve_query_set(queries, 0..2 * self.num_stages as u32, &slot.resolved, 0);
+            encoder.copy_buffer_to_buffer(&slot.resolved, 0, &slot.readback, 0, query_bytes);
+        }
+        encoder.copy_buffer_to_buffer(extra, 0, &slot.readback, query_bytes, self.extra_bytes);
+    }
+
+    /// After the submit: asks for the readback, to be found by a later [`Timer::collect`].
+    pub fn submitted(&mut self) {
+        let Some(slot) = self.current.take().map(|i| &self.slots[i]) else { return };
+        slot.state.store(WAITING, Ordering::Release);
+        let state = Arc::clone(&slot.state);
+        slot.readback.map_async(wgpu::MapMode::Read, .., move |result| {
+            state.store(if result.is_ok() { MAPPED } else { FAILED }, Ordering::Release);
+        });
+    }
+
+    /// The oldest frame that has come back, if any. Never waits; call it until it gives none.
+    pub fn collect(&mut self, gpu: &Gpu) -> Option<Times> {
+        // A lost device shows at the next submit; here it only means that nothing comes back.
+        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        let done = |s: &&Slot| matches!(s.state.load(Ordering::Acquire), MAPPED | FAILED);
+        let slot = self.slots.iter().filter(done).min_by_key(|s| s.frame)?;
+        let times = match slot.readback.get_mapped_range(..) {
+            Ok(bytes) => self.read(slot, &bytes),
+            Err(_) => self.read(slot, &[]),
+        };
+        if slot.state.swap(IDLE, Ordering::AcqRel) == MAPPED {
+            slot.readback.unmap();
+        }
+        Some(times)
+    }
+
+    fn read(&self, slot: &Slot, bytes: &[u8]) -> Times {
+        let query_bytes = slot.resolved.size() as usize;
+        let (queries, extra) = bytes.split_at(query_bytes.min(bytes.len()));
+        let ticks: Vec<u64> = match slot.queries {
+            // Eight bytes each: `chunks_exact` makes the conversion infallible.
+            Some(_) => queries
+                .chunks_exact(8)
+                .map(|b| u64::from_le_bytes(b.try_into().unwrap_or_default()))
+                .collect(),
+            None => Vec::new(),
+        };
+        let ms = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
+            (Some(from), Some(to)) => {
+                (to.saturating_sub(*from) as f64 * self.nanoseconds_per_tick * 1e-6) as f32
+            }
+            _ => f32::NAN,
+        };
+        Times {
+            frame: slot.frame,
+            stage_ms: (0..self.num_stages).map(|i| ms(ticks.get(2 * i), ticks.get(2 * i + 1))).collect(),
+            total_ms: ms(ticks.first(), ticks.last()),
+            extra: extra.to_vec(),
+        }
+    }
+}

@@ -1,0 +1,90 @@
+// cull: which batches does either eye see, at which precision, and where are they in head space?
+// One thread a batch. [2022 §3.2, 3.3]; frame.md sections 2 to 4.
+
+struct Counters {
+    num_visible: atomic<u32>,
+    workgroups_y: u32,
+    workgroups_z: u32,
+    num_points: atomic<u32>,
+}
+
+@group(0) @binding(0) var<uniform> view: ViewUniform;
+@group(0) @binding(1) var<storage, read> batches: array<Batch>;
+@group(0) @binding(2) var<storage, read_write> visible: array<VisibleBatch>;
+@group(0) @binding(3) var<storage, read_write> counters: Counters;
+
+/// Half as many cells as a box edge has.
+const HALF_CELLS: f32 = 536870912.0;
+/// Share of a plane's terms that rounding may cost; culling must never lose a point that depth would draw.
+const SLACK: f32 = 1e-5;
+
+// True unless the box is certainly outside. The terms are added in the twin's order.
+fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
+    let n = abs(plane);
+    let c = abs(center);
+    let distance = plane.x * center.x + plane.y * center.y + plane.z * center.z + plane.w;
+    let radius = n.x * half_edge.x + n.y * half_edge.y + n.z * half_edge.z;
+    let magnitude = n.x * c.x + n.y * c.y + n.z * c.z + n.w;
+    return distance + radius + SLACK * magnitude >= 0.0;
+}
+
+fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
+    return in_front(eye.row_w - vec4<f32>(0.0, 0.0, 0.0, view.near), center, half_edge)
+        && in_front(eye.row_x, center, half_edge)
+        && in_front(eye.row_w * eye.size_px.x - eye.row_x, center, half_edge)
+        && in_front(eye.row_y, center, half_edge)
+        && in_front(eye.row_w * eye.size_px.y - eye.row_y, center, half_edge);
+}
+
+// Planes that the batch's projected size asks for: 1 below the threshold, 2 below 1024 times that, else 3.
+fn planes_needed(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> u32 {
+    let gap = max(abs(center - eye.eye_in_head) - half_edge, vec3<f32>(0.0));
+    // Nothing nearer than the near clip is drawn, so no point is magnified more than there.
+    let distance_sq = max(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z, view.near * view.near);
+    let edge = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z)) * eye.pixels_per_radian;
+    let fine = PRECISION_THRESHOLD_PX * 1024.0;
+    if edge * edge < PRECISION_THRESHOLD_PX * PRECISION_THRESHOLD_PX * distance_sq {
+        return 1u;
+    }
+    return select(3u, 2u, edge * edge < fine * fine * distance_sq);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&batches) {
+        return;
+    }
+    let batch = batches[id.x];
+    let half_edge = batch.cell * HALF_CELLS;
+    let head_hi = view.head_hi - batch.min_hi;
+    let head_lo = view.head_lo - batch.min_lo;
+    let center = half_edge - head_hi - head_lo;
+
+    var flags = 0u;
+    var planes = max(view.forced_planes, 1u);
+    for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
+        if in_frustum(view.eyes[eye], center, half_edge) {
+            flags |= 16u << eye;
+            if view.forced_planes == 0u {
+                planes = max(planes, planes_needed(view.eyes[eye], center, half_edge));
+            }
+        }
+    }
+    if flags == 0u {
+        return;
+    }
+
+    // The head's cell, in coarse steps: step and cell have 12 bits each, so their product is exact.
+    let limit = vec3<f32>(f32(HEAD_CELL_LIMIT / HEAD_CELL_STEP));
+    let steps = clamp(round(head_hi * batch.steps_per_unit), -limit, limit);
+    let head_cell = vec3<i32>(steps) * HEAD_CELL_STEP;
+    var offset = vec3<f32>(head_cell) * batch.cell - head_hi - head_lo;
+    if planes == 3u {
+        offset += 0.5 * batch.cell;
+    }
+
+    let slot = atomicAdd(&counters.num_visible, 1u);
+    atomicAdd(&counters.num_points, batch.num_points);
+    visible[slot] =
+        VisibleBatch(head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes);
+}

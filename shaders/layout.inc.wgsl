@@ -1,0 +1,53 @@
+// Structs shared with the host: src/layout.rs, which documents every field. Offsets are compared by a test.
+
+struct Batch {
+    min_hi: vec3<f32>,
+    first_point: u32,
+    min_lo: vec3<f32>,
+    num_points: u32,
+    cell: vec3<f32>,
+    reserved_a: u32,
+    steps_per_unit: vec3<f32>,
+    reserved_b: u32,
+}
+
+struct EyeUniform {
+    row_x: vec4<f32>,
+    row_y: vec4<f32>,
+    row_w: vec4<f32>,
+    eye_in_head: vec3<f32>,
+    pixels_per_radian: f32,
+    size_px: vec2<f32>,
+    width: u32,
+    height: u32,
+}
+
+struct ViewUniform {
+    head_hi: vec3<f32>,
+    near: f32,
+    head_lo: vec3<f32>,
+    forced_planes: u32,
+    eyes: array<EyeUniform, 2>,
+}
+
+struct VisibleBatch {
+    head_cell: vec3<i32>,
+    first_point: u32,
+    offset: vec3<f32>,
+    num_points: u32,
+    cell: vec3<f32>,
+    flags: u32,
+}
+
+struct ChunkUniform {
+    first_index: u32,
+    num_points: u32,
+    reserved: vec2<u32>,
+}
+
+struct ResolveUniform {
+    width: u32,
+    first_index: u32,
+    num_points: u32,
+    reserved: u32,
+}

@@ -1,0 +1,88 @@
+//! Twin of `cull`: frustum, precision, and the head in each batch's cells.
+
+use crate::layout::{
+    Batch, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, PRECISION_THRESHOLD_PX, ViewUniform, VisibleBatch,
+};
+
+/// Half as many cells as a box edge has.
+const HALF_CELLS: f32 = 536_870_912.0;
+/// Share of a plane's terms that rounding may cost.
+const SLACK: f32 = 1e-5;
+
+/// The visible batches, in batch order (the GPU's order is any).
+#[must_use]
+pub fn cull(view: &ViewUniform, num_eyes: usize, batches: &[Batch]) -> Vec<VisibleBatch> {
+    batches.iter().filter_map(|batch| cull_batch(view, num_eyes, batch)).collect()
+}
+
+fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch) -> Option<VisibleBatch> {
+    let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
+    let half_edge = batch.cell.map(|c| c * HALF_CELLS);
+    let head_hi = axes(&|i| view.head_hi[i] - batch.min_hi[i]);
+    let head_lo = axes(&|i| view.head_lo[i] - batch.min_lo[i]);
+    let center = axes(&|i| half_edge[i] - head_hi[i] - head_lo[i]);
+
+    let mut flags = 0;
+    let mut planes = view.forced_planes.max(1);
+    for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
+        if in_frustum(eye, view.near, center, half_edge) {
+            flags |= 16 << number;
+            if view.forced_planes == 0 {
+                planes = planes.max(planes_needed(eye, view.near, center, half_edge));
+            }
+        }
+    }
+    if flags == 0 {
+        return None;
+    }
+
+    let limit = (HEAD_CELL_LIMIT / HEAD_CELL_STEP) as f32;
+    let steps = axes(&|i| (head_hi[i] * batch.steps_per_unit[i]).round_ties_even().clamp(-limit, limit));
+    let head_cell = steps.map(|s| s as i32 * HEAD_CELL_STEP);
+    let mut offset = axes(&|i| head_cell[i] as f32 * batch.cell[i] - head_hi[i] - head_lo[i]);
+    if planes == 3 {
+        offset = axes(&|i| offset[i] + 0.5 * batch.cell[i]);
+    }
+    Some(VisibleBatch {
+        head_cell,
+        first_point: batch.first_point,
+        offset,
+        num_points: batch.num_points,
+        cell: batch.cell,
+        flags: flags | planes,
+    })
+}
+
+fn in_frustum(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> bool {
+    let far_side = |row: [f32; 4], size: f32| std::array::from_fn(|i| eye.row_w[i] * size - row[i]);
+    let [x, y, z, w] = eye.row_w;
+    in_front([x, y, z, w - near], center, half_edge)
+        && in_front(eye.row_x, center, half_edge)
+        && in_front(far_side(eye.row_x, eye.size_px[0]), center, half_edge)
+        && in_front(eye.row_y, center, half_edge)
+        && in_front(far_side(eye.row_y, eye.size_px[1]), center, half_edge)
+}
+
+fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
+    let n = plane.map(f32::abs);
+    let c = center.map(f32::abs);
+    let distance = plane[0] * center[0] + plane[1] * center[1] + plane[2] * center[2] + plane[3];
+    let radius = n[0] * half_edge[0] + n[1] * half_edge[1] + n[2] * half_edge[2];
+    let magnitude = n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + n[3];
+    distance + radius + SLACK * magnitude >= 0.0
+}
+
+fn planes_needed(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> u32 {
+    let gap: [f32; 3] =
+        std::array::from_fn(|i| ((center[i] - eye.eye_in_head[i]).abs() - half_edge[i]).max(0.0));
+    let distance_sq = (gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]).max(near * near);
+    let edge = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2])) * eye.pixels_per_radian;
+    let fine = PRECISION_THRESHOLD_PX * 1024.0;
+    if edge * edge < PRECISION_THRESHOLD_PX * PRECISION_THRESHOLD_PX * distance_sq {
+        1
+    } else if edge * edge < fine * fine * distance_sq {
+        2
+    } else {
+        3
+    }
+}

@@ -1,0 +1,137 @@
+//! GPU stages against their CPU twins: integer buffers match bit for bit.
+
+mod support;
+
+use glam::{DQuat, DVec3};
+use scanwalk::cloud::{Cloud, Order};
+use scanwalk::layout::{Batch, CullCounters, ViewUniform, VisibleBatch};
+use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::twin;
+use support::{Drawn, cloud_of, draw, random_points};
+
+/// A stereo view with asymmetric, canted eyes of odd size.
+fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
+    let head = Pose::look_at(eye, target, DVec3::Z);
+    let side = |sign: f64| {
+        let cant = Pose {
+            position: DVec3::X * sign * 0.0315,
+            orientation: DQuat::from_rotation_y(-sign * 5f64.to_radians()),
+        };
+        let (outer, inner) = (1.1, 0.8);
+        let fov = if sign < 0.0 {
+            Fov { left: -outer, right: inner, up: 1.0, down: -1.2 }
+        } else {
+            Fov { left: -inner, right: outer, up: 1.0, down: -1.2 }
+        };
+        Eye { world_from_view: head.then(&cant), fov, size_px }
+    };
+    View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
+}
+
+fn assert_twin(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
+    let drawn = draw(cloud, view, full_precision, chunk_limit);
+    let want = twin::frame(cloud, view, if full_precision { 3 } else { 0 }, [1, 2, 3]);
+    for eye in 0..view.eyes.len() {
+        let num_pixels = want.depth[eye].len();
+        let differing = (0..num_pixels).filter(|&i| drawn.depth[eye][i] != want.depth[eye][i]).count();
+        assert_eq!(differing, 0, "eye {eye}: pixels whose depth or index differ from the twin");
+        assert_eq!(drawn.images[eye], want.images[eye], "eye {eye}: image");
+        assert!(want.depth[eye].iter().any(|&p| p != twin::clear::EMPTY), "eye {eye} sees something");
+    }
+    assert_eq!(drawn.times.visible_nodes, want.num_visible);
+    assert_eq!(drawn.times.points_read, want.points_read);
+    drawn
+}
+
+#[test]
+fn stereo_frame_equals_its_twin() {
+    let cloud = cloud_of(&random_points(60_001, 10.0, 1), 0.001, DVec3::new(5e5, 4e6, 100.0), Order::Morton);
+    let center = cloud.bounds.center();
+    for (distance, full) in [(30.0, false), (30.0, true), (0.3, false), (3000.0, false)] {
+        let view = stereo(center - DVec3::new(distance, 0.4, 0.2), center, [333, 217]);
+        let drawn = assert_twin(&cloud, &view, full, 0);
+        assert_ne!(drawn.depth[0], drawn.depth[1], "the eyes see different pictures");
+    }
+}
+
+#[test]
+fn one_eye_equals_its_twin_in_file_order() {
+    let cloud = cloud_of(&random_points(30_000, 3.0, 2), 0.01, DVec3::ZERO, Order::Original);
+    let center = cloud.bounds.center();
+    let mut view = stereo(center - DVec3::Y * 5.0, center, [64, 65]);
+    view.eyes.truncate(1);
+    assert_twin(&cloud, &view, true, 0);
+}
+
+#[test]
+fn chunks_change_nothing() {
+    let cloud = cloud_of(&random_points(100_000, 10.0, 3), 0.001, DVec3::ZERO, Order::Morton);
+    let center = cloud.bounds.center();
+    let view = stereo(center - DVec3::X * 15.0, center, [257, 129]);
+    let whole = assert_twin(&cloud, &view, false, 0);
+    let cut = assert_twin(&cloud, &view, false, 4 * 25_000);
+    assert!(cut.num_chunks > 3 && whole.num_chunks == 1);
+    assert_eq!(whole.depth, cut.depth);
+}
+
+#[test]
+fn cull_equals_its_twin() {
+    let cloud = cloud_of(&random_points(400_000, 50.0, 4), 0.001, DVec3::new(-2e5, 7e6, 0.0), Order::Morton);
+    let center = cloud.bounds.center();
+    let view = stereo(center + DVec3::new(20.0, 5.0, 1.0), center + DVec3::new(60.0, 40.0, 3.0), [640, 480]);
+    let drawn = draw(&cloud, &view, false, 0);
+    let uniform = ViewUniform::new(&view, &cloud.split, 0);
+    let batches: Vec<Batch> = twin::batches(&cloud);
+    let want = twin::cull::cull(&uniform, 2, &batches);
+    let counters: CullCounters = bytemuck::pod_read_unaligned(&drawn.counters[..16]);
+    assert_eq!(counters.num_visible as usize, want.len());
+    let mut got: Vec<VisibleBatch> =
+        bytemuck::cast_slice::<u8, VisibleBatch>(&drawn.visible)[..want.len()].to_vec();
+    got.sort_by_key(|v| v.first_point);
+    assert_eq!(got, want, "visible batches, bit for bit");
+    assert!(
+        want.len() > 1 && want.len() < batches.len(),
+        "some are culled: {} of {}",
+        want.len(),
+        batches.len()
+    );
+    let precisions: Vec<u32> = want.iter().map(|v| v.flags & 3).collect();
+    assert!(precisions.contains(&1) && precisions.contains(&2), "both precisions occur");
+    // A batch that neither eye sees holds no point that would be drawn.
+    let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();
+    let mut all = vec![twin::clear::pixels([640, 480]), twin::clear::pixels([640, 480])];
+    let mut culled = all.clone();
+    let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
+    let full = ViewUniform { forced_planes: 3, ..uniform };
+    twin::depth::depth(&full, &everything, planes, &mut all);
+    twin::depth::depth(&full, &twin::cull::cull(&full, 2, &batches), planes, &mut culled);
+    assert_eq!(all, culled);
+}
+
+/// The batch as cull would hand it over if both eyes saw it: by a view that looks everywhere.
+fn forced_visible(view: &ViewUniform, batch: &Batch) -> VisibleBatch {
+    let mut everywhere = ViewUniform { forced_planes: 3, ..*view };
+    for eye in &mut everywhere.eyes {
+        eye.row_x = [0.0, 0.0, 0.0, 1.0];
+        eye.row_y = [0.0, 0.0, 0.0, 1.0];
+        eye.row_w = [0.0, 0.0, 0.0, 1.0];
+    }
+    twin::cull::cull(&everywhere, 2, std::slice::from_ref(batch))[0]
+}
+
+/// The comparison above can fail: one point moved by one cell in the deepest plane shows.
+#[test]
+fn the_comparison_notices_a_wrong_point() {
+    let cloud = cloud_of(&random_points(20_000, 3.0, 5), 0.001, DVec3::ZERO, Order::Morton);
+    let center = cloud.bounds.center();
+    let view = stereo(center - DVec3::Y * 6.0, center, [128, 128]);
+    let good = draw(&cloud, &view, true, 0);
+    let mut wrong = cloud.clone();
+    let index = good.depth[0].iter().find(|&&p| p != twin::clear::EMPTY).map(|&p| p as u32 as usize);
+    let index = index.expect("something is drawn");
+    wrong.planes[0][index] ^= 1 << 9;
+    wrong.colors[index] ^= 1;
+    let want = twin::frame(&wrong, &view, 3, [1, 2, 3]);
+    assert_ne!(good.depth[0], want.depth[0]);
+    assert_ne!(good.images[0], want.images[0]);
+}
