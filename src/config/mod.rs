@@ -3,8 +3,11 @@
 //! `config/default.toml` shows every key with its default and a comment; a test says that it equals
 //! [`Config::default`]. Unknown keys and wrong types are refused with the line and the nearest valid key.
 
+mod assign;
+mod check;
 mod load;
 
+pub use assign::Place;
 pub use load::{ConfigError, load};
 
 use crate::cloud::Order;
@@ -28,6 +31,34 @@ pub struct Config {
     pub locomotion: LocomotionConfig,
     /// The desktop window.
     pub window: WindowConfig,
+}
+
+impl Config {
+    /// All settings as TOML.
+    #[must_use]
+    pub fn to_table(&self) -> toml::Table {
+        // Sections of numbers, texts and lists: none of the things that TOML cannot say.
+        toml::Table::try_from(self).expect("a configuration is TOML")
+    }
+
+    /// Every valid key, dotted: `frame.near_m`.
+    #[must_use]
+    pub fn keys() -> Vec<String> {
+        let sections = Self::default().to_table();
+        let keys = |(section, keys): (String, toml::Value)| match keys {
+            toml::Value::Table(keys) => keys.into_iter().map(|(key, _)| format!("{section}.{key}")).collect(),
+            _ => vec![section],
+        };
+        sections.into_iter().flat_map(keys).collect()
+    }
+
+    /// 16 hexadecimal digits that differ where two configurations do: FNV-1a of the settings as TOML.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        let fnv = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        let hash = self.to_table().to_string().bytes().fold(0xcbf2_9ce4_8422_2325, fnv);
+        format!("{hash:016x}")
+    }
 }
 
 /// `[gpu]`

@@ -1,8 +1,14 @@
-//! Frame timing: the row of a frame, the log that writes rows, and the report that reads them
-//! (frame.md section 9).
+//! Frame timing: the row of a frame, the log that writes rows, and the report that reads them.
 
+pub mod columns;
 pub mod log;
+pub mod percentile;
+mod read;
 pub mod report;
+
+pub use log::{FrameLog, LogError, LogSummary};
+pub use read::{FrameLogFile, LoggedFrame, ReadError, read};
+pub use report::Report;
 
 /// The stages of a frame, in order. One name everywhere: shader, host, twin, timer row, log column, test.
 pub const STAGES: [&str; 4] = ["clear", "cull", "depth", "resolve"];

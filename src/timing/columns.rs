@@ -1,0 +1,74 @@
+//! The frame log's text: header, column names and rows. The writer and the report share it.
+
+use super::{FrameRow, RunFacts, STAGES};
+use std::io::{self, Write};
+
+/// How the first line of every frame log starts.
+pub const TITLE: &str = "# scanwalk frame log";
+/// How the comment starts that counts the rows which the queue had no room for.
+pub const DROPPED: &str = "# dropped rows: ";
+
+/// Column names before the stages' own.
+const BEFORE_STAGES: [&str; 6] =
+    ["frame", "time_s", "predicted_display_ns", "wait_ms", "record_ms", "submit_ms"];
+/// Column names after the stages' own.
+const AFTER_STAGES: [&str; 11] = [
+    "gpu_ms",
+    "budget_ms",
+    "over_budget",
+    "missed_periods",
+    "visible_nodes",
+    "points_read",
+    "points_resident",
+    "lod_scale",
+    "resolution_scale",
+    "quality",
+    "upload_bytes",
+];
+
+/// All column names, in order: one for each stage of [`STAGES`] in the middle, `clear_ms`, `cull_ms`, ….
+#[must_use]
+pub fn names() -> Vec<String> {
+    let stages = STAGES.iter().map(|stage| format!("{stage}_ms"));
+    let fixed = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
+    fixed(&BEFORE_STAGES).into_iter().chain(stages).chain(fixed(&AFTER_STAGES)).collect()
+}
+
+/// The `#` lines and the line of column names.
+pub(super) fn write_header(out: &mut impl Write, facts: &RunFacts) -> io::Result<()> {
+    writeln!(out, "{TITLE}, version {}", env!("CARGO_PKG_VERSION"))?;
+    for (name, value) in [
+        ("scan", &facts.scan),
+        ("device", &facts.device),
+        ("driver", &facts.driver),
+        ("runtime", &facts.runtime),
+        ("resolution", &facts.resolution),
+        ("config", &facts.config_digest),
+    ] {
+        // A line break in a file's name must not end the comment.
+        writeln!(out, "# {name}: {}", value.replace(['\n', '\r'], " "))?;
+    }
+    writeln!(out, "{}", names().join(","))
+}
+
+/// One row. A GPU time that the device did not give (NaN) is an empty cell.
+pub(super) fn write_row(out: &mut impl Write, row: &FrameRow) -> io::Result<()> {
+    write!(out, "{},{:.6},{}", row.frame, row.time_s, row.predicted_display_ns)?;
+    for ms in [row.wait_ms, row.record_ms, row.submit_ms] {
+        write_ms(out, ms)?;
+    }
+    for ms in row.stage_ms {
+        write_ms(out, ms)?;
+    }
+    write_ms(out, row.gpu_ms)?;
+    write_ms(out, row.budget_ms)?;
+    write!(out, ",{},{}", u8::from(row.over_budget()), row.missed_periods)?;
+    write!(out, ",{},{},{}", row.visible_nodes, row.points_read, row.points_resident)?;
+    write!(out, ",{},{}", row.lod_scale, row.resolution_scale)?;
+    writeln!(out, ",{},{}", row.quality, row.upload_bytes)
+}
+
+/// A comma and milliseconds to a tenth of a microsecond.
+fn write_ms(out: &mut impl Write, ms: f32) -> io::Result<()> {
+    if ms.is_finite() { write!(out, ",{ms:.4}") } else { out.write_all(b",") }
+}

@@ -1,0 +1,66 @@
+//! Exact percentiles by the nearest rank.
+
+/// The percentiles that reports show, in per mille: 50, 90, 99, 99.9 and the maximum.
+pub const REPORTED_PER_MILLE: [usize; 5] = [500, 900, 990, 999, 1000];
+
+/// Values in ascending order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sorted(Vec<f64>);
+
+impl Sorted {
+    /// Sorts; NaN, which stands for "not measured", is left out.
+    #[must_use]
+    pub fn new(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.into_iter().filter(|value| !value.is_nan()).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        Self(values)
+    }
+
+    /// The smallest value that at least `per_mille` thousandths of the values do not exceed; `None` if there
+    /// is no value. 0 gives the smallest, 1000 the largest.
+    #[must_use]
+    pub fn percentile(&self, per_mille: usize) -> Option<f64> {
+        let rank = (self.0.len() * per_mille.min(1000)).div_ceil(1000);
+        self.0.get(rank.saturating_sub(1)).copied()
+    }
+
+    /// Sum of all values.
+    #[must_use]
+    pub fn sum(&self) -> f64 {
+        self.0.iter().sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The definition, word for word.
+    fn naive(values: &[f64], per_mille: usize) -> Option<f64> {
+        let not_above = |v: f64| values.iter().filter(|w| **w <= v).count();
+        let enough = |v: &&f64| not_above(**v) * 1000 >= per_mille * values.len();
+        values.iter().filter(enough).copied().min_by(f64::total_cmp)
+    }
+
+    proptest! {
+        #[test]
+        fn percentiles_follow_their_definition(
+            values in prop::collection::vec((-50i32..50).prop_map(f64::from), 0..300),
+            per_mille in 0usize..=1000,
+        ) {
+            prop_assert_eq!(Sorted::new(values.clone()).percentile(per_mille), naive(&values, per_mille));
+        }
+    }
+
+    #[test]
+    fn known_percentiles() {
+        let thousand = Sorted::new((1..=1000).rev().map(f64::from));
+        let found = REPORTED_PER_MILLE.map(|p| thousand.percentile(p).unwrap());
+        assert_eq!(found, [500.0, 900.0, 990.0, 999.0, 1000.0]);
+        assert_eq!(Sorted::new([f64::NAN, 2.0, f64::NAN]).percentile(500), Some(2.0), "NaN is left out");
+        assert_eq!(Sorted::new([f64::NAN]).percentile(500), None);
+        // The comparison can fail: the rank below is another value.
+        assert_ne!(thousand.percentile(499), naive(&(1..=1000).map(f64::from).collect::<Vec<_>>(), 500));
+    }
+}

@@ -1,0 +1,222 @@
+//! Reading a frame log back: strictly, except that a log which is still growing, or whose program was killed,
+//! may end in the middle of a line.
+
+use super::columns::{DROPPED, TITLE};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// Longer lines are in no frame log.
+const MAX_LINE_BYTES: u64 = 64 << 10;
+
+/// Why a file is no frame log.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file cannot be read.
+    #[error("{} cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: io::Error,
+    },
+    /// The file holds something else.
+    #[error("{}, line {line}: {problem}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: String,
+    },
+}
+
+/// What a report needs of one row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoggedFrame {
+    /// Seconds since the log began.
+    pub time_s: f64,
+    /// CPU milliseconds: wait, record, submit.
+    pub cpu_ms: [f64; 3],
+    /// GPU milliseconds of each of [`FrameLogFile::stages`]; NaN where the log has none.
+    pub stage_ms: Vec<f64>,
+    /// GPU milliseconds in all; NaN where the log has none.
+    pub gpu_ms: f64,
+    /// The frame's budget.
+    pub budget_ms: f64,
+    /// The GPU took longer than the budget.
+    pub over_budget: bool,
+    /// Display periods without a new image.
+    pub missed_periods: u64,
+}
+
+/// A frame log, read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameLogFile {
+    /// The header's facts, name and value.
+    pub facts: Vec<(String, String)>,
+    /// Stages whose times the log has. Another version's log may have others than ours.
+    pub stages: Vec<String>,
+    /// Rows.
+    pub frames: Vec<LoggedFrame>,
+    /// Rows that the writer had no room for.
+    pub num_dropped: u64,
+    /// The last line was cut off, and left out.
+    pub cut_off: bool,
+}
+
+/// Reads a frame log.
+///
+/// # Errors
+/// An unreadable file, or one that is no frame log: with the line.
+pub fn read(path: &Path) -> Result<FrameLogFile, ReadError> {
+    let file = File::open(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+    let mut reading = Reading { path, line: 0, columns: None, log: FrameLogFile::default() };
+    let mut lines = BufReader::new(file);
+    let mut bytes = Vec::new();
+    loop {
+        bytes.clear();
+        let read = (&mut lines).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes);
+        let num_bytes = read.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+        if num_bytes == 0 {
+            return reading.finish();
+        }
+        reading.line += 1;
+        if bytes.pop() != Some(b'\n') {
+            if num_bytes as u64 == MAX_LINE_BYTES || reading.columns.is_none() {
+                return Err(reading.no_frame_log());
+            }
+            reading.log.cut_off = true;
+            return reading.finish();
+        }
+        match std::str::from_utf8(&bytes) {
+            Ok(line) => reading.take(line.trim_end_matches('\r'))?,
+            Err(_) => return Err(reading.no_frame_log()),
+        }
+    }
+}
+
+/// The state between two lines.
+struct Reading<'a> {
+    path: &'a Path,
+    line: usize,
+    columns: Option<Columns>,
+    log: FrameLogFile,
+}
+
+/// Where the cells that matter are in a row.
+struct Columns {
+    count: usize,
+    time: usize,
+    cpu: [usize; 3],
+    stages: Vec<usize>,
+    gpu: usize,
+    budget: usize,
+    over_budget: usize,
+    missed_periods: usize,
+}
+
+impl Reading<'_> {
+    fn error(&self, problem: String) -> ReadError {
+        ReadError::Format { path: self.path.to_owned(), line: self.line, problem }
+    }
+
+    fn no_frame_log(&self) -> ReadError {
+        self.error("this is no frame log; `scanwalk view --log FRAMES.csv` writes one".into())
+    }
+
+    /// Takes the next whole line.
+    fn take(&mut self, line: &str) -> Result<(), ReadError> {
+        if self.line == 1 {
+            return if line.starts_with(TITLE) { Ok(()) } else { Err(self.no_frame_log()) };
+        }
+        if let Some(num) = line.strip_prefix(DROPPED) {
+            self.log.num_dropped = num.trim().parse().map_err(|_| self.error(not_a("count", num)))?;
+        } else if let Some(comment) = line.strip_prefix('#') {
+            if let Some((name, value)) = comment.split_once(": ") {
+                self.log.facts.push((name.trim().to_owned(), value.to_owned()));
+            }
+        } else if let Some(columns) = &self.columns {
+            let frame = columns.frame(line).map_err(|problem| self.error(problem))?;
+            self.log.frames.push(frame);
+        } else {
+            let (columns, stages) = Columns::find(line).map_err(|problem| self.error(problem))?;
+            self.columns = Some(columns);
+            self.log.stages = stages;
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<FrameLogFile, ReadError> {
+        if self.columns.is_some() { Ok(self.log) } else { Err(self.no_frame_log()) }
+    }
+}
+
+impl Columns {
+    /// Finds the columns by their names; every other column that ends in `_ms` is a stage.
+    fn find(header: &str) -> Result<(Self, Vec<String>), String> {
+        const NO_STAGE: [&str; 5] = ["wait_ms", "record_ms", "submit_ms", "gpu_ms", "budget_ms"];
+        let names: Vec<&str> = header.split(',').collect();
+        let at = |wanted: &str| {
+            let found = names.iter().position(|name| *name == wanted);
+            found.ok_or_else(|| format!("the columns lack '{wanted}'"))
+        };
+        let is_stage = |name: &&str| name.ends_with("_ms") && !NO_STAGE.contains(name);
+        let stages = names.iter().enumerate().filter(|(_, name)| is_stage(name));
+        let (stages, stage_names) =
+            stages.map(|(at, name)| (at, name.trim_end_matches("_ms").to_owned())).unzip();
+        let columns = Self {
+            count: names.len(),
+            time: at("time_s")?,
+            cpu: [at("wait_ms")?, at("record_ms")?, at("submit_ms")?],
+            stages,
+            gpu: at("gpu_ms")?,
+            budget: at("budget_ms")?,
+            over_budget: at("over_budget")?,
+            missed_periods: at("missed_periods")?,
+        };
+        Ok((columns, stage_names))
+    }
+
+    /// Reads a row.
+    fn frame(&self, line: &str) -> Result<LoggedFrame, String> {
+        let cells: Vec<&str> = line.split(',').collect();
+        if cells.len() != self.count {
+            return Err(format!("{} cells under {} column names", cells.len(), self.count));
+        }
+        let [wait, record, submit] = self.cpu.map(|at| number(cells[at]));
+        let stages = self.stages.iter().map(|at| number_or_none(cells[*at]));
+        Ok(LoggedFrame {
+            time_s: number(cells[self.time])?,
+            cpu_ms: [wait?, record?, submit?],
+            stage_ms: stages.collect::<Result<_, _>>()?,
+            gpu_ms: number_or_none(cells[self.gpu])?,
+            budget_ms: number(cells[self.budget])?,
+            over_budget: match cells[self.over_budget] {
+                "0" => false,
+                "1" => true,
+                other => return Err(not_a("0 or 1", other)),
+            },
+            missed_periods: {
+                let cell = cells[self.missed_periods];
+                cell.parse().map_err(|_| not_a("count", cell))?
+            },
+        })
+    }
+}
+
+/// A finite number.
+fn number(cell: &str) -> Result<f64, String> {
+    cell.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| not_a("number", cell))
+}
+
+/// A finite number, or NaN for an empty cell.
+fn number_or_none(cell: &str) -> Result<f64, String> {
+    if cell.is_empty() { Ok(f64::NAN) } else { number(cell) }
+}
+
+fn not_a(wanted: &str, cell: &str) -> String {
+    let start: String = cell.chars().take(40).collect();
+    format!("'{start}' is no {wanted}")
+}

@@ -1,0 +1,205 @@
+//! The frame log: what is pushed is what a report reads; and nothing that a disk does reaches the frame.
+
+use scanwalk::timing::{FrameLog, FrameRow, ReadError, Report, RunFacts, STAGES, columns, read};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// A row whose GPU times follow from `frame`: 5 ms, and 15 ms in every tenth frame.
+fn row(frame: u64) -> FrameRow {
+    let slow = frame.is_multiple_of(10);
+    FrameRow {
+        frame,
+        time_s: frame as f64 / 90.0,
+        predicted_display_ns: 11_111_111 * frame as i64,
+        wait_ms: 2.0,
+        record_ms: 0.5,
+        submit_ms: 0.25,
+        stage_ms: [0.5, 0.5, if slow { 12.0 } else { 3.0 }, 1.0],
+        gpu_ms: if slow { 15.0 } else { 5.0 },
+        budget_ms: 11.111,
+        missed_periods: u32::from(slow),
+        visible_nodes: 7,
+        points_read: 70_000,
+        points_resident: 1_000_000,
+        lod_scale: 1.0,
+        resolution_scale: 1.0,
+        quality: "closest",
+        upload_bytes: 4096,
+    }
+}
+
+fn facts() -> RunFacts {
+    RunFacts { scan: "a\nb.laz".into(), device: "some GPU: 8 GiB".into(), ..RunFacts::default() }
+}
+
+/// Writes `num_frames` rows to a log in a folder of its own.
+fn written(num_frames: u64) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.csv");
+    let log = FrameLog::start(&path, &facts()).unwrap();
+    (0..num_frames).for_each(|frame| log.push(row(frame)));
+    let summary = log.finish();
+    assert_eq!((summary.num_rows, summary.num_dropped, summary.error), (num_frames, 0, None));
+    (folder, path)
+}
+
+/// The complaint about a file with this text.
+fn complaint(text: impl AsRef<[u8]>) -> (usize, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.csv");
+    std::fs::write(&path, text).unwrap();
+    match read(&path).expect_err("this must be refused") {
+        ReadError::Format { line, problem, .. } => (line, problem),
+        ReadError::Io { .. } => panic!("the file can be read"),
+    }
+}
+
+#[test]
+fn a_report_reads_what_was_logged() {
+    let (_folder, path) = written(1000);
+    let report = Report::of(&read(&path).unwrap());
+    assert_eq!(report.num_frames, 1000);
+    assert!((report.duration_s - 999.0 / 90.0).abs() < 1e-3);
+    assert_eq!(report.num_over_budget, 100);
+    assert_eq!(report.missed_periods, 100);
+    assert!(report.facts.contains(&("scan".into(), "a b.laz".into())), "{:?}", report.facts);
+    assert!(report.facts.contains(&("device".into(), "some GPU: 8 GiB".into())));
+    let gpu = [500, 900, 990].map(|per_mille| report.gpu_ms.percentile(per_mille).unwrap());
+    assert_eq!(gpu, [5.0, 5.0, 15.0]);
+    let (stage, part) = report.costliest().unwrap();
+    assert_eq!(stage, "depth");
+    assert!((part - 3.9 / 5.9).abs() < 1e-6);
+    let text = report.to_string();
+    for expected in [
+        "frames      1000 in 11.1 s, 90.0 a second",
+        "budget      11.11 ms",
+        "over        100 frames, 10.00 %",
+        "GPU             5.000    5.000   15.000   15.000   15.000",
+        "  depth         3.000    3.000   12.000   12.000   12.000",
+        "CPU record      0.500    0.500    0.500    0.500    0.500",
+        "costliest   depth, 66 % of the stages' GPU time",
+    ] {
+        assert!(text.contains(expected), "{expected:?} is not in\n{text}");
+    }
+}
+
+#[test]
+fn every_stage_has_its_column() {
+    let (_folder, path) = written(1);
+    let text = std::fs::read_to_string(path).unwrap();
+    let header: Vec<&str> = text.lines().find(|line| !line.starts_with('#')).unwrap().split(',').collect();
+    assert_eq!(header, columns::names());
+    for stage in STAGES {
+        assert!(header.contains(&format!("{stage}_ms").as_str()));
+    }
+    assert_eq!(text.lines().last().unwrap().split(',').count(), header.len());
+}
+
+#[test]
+fn times_that_the_device_did_not_give() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.csv");
+    let log = FrameLog::start(&path, &facts()).unwrap();
+    log.push(FrameRow { stage_ms: [f32::NAN; 4], gpu_ms: f32::NAN, ..row(1) });
+    assert_eq!(log.finish().num_rows, 1);
+    let report = Report::of(&read(&path).unwrap());
+    assert_eq!(report.gpu_ms.percentile(500), None);
+    assert_eq!(report.costliest(), None);
+    assert!(report.to_string().contains("no GPU times"), "{report}");
+}
+
+#[test]
+fn a_cut_last_line_is_left_out() {
+    let (folder, path) = written(20);
+    let text = std::fs::read(&path).unwrap();
+    let cut = folder.path().join("cut.csv");
+    let rows_of = |num_bytes: usize| {
+        std::fs::write(&cut, &text[..num_bytes]).unwrap();
+        let log = read(&cut).unwrap();
+        assert_eq!(log.cut_off, text[num_bytes - 1] != b'\n');
+        log.frames.len()
+    };
+    assert_eq!(rows_of(text.len()), 20, "the whole file");
+    assert_eq!(rows_of(text.len() - 1), 19, "without its end a number may lack digits");
+    assert_eq!(rows_of(text.len() - 30), 19);
+}
+
+#[test]
+fn files_that_are_no_frame_log() {
+    let (_folder, path) = written(3);
+    let good = std::fs::read_to_string(path).unwrap();
+    let num_lines = good.lines().count();
+    for text in ["", "x", "frame,gpu_ms\n1,2\n", "# scanwalk frame log\n", "\u{0}\u{1}\n"] {
+        assert!(complaint(text).1.contains("no frame log"), "{text:?}");
+    }
+    assert!(complaint(vec![0u8; 1 << 20]).1.contains("no frame log"), "a line without end");
+    assert!(complaint([0xff, 0xfe, b'\n']).1.contains("no frame log"));
+    let (line, problem) = complaint(good.replace(",gpu_ms,", ",gpu,"));
+    assert_eq!((line, problem.as_str()), (num_lines - 3, "the columns lack 'gpu_ms'"));
+    let (line, problem) = complaint(good.clone() + "1,2\n");
+    assert_eq!((line, problem.as_str()), (num_lines + 1, "2 cells under 21 column names"));
+    let (line, problem) = complaint(good.replacen(",2.0000,", ",two,", 1));
+    assert_eq!((line, problem.as_str()), (num_lines - 2, "'two' is no number"));
+    assert!(matches!(read(Path::new("no/such.csv")), Err(ReadError::Io { .. })));
+    assert!(matches!(read(Path::new(".")), Err(ReadError::Io { .. })));
+}
+
+#[test]
+fn an_empty_log_is_a_log() {
+    let (_folder, path) = written(0);
+    let report = Report::of(&read(&path).unwrap());
+    assert!(report.to_string().contains("frames      0 in 0.0 s"), "{report}");
+}
+
+#[test]
+fn a_full_disk_never_stops_the_frame() {
+    let full = Path::new("/dev/full");
+    if !full.exists() {
+        println!("skipped: this system has no /dev/full");
+        return;
+    }
+    let log = FrameLog::start(full, &facts()).unwrap();
+    let start = Instant::now();
+    (0..100_000).for_each(|frame| log.push(row(frame)));
+    assert!(start.elapsed() < Duration::from_secs(5), "pushing waits for nothing");
+    let summary = log.finish();
+    assert!(summary.error.unwrap().contains("/dev/full"), "the failure is told");
+    assert_eq!(summary.num_rows, 0);
+}
+
+#[test]
+fn a_disk_that_does_not_keep_up_costs_rows_not_frames() {
+    // Far more rows at once than the queue holds: whatever is lost is counted, and the log says so.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.csv");
+    let log = FrameLog::start(&path, &facts()).unwrap();
+    (0..200_000).for_each(|frame| log.push(row(frame)));
+    let summary = log.finish();
+    assert_eq!(summary.num_rows + summary.num_dropped, 200_000);
+    let read = read(&path).unwrap();
+    assert_eq!((read.frames.len() as u64, read.num_dropped), (summary.num_rows, summary.num_dropped));
+    assert!(
+        summary.num_dropped > 0,
+        "200 000 rows in a moment overrun the queue, or this test shows nothing"
+    );
+}
+
+#[test]
+fn rows_are_on_the_disk_within_a_second_or_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.csv");
+    let log = FrameLog::start(&path, &facts()).unwrap();
+    log.push(row(0));
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while read(&path).map_or(0, |log| log.frames.len()) == 0 {
+        assert!(Instant::now() < deadline, "the row never came");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    drop(log);
+}
+
+#[test]
+fn a_log_that_cannot_be_made_says_where() {
+    let error = FrameLog::start(Path::new("no/such/folder/frames.csv"), &facts()).unwrap_err();
+    assert!(error.to_string().contains("no/such/folder/frames.csv"), "{error}");
+}
