@@ -28,5 +28,6 @@ pub mod space;
 pub mod synth;
 pub mod timing;
 pub mod twin;
+pub mod view;
 pub mod walk;
 pub mod xr;

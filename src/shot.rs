@@ -1,1 +1,289 @@
-//! Pictures.
+//! Pictures: the frame drawn once, without a window, and written to disk. The README's "The picture, exactly"
+//! says which pixel a point falls on.
+
+use crate::cloud::{self, Order};
+use crate::config::{Config, Precision};
+use crate::gpu::{Gpu, readback};
+use crate::progress::{Progress, Stop};
+use crate::render::{CloudBuffers, FrameTimes, Renderer};
+use crate::scan;
+use crate::space::{Bounds, Eye, Fov, Pose, View};
+use crate::timing::STAGES;
+use crate::twin::depth::depth_of;
+use anyhow::Context;
+use glam::DVec3;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Frames drawn to measure one; the first warms up.
+const MEASURED_FRAMES: usize = 6;
+/// sRGB: what is read back are the stored colours.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// What picture to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShotOptions {
+    /// Files, shown as one cloud.
+    pub scans: Vec<PathBuf>,
+    /// The picture; with `stereo`, OUT.left.png and OUT.right.png.
+    pub out: PathBuf,
+    /// Where the camera stands, world space; None: where it sees the whole scan.
+    pub eye: Option<DVec3>,
+    /// Where it looks; None: the scan's centre.
+    pub target: Option<DVec3>,
+    /// Which way is up.
+    pub up: DVec3,
+    /// Vertical field of view in degrees.
+    pub fov_y_deg: f64,
+    /// Width, height in pixels.
+    pub size_px: [u32; 2],
+    /// Two eyes, `ipd` apart along the camera's right, both looking the same way.
+    pub stereo: bool,
+    /// Distance of the eyes, world units.
+    pub ipd: f64,
+    /// Coordinate bits; None: as configured.
+    pub precision: Option<Precision>,
+    /// Linear depth as NumPy float32 (H, W), +inf where nothing is; with `stereo` two files as for `out`.
+    pub depth: Option<PathBuf>,
+    /// Colour where nothing is; None: as configured.
+    pub background: Option<[u8; 3]>,
+    /// Figures as JSON.
+    pub metrics: Option<PathBuf>,
+}
+
+/// Draws the picture and writes all files that were asked for.
+///
+/// # Errors
+/// Unreadable scan, unusable GPU, a size that does not fit it, a file that cannot be written.
+pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+    let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
+    let load_began = Instant::now();
+    let scan = scan::read(&options.scans, stop)?;
+    for warning in &scan.warnings {
+        eprintln!("scanwalk: warning: {warning}");
+    }
+    // The files' order: "the smaller index at equal depths" is then something that anyone can check.
+    let sorting = Progress::new("batching", "points", scan.num_points() as u64, stop);
+    let cloud = cloud::build(scan, Order::Original, &sorting)?;
+    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let sending = Progress::new("sending", "bytes", 16 * cloud.num_points, stop);
+    let buffers = CloudBuffers::upload(&gpu, &cloud, chunk_limit, &sending)?;
+    drop((sorting, sending));
+    let load_s = load_began.elapsed().as_secs_f64();
+
+    let view = view(options, &cloud.bounds, config.frame.near_m)?;
+    let mut shot = Shot::new(&gpu, &view)?;
+    shot.renderer.set_cloud(buffers);
+    shot.renderer.set_background(options.background.unwrap_or(config.frame.background));
+    shot.renderer.set_full_precision(options.precision.unwrap_or(config.frame.precision) == Precision::Full);
+    let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
+    let times: Vec<FrameTimes> =
+        (0..num_frames).map(|frame| shot.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
+
+    for eye in 0..view.eyes.len() {
+        write_png(&eye_path(&options.out, eye, options.stereo), &shot.images[eye], &gpu)?;
+        if let Some(path) = &options.depth {
+            write_npy(&eye_path(path, eye, options.stereo), options.size_px, &shot.pixels(eye)?)?;
+        }
+    }
+    if let Some(path) = &options.metrics {
+        write_metrics(path, &mut shot, &times, cloud.num_points, load_s)?;
+    }
+    Ok(())
+}
+
+/// The eyes of the picture.
+///
+/// # Errors
+/// Eye and target at one place, or a field of view or size that shows nothing.
+pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result<View> {
+    let [width, height] = options.size_px;
+    anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
+    let fov_deg = options.fov_y_deg;
+    anyhow::ensure!(fov_deg > 0.0 && fov_deg < 180.0, "--fov-y {fov_deg}: must lie between 0 and 180 degrees");
+    let aspect = f64::from(width) / f64::from(height);
+    let fov = Fov::symmetric(fov_deg.to_radians(), aspect);
+    let target = options.target.unwrap_or(bounds.center());
+    let eye = options.eye.unwrap_or_else(|| overview(bounds, target, fov));
+    anyhow::ensure!(eye != target, "--eye and --target are the same place: the camera has no direction");
+    let center = Pose::look_at(eye, target, options.up);
+    let at = |sideways: f64| {
+        let position = center.position + center.orientation * DVec3::X * sideways;
+        Eye { world_from_view: Pose { position, ..center }, fov, size_px: options.size_px }
+    };
+    let eyes = if options.stereo { vec![at(-0.5 * options.ipd), at(0.5 * options.ipd)] } else { vec![at(0.0)] };
+    Ok(View { eyes, near })
+}
+
+/// From the south-east, 25 degrees up, so far away that the box's sphere fits the picture.
+fn overview(bounds: &Bounds, target: DVec3, fov: Fov) -> DVec3 {
+    let radius = (0.5 * bounds.size().length()).max(1e-3);
+    let half_angle = fov.up.min(fov.right).atan();
+    target + DVec3::new(0.55, -0.72, 0.42).normalize() * (0.9 * radius / half_angle.sin()).max(radius * 0.2)
+}
+
+/// A renderer with images of its own.
+struct Shot {
+    gpu: Arc<Gpu>,
+    renderer: Renderer,
+    images: Vec<wgpu::Texture>,
+}
+
+impl Shot {
+    fn new(gpu: &Arc<Gpu>, view: &View) -> anyhow::Result<Self> {
+        let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|e| e.size_px).collect();
+        let max = gpu.device.limits().max_texture_dimension_2d;
+        for [width, height] in &sizes_px {
+            anyhow::ensure!(
+                *width <= max && *height <= max,
+                "--size {width}x{height}: this GPU draws at most {max} pixels a side"
+            );
+        }
+        let images = sizes_px.iter().map(|&[width, height]| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("picture"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            })
+        });
+        let images = images.collect();
+        Ok(Self { gpu: Arc::clone(gpu), renderer: Renderer::new(gpu, &sizes_px, FORMAT)?, images })
+    }
+
+    /// Draws one frame and waits for it.
+    fn draw(&mut self, frame: u64, view: &View) -> anyhow::Result<FrameTimes> {
+        let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.renderer.record(&mut encoder, frame, &views.iter().collect::<Vec<_>>());
+        let commands = encoder.finish();
+        {
+            let queue = self.gpu.queue.lock();
+            self.renderer.set_view(&queue, view);
+            queue.submit([commands]);
+        }
+        self.renderer.submitted();
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
+        self.renderer.collect_times().context("the GPU gave no frame back")
+    }
+
+    /// The pixels of an eye: depth ≪ 32 | point index.
+    fn pixels(&self, eye: usize) -> anyhow::Result<Vec<u64>> {
+        let targets = self.renderer.targets();
+        let [width, height] = targets.sizes_px[eye];
+        let bytes = readback::read_buffer(&self.gpu, &targets.depth[eye])?;
+        let mut pixels: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        pixels.truncate(width as usize * height as usize);
+        Ok(pixels)
+    }
+}
+
+/// `OUT.png`, or `OUT.left.png` and `OUT.right.png`.
+fn eye_path(path: &Path, eye: usize, stereo: bool) -> PathBuf {
+    if !stereo {
+        return path.to_path_buf();
+    }
+    let side = ["left", "right"][eye];
+    let extension = path.extension().map(|e| format!(".{}", e.display())).unwrap_or_default();
+    path.with_extension(format!("{side}{extension}"))
+}
+
+fn create(path: &Path) -> anyhow::Result<BufWriter<File>> {
+    Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
+}
+
+/// Writes an sRGB texture as an 8-bit RGB PNG.
+///
+/// # Errors
+/// If the file cannot be written or the device is lost.
+pub fn write_png(path: &Path, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Result<()> {
+    let rgba = readback::read_texture(gpu, image)?;
+    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let mut encoder = png::Encoder::new(create(path)?, image.width(), image.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let written = encoder.write_header().and_then(|mut w| {
+        w.write_image_data(&rgb)?;
+        w.finish()
+    });
+    written.with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// Writes linear depths as a NumPy array of float32, shape (H, W).
+fn write_npy(path: &Path, [width, height]: [u32; 2], pixels: &[u64]) -> anyhow::Result<()> {
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
+    // NumPy's format 1.0: magic, version, length, dictionary; the whole head padded to 64 bytes, ending in a newline.
+    let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    header.push_str(&" ".repeat(padded - header.len() - 1));
+    header.push('\n');
+    let mut file = create(path)?;
+    let mut write = || {
+        file.write_all(b"\x93NUMPY\x01\x00")?;
+        file.write_all(&(padded as u16).to_le_bytes())?;
+        file.write_all(header.as_bytes())?;
+        for &pixel in pixels {
+            file.write_all(&depth_of(pixel).to_le_bytes())?;
+        }
+        file.flush()
+    };
+    write().with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+fn write_metrics(
+    path: &Path,
+    shot: &mut Shot,
+    times: &[FrameTimes],
+    points: u64,
+    load_s: f64,
+) -> anyhow::Result<()> {
+    let measured = &times[1..];
+    let median = |value: &dyn Fn(&FrameTimes) -> f32| {
+        let mut values: Vec<f32> = measured.iter().map(value).collect();
+        values.sort_by(f32::total_cmp);
+        let median = values[values.len() / 2];
+        // JSON knows no NaN: a device without timestamps gives null.
+        if median.is_finite() { serde_json::json!(median) } else { serde_json::Value::Null }
+    };
+    let mut gpu_ms = serde_json::Map::new();
+    for (stage, name) in STAGES.iter().enumerate() {
+        gpu_ms.insert((*name).to_string(), median(&|t| t.stage_ms[stage]));
+    }
+    gpu_ms.insert("total".to_string(), median(&|t| t.gpu_ms));
+    let mut drawn = 0;
+    for eye in 0..shot.images.len() {
+        drawn += shot.pixels(eye)?.iter().filter(|&&p| depth_of(p).is_finite()).count();
+    }
+    let metrics = serde_json::json!({
+        "points": points,
+        "points_read": times[0].points_read,
+        "points_drawn": drawn,
+        "nodes": times[0].visible_nodes,
+        "gpu_bytes": shot.renderer.resident().1,
+        "load_s": load_s,
+        "frames": measured.len(),
+        "gpu_ms": gpu_ms,
+        "device": shot.gpu.name(),
+        "driver": shot.gpu.driver(),
+    });
+    let text = serde_json::to_string_pretty(&metrics)?;
+    std::fs::write(path, text + "\n").with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stereo_files_say_which_eye() {
+        assert_eq!(eye_path(Path::new("a/b.png"), 0, true), Path::new("a/b.left.png"));
+        assert_eq!(eye_path(Path::new("a/b.v2.npy"), 1, true), Path::new("a/b.v2.right.npy"));
+        assert_eq!(eye_path(Path::new("b.png"), 0, false), Path::new("b.png"));
+    }
+}

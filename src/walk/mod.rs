@@ -4,6 +4,13 @@
 //! headset stands behind [`Headset`].
 
 pub mod link;
+pub mod locomotion;
+pub mod pose_path;
+mod run;
+pub mod simulated;
+pub mod start;
+
+pub use run::{Loaded, Walk, WalkSummary};
 
 use crate::space::{Fov, Pose};
 use std::time::Duration;
@@ -48,7 +55,7 @@ pub struct ControllerInput {
 
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
-pub trait Headset {
+pub trait Headset: Send {
     /// For the log: "Monado(XRT) 25.0.0", "simulated".
     fn runtime(&self) -> String;
     /// Width, height of each eye's image, left then right.
@@ -57,6 +64,11 @@ pub trait Headset {
     fn refresh_hz(&self) -> f64;
     /// Texture format of the images.
     fn image_format(&self) -> wgpu::TextureFormat;
+    /// True for the simulated one: its images outlast `submit`, so the mirror needs no copy, and the mouse may
+    /// pitch its head, which would make people sick in a real one.
+    fn is_simulated(&self) -> bool {
+        false
+    }
     /// Handles events, then blocks until the next frame should begin.
     fn wait(&mut self) -> anyhow::Result<Beat>;
     /// Controllers, as of now.

@@ -1,0 +1,239 @@
+//! The main job: walk through a scan, in a headset, in a window, or with nobody looking.
+//!
+//! Three threads: the loader reads the scan and sends it to the GPU; the frame thread draws ([`crate::walk`]);
+//! the main thread runs the window, if there is one.
+
+use crate::cloud;
+use crate::config::Config;
+use crate::desktop;
+use crate::gpu::Gpu;
+use crate::progress::{Progress, Stop};
+use crate::render::CloudBuffers;
+use crate::scan;
+use crate::timing::RunFacts;
+use crate::timing::log::FrameLog;
+use crate::walk::link::{self, WalkEnd};
+use crate::walk::pose_path::PosePath;
+use crate::walk::simulated::SimulatedHeadset;
+use crate::walk::start::start;
+use crate::walk::{Headset, Loaded, Walk, WalkSummary};
+use crate::xr;
+use anyhow::Context;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+/// Use of something that may be absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Wish {
+    /// Use it if it is there.
+    #[default]
+    Auto,
+    /// Fail without it.
+    On,
+    /// Do not use it.
+    Off,
+}
+
+/// How to walk.
+#[derive(Clone, Debug)]
+pub struct ViewOptions {
+    /// Files, shown as one cloud.
+    pub scans: Vec<PathBuf>,
+    /// The headset.
+    pub headset: Wish,
+    /// The window.
+    pub window: Wish,
+    /// Frame log to write.
+    pub log: Option<PathBuf>,
+    /// Stop after so many frames that showed the scan.
+    pub frames: Option<u64>,
+    /// Stop so many seconds after the scan was first shown.
+    pub seconds: Option<f64>,
+    /// Head path to replay.
+    pub pose_path: Option<PathBuf>,
+}
+
+/// Walks until the user, the runtime or a limit ends it.
+///
+/// # Errors
+/// Unreadable scan, no usable GPU, a headset or window that was required and is missing, a frame log that cannot
+/// be begun, a runtime or device that fails.
+pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+    let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
+    let (gpu, mut headset) = open_headset(options.headset, config)?;
+    let facts = facts(options, config, &gpu, &*headset);
+    let log = options.log.as_deref().map(|path| FrameLog::start(path, &facts)).transpose()?;
+    let (link, commands, viewer) = link::link();
+    let windowed = match options.window {
+        Wish::Off => false,
+        Wish::On => true,
+        Wish::Auto => desktop::display_available(),
+    };
+    let (loaded_sender, loaded) = std::sync::mpsc::channel();
+
+    let (summary, load, window) = std::thread::scope(|scope| {
+        let loader = scope.spawn({
+            let (gpu, link) = (Arc::clone(&gpu), link.clone());
+            move || {
+                let result = load(options, config, &gpu, &link, stop, &loaded_sender);
+                if let Err(error) = &result {
+                    link.update_load(|load| load.error = Some(format!("{error:#}")));
+                    stop.request();
+                }
+                result
+            }
+        });
+        let walk = Walk {
+            gpu: Arc::clone(&gpu),
+            config,
+            loaded,
+            commands,
+            link,
+            mirrored: windowed,
+            log: log.as_ref(),
+            pose_path: pose_path.as_ref(),
+            max_frames: options.frames,
+            max_time: options.seconds.map(Duration::from_secs_f64),
+            stop: stop.clone(),
+        };
+        let frames = scope.spawn(move || {
+            let summary = walk.run(&mut *headset);
+            // Whatever ended the walk ends the window and the loader too.
+            stop.request();
+            summary
+        });
+        let window = if windowed { show_window(options, config, &gpu, viewer, &facts, stop) } else { Ok(()) };
+        (join(frames), join(loader), window)
+    });
+    finish_log(log, options);
+    load?;
+    window?;
+    let summary = summary?;
+    tracing::info!("{} frames, {} of the scan; ended {}", summary.frames, summary.scan_frames, summary.ended);
+    Ok(())
+}
+
+/// The headset that was wished for, and the GPU that it lives on.
+fn open_headset(wish: Wish, config: &Config) -> anyhow::Result<(Arc<Gpu>, Box<dyn Headset>)> {
+    if wish != Wish::Off {
+        match xr::open(config) {
+            Ok((gpu, headset)) => return Ok((gpu, Box::new(headset))),
+            Err(missing) if wish == Wish::On => return Err(missing).context("--headset require"),
+            Err(missing) => eprintln!("scanwalk: no headset, so a simulated one is used: {missing}"),
+        }
+    }
+    let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
+    let headset = SimulatedHeadset::new(&gpu, &config.simulated);
+    Ok((gpu, Box::new(headset)))
+}
+
+fn facts(options: &ViewOptions, config: &Config, gpu: &Gpu, headset: &dyn Headset) -> RunFacts {
+    let files: Vec<String> = options.scans.iter().map(|p| p.display().to_string()).collect();
+    let [left, right] = headset.eye_sizes();
+    let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
+    RunFacts {
+        scan: files.join(" "),
+        device: gpu.name(),
+        driver: gpu.driver(),
+        runtime: headset.runtime(),
+        resolution: if left == right { size(left) } else { format!("{} {}", size(left), size(right)) },
+        config_digest: config.digest(),
+    }
+}
+
+/// The loader's thread: files to points, points to batches, batches to the GPU.
+fn load(
+    options: &ViewOptions,
+    config: &Config,
+    gpu: &Gpu,
+    link: &WalkEnd,
+    stop: &Stop,
+    loaded: &Sender<Loaded>,
+) -> anyhow::Result<()> {
+    let step = |name: &str, fraction: f32| {
+        link.update_load(|load| (load.step, load.fraction) = (name.to_string(), fraction));
+    };
+    step("reading", 0.0);
+    let scan = scan::read(&options.scans, stop)?;
+    for warning in &scan.warnings {
+        eprintln!("scanwalk: warning: {warning}");
+    }
+    let unit_m = scan.unit_m.unwrap_or(1.0);
+    link.update_load(|load| {
+        load.facts = scan_facts(&scan);
+        load.warnings.clone_from(&scan.warnings);
+    });
+    step("sorting", 0.4);
+    let sorting = Progress::new("sorting", "points", scan.num_points() as u64, stop);
+    let cloud = cloud::build(scan, config.cloud.order, &sorting)?;
+    drop(sorting);
+    step("sending to the GPU", 0.8);
+    let sending = Progress::new("sending", "bytes", 16 * cloud.num_points, stop);
+    let buffers = CloudBuffers::upload(gpu, &cloud, u64::from(config.gpu.chunk_mib) << 20, &sending)?;
+    let bytes = buffers.bytes;
+    // The walk may have ended meanwhile: then nobody waits for the cloud.
+    let _ = loaded.send(Loaded { cloud: buffers, start: start(&cloud, unit_m) });
+    link.update_load(|load| {
+        load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
+        (load.step, load.fraction) = (String::new(), 1.0);
+    });
+    Ok(())
+}
+
+/// What the window's panel says of the scan.
+fn scan_facts(scan: &scan::Scan) -> Vec<(String, String)> {
+    let size = scan.bounds().size();
+    let mut facts = vec![("points".to_string(), scan.num_points().to_string())];
+    facts.push(("size".into(), format!("{:.2} × {:.2} × {:.2}", size.x, size.y, size.z)));
+    if let Some(file) = scan.files.first() {
+        facts.push(("format".into(), file.format.clone()));
+    }
+    if scan.files.len() > 1 {
+        facts.push(("files".into(), scan.files.len().to_string()));
+    }
+    if let Some(crs) = &scan.crs {
+        facts.push(("CRS".into(), crs.clone()));
+    }
+    facts
+}
+
+/// Runs the window on this thread until it is closed or the walk ends.
+fn show_window(
+    options: &ViewOptions,
+    config: &Config,
+    gpu: &Arc<Gpu>,
+    viewer: link::ViewerEnd,
+    facts: &RunFacts,
+    stop: &Stop,
+) -> anyhow::Result<()> {
+    let window_facts = desktop::WindowFacts {
+        scan: options.scans.iter().filter_map(|p| Some(p.file_name()?.display().to_string())).collect::<Vec<_>>().join(" "),
+        device: facts.device.clone(),
+        runtime: facts.runtime.clone(),
+    };
+    match desktop::run(Arc::clone(gpu), viewer, window_facts, config, stop.clone()) {
+        Err(error) if options.window == Wish::Auto => {
+            eprintln!("scanwalk: no window: {error}");
+            Ok(())
+        }
+        Err(error) => {
+            stop.request();
+            Err(error.into())
+        }
+        Ok(()) => Ok(()),
+    }
+}
+
+fn join<T>(thread: std::thread::ScopedJoinHandle<'_, anyhow::Result<T>>) -> anyhow::Result<T> {
+    // A panic is a mistake of ours: let it show as one.
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
+    if let (Some(log), Some(path)) = (log, &options.log) {
+        let summary = log.finish();
+        eprintln!("scanwalk: frame log: {} ({} frames)", path.display(), summary.rows);
+    }
+}

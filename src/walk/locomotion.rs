@@ -1,0 +1,272 @@
+//! Getting about: where the stage (the headset's play space) stands in the world, and how sticks, keys and mouse
+//! move it. Pure arithmetic in f64; the frame thread calls it once a frame.
+
+use super::{ControllerInput, StageEye, link::Command};
+use crate::config::LocomotionConfig;
+use crate::space::{Eye, Pose, View};
+use glam::{DQuat, DVec3};
+use std::f64::consts::FRAC_PI_2;
+
+/// Stick deflection below this is noise.
+const DEAD_ZONE: f32 = 0.15;
+/// A snap turn fires when the stick passes this, and again only after it came back below half.
+const SNAP_AT: f32 = 0.7;
+
+/// Where a walk begins, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The floor below the viewer.
+    pub floor_in_world: DVec3,
+    /// Direction of view about the world's vertical, radians; 0 looks along +y (north), positive to the left.
+    pub yaw: f64,
+    /// World units a metre.
+    pub units_per_m: f64,
+    /// Longest horizontal extent of the scan in metres: it sets the default speed.
+    pub extent_m: f64,
+    /// Place and yaw from which the whole scan is seen.
+    pub overview: (DVec3, f64),
+}
+
+/// The stage in the world, and the speed.
+#[derive(Clone, Debug)]
+pub struct Locomotion {
+    config: LocomotionConfig,
+    start: Start,
+    floor_in_world: DVec3,
+    yaw: f64,
+    /// Only for simulated headsets: a real head pitches itself.
+    pitch: f64,
+    speed_factor: f64,
+    held: ([f32; 3], bool),
+    snap_ready: bool,
+}
+
+impl Locomotion {
+    /// Standing at the start.
+    #[must_use]
+    pub fn new(config: &LocomotionConfig, start: Start) -> Self {
+        Self {
+            config: config.clone(),
+            start,
+            floor_in_world: start.floor_in_world,
+            yaw: start.yaw,
+            pitch: 0.0,
+            speed_factor: 1.0,
+            held: ([0.0; 3], false),
+            snap_ready: true,
+        }
+    }
+
+    /// A new scan: stand at its start.
+    pub fn restart(&mut self, start: Start) {
+        self.start = start;
+        self.reset();
+    }
+
+    /// Metres a second at full deflection.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        let base = if self.config.speed > 0.0 {
+            self.config.speed
+        } else {
+            (0.1 * self.start.extent_m).clamp(1.0, 60.0)
+        };
+        base * self.speed_factor
+    }
+
+    /// A command from the desktop. [`Command::Quit`] is not for here.
+    pub fn command(&mut self, command: Command) {
+        match command {
+            Command::Move { direction, fast } => self.held = (direction, fast),
+            Command::Look { delta_px } => {
+                let radians = self.config.look_deg_per_px.to_radians();
+                self.yaw -= f64::from(delta_px[0]) * radians;
+                self.pitch = (self.pitch - f64::from(delta_px[1]) * radians).clamp(-FRAC_PI_2, FRAC_PI_2);
+            }
+            Command::ScaleSpeed(factor) => {
+                self.speed_factor = (self.speed_factor * f64::from(factor)).clamp(0.01, 100.0);
+            }
+            Command::Snap(steps) => self.yaw -= f64::from(steps) * self.config.snap_deg.to_radians(),
+            Command::Reset => self.reset(),
+            Command::WholeView => {
+                (self.floor_in_world, self.yaw) = self.start.overview;
+                self.pitch = 0.0;
+            }
+            Command::Quit => {}
+        }
+    }
+
+    fn reset(&mut self) {
+        (self.floor_in_world, self.yaw, self.pitch) = (self.start.floor_in_world, self.start.yaw, 0.0);
+    }
+
+    /// Moves by what is held for `seconds`. `head` is the orientation of the head in the stage, as last located:
+    /// forward is where it looks.
+    pub fn advance(&mut self, seconds: f64, controllers: &ControllerInput, stage_from_head: &Pose) {
+        let dead = |v: f32| if v.abs() < DEAD_ZONE { 0.0 } else { f64::from(v) };
+        let [right, up, forward] = self.held.0.map(f64::from);
+        let [stick_right, stick_forward] = controllers.left_stick.map(dead);
+        let fast = if self.held.1 { self.config.fast } else { 1.0 };
+        let direction = DVec3::new(right * fast + stick_right, 0.0, -(forward * fast + stick_forward));
+        let in_world = self.world_from_head(stage_from_head) * direction + DVec3::Z * up * fast;
+        // A hitch of the program must not throw the viewer through a wall.
+        let step = self.speed() * self.start.units_per_m * seconds.clamp(0.0, 0.1);
+        self.floor_in_world += in_world * step;
+
+        let turn = controllers.right_stick[0];
+        if turn.abs() < 0.5 * SNAP_AT {
+            self.snap_ready = true;
+        } else if turn.abs() > SNAP_AT && self.snap_ready {
+            self.snap_ready = false;
+            self.yaw -= f64::from(turn.signum()) * self.config.snap_deg.to_radians();
+        }
+        if controllers.reset {
+            self.reset();
+        }
+    }
+
+    /// Stage axes (y up) to world axes (z up), turned by the yaw.
+    fn world_from_stage_axes(&self) -> DQuat {
+        DQuat::from_rotation_z(self.yaw) * DQuat::from_rotation_x(FRAC_PI_2)
+    }
+
+    fn world_from_head(&self, stage_from_head: &Pose) -> DQuat {
+        self.world_from_stage_axes() * stage_from_head.orientation * DQuat::from_rotation_x(self.pitch)
+    }
+
+    /// The eyes in the world with the head at `world_from_head`, as a pose path has it.
+    #[must_use]
+    pub fn view_at(&self, world_from_head: &Pose, eyes: &[StageEye; 2], sizes_px: [[u32; 2]; 2], near_m: f64) -> View {
+        let (head, scale) = (head_of(eyes), self.start.units_per_m);
+        let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
+            let mut head_from_view = head.inverse().then(&eye.stage_from_view);
+            head_from_view.position *= scale;
+            Eye { world_from_view: world_from_head.then(&head_from_view), fov: eye.fov, size_px }
+        };
+        View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
+    }
+
+    /// The eyes in the world. `near_m` in metres.
+    #[must_use]
+    pub fn view(&self, eyes: &[StageEye; 2], sizes_px: [[u32; 2]; 2], near_m: f64) -> View {
+        let head = head_of(eyes);
+        let turn = self.world_from_stage_axes();
+        let scale = self.start.units_per_m;
+        // Pitch turns the eyes about the head, not about the stage's origin.
+        let pitched = Pose { position: head.position, orientation: head.orientation * DQuat::from_rotation_x(self.pitch) };
+        let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
+            let stage_from_view = pitched.then(&head.inverse().then(&eye.stage_from_view));
+            let position = self.floor_in_world + turn * stage_from_view.position * scale;
+            let orientation = (turn * stage_from_view.orientation).normalize();
+            Eye { world_from_view: Pose { position, orientation }, fov: eye.fov, size_px }
+        };
+        View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
+    }
+}
+
+/// The head: midway between the eyes, looking where the left eye's and right eye's mean looks.
+#[must_use]
+pub fn head_of(eyes: &[StageEye; 2]) -> Pose {
+    let [left, right] = eyes.map(|e| e.stage_from_view);
+    Pose {
+        position: 0.5 * (left.position + right.position),
+        orientation: left.orientation.slerp(right.orientation, 0.5),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Fov;
+
+    fn start() -> Start {
+        Start {
+            floor_in_world: DVec3::new(5e5, 4e6, 100.0),
+            yaw: 0.0,
+            units_per_m: 1.0,
+            extent_m: 20.0,
+            overview: (DVec3::new(5e5, 4e6 - 50.0, 120.0), 0.0),
+        }
+    }
+
+    fn eyes() -> [StageEye; 2] {
+        let eye = |x| StageEye {
+            stage_from_view: Pose { position: DVec3::new(x, 1.7, 0.0), orientation: DQuat::IDENTITY },
+            fov: Fov::symmetric(1.5, 1.0),
+        };
+        [eye(-0.03), eye(0.03)]
+    }
+
+    fn walk() -> Locomotion {
+        Locomotion::new(&LocomotionConfig::default(), start())
+    }
+
+    const SIZES: [[u32; 2]; 2] = [[100, 100]; 2];
+
+    #[test]
+    fn stands_on_the_floor_looking_north_with_the_left_eye_in_the_west() {
+        let view = walk().view(&eyes(), SIZES, 0.05);
+        let [left, right] = [0, 1].map(|i| view.eyes[i].world_from_view);
+        assert!((left.position - DVec3::new(5e5 - 0.03, 4e6, 101.7)).length() < 1e-9);
+        assert!((right.position - DVec3::new(5e5 + 0.03, 4e6, 101.7)).length() < 1e-9);
+        assert!((left.orientation * DVec3::NEG_Z - DVec3::Y).length() < 1e-12);
+        assert!((left.orientation * DVec3::Y - DVec3::Z).length() < 1e-12);
+    }
+
+    #[test]
+    fn units_scale_the_viewer_not_the_scan() {
+        let mut walk = walk();
+        walk.restart(Start { units_per_m: 1.0 / 0.3048, ..start() });
+        let view = walk.view(&eyes(), SIZES, 0.05);
+        let gap = view.eyes[1].world_from_view.position.x - view.eyes[0].world_from_view.position.x;
+        assert!((gap - 0.06 / 0.3048).abs() < 1e-9 && (view.near - 0.05 / 0.3048).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_left_stick_flies_where_the_head_looks() {
+        let mut walk = walk();
+        let forward = ControllerInput { left_stick: [0.0, 1.0], ..Default::default() };
+        // The head looks left (west) and up by 45 degrees.
+        let orientation = DQuat::from_rotation_y(FRAC_PI_2) * DQuat::from_rotation_x(FRAC_PI_2 / 2.0);
+        walk.advance(0.1, &forward, &Pose { position: DVec3::ZERO, orientation });
+        let moved = walk.floor_in_world - start().floor_in_world;
+        let step = 0.1 * walk.speed();
+        assert!((moved - DVec3::new(-step / 2f64.sqrt(), 0.0, step / 2f64.sqrt())).length() < 1e-9, "{moved}");
+    }
+
+    #[test]
+    fn the_right_stick_turns_once_a_push() {
+        let mut walk = walk();
+        let push = ControllerInput { right_stick: [1.0, 0.0], ..Default::default() };
+        for _ in 0..5 {
+            walk.advance(0.01, &push, &Pose::IDENTITY);
+        }
+        assert!((walk.yaw + 30f64.to_radians()).abs() < 1e-12, "one snap to the right");
+        walk.advance(0.01, &ControllerInput::default(), &Pose::IDENTITY);
+        walk.advance(0.01, &push, &Pose::IDENTITY);
+        assert!((walk.yaw + 60f64.to_radians()).abs() < 1e-12);
+        walk.advance(0.01, &ControllerInput { reset: true, ..Default::default() }, &Pose::IDENTITY);
+        assert_eq!(walk.yaw, 0.0);
+    }
+
+    #[test]
+    fn noise_of_a_stick_and_a_hitch_do_nothing_bad() {
+        let mut walk = walk();
+        walk.advance(0.1, &ControllerInput { left_stick: [0.1, -0.1], ..Default::default() }, &Pose::IDENTITY);
+        assert_eq!(walk.floor_in_world, start().floor_in_world);
+        walk.command(Command::Move { direction: [0.0, 0.0, 1.0], fast: true });
+        walk.advance(60.0, &ControllerInput::default(), &Pose::IDENTITY);
+        let moved = (walk.floor_in_world - start().floor_in_world).length();
+        assert!((moved - 0.1 * 4.0 * walk.speed()).abs() < 1e-6, "a tenth of a second at most");
+    }
+
+    #[test]
+    fn looking_up_turns_the_eyes_about_the_head() {
+        let mut walk = walk();
+        walk.command(Command::Look { delta_px: [0.0, -200.0] });
+        let view = walk.view(&eyes(), SIZES, 0.05);
+        assert!((view.head_in_world() - DVec3::new(5e5, 4e6, 101.7)).length() < 1e-9);
+        let forward = view.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
+        assert!((forward.z - 30f64.to_radians().sin()).abs() < 1e-9, "{forward}");
+    }
+}

@@ -1,0 +1,347 @@
+//! The frame thread's loop.
+
+use super::link::{Command, WalkEnd};
+use super::locomotion::{Locomotion, Start, head_of};
+use super::pose_path::PosePath;
+use super::{Beat, Headset, StageEye};
+use crate::config::Config;
+use crate::gpu::Gpu;
+use crate::progress::Stop;
+use crate::render::{CloudBuffers, FrameTimes, Renderer};
+use crate::space::{Pose, View};
+use crate::timing::log::FrameLog;
+use crate::timing::{FrameRow, STAGES};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
+
+/// Rows that wait for their GPU times; a frame's times come back a few frames late.
+const MAX_PENDING_ROWS: usize = 32;
+
+/// How long the end of a walk waits for the GPU.
+const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
+
+/// A scan, ready to be shown; sent by the loader's thread.
+#[derive(Debug)]
+pub struct Loaded {
+    /// On the GPU.
+    pub cloud: CloudBuffers,
+    /// Where to stand.
+    pub start: Start,
+}
+
+/// What the loop needs besides the headset.
+#[derive(Debug)]
+pub struct Walk<'a> {
+    /// The device that the headset's images live on.
+    pub gpu: Arc<Gpu>,
+    /// Settings.
+    pub config: &'a Config,
+    /// Scans as they become ready.
+    pub loaded: Receiver<Loaded>,
+    /// From the desktop.
+    pub commands: Receiver<Command>,
+    /// To the desktop.
+    pub link: WalkEnd,
+    /// A window shows the mirror.
+    pub mirrored: bool,
+    /// Where rows go.
+    pub log: Option<&'a FrameLog>,
+    /// A head path to follow instead of the user.
+    pub pose_path: Option<&'a PosePath>,
+    /// Stop after so many frames that showed a scan.
+    pub max_frames: Option<u64>,
+    /// Stop so long after the first frame that showed a scan.
+    pub max_time: Option<Duration>,
+    /// Set from outside to end the walk.
+    pub stop: Stop,
+}
+
+/// What a walk was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WalkSummary {
+    /// Frames drawn, with or without a scan.
+    pub frames: u64,
+    /// Frames that showed a scan.
+    pub scan_frames: u64,
+    /// Why it ended, for people.
+    pub ended: &'static str,
+    /// The last frame's eyes, if a scan was shown.
+    pub last_view: Option<View>,
+}
+
+impl Walk<'_> {
+    /// Draws frame after frame until the headset, the user or a limit ends it.
+    ///
+    /// # Errors
+    /// If the device or the runtime fails.
+    pub fn run(self, headset: &mut dyn Headset) -> anyhow::Result<WalkSummary> {
+        let mut frames = Frames::new(&self, headset)?;
+        let mut exit_requested = false;
+        loop {
+            if !exit_requested && (self.stop.requested() || self.limit_reached(&frames)) {
+                headset.request_exit();
+                exit_requested = true;
+            }
+            frames.take_loaded(&self.loaded);
+            if frames.take_commands(&self.commands) {
+                self.stop.request();
+            }
+            let waited = Instant::now();
+            match headset.wait()? {
+                Beat::Ended(ended) => return Ok(frames.finish(&self, ended)),
+                Beat::Idle => std::thread::sleep(headset.idle_pause()),
+                Beat::Frame { should_render: false, .. } => headset.submit(None)?,
+                Beat::Frame { predicted_display_ns, period_ns, .. } => {
+                    let wait_ms = ms(waited.elapsed());
+                    frames.draw(&self, headset, predicted_display_ns, period_ns, wait_ms)?;
+                }
+            }
+            frames.collect(&self);
+        }
+    }
+
+    fn limit_reached(&self, frames: &Frames) -> bool {
+        self.max_frames.is_some_and(|max| frames.scan_frames >= max)
+            || self.max_time.zip(frames.scan_shown).is_some_and(|(max, since)| since.elapsed() >= max)
+    }
+}
+
+/// State from one frame to the next.
+struct Frames {
+    renderer: Renderer,
+    locomotion: Option<Locomotion>,
+    mirror: Option<[wgpu::Texture; 2]>,
+    sizes_px: [[u32; 2]; 2],
+    locomotion_config: crate::config::LocomotionConfig,
+    frame: u64,
+    scan_frames: u64,
+    began: Instant,
+    scan_shown: Option<Instant>,
+    last_display_ns: Option<i64>,
+    stage_from_head: Pose,
+    pending: VecDeque<FrameRow>,
+    last_view: Option<View>,
+}
+
+impl Frames {
+    fn new(walk: &Walk, headset: &dyn Headset) -> anyhow::Result<Self> {
+        let sizes_px = headset.eye_sizes();
+        let mut renderer = Renderer::new(&walk.gpu, &sizes_px, headset.image_format())?;
+        renderer.set_background(walk.config.frame.background);
+        renderer.set_full_precision(walk.config.frame.precision == crate::config::Precision::Full);
+        Ok(Self {
+            renderer,
+            locomotion: None,
+            mirror: None,
+            sizes_px,
+            locomotion_config: walk.config.locomotion.clone(),
+            frame: 0,
+            scan_frames: 0,
+            began: Instant::now(),
+            scan_shown: None,
+            last_display_ns: None,
+            stage_from_head: Pose::IDENTITY,
+            pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
+            last_view: None,
+        })
+    }
+
+    /// The newest scan that has become ready, if any.
+    fn take_loaded(&mut self, loaded: &Receiver<Loaded>) {
+        while let Ok(Loaded { cloud, start }) = loaded.try_recv() {
+            self.renderer.set_cloud(cloud);
+            match &mut self.locomotion {
+                Some(locomotion) => locomotion.restart(start),
+                None => self.locomotion = Some(Locomotion::new(&self.locomotion_config, start)),
+            }
+        }
+    }
+
+    /// Applies what the desktop asked for; true if that is to end the walk.
+    fn take_commands(&mut self, commands: &Receiver<Command>) -> bool {
+        loop {
+            match commands.try_recv() {
+                Ok(Command::Quit) => return true,
+                Ok(command) => {
+                    if let Some(locomotion) = &mut self.locomotion {
+                        locomotion.command(command);
+                    }
+                }
+                Err(TryRecvError::Empty | TryRecvError::Disconnected) => return false,
+            }
+        }
+    }
+
+    /// One frame: input, images, commands, eyes as late as possible, submit.
+    fn draw(
+        &mut self,
+        walk: &Walk,
+        headset: &mut dyn Headset,
+        predicted_display_ns: i64,
+        period_ns: i64,
+        wait_ms: f32,
+    ) -> anyhow::Result<()> {
+        let record_began = Instant::now();
+        let seconds = self.last_display_ns.map_or(0.0, |last| (predicted_display_ns - last) as f64 * 1e-9);
+        let input = headset.input()?;
+        if let Some(locomotion) = &mut self.locomotion {
+            locomotion.advance(seconds, &input, &self.stage_from_head);
+        }
+        let images = headset.acquire()?;
+        let mut encoder =
+            walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        let views = [0, 1].map(|eye: usize| images[eye].create_view(&wgpu::TextureViewDescriptor::default()));
+        self.renderer.record(&mut encoder, self.frame, &[&views[0], &views[1]]);
+        self.record_mirror(walk, headset, &mut encoder, &images);
+        let record_ms = ms(record_began.elapsed());
+
+        let submit_began = Instant::now();
+        let eyes = headset.locate()?;
+        self.stage_from_head = head_of(&eyes);
+        if let Some(view) = self.view(walk, &eyes) {
+            self.renderer.set_view(&walk.gpu.queue.lock(), &view);
+            self.last_view = Some(view);
+        }
+        headset.submit(Some(encoder))?;
+        self.renderer.submitted();
+
+        self.note(FrameRow {
+            frame: self.frame,
+            time_s: record_began.duration_since(self.began).as_secs_f64(),
+            predicted_display_ns,
+            wait_ms,
+            record_ms,
+            submit_ms: ms(submit_began.elapsed()),
+            stage_ms: [f32::NAN; STAGES.len()],
+            gpu_ms: f32::NAN,
+            budget_ms: (1000.0 / headset.refresh_hz()) as f32,
+            missed_periods: self.missed_periods(predicted_display_ns, period_ns),
+            visible_nodes: 0,
+            points_read: 0,
+            points_resident: self.renderer.resident().0,
+            lod_scale: 1.0,
+            resolution_scale: 1.0,
+            quality: "closest",
+            upload_bytes: 0,
+        });
+        self.last_display_ns = Some(predicted_display_ns);
+        Ok(())
+    }
+
+    fn view(&self, walk: &Walk, eyes: &[StageEye; 2]) -> Option<View> {
+        let (locomotion, near_m) = (self.locomotion.as_ref()?, walk.config.frame.near_m);
+        Some(match walk.pose_path {
+            None => locomotion.view(eyes, self.sizes_px, near_m),
+            Some(path) => {
+                let time_s = self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64());
+                locomotion.view_at(&path.at(time_s), eyes, self.sizes_px, near_m)
+            }
+        })
+    }
+
+    /// Display periods without an image of ours since the frame before.
+    fn missed_periods(&self, predicted_display_ns: i64, period_ns: i64) -> u32 {
+        let Some(last) = self.last_display_ns.filter(|_| period_ns > 0) else { return 0 };
+        let periods = (predicted_display_ns - last + period_ns / 2) / period_ns;
+        u32::try_from(periods - 1).unwrap_or(0)
+    }
+
+    /// A headset's images go back to the runtime at submit, so the mirror keeps a copy.
+    fn record_mirror(
+        &mut self,
+        walk: &Walk,
+        headset: &dyn Headset,
+        encoder: &mut wgpu::CommandEncoder,
+        images: &[wgpu::Texture; 2],
+    ) {
+        if !walk.mirrored {
+            return;
+        }
+        if headset.is_simulated() {
+            if self.mirror.is_none() {
+                walk.link.set_mirror(images.clone());
+                self.mirror = Some(images.clone());
+            }
+            return;
+        }
+        let mirror = self.mirror.get_or_insert_with(|| {
+            let mirror = [0, 1].map(|eye: usize| mirror_texture(&walk.gpu, &images[eye]));
+            walk.link.set_mirror(mirror.clone());
+            mirror
+        });
+        for (image, copy) in images.iter().zip(mirror) {
+            encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), image.size());
+        }
+    }
+
+    fn note(&mut self, row: FrameRow) {
+        self.pending.push_back(row);
+        self.frame += 1;
+        if self.renderer.split().is_some() {
+            self.scan_frames += 1;
+            self.scan_shown.get_or_insert_with(Instant::now);
+        }
+    }
+
+    /// Joins GPU times that came back with their rows, and passes the rows on in order.
+    fn collect(&mut self, walk: &Walk) {
+        while let Some(times) = self.renderer.collect_times() {
+            while let Some(row) = self.pending.pop_front_if(|row| row.frame <= times.frame) {
+                pass_on(walk, if row.frame == times.frame { with_times(row, &times) } else { row });
+            }
+        }
+        while self.pending.len() > MAX_PENDING_ROWS {
+            if let Some(row) = self.pending.pop_front() {
+                pass_on(walk, row);
+            }
+        }
+    }
+
+    /// Waits for the last frames' times, so that the log ends with the last frame.
+    fn finish(mut self, walk: &Walk, ended: &'static str) -> WalkSummary {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LAST_FRAMES_WAIT) };
+        // If it fails, the rows go without times.
+        let _ = walk.gpu.device.poll(wait);
+        self.collect(walk);
+        while let Some(row) = self.pending.pop_front() {
+            pass_on(walk, row);
+        }
+        WalkSummary { frames: self.frame, scan_frames: self.scan_frames, ended, last_view: self.last_view }
+    }
+}
+
+fn with_times(row: FrameRow, times: &FrameTimes) -> FrameRow {
+    FrameRow {
+        stage_ms: times.stage_ms,
+        gpu_ms: times.gpu_ms,
+        visible_nodes: times.visible_nodes,
+        points_read: times.points_read,
+        ..row
+    }
+}
+
+fn pass_on(walk: &Walk, row: FrameRow) {
+    if let Some(log) = walk.log {
+        log.push(row);
+    }
+    walk.link.offer_row(row);
+}
+
+fn mirror_texture(gpu: &Gpu, image: &wgpu::Texture) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("mirror"),
+        size: image.size(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: image.format(),
+        usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn ms(duration: Duration) -> f32 {
+    (duration.as_secs_f64() * 1000.0) as f32
+}
