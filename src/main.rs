@@ -1,2 +1,5 @@
-//! The program: parse, choose the command, print the error chain, exit code.
-fn main() {}
+//! The program; everything it does is in the library.
+
+fn main() -> std::process::ExitCode {
+    scanwalk::cli::main()
+}

@@ -1,0 +1,110 @@
+//! Arguments of the smaller commands.
+
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Say what is in the files.
+#[derive(Clone, Debug, Args)]
+pub struct InfoArgs {
+    /// LAS or LAZ files; several are one scan
+    #[arg(required = true, value_name = "SCAN")]
+    pub scans: Vec<PathBuf>,
+    /// For programs: one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Write scans as a level-of-detail octree.
+#[derive(Clone, Debug, Args)]
+pub struct ConvertArgs {
+    /// LAS or LAZ files; several are one scan
+    #[arg(required = true, value_name = "SCAN")]
+    pub scans: Vec<PathBuf>,
+    /// OUT.copc.laz, or a folder for Potree 2
+    #[arg(short, long, value_name = "OUT")]
+    pub out: PathBuf,
+}
+
+/// Write a made-up scan.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  scanwalk synth terrestrial -o yard.laz
+  scanwalk synth aerial -o land.las --points 50000000 --seed 7
+
+The same kind, points and seed give the same bytes on every machine.")]
+pub struct SynthArgs {
+    /// What to make, each in the point order that such a device writes
+    #[arg(value_name = "KIND")]
+    pub kind: SynthKind,
+    /// The file to write
+    #[arg(short, long, value_name = "OUT.las|OUT.laz")]
+    pub out: PathBuf,
+    /// How many points
+    #[arg(long, value_name = "N", default_value = "4000000", value_parser = clap::value_parser!(u64).range(1..))]
+    pub points: u64,
+    /// Another seed, another scan
+    #[arg(long, value_name = "S", default_value = "1")]
+    pub seed: u64,
+}
+
+/// Devices whose scans can be made up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SynthKind {
+    /// A courtyard, by a scanner on two stations.
+    Terrestrial,
+    /// Land with a village, from an aircraft.
+    Aerial,
+    /// A statue, from photographs.
+    Photogrammetry,
+}
+
+/// Measure this machine.
+#[derive(Clone, Debug, Args)]
+pub struct BenchArgs {
+    /// A LAS or LAZ file to measure with [default: made-up ones]
+    #[arg(value_name = "SCAN")]
+    pub scan: Option<PathBuf>,
+    /// Which paper's table
+    #[arg(long, value_name = "TABLE")]
+    pub table: Option<BenchTable>,
+    /// For programs: one JSON object
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+    /// For programs: a row a line
+    #[arg(long)]
+    pub csv: bool,
+}
+
+/// Tables of the papers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BenchTable {
+    /// Point cloud rasterisation with compute shaders.
+    #[value(name = "2021")]
+    Paper2021,
+    /// Batches, quantised coordinates, virtual reality.
+    #[value(name = "2022")]
+    Paper2022,
+    /// Both eyes.
+    Vr,
+    /// Sequential point trees.
+    Spt,
+}
+
+/// Say what a frame log shows.
+#[derive(Clone, Debug, Args)]
+pub struct ReportArgs {
+    /// What `scanwalk view --log` wrote
+    #[arg(value_name = "FRAMES.csv")]
+    pub log: PathBuf,
+    /// A page with plots (not there yet)
+    #[arg(short, long, value_name = "REPORT.html")]
+    pub out: Option<PathBuf>,
+}
+
+/// Say what this machine has and lacks.
+#[derive(Clone, Debug, Args)]
+pub struct DoctorArgs {
+    /// For programs: a list of checks
+    #[arg(long)]
+    pub json: bool,
+}

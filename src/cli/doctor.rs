@@ -1,0 +1,118 @@
+//! `scanwalk doctor`: what this machine has and lacks, and what to install.
+
+use crate::config::Config;
+use crate::gpu::Gpu;
+use serde::Serialize;
+use std::env;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// One thing that a walk needs, or is better with.
+#[derive(Debug, Serialize)]
+struct Check {
+    /// What was looked at.
+    check: &'static str,
+    /// True if nothing is to be done.
+    ok: bool,
+    /// What was found, in words.
+    found: String,
+    /// What to do; empty if all is well.
+    advice: String,
+}
+
+impl Check {
+    fn good(check: &'static str, found: impl Into<String>) -> Self {
+        Self { check, ok: true, found: found.into(), advice: String::new() }
+    }
+
+    fn bad(check: &'static str, found: impl Into<String>, advice: impl Into<String>) -> Self {
+        Self { check, ok: false, found: found.into(), advice: advice.into() }
+    }
+}
+
+/// Looks, and prints what it found: as JSON for programs, else as lines. Finding a lack is no failure.
+pub(super) fn run(config: &Config, json: bool) -> anyhow::Result<()> {
+    let mut checks = gpu(config);
+    checks.push(display());
+    checks.push(openxr_runtime());
+    let mut out = io::stdout().lock();
+    if json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&checks)?)?;
+        return Ok(());
+    }
+    for Check { check, ok, found, advice } in &checks {
+        writeln!(out, "{} {check:<12} {found}", if *ok { "ok     " } else { "lacking" })?;
+        if !advice.is_empty() {
+            writeln!(out, "{:21}{advice}", "")?;
+        }
+    }
+    Ok(())
+}
+
+/// The GPU, its driver and its clock.
+fn gpu(config: &Config) -> Vec<Check> {
+    let gpu = match Gpu::open(Some(&config.gpu.adapter)) {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            let advice =
+                "install a Vulkan driver for your GPU (for any machine, slowly: mesa-vulkan-drivers)";
+            return vec![Check::bad("gpu", error.to_string(), advice)];
+        }
+    };
+    let name = format!("{} ({})", gpu.name(), gpu.driver());
+    let software = gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+    let kind = if software {
+        Check::bad(
+            "gpu",
+            name,
+            "this is software: pictures are right, but no walk is smooth; install your GPU's driver",
+        )
+    } else {
+        Check::good("gpu", name)
+    };
+    let clock = if gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        Check::good("gpu clock", "the stages of a frame can be timed")
+    } else {
+        Check::bad(
+            "gpu clock",
+            "no timestamps",
+            "frame logs will lack GPU times; a newer driver may have them",
+        )
+    };
+    vec![kind, clock]
+}
+
+/// Something that a window can open on.
+fn display() -> Check {
+    let of = |name| env::var(name).ok().filter(|value| !value.is_empty());
+    match (of("WAYLAND_DISPLAY"), of("DISPLAY")) {
+        (Some(name), _) => Check::good("display", format!("Wayland, {name}")),
+        (None, Some(name)) => Check::good("display", format!("X11, {name}")),
+        (None, None) if cfg!(target_os = "linux") => {
+            Check::bad("display", "none", "for a window, start scanwalk from a graphical session")
+        }
+        (None, None) => Check::good("display", "the system's own"),
+    }
+}
+
+/// The manifest by which OpenXR programs find the active runtime.
+fn openxr_runtime() -> Check {
+    let home = env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
+    let config_home = env::var_os("XDG_CONFIG_HOME").map_or_else(|| home.join(".config"), PathBuf::from);
+    let manifest = "openxr/1/active_runtime.json";
+    let places = [
+        env::var_os("XR_RUNTIME_JSON").map(PathBuf::from).unwrap_or_default(),
+        config_home.join(manifest),
+        PathBuf::from("/etc/xdg").join(manifest),
+        PathBuf::from("/usr/share").join(manifest),
+        PathBuf::from("/usr/local/share").join(manifest),
+    ];
+    match places.into_iter().find(|place| place.is_file()) {
+        Some(place) => Check::good("headset", format!("OpenXR runtime {}", place.display())),
+        None => Check::bad(
+            "headset",
+            "no OpenXR runtime",
+            "install SteamVR, Monado or WiVRn and make it the active OpenXR runtime",
+        ),
+    }
+}

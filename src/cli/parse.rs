@@ -1,0 +1,86 @@
+//! Values on the command line: points, sizes, colors, numbers in a range.
+
+use glam::DVec3;
+use std::str::FromStr;
+
+/// Largest edge of a picture in pixels.
+const MAX_EDGE_PX: u32 = 16_384;
+
+/// Three parts between commas.
+fn three<T: FromStr>(text: &str) -> Option<[T; 3]> {
+    let parts: Vec<T> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    parts.try_into().ok()
+}
+
+/// `X,Y,Z`, finite.
+pub(super) fn point(text: &str) -> Result<DVec3, String> {
+    let point = three(text).map(DVec3::from_array).filter(|point| point.is_finite());
+    point.ok_or_else(|| "write three numbers, X,Y,Z: for example 1.5,-2,0".into())
+}
+
+/// `R,G,B`, 0 to 255 each.
+pub(super) fn color(text: &str) -> Result<[u8; 3], String> {
+    three(text).ok_or_else(|| "write three whole numbers from 0 to 255, R,G,B: for example 30,30,40".into())
+}
+
+/// `WxH` in pixels.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let edges = text.split_once(['x', 'X', '×']);
+    let size =
+        edges.and_then(|(width, height)| Some([width.trim().parse().ok()?, height.trim().parse().ok()?]));
+    size.filter(|size: &[u32; 2]| size.iter().all(|edge| (1..=MAX_EDGE_PX).contains(edge)))
+        .ok_or_else(|| format!("write WIDTHxHEIGHT, each from 1 to {MAX_EDGE_PX}: for example 1920x1080"))
+}
+
+/// A number for which `fits` holds.
+fn number(text: &str, wanted: &str, fits: impl Fn(f64) -> bool) -> Result<f64, String> {
+    let value = text.trim().parse().ok().filter(|value: &f64| value.is_finite() && fits(*value));
+    value.ok_or_else(|| format!("write {wanted}"))
+}
+
+/// A field of view in degrees.
+pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
+    number(text, "degrees, more than 0 and less than 180", |deg| deg > 0.0 && deg < 180.0)
+}
+
+/// A distance of the eyes.
+pub(super) fn eye_distance(text: &str) -> Result<f64, String> {
+    number(text, "a distance from 0 upwards", |distance| distance >= 0.0)
+}
+
+/// A time.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    number(text, "seconds, more than 0 and at most 1e9", |seconds| seconds > 0.0 && seconds <= 1e9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_are_meant() {
+        assert_eq!(point("1.5, -2,1e6"), Ok(DVec3::new(1.5, -2.0, 1e6)));
+        assert_eq!(color("0,128,255"), Ok([0, 128, 255]));
+        assert_eq!(size("1920x1080"), Ok([1920, 1080]));
+        assert_eq!(field_of_view("60"), Ok(60.0));
+        assert_eq!(eye_distance("0"), Ok(0.0));
+        assert_eq!(seconds("0.5"), Ok(0.5));
+    }
+
+    #[test]
+    fn values_that_are_not() {
+        for text in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0"] {
+            assert!(point(text).is_err(), "{text}");
+        }
+        for text in ["256,0,0", "-1,0,0", "1,2", "1.5,0,0"] {
+            assert!(color(text).is_err(), "{text}");
+        }
+        for text in ["0x5", "5x0", "5", "x", "20000x1", "-5x5", "99999999999x1"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+        assert!(
+            field_of_view("0").is_err() && field_of_view("180").is_err() && field_of_view("nan").is_err()
+        );
+        assert!(eye_distance("-0.1").is_err() && seconds("0").is_err() && seconds("inf").is_err());
+    }
+}

@@ -1,0 +1,121 @@
+//! Arguments of `scanwalk render`.
+
+use super::{Usage, parse};
+use crate::config::{Config, Precision};
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// Draw a picture without a window.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct RenderArgs {
+    /// LAS or LAZ files; several are one scan
+    #[arg(required = true, value_name = "SCAN")]
+    pub scans: Vec<PathBuf>,
+    /// The picture; with --stereo OUT.left.png and OUT.right.png
+    #[arg(short, long, value_name = "OUT.png")]
+    pub out: PathBuf,
+    /// Where the eye is, in the scan's coordinates [default: so that all is seen]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub eye: Option<DVec3>,
+    /// What it looks at [default: the middle of the scan]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub target: Option<DVec3>,
+    /// Which way is up [default: 0,0,1]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub up: Option<DVec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEG", default_value = "60", value_parser = parse::field_of_view)]
+    pub fov_y: f64,
+    /// Pixels of the picture
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse::size)]
+    pub size: [u32; 2],
+    /// Two pictures, one for each eye
+    #[arg(long)]
+    pub stereo: bool,
+    /// Distance of the eyes for --stereo, in metres
+    #[arg(long, value_name = "M", default_value = "0.063", value_parser = parse::eye_distance)]
+    pub ipd: f64,
+    /// closest: the nearest point's color; hqs: blended (not there yet)
+    #[arg(long, value_name = "HOW", default_value = "closest")]
+    pub quality: Quality,
+    /// Level of detail (not there yet)
+    #[arg(long, value_name = "WHEN", default_value = "off")]
+    pub lod: Switch,
+    /// Fill the gaps between points (rings: not there yet)
+    #[arg(long, value_name = "HOW", default_value = "off")]
+    pub dilate: Dilate,
+    /// Coordinate bits that are read: auto by the projected size, or full [default: frame.precision]
+    #[arg(long, value_name = "HOW")]
+    pub precision: Option<Precision>,
+    /// Also write each pixel's distance, as a NumPy array
+    #[arg(long, value_name = "OUT.npy")]
+    pub depth: Option<PathBuf>,
+    /// Color where no point is [default: frame.background: 0,0,0]
+    #[arg(long, value_name = "R,G,B", value_parser = parse::color)]
+    pub background: Option<[u8; 3]>,
+    /// Also write counts and times, as JSON
+    #[arg(long, value_name = "OUT.json")]
+    pub metrics: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "Examples:
+  scanwalk render castle.laz -o castle.png
+  scanwalk render castle.laz -o gate.png --eye 12,-4,1.7 --target 0,0,2 --fov-y 75
+  scanwalk render castle.laz -o castle.png --stereo --ipd 0.065 --depth castle.npy";
+
+/// What a pixel shows of the points in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Quality {
+    /// The nearest point's color.
+    #[default]
+    Closest,
+    /// The blend of the nearest points.
+    Hqs,
+}
+
+/// On or off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// On.
+    On,
+    /// Off.
+    #[default]
+    Off,
+}
+
+/// How gaps between points are filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Dilate {
+    /// Not at all.
+    #[default]
+    Off,
+    /// By kernels that grow with the angle from the gaze.
+    Rings,
+}
+
+impl RenderArgs {
+    /// Refuses what does not exist yet.
+    ///
+    /// # Errors
+    /// A sentence that says what to use instead.
+    pub fn check(&self) -> Result<(), Usage> {
+        let refuse = |option: &str, instead: &str| {
+            Err(Usage(format!("render: {option} does not exist yet; use {instead}, which is the default")))
+        };
+        match self {
+            Self { quality: Quality::Hqs, .. } => refuse("--quality hqs", "--quality closest"),
+            Self { lod: Switch::On, .. } => refuse("--lod on", "--lod off"),
+            Self { dilate: Dilate::Rings, .. } => refuse("--dilate rings", "--dilate off"),
+            _ => Ok(()),
+        }
+    }
+
+    /// Settings that the command's own options win over: afterwards the configuration is the one place to
+    /// look for them.
+    pub fn apply_to(&self, config: &mut Config) {
+        config.frame.precision = self.precision.unwrap_or(config.frame.precision);
+        config.frame.background = self.background.unwrap_or(config.frame.background);
+    }
+}

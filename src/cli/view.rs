@@ -1,0 +1,65 @@
+//! Arguments of `scanwalk view`.
+
+use super::parse;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Walk through scans.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct ViewArgs {
+    /// LAS or LAZ files; several are one scan
+    #[arg(required = true, value_name = "SCAN")]
+    pub scans: Vec<PathBuf>,
+    /// auto: the headset if one answers, else the desktop; require: fail without one
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub headset: HeadsetChoice,
+    /// auto: a window if there is a display
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub window: WindowChoice,
+    /// Write a line for every frame; `scanwalk report` reads it
+    #[arg(long, value_name = "FRAMES.csv")]
+    pub log: Option<PathBuf>,
+    /// Stop by itself after N frames
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub frames: Option<u64>,
+    /// Stop by itself after S seconds
+    #[arg(long, value_name = "S", value_parser = parse::seconds)]
+    pub seconds: Option<f64>,
+    /// Replay a recorded path of the head
+    #[arg(long, value_name = "FILE")]
+    pub pose_path: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "Examples:
+  scanwalk view castle.laz
+  scanwalk view north.laz south.laz --headset require --log frames.csv
+  scanwalk view castle.laz --headset off --set simulated.refresh_hz=72
+  scanwalk view castle.laz --window off --frames 600 --log frames.csv
+
+In the headset: left stick flies where you look, right stick turns, a press resets.
+In the window: drag to look, WASD to fly, shift to go faster, F1 for all keys.";
+
+/// Whether to use a headset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum HeadsetChoice {
+    /// If an OpenXR runtime with a headset answers.
+    #[default]
+    Auto,
+    /// Or fail.
+    Require,
+    /// Never: the simulated one.
+    Off,
+}
+
+/// Whether to open a window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum WindowChoice {
+    /// If there is a display.
+    #[default]
+    Auto,
+    /// Or fail.
+    On,
+    /// Never.
+    Off,
+}
