@@ -44,12 +44,8 @@ pub struct ShotOptions {
     pub stereo: bool,
     /// Distance of the eyes, world units.
     pub ipd: f64,
-    /// Coordinate bits; None: as configured.
-    pub precision: Option<Precision>,
     /// Linear depth as NumPy float32 (H, W), +inf where nothing is; with `stereo` two files as for `out`.
     pub depth: Option<PathBuf>,
-    /// Colour where nothing is; None: as configured.
-    pub background: Option<[u8; 3]>,
     /// Figures as JSON.
     pub metrics: Option<PathBuf>,
 }
@@ -77,8 +73,8 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     let view = view(options, &cloud.bounds, config.frame.near_m)?;
     let mut shot = Shot::new(&gpu, &view)?;
     shot.renderer.set_cloud(buffers);
-    shot.renderer.set_background(options.background.unwrap_or(config.frame.background));
-    shot.renderer.set_full_precision(options.precision.unwrap_or(config.frame.precision) == Precision::Full);
+    shot.renderer.set_background(config.frame.background);
+    shot.renderer.set_full_precision(config.frame.precision == Precision::Full);
     let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
     let times: Vec<FrameTimes> =
         (0..num_frames).map(|frame| shot.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;

@@ -234,6 +234,6 @@ fn join<T>(thread: std::thread::ScopedJoinHandle<'_, anyhow::Result<T>>) -> anyh
 fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
     if let (Some(log), Some(path)) = (log, &options.log) {
         let summary = log.finish();
-        eprintln!("scanwalk: frame log: {} ({} frames)", path.display(), summary.rows);
+        eprintln!("scanwalk: frame log: {} ({} frames)", path.display(), summary.num_rows);
     }
 }

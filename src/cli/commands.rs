@@ -1,9 +1,14 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
-use super::{Cli, Command, ReportArgs, Usage, doctor};
+use super::{Cli, Command, HeadsetChoice, RenderArgs, ReportArgs, SynthArgs, Usage, ViewArgs, WindowChoice, doctor};
 use crate::config::{self, Config};
 use crate::progress::Stop;
+use crate::scan;
+use crate::shot::{self, ShotOptions};
+use crate::synth::{self, SynthOptions};
 use crate::timing::{self, Report};
+use crate::view::{self, ViewOptions, Wish};
+use glam::DVec3;
 use std::io::{self, Write};
 
 /// Runs the command that was asked for.
@@ -13,14 +18,14 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
         config.gpu.adapter.clone_from(adapter);
     }
     match &cli.command {
-        Command::View(args) => landing::view(args, config, stop.clone()),
+        Command::View(args) => view(args, &config, stop),
         Command::Render(args) => {
             args.check()?;
             args.apply_to(&mut config);
-            landing::render(args, &config, stop)
+            render(args, &config, stop)
         }
-        Command::Info(args) => landing::info(&args.scans, args.json, stop),
-        Command::Synth(args) => landing::synth(args, stop),
+        Command::Info(args) => scan::info::print(&args.scans, args.json, stop),
+        Command::Synth(args) => synth(args, stop),
         Command::Report(args) => report(args),
         Command::Doctor(args) => doctor::run(&config, args.json),
         Command::Convert(_) => Err(not_there_yet("convert", "LAS and LAZ files can be viewed as they are")),
@@ -43,31 +48,46 @@ fn report(args: &ReportArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Commands whose parts land separately: each body becomes the one call that its comment shows.
-mod landing {
-    use super::{Config, Stop};
-    use crate::cli::{RenderArgs, SynthArgs, ViewArgs};
-    use anyhow::bail;
-    use std::path::PathBuf;
+fn view(args: &ViewArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+    let options = ViewOptions {
+        scans: args.scans.clone(),
+        headset: match args.headset {
+            HeadsetChoice::Auto => Wish::Auto,
+            HeadsetChoice::Require => Wish::On,
+            HeadsetChoice::Off => Wish::Off,
+        },
+        window: match args.window {
+            WindowChoice::Auto => Wish::Auto,
+            WindowChoice::On => Wish::On,
+            WindowChoice::Off => Wish::Off,
+        },
+        log: args.log.clone(),
+        frames: args.frames,
+        seconds: args.seconds,
+        pose_path: args.pose_path.clone(),
+    };
+    view::run(&options, config, stop)
+}
 
-    /// `view::run(args, config, stop)`
-    pub fn view(_args: &ViewArgs, _config: Config, _stop: Stop) -> anyhow::Result<()> {
-        bail!("this build has no view command")
-    }
+fn render(args: &RenderArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+    let options = ShotOptions {
+        scans: args.scans.clone(),
+        out: args.out.clone(),
+        eye: args.eye,
+        target: args.target,
+        up: args.up.unwrap_or(DVec3::Z),
+        fov_y_deg: args.fov_y,
+        size_px: args.size,
+        stereo: args.stereo,
+        ipd: args.ipd,
+        depth: args.depth.clone(),
+        metrics: args.metrics.clone(),
+    };
+    shot::run(&options, config, stop)
+}
 
-    /// `shot::run(args, config, stop)`
-    pub fn render(_args: &RenderArgs, _config: &Config, _stop: &Stop) -> anyhow::Result<()> {
-        bail!("this build has no render command")
-    }
-
-    /// `scan::info::print(scans, json, stop)`
-    pub fn info(_scans: &[PathBuf], _json: bool, _stop: &Stop) -> anyhow::Result<()> {
-        bail!("this build has no info command")
-    }
-
-    /// `synth::write(&SynthOptions { kind, out, points, seed }, stop)`; the kind's type is then
-    /// `synth::Kind`.
-    pub fn synth(_args: &SynthArgs, _stop: &Stop) -> anyhow::Result<()> {
-        bail!("this build has no synth command")
-    }
+fn synth(args: &SynthArgs, stop: &Stop) -> anyhow::Result<()> {
+    let options = SynthOptions { kind: args.kind, out: args.out.clone(), points: args.points, seed: args.seed };
+    synth::write(&options, stop)?;
+    Ok(())
 }
