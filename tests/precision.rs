@@ -1,0 +1,93 @@
+//! Far from the origin and in a huge cloud, a millimetre is still a millimetre, and it stays where it is.
+
+mod support;
+
+use glam::{DVec3, DVec4};
+use scanwalk::cloud::{Cloud, Order};
+use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::twin;
+use support::{cloud_of, draw};
+
+const CORNER: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
+/// Grid points a side; the grid is a wall in the x-z plane, 1 mm apart.
+const SIDE: i32 = 120;
+/// Distance of a point's exact pixel coordinate from a pixel's edge below which either side is right.
+const EDGE: f64 = 0.05;
+
+/// The wall, and two points that stretch the cloud to 20 km: they share batches with the wall.
+fn wall() -> (Cloud, Vec<DVec3>) {
+    let mut xyz = vec![[-10_000_000, -10_000_000, -50_000]];
+    for z in 0..SIDE {
+        xyz.extend((0..SIDE).map(|x| [x, 0, z]));
+    }
+    xyz.push([10_000_000, 10_000_000, 50_000]);
+    let positions = xyz.iter().map(|p| CORNER + DVec3::from_array(p.map(f64::from)) * 0.001).collect();
+    (cloud_of(&xyz, 0.001, CORNER, Order::Original), positions)
+}
+
+fn view(head_offset: DVec3) -> View {
+    let target = CORNER + DVec3::new(0.06, 0.0, 0.06);
+    let eye = target - DVec3::Y + head_offset;
+    let world_from_view = Pose { position: eye, ..Pose::look_at(target - DVec3::Y, target, DVec3::Z) };
+    let size_px = [701, 701];
+    View { eyes: vec![Eye { world_from_view, fov: Fov::symmetric(0.2, 1.0), size_px }], near: 0.05 }
+}
+
+/// Exact pixel coordinates by the picture formula in f64.
+fn exact(view: &View, p: DVec3) -> (f64, f64) {
+    let rows = view.eyes[0].pixel_from_head(view.head_in_world());
+    let q: DVec4 = (p - view.head_in_world()).extend(1.0);
+    let [x, y, w] = rows.map(|r| DVec4::from_array(r).dot(q));
+    (x / w, y / w)
+}
+
+/// Grid points whose pixel does not show them, of those that are not within `EDGE` of a pixel's edge.
+fn misplaced(pixels: &[u64], view: &View, positions: &[DVec3], order: &dyn Fn(usize) -> u32) -> (usize, usize) {
+    let [width, height] = view.eyes[0].size_px;
+    let inside = |(x, y): (f64, f64)| {
+        let fine = |v: f64| v.fract() > EDGE && v.fract() < 1.0 - EDGE;
+        (x >= 0.0 && y >= 0.0 && x < f64::from(width) && y < f64::from(height) && fine(x) && fine(y))
+            .then(|| y as usize * width as usize + x as usize)
+    };
+    let seen: Vec<(usize, usize)> =
+        (0..positions.len()).filter_map(|i| Some((i, inside(exact(view, positions[i]))?))).collect();
+    let wrong = seen.iter().filter(|(i, pixel)| pixels[*pixel] as u32 != order(*i)).count();
+    (wrong, seen.len())
+}
+
+#[test]
+fn a_millimetre_grid_in_twenty_kilometres_is_drawn_to_the_pixel() {
+    let (cloud, positions) = wall();
+    for full in [false, true] {
+        let view = view(DVec3::new(0.0003, 0.0, 0.0001));
+        let drawn = draw(&cloud, &view, full, 0);
+        let (wrong, seen) = misplaced(&drawn.depth[0], &view, &positions, &|i| i as u32);
+        assert!(seen > 10_000, "{seen} of {} grid points are in view", SIDE * SIDE);
+        assert_eq!(wrong, 0, "of {seen}");
+    }
+}
+
+#[test]
+fn nothing_jitters_while_the_head_moves() {
+    let (cloud, positions) = wall();
+    // The twin equals the GPU bit for bit (tests/frame.rs), so a hundred frames are cheap here.
+    for step in 0..100 {
+        let s = f64::from(step);
+        let view = view(DVec3::new(0.000_137 * s, -0.000_071 * s, 0.000_093 * s));
+        let frame = twin::frame(&cloud, &view, 0, [0; 3]);
+        let (wrong, seen) = misplaced(&frame.depth[0], &view, &positions, &|i| i as u32);
+        assert!(seen > 5_000);
+        assert_eq!(wrong, 0, "step {step}, of {seen}");
+    }
+}
+
+/// The comparison sees an error of 0.4 mm, less than a step of f32 at 10 km from the cloud's centre.
+#[test]
+fn the_comparison_notices_less_than_half_a_millimetre() {
+    let (cloud, positions) = wall();
+    let view = view(DVec3::ZERO);
+    let frame = twin::frame(&cloud, &view, 0, [0; 3]);
+    let shifted: Vec<DVec3> = positions.iter().map(|p| *p + DVec3::new(0.0004, 0.0, 0.0004)).collect();
+    let (wrong, seen) = misplaced(&frame.depth[0], &view, &shifted, &|i| i as u32);
+    assert!(wrong > seen / 2, "{wrong} of {seen}");
+}

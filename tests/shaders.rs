@@ -1,0 +1,99 @@
+//! Shaders without a GPU: naga parses and validates each, and the host's structs have the shaders' offsets.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use scanwalk::layout;
+use scanwalk::render::shaders::{SHADERS, source};
+use std::mem::offset_of;
+
+/// What the frame's adapters offer beyond plain WGSL.
+fn capabilities() -> Capabilities {
+    Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
+}
+
+fn parse(name: &str, wgsl: &str) -> naga::Module {
+    naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(wgsl)))
+}
+
+#[test]
+fn every_shader_is_valid_for_one_eye_and_two() {
+    for (name, _) in SHADERS {
+        for num_eyes in [1, 2] {
+            let wgsl = source(name, num_eyes);
+            let module = parse(name, &wgsl);
+            let mut validator = Validator::new(ValidationFlags::all(), capabilities());
+            if let Err(e) = validator.validate(&module) {
+                panic!("{name}: {}", e.emit_to_string(&wgsl));
+            }
+            assert!(!module.entry_points.is_empty(), "{name} has an entry point");
+        }
+    }
+}
+
+#[test]
+fn the_validator_refuses_what_the_tier_lacks() {
+    let wgsl = source("depth", 2).replace("atomicMin(", "atomicAdd(");
+    let mut validator = Validator::new(ValidationFlags::all(), capabilities());
+    assert!(validator.validate(&parse("broken depth", &wgsl)).is_err());
+}
+
+/// Name, size and (field, offset) of a host struct.
+type HostStruct = (&'static str, usize, Vec<(&'static str, usize)>);
+
+macro_rules! host {
+    ($name:ident: $($field:ident),+) => {
+        (stringify!($name), size_of::<layout::$name>(),
+         vec![$((stringify!($field), offset_of!(layout::$name, $field))),+])
+    };
+}
+
+fn host_structs() -> Vec<HostStruct> {
+    vec![
+        host!(Batch: min_hi, first_point, min_lo, num_points, cell, reserved_a, steps_per_unit, reserved_b),
+        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, size_px, width, height),
+        host!(ViewUniform: head_hi, near, head_lo, forced_planes, eyes),
+        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags),
+        host!(ChunkUniform: first_index, num_points, reserved),
+        host!(ResolveUniform: width, first_index, num_points, reserved),
+    ]
+}
+
+/// What differs between a host struct and the shaders' struct of that name.
+fn difference(module: &naga::Module, (name, size, fields): &HostStruct) -> Option<String> {
+    let Some((_, ty)) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)) else {
+        return Some(format!("the shaders have no struct {name}"));
+    };
+    let naga::TypeInner::Struct { members, span } = &ty.inner else {
+        return Some(format!("{name} is no struct"));
+    };
+    let theirs: Vec<(&str, usize)> =
+        members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
+    (theirs != *fields || *span as usize != *size)
+        .then(|| format!("{name}: shader {theirs:?} of {span} bytes, host {fields:?} of {size}"))
+}
+
+#[test]
+fn host_structs_have_the_shaders_offsets() {
+    let module = parse("layout", &source("depth", 2));
+    for host in host_structs() {
+        assert_eq!(difference(&module, &host), None);
+    }
+    let counters = parse("cull", &source("cull", 2));
+    let mut host = host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points);
+    host.0 = "Counters";
+    assert_eq!(difference(&counters, &host), None);
+}
+
+#[test]
+fn the_offset_comparison_can_fail() {
+    let wgsl = source("depth", 2).replace("min_lo: vec3<f32>,\n    num_points: u32,", "num_points: u32,\n    min_lo: vec3<f32>,");
+    assert!(difference(&parse("swapped", &wgsl), &host_structs()[0]).is_some());
+}
+
+#[test]
+fn the_prelude_states_every_constant_once() {
+    let prelude = layout::prelude(2);
+    for line in prelude.lines() {
+        let name = line.split_whitespace().nth(1).expect("const NAME: …").trim_end_matches(':');
+        assert_eq!(prelude.matches(&format!("const {name}:")).count(), 1, "{name}");
+    }
+}
