@@ -128,14 +128,14 @@ fn a_broken_chunk_loses_only_itself() {
     // Three chunks of 50 000, 50 000 and 20 000 points.
     let bytes = Fixture::new(1).compressed().with_points(120_000).bytes();
     let all = read_bytes(&bytes).unwrap().files[0].points.clone();
-    let middle = points_offset(&bytes) + (bytes.len() - points_offset(&bytes)) * 5 / 12;
+    let middle = points_offset(&bytes) + (bytes.len() - points_offset(&bytes)) * 5 / 8;
     let mut broken = bytes.clone();
     broken[middle..middle + 4000].fill(0xff);
     let scan = read_bytes(&broken).unwrap();
     let points = &scan.files[0].points;
     assert_eq!(points.xyz.len(), 70_000);
-    assert_eq!(points.xyz[..50_000], all.xyz[..50_000]);
-    assert_eq!(points.xyz[50_000..], all.xyz[100_000..]);
+    assert!(points.xyz[..50_000] == all.xyz[..50_000]);
+    assert!(points.xyz[50_000..] == all.xyz[100_000..]);
     let warning = &scan.warnings[0];
     assert!(warning.contains("scan.las: chunk 2 of 3 (points 50001 to 100000)"), "{warning}");
 }
@@ -194,7 +194,8 @@ proptest! {
         let mut bytes = bytes;
         if signed && bytes.len() > 26 {
             bytes[..4].copy_from_slice(b"LASF");
-            bytes[24..26].copy_from_slice(&[1, bytes[25] % 5]);
+            bytes[24] = 1;
+            bytes[25] %= 5;
         }
         let _ = read_bytes(&bytes);
         prop_assert!(peak_kib().unwrap_or(0) < MOST_KIB);

@@ -89,6 +89,9 @@ fn table(
     let head = source.bytes(table_offset + 4, 4)?;
     let num_chunks = head.first_chunk().map_or(0, |bytes| u64::from(u32::from_le_bytes(*bytes)));
     let data_bytes = table_offset - data_offset;
+    if num_chunks == 0 && data_bytes > 0 {
+        return Ok(Err("its chunk table is empty".into()));
+    }
     if num_chunks.saturating_mul(codec.least_bytes() as u64) > data_bytes {
         return Ok(Err(format!("its chunk table claims {num_chunks} chunks in {data_bytes} bytes")));
     }
