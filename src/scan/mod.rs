@@ -1,10 +1,27 @@
 //! Files to columns of points: one reader a format, all handing over a [`Scan`].
 //!
 //! Readers parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose
-//! nothing that can be read.
+//! nothing that can be read. A new format is one more [`Format`] in [`FORMATS`]; nothing else knows of formats.
 
+mod color;
+mod crs;
+mod error;
+mod guard;
+pub mod info;
+mod las;
+mod read;
+mod sniff;
+mod source;
+mod stats;
+
+pub use error::ScanError;
+pub use read::{peek, read};
+
+use crate::progress::Progress;
 use crate::space::Bounds;
 use glam::DVec3;
+use source::Source;
+use stats::Stats;
 use std::path::PathBuf;
 
 /// The integer grid of a file's coordinates: `p_in_world = offset + scale · xyz`, exactly as LAS stores it.
@@ -102,10 +119,65 @@ impl Scan {
     }
 }
 
-impl ScanFile {
-    /// TEMPORARY until the reader lands.
-    pub fn color(&self, index: usize) -> u32 {
-        let _ = index;
-        0xff00_ffff
+/// What a file says of itself, known before its points are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// For people: "LAS 1.2, point format 3".
+    pub format: String,
+    /// Points that are to be expected; only [`read()`] knows how many there are.
+    pub num_points: u64,
+    /// Names of what is stored for each point beside its place.
+    pub attributes: Vec<String>,
+    /// Grid of the coordinates.
+    pub lattice: Lattice,
+    /// Coordinate reference system.
+    pub crs: Option<String>,
+    /// Metres a world unit.
+    pub unit_m: Option<f64>,
+    /// Program that wrote the file.
+    pub software: Option<String>,
+    /// Day on which it was written, "2024-05-09".
+    pub created: Option<String>,
+    /// What was odd, as sentences whose subject is the file.
+    pub warnings: Vec<String>,
+}
+
+/// One file format.
+trait Format: Sync {
+    /// True if a file that starts with `head` (up to [`HEAD_BYTES`]) is of this format.
+    fn recognises(&self, head: &[u8]) -> bool;
+
+    /// Reads and checks the header.
+    fn open(&self, source: Source) -> Result<Box<dyn Reader>, ScanError>;
+}
+
+/// An opened file.
+trait Reader {
+    /// What it says of itself.
+    fn header(&self) -> &Header;
+
+    /// Reads all points that can be read; at least one.
+    fn read(&self, progress: &Progress) -> Result<Columns, ScanError>;
+}
+
+/// The points of a file and what was learnt on the way.
+#[derive(Debug)]
+struct Columns {
+    points: Points,
+    stats: Stats,
+    /// What was odd, as sentences whose subject is the file.
+    warnings: Vec<String>,
+}
+
+impl Default for Columns {
+    fn default() -> Self {
+        Self { points: Points::default(), stats: Stats::EMPTY, warnings: Vec::new() }
     }
 }
+
+/// All formats that can be read.
+const FORMATS: [&dyn Format; 1] = [&las::Las];
+/// Bytes from a file's start that tell its format.
+const HEAD_BYTES: u64 = 512;

@@ -1,0 +1,142 @@
+//! How fast scans are read: M points/s of our reader beside the bare parse rate of the las crate, and peak
+//! memory a point. Prints CSV rows; `docs/bench/load` keeps a run.
+//!
+//! `SCANWALK_BENCH_POINTS` sets the size of the made-up files (10 million), `SCANWALK_BENCH_RUNS` the runs
+//! (5). Each read happens in a process of its own, so that its peak memory is its own.
+
+use anyhow::{Context, Result, ensure};
+use las::{Builder, Color, Point, PointDataBuilder, Reader, Transform, Vector, Writer, point::Format};
+use scanwalk::progress::Stop;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+/// Points that the las crate is asked for at once.
+const LAS_CRATE_BLOCK: u64 = 1 << 20;
+
+fn main() -> Result<()> {
+    let args: Vec<String> = std::env::args().collect();
+    if let [_, read, reader, path] = args.as_slice()
+        && read == "--read"
+    {
+        return read_once(reader, Path::new(path));
+    }
+    let num_points = setting("SCANWALK_BENCH_POINTS", 10_000_000)?;
+    let num_runs = setting("SCANWALK_BENCH_RUNS", 5)?;
+    let folder = std::env::temp_dir().join(format!("scanwalk-bench-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    let result = bench(&folder, num_points, num_runs);
+    std::fs::remove_dir_all(&folder)?;
+    result
+}
+
+fn setting(name: &str, default: usize) -> Result<usize> {
+    match std::env::var(name) {
+        Ok(text) => text.parse().with_context(|| format!("{name} is '{text}', not a number")),
+        Err(_) => Ok(default),
+    }
+}
+
+fn bench(folder: &Path, num_points: usize, num_runs: usize) -> Result<()> {
+    println!("file,reader,run,points,file_bytes,seconds,m_points_per_s,peak_bytes_per_point");
+    for (name, point_format, compressed) in [
+        ("las-format-3", 3, false),
+        ("las-format-7", 7, false),
+        ("laz-format-3", 3, true),
+        ("laz-format-7", 7, true),
+    ] {
+        let path = folder.join(format!("{name}.las"));
+        write_file(&path, point_format, compressed, num_points)?;
+        for run in 0..num_runs {
+            for reader in ["scanwalk", "las-crate"] {
+                println!("{name},{reader},{run},{}", child(reader, &path)?);
+            }
+        }
+        std::fs::remove_file(&path)?;
+    }
+    Ok(())
+}
+
+/// A child's row: points, bytes, seconds, rate, peak memory.
+fn child(reader: &str, path: &Path) -> Result<String> {
+    let output = Command::new(std::env::current_exe()?).args(["--read", reader]).arg(path).output()?;
+    ensure!(output.status.success(), "{reader} failed: {}", String::from_utf8_lossy(&output.stderr));
+    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+}
+
+fn read_once(reader: &str, path: &Path) -> Result<()> {
+    let start = Instant::now();
+    let num_points = if reader == "scanwalk" { read_with_scanwalk(path)? } else { read_with_las(path)? };
+    let seconds = start.elapsed().as_secs_f64();
+    let file_bytes = std::fs::metadata(path)?.len();
+    let rate = num_points as f64 / seconds / 1e6;
+    let peak = peak_bytes().map_or(f64::NAN, |bytes| bytes as f64 / num_points as f64);
+    println!("{num_points},{file_bytes},{seconds:.4},{rate:.2},{peak:.2}");
+    Ok(())
+}
+
+fn read_with_scanwalk(path: &Path) -> Result<usize> {
+    let paths: [PathBuf; 1] = [path.to_owned()];
+    let scan = scanwalk::scan::read(&paths, &Stop::default())?;
+    Ok(std::hint::black_box(scan).num_points())
+}
+
+/// The bare parse: blocks of raw records into one buffer, coordinates taken from the bytes, nothing kept.
+fn read_with_las(path: &Path) -> Result<usize> {
+    let mut reader = Reader::from_path(path)?;
+    let mut block = PointDataBuilder::new().for_header(reader.header()).build();
+    let (mut num_points, mut sum) = (0, 0i64);
+    loop {
+        let count = reader.fill_points(LAS_CRATE_BLOCK, &mut block)?;
+        if count == 0 {
+            break;
+        }
+        num_points += usize::try_from(count)?;
+        for record in block.raw_bytes().chunks_exact(block.record_len()) {
+            let axis = |at: usize| {
+                i64::from(i32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]))
+            };
+            sum = sum.wrapping_add(axis(0) + axis(4) + axis(8));
+        }
+    }
+    std::hint::black_box(sum);
+    Ok(num_points)
+}
+
+/// Largest memory of this process so far, where the system says so.
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}
+
+/// A scanner's sweep over a wavy ground: neighbours in the file are neighbours in space, with noise.
+fn write_file(path: &Path, point_format: u8, compressed: bool, num_points: usize) -> Result<()> {
+    let mut format = Format::new(point_format)?;
+    format.is_compressed = compressed;
+    let mut builder = Builder::from(if point_format < 6 { (1, 2) } else { (1, 4) });
+    builder.point_format = format;
+    let transform = Transform { scale: 0.001, offset: 0.0 };
+    builder.transforms = Vector { x: transform, y: transform, z: transform };
+    let mut writer = Writer::from_path(path, builder.into_header()?)?;
+    let row = (num_points as f64).sqrt();
+    for index in 0..num_points {
+        let noise = ((index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1 << 24) as f64;
+        let (x, y) = (index as f64 % row * 0.01, (index as f64 / row).floor() * 0.01);
+        let z = (0.5 * x).sin() * (0.3 * y).cos() + 0.01 * noise;
+        let shade = ((z + 2.0) * 60.0 + 8.0 * noise) as u16;
+        writer.write_point(Point {
+            x,
+            y,
+            z,
+            intensity: 3 * shade,
+            return_number: 1,
+            number_of_returns: 1,
+            gps_time: Some(index as f64 * 1e-5),
+            color: Some(Color::new(257 * shade, 200 * shade, 150 * shade)),
+            ..Default::default()
+        })?;
+    }
+    writer.close()?;
+    Ok(())
+}

@@ -1,0 +1,227 @@
+//! From columns to colours: which column a file is coloured by, and the ramp for those without colour.
+
+use super::stats::Stats;
+use super::{ColorSource, ScanFile};
+use rayon::prelude::*;
+use std::sync::LazyLock;
+
+/// Part of the values that may lie beyond each end of a ramp: single outliers must not flatten the rest.
+const TAIL: f64 = 0.01;
+/// Heights looked at, evenly over the scan, to find the ends of the ramp.
+const MOST_HEIGHTS: usize = 1 << 20;
+
+impl ScanFile {
+    /// Colour of a point: r | g≪8 | b≪16 | 255≪24, sRGB.
+    ///
+    /// # Panics
+    /// If there is no point `index`.
+    #[must_use]
+    pub fn color(&self, index: usize) -> u32 {
+        match self.color {
+            ColorSource::Rgb8 => pack(self.points.rgb[index].map(|c| c.min(255) as u8)),
+            // round(c / 257) in integers: 257 is odd, so no tie exists.
+            ColorSource::Rgb16 => pack(self.points.rgb[index].map(|c| ((u32::from(c) + 128) / 257) as u8)),
+            ColorSource::Intensity { low, high } => ramp(f64::from(self.points.intensity[index]), low, high),
+            ColorSource::Height { low, high } => {
+                let z = self.lattice.offset.z + self.lattice.scale.z * f64::from(self.points.xyz[index][2]);
+                ramp(z, low, high)
+            }
+        }
+    }
+}
+
+/// What a file with these extremes is coloured by; ranges of ramps follow in [`share_ranges`].
+pub(super) fn source(stats: &Stats) -> ColorSource {
+    if stats.rgb_max > 255 {
+        ColorSource::Rgb16
+    } else if stats.rgb_max > 0 {
+        ColorSource::Rgb8
+    } else if stats.intensity_min < stats.intensity_max {
+        ColorSource::Intensity { low: 0.0, high: 0.0 }
+    } else {
+        ColorSource::Height { low: 0.0, high: 0.0 }
+    }
+}
+
+/// Gives all files of a scan the same ends of their ramps, so that neighbouring tiles match.
+pub(super) fn share_ranges(files: &mut [ScanFile]) {
+    let intensity = intensity_range(files);
+    let height = height_range(files);
+    for file in files {
+        match &mut file.color {
+            ColorSource::Intensity { low, high } => (*low, *high) = intensity,
+            ColorSource::Height { low, high } => (*low, *high) = height,
+            ColorSource::Rgb8 | ColorSource::Rgb16 => {}
+        }
+    }
+}
+
+fn intensity_range(files: &[ScanFile]) -> (f64, f64) {
+    let files = files.iter().filter(|file| matches!(file.color, ColorSource::Intensity { .. }));
+    let mut histogram = vec![0u64; 1 << 16];
+    for file in files {
+        let counts = file.points.intensity.par_chunks(1 << 20).map(|block| {
+            let mut counts = vec![0u64; 1 << 16];
+            block.iter().for_each(|&value| counts[usize::from(value)] += 1);
+            counts
+        });
+        let counts = counts.reduce_with(|mut sum, block| {
+            sum.iter_mut().zip(block).for_each(|(sum, count)| *sum += count);
+            sum
+        });
+        histogram.iter_mut().zip(counts.unwrap_or_default()).for_each(|(sum, count)| *sum += count);
+    }
+    let tail = (histogram.iter().sum::<u64>() as f64 * TAIL) as u64;
+    let robust =
+        (beyond(histogram.iter().enumerate(), tail), beyond(histogram.iter().enumerate().rev(), tail));
+    if robust.0 < robust.1 {
+        return robust;
+    }
+    // Nearly all values are equal: let the few others show.
+    (beyond(histogram.iter().enumerate(), 0), beyond(histogram.iter().enumerate().rev(), 0))
+}
+
+/// The first value that has more than `tail` values before and at it.
+fn beyond<'a>(histogram: impl Iterator<Item = (usize, &'a u64)>, tail: u64) -> f64 {
+    let mut sum = 0;
+    let mut found = histogram.skip_while(|(_, count)| {
+        sum += **count;
+        sum <= tail
+    });
+    found.next().map_or(0.0, |(value, _)| value as f64)
+}
+
+fn height_range(files: &[ScanFile]) -> (f64, f64) {
+    let by_height = || files.iter().filter(|file| matches!(file.color, ColorSource::Height { .. }));
+    let num_points: usize = by_height().map(|file| file.points.xyz.len()).sum();
+    let step = num_points.div_ceil(MOST_HEIGHTS).max(1);
+    let mut heights: Vec<f64> = by_height()
+        .flat_map(|file| {
+            let lattice = file.lattice;
+            file.points.xyz.iter().step_by(step).map(move |xyz| lattice.p_in_world(*xyz).z)
+        })
+        .collect();
+    if heights.is_empty() {
+        return (0.0, 0.0);
+    }
+    let last = heights.len() - 1;
+    let tail = (heights.len() as f64 * TAIL) as usize;
+    let mut at = |index| *heights.select_nth_unstable_by(index, f64::total_cmp).1;
+    let robust = (at(tail), at(last - tail));
+    if robust.0 < robust.1 { robust } else { (at(0), at(last)) }
+}
+
+fn pack([r, g, b]: [u8; 3]) -> u32 {
+    u32::from_le_bytes([r, g, b, 255])
+}
+
+/// The ramp's colour of a value; the middle if the ends coincide.
+fn ramp(value: f64, low: f64, high: f64) -> u32 {
+    let t = if high > low { (value - low) / (high - low) } else { 0.5 };
+    // `as` saturates: below 0 becomes 0.
+    RAMP[((t * 255.0 + 0.5) as usize).min(255)]
+}
+
+/// Violet to yellow by way of green: lightness rises evenly in Oklab, so equal steps look equal, also to
+/// those who do not see all hues, and also printed in grey.
+static RAMP: LazyLock<[u32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|index| {
+        let t = index as f64 / 255.0;
+        let lightness = 0.28 + 0.64 * t;
+        let hue = (300.0 - 195.0 * t).to_radians();
+        let chroma = 0.09 + 0.05 * t;
+        pack(srgb_of_oklab(lightness, chroma * hue.cos(), chroma * hue.sin()))
+    })
+});
+
+/// Oklab to 8-bit sRGB, clamped to what can be shown.
+fn srgb_of_oklab(lightness: f64, a: f64, b: f64) -> [u8; 3] {
+    let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548_0 * b).powi(3);
+    let linear = [
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    ];
+    linear.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::{Lattice, Points};
+    use crate::space::Bounds;
+    use glam::DVec3;
+
+    fn file(points: Points) -> ScanFile {
+        let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+        ScanFile {
+            path: "a.las".into(),
+            format: String::new(),
+            lattice: Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO },
+            color: source(&stats),
+            points,
+            bounds: Bounds::EMPTY,
+        }
+    }
+
+    #[test]
+    fn sixteen_bits_round_and_eight_bits_stay() {
+        for c in 0..=u16::MAX {
+            let bright = [u16::MAX, c, 0];
+            let file = file(Points { xyz: vec![[0; 3]], rgb: vec![bright], intensity: vec![0] });
+            let expected = (f64::from(c) / 257.0).round() as u32;
+            assert_eq!(file.color(0), 255 | expected << 8 | 255 << 24);
+        }
+        let file = file(Points { xyz: vec![[0; 3]], rgb: vec![[255, 1, 2]], intensity: vec![0] });
+        assert_eq!(file.color, ColorSource::Rgb8);
+        assert_eq!(file.color(0), 255 | 1 << 8 | 2 << 16 | 255 << 24);
+    }
+
+    #[test]
+    fn black_falls_back_to_intensity_and_constant_intensity_to_height() {
+        let black = vec![[0; 3]; 2];
+        let xyz = vec![[0; 3], [0, 0, 8]];
+        let mut files = [
+            file(Points { xyz: xyz.clone(), rgb: black.clone(), intensity: vec![3, 9] }),
+            file(Points { xyz, rgb: black, intensity: vec![7, 7] }),
+        ];
+        share_ranges(&mut files);
+        assert_eq!(files[0].color, ColorSource::Intensity { low: 3.0, high: 9.0 });
+        assert_eq!(files[1].color, ColorSource::Height { low: 0.0, high: 4.0 });
+        assert_eq!([files[0].color(0), files[0].color(1)], [RAMP[0], RAMP[255]]);
+        assert_eq!([files[1].color(0), files[1].color(1)], [RAMP[0], RAMP[255]]);
+    }
+
+    #[test]
+    fn outliers_do_not_set_the_ends_and_tiles_share_them() {
+        let intensity = |from: u16| (0..1000).map(|i| if i == 0 { 60_000 } else { from + i % 100 }).collect();
+        let tile = |from| file(Points { xyz: vec![[0; 3]; 1000], rgb: vec![], intensity: intensity(from) });
+        let mut files = [tile(100), tile(300)];
+        share_ranges(&mut files);
+        assert_eq!(files[0].color, files[1].color);
+        let ColorSource::Intensity { low, high } = files[0].color else { panic!("{:?}", files[0].color) };
+        assert!((100.0..110.0).contains(&low) && (390.0..400.0).contains(&high), "{low} {high}");
+        // Without the robust ends the outlier would decide.
+        assert_eq!(files[0].points.intensity.iter().max(), Some(&60_000));
+    }
+
+    #[test]
+    fn the_ramp_grows_lighter_everywhere() {
+        let luminance = |color: u32| {
+            let channel = |shift: u32| (f64::from(color >> shift & 255) / 255.0).powf(2.2);
+            0.2126 * channel(0) + 0.7152 * channel(8) + 0.0722 * channel(16)
+        };
+        assert!(RAMP.windows(2).all(|pair| luminance(pair[0]) <= luminance(pair[1]) + 1e-3));
+        assert!(luminance(RAMP[0]) < 0.05 && luminance(RAMP[255]) > 0.6);
+        assert_eq!(ramp(f64::NAN, 0.0, 1.0), RAMP[0]);
+        assert_eq!(ramp(-5.0, 0.0, 1.0), RAMP[0]);
+        assert_eq!(ramp(5.0, 0.0, 1.0), RAMP[255]);
+        assert_eq!(ramp(1.0, 1.0, 1.0), RAMP[128]);
+    }
+}

@@ -1,0 +1,121 @@
+//! What can go wrong with a file; every message names the file, the place in it, and what to do.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a scan could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ScanError {
+    /// No file was named.
+    #[error("no scan was named: give one or more LAS or LAZ files")]
+    NoFiles,
+    /// The user asked to stop.
+    #[error("reading was stopped before the end")]
+    Stopped,
+    /// The operating system refused.
+    #[error("{path}: cannot be read{place}: {error}{advice}", path = path.display(), place = at(*offset), advice = advice(error))]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Byte at which reading failed; `None` while opening.
+        offset: Option<u64>,
+        /// The system's words. Not a `source`: the message holds them already.
+        error: io::Error,
+    },
+    /// A folder, a pipe, a device.
+    #[error("{path}: is {kind}, not a file: {advice}", path = path.display())]
+    NotAFile {
+        /// What was named.
+        path: PathBuf,
+        /// "a folder".
+        kind: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The file is something else.
+    #[error("{path}: is not a LAS or LAZ file: {looks_like}; {advice}", path = path.display())]
+    NotAScan {
+        /// The file.
+        path: PathBuf,
+        /// What its first bytes say.
+        looks_like: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// A header field makes no sense.
+    #[error("{path}: {field} (byte {offset}) {problem}", path = path.display())]
+    Field {
+        /// The file.
+        path: PathBuf,
+        /// Where the field starts.
+        offset: u64,
+        /// The field's name in the format's specification.
+        field: &'static str,
+        /// What is wrong and what to do, as the end of a sentence.
+        problem: String,
+    },
+    /// The file ends too early for anything to be read.
+    #[error(
+        "{path}: ends at byte {len}, within its {what}, which needs {needed} bytes: \
+         the file was cut off; copy or download it again",
+        path = path.display()
+    )]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+        /// Its size in bytes.
+        len: u64,
+        /// The part that is not whole.
+        what: &'static str,
+        /// Bytes that the part needs, counted from the file's start.
+        needed: u64,
+    },
+    /// Nothing to show.
+    #[error("{path}: holds no points: {reason}", path = path.display())]
+    NoPoints {
+        /// The file.
+        path: PathBuf,
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// Compressed in a way that cannot be undone here.
+    #[error("{path}: its compressed points cannot be read: {reason}", path = path.display())]
+    Compression {
+        /// The file.
+        path: PathBuf,
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// The points do not fit into memory.
+    #[error(
+        "{path}: no memory for {num_points} points: \
+         close other programs, or show fewer files at once",
+        path = path.display()
+    )]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// Points that were to be held.
+        num_points: u64,
+    },
+}
+
+impl ScanError {
+    /// An I/O failure at a byte.
+    pub(crate) fn io(path: &Path, offset: Option<u64>, error: io::Error) -> Self {
+        Self::Io { path: path.to_owned(), offset, error }
+    }
+}
+
+fn at(offset: Option<u64>) -> String {
+    offset.map_or_else(String::new, |byte| format!(" at byte {byte}"))
+}
+
+/// What to do where that is known.
+fn advice(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "; check its name and folder",
+        io::ErrorKind::PermissionDenied => "; ask its owner for the right to read it (chmod +r)",
+        _ => "",
+    }
+}

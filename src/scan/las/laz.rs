@@ -1,0 +1,280 @@
+//! Compressed points: chunks in parallel, in file order; a broken chunk loses only itself.
+
+use super::chunks::{self, Chunk, Chunks, TABLE_POSITION_BYTES};
+use super::codec::Codec;
+use super::header::LasHeader;
+use crate::progress::Progress;
+use crate::scan::source::Source;
+use crate::scan::stats::Stats;
+use crate::scan::{Columns, Points, ScanError, guard};
+use laz::LazVlr;
+use rayon::prelude::*;
+use std::io::{self, BufReader};
+
+/// Chunks in work for each thread: enough to even out their sizes, few enough to hold them in memory twice.
+const CHUNKS_PER_THREAD: usize = 8;
+/// Damaged chunks that are named one by one.
+const MOST_NAMED: usize = 5;
+
+/// How the points of a file are compressed and cut into chunks.
+#[derive(Clone, Debug)]
+pub(super) struct Laz {
+    codec: Codec,
+    cut: Cut,
+}
+
+/// How the points are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cut {
+    /// All points are one chunk and there is no chunk table (LASzip 1).
+    Not,
+    /// Chunks of so many points.
+    Fixed(u32),
+    /// Chunks of as many points as the table states.
+    Variable,
+}
+
+impl Laz {
+    /// From the payload of the LASzip record.
+    ///
+    /// # Errors
+    /// Why nothing of it can be decompressed, and what to do.
+    pub fn parse(payload: &[u8]) -> Result<Self, String> {
+        let advice = "write it again with a current LASzip, or as LAS";
+        let vlr = match guard::catch(|| LazVlr::read_from(payload)) {
+            Ok(Ok(vlr)) => vlr,
+            Ok(Err(error)) => return Err(format!("its LASzip record says: {error}; {advice}")),
+            Err(panic) => return Err(format!("its LASzip record is damaged ({panic}); {advice}")),
+        };
+        // The crate keeps the kind of compression to itself; it is the record's first field.
+        let cut = match payload.first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes)) {
+            1 => Cut::Not,
+            2 | 3 if vlr.uses_variable_size_chunks() => Cut::Variable,
+            2 | 3 => Cut::Fixed(vlr.chunk_size()),
+            kind => {
+                return Err(format!(
+                    "its LASzip record names compression {kind}, only 1 to 3 are known; {advice}"
+                ));
+            }
+        };
+        let codec = Codec::new(vlr.items().clone()).map_err(|reason| format!("{reason}; {advice}"))?;
+        Ok(Self { codec, cut })
+    }
+
+    /// Bytes of a decompressed record.
+    pub fn record_bytes(&self) -> usize {
+        self.codec.layout.record_bytes
+    }
+
+    /// True if records carry colour.
+    pub fn has_rgb(&self) -> bool {
+        self.codec.layout.rgb_offset.is_some()
+    }
+
+    /// Reads all points that can be read.
+    ///
+    /// # Errors
+    /// Stopped, no memory, nothing readable at all.
+    pub fn read(
+        &self,
+        source: &Source,
+        header: &LasHeader,
+        progress: &Progress,
+    ) -> Result<Columns, ScanError> {
+        let offset = header.points_offset;
+        let chunk_points = match self.cut {
+            Cut::Not => return self.read_serially(source, header, offset, None, progress),
+            Cut::Fixed(size) => Some(size),
+            Cut::Variable => None,
+        };
+        match chunks::find(source, &self.codec, offset, chunk_points, header.announced_points)? {
+            Chunks::Listed(chunks) => self.read_chunks(source, &chunks, progress),
+            Chunks::Followed(chunks, reason) => {
+                let mut columns = self.read_chunks(source, &chunks, progress)?;
+                columns
+                    .warnings
+                    .insert(0, format!("{reason}; {} whole chunks were found without it", chunks.len()));
+                Ok(columns)
+            }
+            Chunks::Unknown(reason) => {
+                let Some(size) = chunk_points else {
+                    let reason = format!(
+                        "{reason}, and without it nobody can tell where its chunks end; get it again"
+                    );
+                    return Err(ScanError::Compression { path: source.path().to_owned(), reason });
+                };
+                let mut columns =
+                    self.read_serially(source, header, offset + TABLE_POSITION_BYTES, Some(size), progress)?;
+                columns.warnings.insert(0, format!("{reason}; it was read on one core instead of all"));
+                Ok(columns)
+            }
+        }
+    }
+
+    fn read_chunks(
+        &self,
+        source: &Source,
+        chunks: &[Chunk],
+        progress: &Progress,
+    ) -> Result<Columns, ScanError> {
+        let mut columns = Columns::default();
+        let mut damaged = Vec::new();
+        let mut first_point = 0;
+        let window = CHUNKS_PER_THREAD * rayon::current_num_threads();
+        for (round, chunks_now) in chunks.chunks(window).enumerate() {
+            let read: Vec<_> =
+                chunks_now.par_iter().map(|chunk| self.read_chunk(source, chunk, progress)).collect();
+            if progress.stopped() {
+                return Err(ScanError::Stopped);
+            }
+            for (index, (chunk, read)) in chunks_now.iter().zip(read).enumerate() {
+                let num_points = match read {
+                    Ok((points, stats)) => {
+                        let num_points = points.xyz.len() as u64;
+                        append(source, &mut columns, points, stats)?;
+                        num_points
+                    }
+                    Err(reason) => {
+                        let number = round * window + index + 1;
+                        damaged.push(Damaged { number, first_point, num_points: chunk.num_points, reason });
+                        0
+                    }
+                };
+                first_point += chunk.num_points.unwrap_or(num_points);
+            }
+        }
+        report(source, &mut columns, chunks.len(), &damaged)?;
+        columns.points.xyz.shrink_to_fit();
+        columns.points.rgb.shrink_to_fit();
+        columns.points.intensity.shrink_to_fit();
+        Ok(columns)
+    }
+
+    fn read_chunk(
+        &self,
+        source: &Source,
+        chunk: &Chunk,
+        progress: &Progress,
+    ) -> Result<(Points, Stats), String> {
+        if progress.stopped() {
+            return Ok((Points::default(), Stats::EMPTY));
+        }
+        let bytes = source.bytes(chunk.offset, chunk.num_bytes).map_err(|error| error.to_string())?;
+        if (bytes.len() as u64) < chunk.num_bytes {
+            return Err("is cut off by the file's end".into());
+        }
+        let points = guard::catch(|| self.codec.decode_chunk(&bytes, chunk.num_points))
+            .unwrap_or_else(|panic| Err(format!("is damaged ({panic})")))?;
+        let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+        progress.add(points.xyz.len() as u64);
+        Ok((points, stats))
+    }
+
+    /// Chunk after chunk on one core, as far as it goes: no chunk says where it ends.
+    fn read_serially(
+        &self,
+        source: &Source,
+        header: &LasHeader,
+        offset: u64,
+        chunk_points: Option<u32>,
+        progress: &Progress,
+    ) -> Result<Columns, ScanError> {
+        let mut columns = Columns::default();
+        let mut reader = BufReader::with_capacity(1 << 20, source.reader(offset));
+        let most = source.len().saturating_mul(1000);
+        let announced = if header.announced_points == 0 { most } else { header.announced_points.min(most) };
+        let points = &mut columns.points;
+        while (points.xyz.len() as u64) < announced {
+            if progress.stopped() {
+                return Err(ScanError::Stopped);
+            }
+            let before = points.xyz.len();
+            let left = announced - before as u64;
+            let wanted = chunk_points.map_or(left, |size| left.min(u64::from(size)));
+            let end = guard::catch(|| self.codec.decode(&mut reader, wanted, points));
+            let problem = match end {
+                Ok(Ok(())) => None,
+                Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                    Some("the file is cut off".into())
+                }
+                Ok(Err(error)) if error.kind() == io::ErrorKind::OutOfMemory => {
+                    return Err(ScanError::Memory { path: source.path().to_owned(), num_points: announced });
+                }
+                Ok(Err(error)) => Some(truncated(points, before, error.to_string())),
+                Err(panic) => Some(truncated(points, before, panic)),
+            };
+            progress.add((points.xyz.len() - before) as u64);
+            if let Some(problem) = problem {
+                let num_points = points.xyz.len();
+                columns
+                    .warnings
+                    .push(format!("could be decompressed up to point {num_points} only: {problem}"));
+                break;
+            }
+        }
+        columns.stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+        Ok(columns)
+    }
+}
+
+/// Drops the points of the chunk that went wrong: what came before the error may be nonsense already.
+fn truncated(points: &mut Points, num_points: usize, problem: String) -> String {
+    points.xyz.truncate(num_points);
+    points.rgb.truncate(num_points);
+    points.intensity.truncate(num_points);
+    problem
+}
+
+/// Columns grow with what was really read; the pages of spare capacity are never touched.
+fn append(source: &Source, columns: &mut Columns, points: Points, stats: Stats) -> Result<(), ScanError> {
+    let all = &mut columns.points;
+    let reserved = all.xyz.try_reserve(points.xyz.len());
+    let reserved = reserved.and_then(|()| all.rgb.try_reserve(points.rgb.len()));
+    let reserved = reserved.and_then(|()| all.intensity.try_reserve(points.intensity.len()));
+    if reserved.is_err() {
+        let num_points = (all.xyz.len() + points.xyz.len()) as u64;
+        return Err(ScanError::Memory { path: source.path().to_owned(), num_points });
+    }
+    all.xyz.extend_from_slice(&points.xyz);
+    all.rgb.extend_from_slice(&points.rgb);
+    all.intensity.extend_from_slice(&points.intensity);
+    columns.stats = columns.stats.union(stats);
+    Ok(())
+}
+
+/// A chunk that could not be read.
+struct Damaged {
+    number: usize,
+    first_point: u64,
+    num_points: Option<u64>,
+    reason: String,
+}
+
+impl Damaged {
+    fn sentence(&self, num_chunks: usize) -> String {
+        let Self { number, first_point, num_points, reason } = self;
+        let last = num_points.map_or_else(|| "the last".into(), |count| (first_point + count).to_string());
+        format!("chunk {number} of {num_chunks} (points {} to {last}) {reason}", first_point + 1)
+    }
+}
+
+/// Warns of lost chunks; an error if nothing is left.
+fn report(
+    source: &Source,
+    columns: &mut Columns,
+    num_chunks: usize,
+    damaged: &[Damaged],
+) -> Result<(), ScanError> {
+    if let Some(first) = damaged.first()
+        && columns.points.xyz.is_empty()
+    {
+        let reason = format!("{}; get the file again", first.sentence(num_chunks));
+        return Err(ScanError::Compression { path: source.path().to_owned(), reason });
+    }
+    let named = damaged.iter().take(MOST_NAMED);
+    columns.warnings.extend(named.map(|chunk| format!("{}; it is left out", chunk.sentence(num_chunks))));
+    if damaged.len() > MOST_NAMED {
+        columns.warnings.push(format!("{} more chunks are damaged and left out", damaged.len() - MOST_NAMED));
+    }
+    Ok(())
+}

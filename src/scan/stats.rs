@@ -1,0 +1,53 @@
+//! Extremes of columns, gathered block by block while the block is in the cache.
+
+/// Smallest and largest values of a run of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stats {
+    /// Smallest lattice coordinates.
+    pub xyz_min: [i32; 3],
+    /// Largest lattice coordinates.
+    pub xyz_max: [i32; 3],
+    /// Largest red, green or blue; 0 without colour.
+    pub rgb_max: u16,
+    /// Smallest intensity.
+    pub intensity_min: u16,
+    /// Largest intensity.
+    pub intensity_max: u16,
+}
+
+impl Stats {
+    /// Of no points; the neutral element of [`Stats::union`].
+    pub const EMPTY: Self = Self {
+        xyz_min: [i32::MAX; 3],
+        xyz_max: [i32::MIN; 3],
+        rgb_max: 0,
+        intensity_min: u16::MAX,
+        intensity_max: 0,
+    };
+
+    /// Of these columns.
+    pub fn of(xyz: &[[i32; 3]], rgb: &[[u16; 3]], intensity: &[u16]) -> Self {
+        let mut stats = Self::EMPTY;
+        for p in xyz {
+            for axis in 0..3 {
+                stats.xyz_min[axis] = stats.xyz_min[axis].min(p[axis]);
+                stats.xyz_max[axis] = stats.xyz_max[axis].max(p[axis]);
+            }
+        }
+        stats.rgb_max = rgb.iter().flatten().fold(0, |max, &value| max.max(value));
+        stats.intensity_min = intensity.iter().fold(u16::MAX, |min, &value| min.min(value));
+        stats.intensity_max = intensity.iter().fold(0, |max, &value| max.max(value));
+        stats
+    }
+
+    /// Of both runs together.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            xyz_min: std::array::from_fn(|axis| self.xyz_min[axis].min(other.xyz_min[axis])),
+            xyz_max: std::array::from_fn(|axis| self.xyz_max[axis].max(other.xyz_max[axis])),
+            rgb_max: self.rgb_max.max(other.rgb_max),
+            intensity_min: self.intensity_min.min(other.intensity_min),
+            intensity_max: self.intensity_max.max(other.intensity_max),
+        }
+    }
+}
