@@ -7,7 +7,7 @@ pub mod readback;
 pub mod stage;
 pub mod timer;
 
-pub(crate) use open::block_on;
+pub(crate) use open::{block_on, instance_flags};
 pub use open::{GpuError, required_features};
 pub use queue::{Queue, QueueGuard};
 

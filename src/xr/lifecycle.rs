@@ -1,0 +1,232 @@
+//! The session's state machine: what the runtime's events ask of us. Knows no OpenXR object, so it is tested
+//! without a runtime.
+//!
+//! ```text
+//! IDLE ─▶ READY ─begin▶ SYNCHRONIZED ⇄ VISIBLE ⇄ FOCUSED
+//!  ▲                          │
+//!  └──────end── STOPPING ◀────┘        EXITING, LOSS_PENDING: over
+//! ```
+
+use openxr as xr;
+use openxr::SessionState;
+use std::time::{Duration, Instant};
+
+/// How long a runtime may take to wind a session down before we leave on our own.
+const EXIT_PATIENCE: Duration = Duration::from_secs(3);
+
+/// Sentences for `Beat::Ended`.
+pub(super) mod ended {
+    pub const BY_US: &str = "the walk was ended";
+    pub const BY_RUNTIME: &str = "the headset's software ended the session";
+    pub const SESSION_LOST: &str =
+        "the headset was lost (unplugged, switched off, or its software stopped); connect it and start again";
+    pub const RUNTIME_LOST: &str = "the headset's software stopped; start it and then this program again";
+}
+
+/// What to do about a new state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Task {
+    /// Call xrBeginSession.
+    Begin,
+    /// Call xrEndSession.
+    End,
+}
+
+/// Where the session is in its life.
+#[derive(Debug)]
+pub(super) struct Lifecycle {
+    state: SessionState,
+    running: bool,
+    reached_focus: bool,
+    exit_asked: Option<Instant>,
+    ended: Option<&'static str>,
+}
+
+impl Lifecycle {
+    pub fn new() -> Self {
+        Self {
+            state: SessionState::UNKNOWN,
+            running: false,
+            reached_focus: false,
+            exit_asked: None,
+            ended: None,
+        }
+    }
+
+    /// The runtime's latest word.
+    pub fn state(&self) -> SessionState {
+        self.state
+    }
+
+    /// Whether the user ever had it in focus.
+    pub fn reached_focus(&self) -> bool {
+        self.reached_focus
+    }
+
+    /// True between xrBeginSession and xrEndSession: frames are to be made.
+    pub fn running(&self) -> bool {
+        self.running && self.ended.is_none()
+    }
+
+    /// The reason once it is over.
+    pub fn ended(&self) -> Option<&'static str> {
+        self.ended
+    }
+
+    /// The runtime announced a state.
+    pub fn enter(&mut self, state: SessionState) -> Option<Task> {
+        self.state = state;
+        match state {
+            SessionState::READY if !self.running => {
+                self.running = true;
+                return Some(Task::Begin);
+            }
+            SessionState::STOPPING if self.running => {
+                self.running = false;
+                return Some(Task::End);
+            }
+            SessionState::FOCUSED => self.reached_focus = true,
+            SessionState::EXITING => {
+                self.end(if self.exit_asked.is_some() { ended::BY_US } else { ended::BY_RUNTIME });
+            }
+            SessionState::LOSS_PENDING => self.end(ended::SESSION_LOST),
+            _ => {}
+        }
+        None
+    }
+
+    /// It is over. The first reason is the one that is told.
+    pub fn end(&mut self, reason: &'static str) {
+        self.ended.get_or_insert(reason);
+        self.running = false;
+    }
+
+    /// A call's result. A loss ends the session and yields `None`; other failures are errors.
+    pub fn survive<T>(&mut self, call: &'static str, result: xr::Result<T>) -> anyhow::Result<Option<T>> {
+        match result {
+            Ok(value) => Ok(Some(value)),
+            Err(xr::sys::Result::ERROR_SESSION_LOST) => {
+                self.end(ended::SESSION_LOST);
+                Ok(None)
+            }
+            Err(xr::sys::Result::ERROR_INSTANCE_LOST) => {
+                self.end(ended::RUNTIME_LOST);
+                Ok(None)
+            }
+            Err(result) => anyhow::bail!(
+                "the headset's OpenXR runtime failed ({call}: {result:?}): restart it and start again"
+            ),
+        }
+    }
+
+    /// The user asked to leave at `now`. True: tell the runtime; false: there is no running session to end.
+    pub fn ask_exit(&mut self, now: Instant) -> bool {
+        if !self.running() {
+            self.end(ended::BY_US);
+            return false;
+        }
+        self.exit_asked.replace(now).is_none()
+    }
+
+    /// Leaves anyway if the runtime has not let us go in time.
+    pub fn lose_patience(&mut self, now: Instant) {
+        if self.exit_asked.is_some_and(|asked| now.saturating_duration_since(asked) > EXIT_PATIENCE) {
+            self.end(ended::BY_US);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A session in focus.
+    fn focused() -> Lifecycle {
+        let mut life = Lifecycle::new();
+        assert_eq!(life.enter(SessionState::IDLE), None);
+        assert!(!life.running());
+        assert_eq!(life.enter(SessionState::READY), Some(Task::Begin));
+        for state in [SessionState::SYNCHRONIZED, SessionState::VISIBLE] {
+            assert_eq!(life.enter(state), None);
+            assert!(life.running() && !life.reached_focus());
+        }
+        assert_eq!(life.enter(SessionState::FOCUSED), None);
+        assert!(life.running() && life.reached_focus());
+        life
+    }
+
+    #[test]
+    fn exit_on_request_passes_through_stopping() {
+        let mut life = focused();
+        assert!(life.ask_exit(Instant::now()));
+        assert!(!life.ask_exit(Instant::now()), "the runtime is told once");
+        assert!(life.running(), "frames go on until the runtime says stop");
+        assert_eq!(life.enter(SessionState::STOPPING), Some(Task::End));
+        assert!(!life.running() && life.ended().is_none());
+        life.enter(SessionState::IDLE);
+        life.enter(SessionState::EXITING);
+        assert_eq!(life.ended(), Some(ended::BY_US));
+    }
+
+    #[test]
+    fn the_runtime_may_end_it() {
+        let mut life = focused();
+        life.enter(SessionState::STOPPING);
+        life.enter(SessionState::EXITING);
+        assert_eq!(life.ended(), Some(ended::BY_RUNTIME));
+    }
+
+    #[test]
+    fn a_headset_taken_off_can_be_put_on_again() {
+        let mut life = focused();
+        assert_eq!(life.enter(SessionState::STOPPING), Some(Task::End));
+        life.enter(SessionState::IDLE);
+        assert!(life.ended().is_none());
+        assert_eq!(life.enter(SessionState::READY), Some(Task::Begin));
+        assert!(life.running());
+    }
+
+    #[test]
+    fn loss_ends_it_and_the_first_reason_stays() {
+        let mut life = focused();
+        life.enter(SessionState::LOSS_PENDING);
+        life.end(ended::RUNTIME_LOST);
+        assert_eq!(life.ended(), Some(ended::SESSION_LOST));
+        assert!(!life.running());
+    }
+
+    #[test]
+    fn lost_calls_end_it_and_failed_calls_are_errors() {
+        use xr::sys::Result as Code;
+        for (code, reason) in [
+            (Code::ERROR_SESSION_LOST, ended::SESSION_LOST),
+            (Code::ERROR_INSTANCE_LOST, ended::RUNTIME_LOST),
+        ] {
+            let mut life = focused();
+            assert!(life.survive::<()>("xrWaitFrame", Err(code)).unwrap().is_none());
+            assert_eq!(life.ended(), Some(reason));
+        }
+        let mut life = focused();
+        assert_eq!(life.survive("xrWaitFrame", Ok(7)).unwrap(), Some(7));
+        let error = life.survive::<()>("xrEndFrame", Err(Code::ERROR_POSE_INVALID)).unwrap_err();
+        assert!(error.to_string().contains("xrEndFrame: ERROR_POSE_INVALID"), "{error}");
+        assert!(life.running());
+    }
+
+    #[test]
+    fn leaving_before_the_session_runs_ends_at_once() {
+        let mut life = Lifecycle::new();
+        assert!(!life.ask_exit(Instant::now()));
+        assert_eq!(life.ended(), Some(ended::BY_US));
+    }
+
+    #[test]
+    fn a_runtime_that_does_not_answer_is_left() {
+        let (mut life, start) = (focused(), Instant::now());
+        life.ask_exit(start);
+        life.lose_patience(start + EXIT_PATIENCE / 2);
+        assert_eq!(life.ended(), None);
+        life.lose_patience(start + EXIT_PATIENCE * 2);
+        assert_eq!(life.ended(), Some(ended::BY_US));
+    }
+}

@@ -1,0 +1,237 @@
+//! The eyes' images: one swapchain an eye, wrapped as wgpu textures.
+//!
+//! Two things that no validation layer notices are made impossible here. The runtime's queue use in
+//! xrAcquireSwapchainImage and xrReleaseSwapchainImage needs the queue's guard. And an image can only be
+//! released through [`ClosedFrame`], which has it in the layout that the runtime expects
+//! (COLOR_ATTACHMENT_OPTIMAL), whatever the frame last did with it.
+#![allow(unsafe_code)] // Wraps the runtime's VkImages as wgpu textures; each block says why it is sound.
+
+use crate::gpu::{Gpu, Queue, QueueGuard};
+use ash::vk::{self, Handle};
+use openxr as xr;
+use wgpu_hal::api::Vulkan as HalVulkan;
+
+/// 8-bit sRGB formats, best first: OpenXR's (Vulkan's) number and wgpu's name.
+const FORMATS: [(vk::Format, wgpu::TextureFormat); 2] = [
+    (vk::Format::R8G8B8A8_SRGB, wgpu::TextureFormat::Rgba8UnormSrgb),
+    (vk::Format::B8G8R8A8_SRGB, wgpu::TextureFormat::Bgra8UnormSrgb),
+];
+
+/// An image format that the runtime and wgpu both know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ImageFormat {
+    vulkan: vk::Format,
+    pub wgpu: wgpu::TextureFormat,
+}
+
+impl ImageFormat {
+    /// The best of the formats that the runtime offers; `None` if it has no 8-bit sRGB.
+    pub fn choose(offered: &[u32]) -> Option<Self> {
+        let is_offered = |format: vk::Format| offered.iter().any(|&raw| raw as i32 == format.as_raw());
+        let (vulkan, wgpu) = FORMATS.into_iter().find(|&(vulkan, _)| is_offered(vulkan))?;
+        Some(Self { vulkan, wgpu })
+    }
+}
+
+/// Both eyes' swapchains, left then right.
+pub(super) struct EyeSwapchains {
+    eyes: [EyeSwapchain; 2],
+}
+
+/// One eye's swapchain.
+struct EyeSwapchain {
+    /// Declared, and so dropped, before the swapchain that owns their memory.
+    images: Vec<wgpu::Texture>,
+    swapchain: xr::Swapchain<xr::Vulkan>,
+    size_px: [u32; 2],
+    /// Image that is ours to draw into.
+    acquired: Option<usize>,
+}
+
+/// A frame's commands, ending with both images in the layout that the runtime expects.
+pub(super) struct ClosedFrame(wgpu::CommandBuffer);
+
+impl EyeSwapchains {
+    /// Creates both, at `sizes_px`.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn new(
+        session: &xr::Session<xr::Vulkan>,
+        gpu: &Gpu,
+        format: ImageFormat,
+        sizes_px: [[u32; 2]; 2],
+    ) -> xr::Result<Self> {
+        let left = EyeSwapchain::new(session, gpu, format, sizes_px[0], "left eye")?;
+        let right = EyeSwapchain::new(session, gpu, format, sizes_px[1], "right eye")?;
+        Ok(Self { eyes: [left, right] })
+    }
+
+    /// Width, height of each eye's image.
+    pub fn sizes_px(&self) -> [[u32; 2]; 2] {
+        [self.eyes[0].size_px, self.eyes[1].size_px]
+    }
+
+    /// Acquires an image of each eye and waits until the compositor has finished reading it; the lock is not
+    /// held during the wait.
+    ///
+    /// # Errors
+    /// What the runtime says; [`EyeSwapchains::images`] then still names images that can be drawn into.
+    pub fn acquire(&mut self, queue: &Queue) -> xr::Result<()> {
+        let guard = queue.lock();
+        let mut indices = [0; 2];
+        for (eye, index) in self.eyes.iter_mut().zip(&mut indices) {
+            *index = eye.acquire(&guard)?;
+        }
+        drop(guard);
+        for (eye, index) in self.eyes.iter_mut().zip(indices) {
+            // Not a shorter time: the openxr crate takes an expired one for success.
+            eye.swapchain.wait_image(xr::Duration::INFINITE)?;
+            eye.acquired = Some(index);
+        }
+        Ok(())
+    }
+
+    /// The images to draw into: those acquired.
+    pub fn images(&self) -> [wgpu::Texture; 2] {
+        [&self.eyes[0], &self.eyes[1]].map(|eye| eye.image().clone())
+    }
+
+    /// Ends a frame's commands.
+    pub fn close(&self, mut commands: wgpu::CommandEncoder) -> ClosedFrame {
+        let transitions = self.eyes.iter().map(|eye| wgpu::wgt::TextureTransition {
+            texture: eye.image(),
+            selector: None,
+            state: wgpu::TextureUses::COLOR_TARGET,
+        });
+        commands.transition_resources(std::iter::empty(), transitions);
+        ClosedFrame(commands.finish())
+    }
+
+    /// Submits a frame's commands and gives the acquired images to the compositor.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn release(&mut self, queue: &QueueGuard<'_>, frame: ClosedFrame) -> xr::Result<()> {
+        queue.submit([frame.0]);
+        for eye in &mut self.eyes {
+            if eye.acquired.take().is_some() {
+                eye.swapchain.release_image()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The whole of an eye's image, for a layer.
+    pub fn sub_image(&self, eye: usize) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
+        let EyeSwapchain { swapchain, size_px: [width, height], .. } = &self.eyes[eye];
+        let extent = xr::Extent2Di { width: *width as i32, height: *height as i32 };
+        xr::SwapchainSubImage::new()
+            .swapchain(swapchain)
+            .image_array_index(0)
+            .image_rect(xr::Rect2Di { offset: xr::Offset2Di { x: 0, y: 0 }, extent })
+    }
+}
+
+impl EyeSwapchain {
+    fn new(
+        session: &xr::Session<xr::Vulkan>,
+        gpu: &Gpu,
+        format: ImageFormat,
+        size_px: [u32; 2],
+        name: &str,
+    ) -> xr::Result<Self> {
+        let mut swapchain = session.create_swapchain(&xr::SwapchainCreateInfo {
+            create_flags: xr::SwapchainCreateFlags::EMPTY,
+            usage_flags: xr::SwapchainUsageFlags::COLOR_ATTACHMENT
+                | xr::SwapchainUsageFlags::SAMPLED
+                | xr::SwapchainUsageFlags::TRANSFER_SRC,
+            format: format.vulkan.as_raw() as u32,
+            sample_count: 1,
+            width: size_px[0],
+            height: size_px[1],
+            face_count: 1,
+            array_size: 1,
+            mip_count: 1,
+        })?;
+        // Only a help for debuggers: a runtime that refuses it is none the worse.
+        let _ = swapchain.set_name(name);
+        let images = swapchain
+            .enumerate_images()?
+            .into_iter()
+            .map(|image| wrap_image(gpu, vk::Image::from_raw(image), format, size_px, name))
+            .collect();
+        Ok(Self { images, swapchain, size_px, acquired: None })
+    }
+
+    fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<usize> {
+        Ok(self.swapchain.acquire_image()? as usize)
+    }
+
+    /// The image acquired, or any: after a loss the walk may still finish the frame that nobody will see.
+    fn image(&self) -> &wgpu::Texture {
+        &self.images[self.acquired.unwrap_or(0)]
+    }
+}
+
+/// A runtime's image as a wgpu texture.
+fn wrap_image(
+    gpu: &Gpu,
+    image: vk::Image,
+    format: ImageFormat,
+    [width, height]: [u32; 2],
+    label: &str,
+) -> wgpu::Texture {
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let hal_descriptor = wgpu_hal::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: format.wgpu,
+        usage: wgpu::TextureUses::COLOR_TARGET | wgpu::TextureUses::RESOURCE | wgpu::TextureUses::COPY_SRC,
+        memory_flags: wgpu_hal::MemoryFlags::empty(),
+        view_formats: Vec::new(),
+    };
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: format.wgpu,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    };
+    // SAFETY: the image was created by the runtime on this device with what the descriptor says. The drop
+    // callback, empty as it is, tells wgpu that the image is not its own to destroy; the swapchain outlives
+    // the texture's use (`XrHeadset` waits for the GPU before it lets go). Runtimes hand images out in
+    // COLOR_ATTACHMENT_OPTIMAL.
+    unsafe {
+        // A device made by `vulkan::RuntimeGpu` is a Vulkan device.
+        let device = gpu.device.as_hal::<HalVulkan>().expect("the headset's device is Vulkan");
+        let memory = wgpu_hal::vulkan::TextureMemory::External;
+        let texture = device.texture_from_raw(image, &hal_descriptor, Some(Box::new(|| ())), memory);
+        drop(device);
+        gpu.device.create_texture_from_hal::<HalVulkan>(texture, &descriptor, wgpu::TextureUses::COLOR_TARGET)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rgba_srgb_is_preferred_and_linear_formats_are_refused() {
+        let (rgba, bgra) =
+            (vk::Format::R8G8B8A8_SRGB.as_raw() as u32, vk::Format::B8G8R8A8_SRGB.as_raw() as u32);
+        let unorm = vk::Format::R8G8B8A8_UNORM.as_raw() as u32;
+        let chosen = |offered: &[u32]| ImageFormat::choose(offered).map(|format| format.wgpu);
+        assert_eq!(chosen(&[unorm, bgra, rgba]), Some(wgpu::TextureFormat::Rgba8UnormSrgb));
+        assert_eq!(chosen(&[unorm, bgra]), Some(wgpu::TextureFormat::Bgra8UnormSrgb));
+        assert_eq!(chosen(&[unorm]), None);
+    }
+}
