@@ -1,1 +1,172 @@
-//! The desktop window.
+//! The desktop window: shows what the headset shows, says how the frames go, takes keys and mouse.
+//!
+//! The window and the frame thread share the GPU and a [`link`](crate::walk::link), nothing else, and the frame
+//! thread never waits for the window: commands are recorded outside the queue lock, rows that come too fast are
+//! dropped by the link, and the window begins a picture only when the GPU has finished its last one (`screen`).
+//!
+//! ```text
+//! main thread                                        frame thread
+//!   desktop::run ── winit events ─▶ controls ──Command──▶ walk
+//!        │                            │ View                │
+//!        ▼                            ▼                     │
+//!     painter ◀── panel, help (egui) ◀── history ◀──rows────┤
+//!        └── mirror ◀───────────────────────────mirror images┘
+//! ```
+//!
+//! How a program uses it, on its main thread (winit's demand), once a process (winit's too):
+//!
+//! ```no_run
+//! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::link::Command>) {}
+//! # fn main() -> anyhow::Result<()> {
+//! use scanwalk::{config::Config, desktop, gpu::Gpu, progress::Stop, walk::link};
+//! let gpu = std::sync::Arc::new(Gpu::open(None)?);
+//! let (stop, config) = (Stop::default(), Config::default());
+//! let (walk_end, commands, viewer) = link::link();
+//! let frames = std::thread::spawn(move || walk(walk_end, commands)); // its end requests `stop`
+//! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
+//! match desktop::run(gpu, viewer, facts, &config, stop.clone()) {
+//!     Err(error) if error.is_no_display() => {} // `--window auto`: the walk goes on without
+//!     shown => shown?,
+//! }
+//! frames.join().ok();
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The mirror images need `TEXTURE_BINDING`, an sRGB format, and the same device as `gpu`.
+
+mod controls;
+mod help;
+mod history;
+mod keys;
+mod mirror;
+mod notice;
+mod numbers;
+mod painter;
+mod panel;
+mod placement;
+mod plot;
+mod screen;
+mod style;
+mod window;
+
+use crate::config::Config;
+use crate::gpu::Gpu;
+use crate::progress::Stop;
+use crate::walk::link::ViewerEnd;
+use std::sync::Arc;
+use winit::error::{EventLoopError, OsError};
+use winit::event_loop::EventLoop;
+
+/// What the window tells of the run, besides what comes through the link.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WindowFacts {
+    /// Files shown, for the title: "hall.laz".
+    pub scan: String,
+    /// GPU name.
+    pub device: String,
+    /// OpenXR runtime, or "simulated".
+    pub runtime: String,
+}
+
+/// Why there is no window; each sentence says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum DesktopError {
+    /// No display server, or it does not answer.
+    #[error("no window can be opened: {reason}; run scanwalk on a desktop, or use --window off")]
+    NoDisplay {
+        /// In words.
+        reason: String,
+    },
+    /// winit's event loop failed.
+    #[error("the window's event loop failed: {0}")]
+    EventLoop(#[source] EventLoopError),
+    /// The display server refused the window.
+    #[error("the display server refused to open a window: {0}")]
+    Window(#[source] OsError),
+    /// Vulkan refused the surface.
+    #[error("the GPU's driver cannot draw into a window of this desktop: {0}; use --window off")]
+    Surface(#[from] wgpu::CreateSurfaceError),
+    /// The GPU has no way to this display.
+    #[error(
+        "the GPU '{gpu}' cannot show pictures on this display; choose another with --adapter, or use --window off"
+    )]
+    CannotPresent {
+        /// The GPU.
+        gpu: String,
+    },
+}
+
+impl DesktopError {
+    /// True if there is no display at all, so that `--window auto` means none.
+    #[must_use]
+    pub fn is_no_display(&self) -> bool {
+        matches!(self, Self::NoDisplay { .. })
+    }
+}
+
+/// False if the environment names no display server; true promises nothing ([`run`] finds out).
+#[must_use]
+pub fn display_available() -> bool {
+    let named = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(target_os = "linux") || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named)
+}
+
+/// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
+/// [`Command::Quit`](crate::walk::link::Command::Quit) and requests `stop`.
+///
+/// # Errors
+/// No display, or a GPU that cannot draw into its windows.
+///
+/// # Panics
+/// On another thread than the main one, and when called twice in a process after a success: winit's rules.
+pub fn run(
+    gpu: Arc<Gpu>,
+    viewer: ViewerEnd,
+    facts: WindowFacts,
+    config: &Config,
+    stop: Stop,
+) -> Result<(), DesktopError> {
+    let events = event_loop()?;
+    let mut app = window::App::new(gpu, viewer, facts, config, stop);
+    events.run_app(&mut app).map_err(DesktopError::EventLoop)?;
+    app.outcome()
+}
+
+fn event_loop() -> Result<EventLoop<()>, DesktopError> {
+    let no_display = |reason: String| DesktopError::NoDisplay { reason };
+    if !display_available() {
+        return Err(no_display("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".into()));
+    }
+    #[cfg(target_os = "linux")]
+    {
+        let on_x11 = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+            .into_iter()
+            .all(|name| std::env::var_os(name).is_none_or(|value| value.is_empty()));
+        // winit panics without this library.
+        if on_x11 && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
+            let reason = "the library libxkbcommon-x11 is missing (on Debian and Ubuntu: `apt install libxkbcommon-x11-0`)";
+            return Err(no_display(reason.into()));
+        }
+    }
+    EventLoop::new().map_err(|error| match error {
+        EventLoopError::Os(reason) => no_display(format!("the display does not answer ({reason})")),
+        other => DesktopError::EventLoop(other),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_of_no_display_says_what_to_do() {
+        let error = DesktopError::NoDisplay { reason: "there is no display".into() };
+        assert!(error.is_no_display());
+        assert_eq!(
+            error.to_string(),
+            "no window can be opened: there is no display; run scanwalk on a desktop, or use --window off"
+        );
+        assert!(!DesktopError::CannotPresent { gpu: "x".into() }.is_no_display());
+    }
+}

@@ -1,0 +1,211 @@
+//! The last seconds of frames: what the panel's plot and figures are made of.
+
+use crate::timing::FrameRow;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// Seconds of frames kept.
+pub(super) const HISTORY_S: f64 = 5.0;
+/// Seconds that the frame rate is counted over.
+const RATE_S: f64 = 1.0;
+/// Most rows kept, whatever their times say: 5 s at 800 Hz.
+const MAX_ROWS: usize = 4096;
+/// Without a row for so long the frames count as stopped.
+const STALLED: Duration = Duration::from_millis(1500);
+
+/// Rows of the last [`HISTORY_S`], oldest first.
+#[derive(Debug, Default)]
+pub(super) struct History {
+    rows: VecDeque<FrameRow>,
+    num_missed: u64,
+    last_push: Option<Instant>,
+}
+
+/// A time now and over the history, milliseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spread {
+    /// The newest.
+    pub now_ms: f32,
+    /// Half of the frames took no longer.
+    pub median_ms: f32,
+    /// All but one frame in a hundred took no longer.
+    pub p99_ms: f32,
+}
+
+impl History {
+    /// Takes in a row that arrived at `now`.
+    pub(super) fn push(&mut self, row: FrameRow, now: Instant) {
+        // A row from before the newest one: another run began.
+        if self.rows.back().is_some_and(|newest| row.time_s < newest.time_s) {
+            self.rows.clear();
+        }
+        self.num_missed += u64::from(row.missed_periods);
+        self.last_push = Some(now);
+        self.rows.push_back(row);
+        while self.rows.len() > MAX_ROWS
+            || self.rows.front().is_some_and(|oldest| row.time_s - oldest.time_s > HISTORY_S)
+        {
+            self.rows.pop_front();
+        }
+    }
+
+    /// The newest row.
+    pub(super) fn newest(&self) -> Option<&FrameRow> {
+        self.rows.back()
+    }
+
+    /// Rows with their age: seconds before the newest one, ≤ 0, oldest first.
+    pub(super) fn aged(&self) -> impl Iterator<Item = (f64, &FrameRow)> {
+        let newest_s = self.newest().map_or(0.0, |row| row.time_s);
+        self.rows.iter().map(move |row| (row.time_s - newest_s, row))
+    }
+
+    /// Frames a second over the last second; `None` before there are two frames and once they stopped.
+    pub(super) fn frames_per_second(&self, now: Instant) -> Option<f64> {
+        if now.saturating_duration_since(self.last_push?) > STALLED {
+            return None;
+        }
+        let newest_s = self.newest()?.time_s;
+        let recent = self.rows.iter().rev().take_while(|row| newest_s - row.time_s <= RATE_S);
+        let (num_frames, oldest_s) = recent.fold((0, newest_s), |(count, _), row| (count + 1, row.time_s));
+        // One frame in the last second: the time since the one before it.
+        let (num_frames, oldest_s) = match num_frames {
+            1 => (2, self.rows.get(self.rows.len().checked_sub(2)?)?.time_s),
+            many => (many, oldest_s),
+        };
+        (newest_s > oldest_s).then(|| f64::from(num_frames - 1) / (newest_s - oldest_s))
+    }
+
+    /// Missed display periods since the start.
+    pub(super) fn num_missed(&self) -> u64 {
+        self.num_missed
+    }
+
+    /// GPU time of the whole frame; `None` if the device gives none.
+    pub(super) fn gpu(&self) -> Option<Spread> {
+        let mut times: Vec<f32> =
+            self.rows.iter().map(|row| row.gpu_ms).filter(|ms| ms.is_finite()).collect();
+        let now_ms = *times.last()?;
+        times.sort_unstable_by(f32::total_cmp);
+        // The smallest time that at least this part of the frames kept to.
+        let at = |part: f64| times[((part * times.len() as f64).ceil() as usize).clamp(1, times.len()) - 1];
+        Some(Spread { now_ms, median_ms: at(0.5), p99_ms: at(0.99) })
+    }
+
+    /// Top of the plot: a multiple of the budget in steps, so that it rests while the frames change little.
+    pub(super) fn plot_top_ms(&self) -> f64 {
+        let budget_ms = self.newest().map_or(0.0, |row| f64::from(row.budget_ms));
+        let budget_ms = if budget_ms.is_finite() && budget_ms > 0.0 { budget_ms } else { 10.0 };
+        let longest_ms =
+            self.rows.iter().map(|row| f64::from(row.gpu_ms)).filter(|ms| ms.is_finite()).fold(0.0, f64::max);
+        let steps = [1.4, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
+        let wanted = longest_ms * 1.05;
+        steps.iter().map(|step| step * budget_ms).find(|top| *top >= wanted).unwrap_or(wanted)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A frame at `time_s` that took the GPU `gpu_ms`.
+    pub(in crate::desktop) fn row(frame: u64, time_s: f64, gpu_ms: f32) -> FrameRow {
+        FrameRow {
+            frame,
+            time_s,
+            predicted_display_ns: 0,
+            wait_ms: 2.0,
+            record_ms: 0.3,
+            submit_ms: 0.2,
+            stage_ms: [0.05 * gpu_ms, 0.1 * gpu_ms, 0.6 * gpu_ms, 0.2 * gpu_ms],
+            gpu_ms,
+            budget_ms: 11.1,
+            missed_periods: 0,
+            visible_nodes: 800,
+            points_read: 8_000_000,
+            points_resident: 52_400_000,
+            lod_scale: 1.0,
+            resolution_scale: 1.0,
+            quality: "closest",
+            upload_bytes: 0,
+        }
+    }
+
+    fn filled(times_s: impl IntoIterator<Item = f64>) -> History {
+        let mut history = History::default();
+        for (i, time_s) in times_s.into_iter().enumerate() {
+            history.push(row(i as u64, time_s, 5.0), Instant::now());
+        }
+        history
+    }
+
+    #[test]
+    fn only_the_last_seconds_are_kept() {
+        let history = filled((0..2000).map(|i| f64::from(i) / 90.0));
+        let ages: Vec<f64> = history.aged().map(|(age, _)| age).collect();
+        assert!(ages[0] >= -HISTORY_S && ages[0] < -HISTORY_S + 0.02);
+        assert_eq!(ages.last(), Some(&0.0));
+    }
+
+    #[test]
+    fn times_that_stand_still_cannot_fill_memory() {
+        assert_eq!(filled(std::iter::repeat_n(1.0, 10_000)).rows.len(), MAX_ROWS);
+        assert_eq!(filled(std::iter::repeat_n(f64::NAN, 10_000)).rows.len(), MAX_ROWS);
+    }
+
+    #[test]
+    fn a_new_run_starts_over() {
+        assert_eq!(filled([10.0, 10.1, 0.0]).rows.len(), 1);
+    }
+
+    #[test]
+    fn the_frame_rate_is_counted_over_a_second() {
+        let now = Instant::now();
+        let rate = |history: &History| history.frames_per_second(now).unwrap_or(f64::NAN);
+        assert!((rate(&filled((0..200).map(|i| f64::from(i) / 90.0))) - 90.0).abs() < 0.1);
+        // Slow for a while, then fast: only the last second counts.
+        let slow_then_fast =
+            (0..20).map(|i| f64::from(i) / 10.0).chain((0..200).map(|i| 2.0 + f64::from(i) / 50.0));
+        assert!((rate(&filled(slow_then_fast)) - 50.0).abs() < 0.1);
+        assert!((rate(&filled([0.0, 2.5])) - 0.4).abs() < 1e-9, "less than a frame a second");
+        assert_eq!(filled([1.0]).frames_per_second(now), None);
+        assert_eq!(filled([1.0, 1.0]).frames_per_second(now), None, "no division by zero");
+        assert_eq!(filled([1.0, 1.1]).frames_per_second(now + Duration::from_secs(9)), None, "stopped");
+    }
+
+    #[test]
+    fn percentiles_are_of_the_frames_that_have_a_time() {
+        let mut history = History::default();
+        for i in 1..=200u32 {
+            history.push(row(u64::from(i), f64::from(i) / 90.0, (i % 200) as f32), Instant::now());
+        }
+        history.push(row(201, 2.3, f32::NAN), Instant::now());
+        let spread = history.gpu();
+        assert_eq!(spread, Some(Spread { now_ms: 0.0, median_ms: 99.0, p99_ms: 197.0 }));
+        let mut silent = History::default();
+        silent.push(row(0, 0.0, f32::NAN), Instant::now());
+        assert_eq!(silent.gpu(), None);
+    }
+
+    #[test]
+    fn the_plots_top_rests_on_steps_of_the_budget() {
+        let top = |gpu_ms: f32| {
+            let mut history = History::default();
+            history.push(row(0, 0.0, gpu_ms), Instant::now());
+            history.plot_top_ms() / f64::from(11.1f32)
+        };
+        for (gpu_ms, steps) in [(1.0, 1.4), (14.0, 1.4), (15.5, 2.0), (400.0, 50.0), (f32::NAN, 1.4)] {
+            assert!((top(gpu_ms) - steps).abs() < 1e-6, "{gpu_ms}");
+        }
+        assert!(top(1e6) * 11.1 > 1e6);
+    }
+
+    #[test]
+    fn misses_add_up() {
+        let mut history = History::default();
+        for missed_periods in [0, 2, 1] {
+            history.push(FrameRow { missed_periods, ..row(0, 0.0, 1.0) }, Instant::now());
+        }
+        assert_eq!(history.num_missed(), 3);
+    }
+}

@@ -1,0 +1,156 @@
+//! The one table of keys and mouse: it binds them, and the help lists it.
+//!
+//! Keys are physical positions, so that W, A, S, D form their cross on every keyboard layout.
+
+use crate::walk::link::Command;
+use winit::keyboard::KeyCode;
+
+/// Something that a hand can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Input {
+    /// A key by its position.
+    Key(KeyCode),
+    /// Moving the mouse with a button held.
+    Drag,
+    /// The mouse wheel.
+    Wheel,
+}
+
+/// What comes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Action {
+    /// Moves while held, along right (0), up (1) or forward (2), by −1 or 1.
+    Move(usize, f32),
+    /// Moves faster while held.
+    Fast,
+    /// Goes to the frame thread as it is.
+    Send(Command),
+    /// Looks around.
+    Look,
+    /// Faster (> 0) or slower (< 0) by so many steps.
+    Speed(f32),
+    /// Shows or hides the panel.
+    Panel,
+    /// Mirrors the next of left, right, both.
+    NextMirror,
+    /// Full screen and back.
+    FullScreen,
+    /// Shows or hides the help.
+    Help,
+    /// Closes the help, leaves full screen, or (pressed twice) quits.
+    Back,
+}
+
+/// A line of the table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Binding {
+    /// Any of these.
+    pub inputs: &'static [Input],
+    /// Does this.
+    pub action: Action,
+    /// And in words, for the help.
+    pub does: &'static str,
+}
+
+/// Every binding there is, in the order of the help.
+pub(super) const BINDINGS: &[Binding] = {
+    use Action::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
+    use Input::{Drag, Key, Wheel};
+    use KeyCode as K;
+    const fn bind(inputs: &'static [Input], action: Action, does: &'static str) -> Binding {
+        Binding { inputs, action, does }
+    }
+    &[
+        bind(&[Drag], Look, "Look around"),
+        bind(&[Key(K::KeyW), Key(K::ArrowUp)], Move(2, 1.0), "Forward"),
+        bind(&[Key(K::KeyS), Key(K::ArrowDown)], Move(2, -1.0), "Back"),
+        bind(&[Key(K::KeyA)], Move(0, -1.0), "Left"),
+        bind(&[Key(K::KeyD)], Move(0, 1.0), "Right"),
+        bind(&[Key(K::KeyE), Key(K::Space)], Move(1, 1.0), "Up"),
+        bind(&[Key(K::KeyQ), Key(K::ControlLeft), Key(K::ControlRight)], Move(1, -1.0), "Down"),
+        bind(&[Key(K::ShiftLeft), Key(K::ShiftRight)], Fast, "Faster while held"),
+        bind(&[Wheel, Key(K::Equal), Key(K::NumpadAdd)], Speed(1.0), "Faster from now on"),
+        bind(&[Key(K::Minus), Key(K::NumpadSubtract)], Speed(-1.0), "Slower from now on"),
+        bind(&[Key(K::ArrowLeft), Key(K::Comma)], Send(Command::Snap(-1)), "Turn left by a step"),
+        bind(&[Key(K::ArrowRight), Key(K::Period)], Send(Command::Snap(1)), "Turn right by a step"),
+        bind(&[Key(K::KeyF), Key(K::Home)], Send(Command::WholeView), "See the whole scan"),
+        bind(&[Key(K::KeyR)], Send(Command::Reset), "Back to the starting place"),
+        bind(&[Key(K::KeyM)], NextMirror, "Mirror left, right or both eyes"),
+        bind(&[Key(K::Tab)], Panel, "Show or hide the panel"),
+        bind(&[Key(K::F11)], FullScreen, "Full screen"),
+        bind(&[Key(K::F1)], Help, "This help"),
+        bind(&[Key(K::Escape)], Back, "Close the help, leave full screen; twice: quit"),
+    ]
+};
+
+/// What `input` does, if anything.
+pub(super) fn action(input: Input) -> Option<Action> {
+    BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
+}
+
+impl Binding {
+    /// Its inputs for the help: "E", "Space". Left and right keys of one name count once.
+    pub(super) fn labels(&self) -> Vec<String> {
+        let mut labels: Vec<String> = self.inputs.iter().map(Input::label).collect();
+        labels.dedup();
+        labels
+    }
+}
+
+impl Input {
+    fn label(&self) -> String {
+        let name = match self {
+            Self::Drag => "Mouse drag",
+            Self::Wheel => "Mouse wheel",
+            Self::Key(key) => match key {
+                KeyCode::ControlLeft | KeyCode::ControlRight => "Ctrl",
+                KeyCode::ShiftLeft | KeyCode::ShiftRight => "Shift",
+                KeyCode::Escape => "Esc",
+                KeyCode::Equal | KeyCode::NumpadAdd => "+",
+                KeyCode::Minus | KeyCode::NumpadSubtract => "−",
+                KeyCode::Comma => ",",
+                KeyCode::Period => ".",
+                other => {
+                    let name = format!("{other:?}");
+                    return name.trim_start_matches("Key").trim_start_matches("Arrow").to_string();
+                }
+            },
+        };
+        name.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_input_is_bound_twice() {
+        let all: Vec<Input> = BINDINGS.iter().flat_map(|b| b.inputs).copied().collect();
+        for (i, input) in all.iter().enumerate() {
+            assert!(!all[..i].contains(input), "{input:?} is bound twice");
+        }
+    }
+
+    #[test]
+    fn the_table_binds() {
+        assert_eq!(action(Input::Key(KeyCode::KeyW)), Some(Action::Move(2, 1.0)));
+        assert_eq!(action(Input::Key(KeyCode::Home)), Some(Action::Send(Command::WholeView)));
+        assert_eq!(action(Input::Drag), Some(Action::Look));
+        assert_eq!(action(Input::Key(KeyCode::F5)), None);
+    }
+
+    #[test]
+    fn labels_are_short_and_single() {
+        let labels = |wanted: Action| {
+            BINDINGS.iter().find(|b| b.action == wanted).map(|b| b.labels().join(" ")).unwrap_or_default()
+        };
+        assert_eq!(labels(Action::Move(1, -1.0)), "Q Ctrl");
+        assert_eq!(labels(Action::Fast), "Shift");
+        assert_eq!(labels(Action::Send(Command::Snap(-1))), "Left ,");
+        assert_eq!(labels(Action::Help), "F1");
+        for binding in BINDINGS {
+            assert!(binding.labels().iter().all(|l| !l.is_empty() && l.len() <= 12), "{binding:?}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The pipeline that lays the eyes' images on the window.
+
+use super::placement::{Area, panes};
+use crate::config;
+use crate::walk::link::MirrorImages;
+
+const SHADER: &str = include_str!("../../shaders/mirror.wgsl");
+
+/// Draws [`MirrorImages`] into a window's picture.
+#[derive(Debug)]
+pub(super) struct MirrorPipeline {
+    pipeline: wgpu::RenderPipeline,
+    sampler: wgpu::Sampler,
+    longest_px: u32,
+    bound: Option<Bound>,
+}
+
+/// Bind groups live as long as the images they were made for.
+#[derive(Debug)]
+struct Bound {
+    images: MirrorImages,
+    groups: [wgpu::BindGroup; 2],
+}
+
+impl MirrorPipeline {
+    /// For pictures of `format`. An sRGB one encodes by itself; for any other the shader does.
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("mirror"),
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+        });
+        let constants = [("ENCODE_SRGB", f64::from(u8::from(!format.is_srgb())))];
+        let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("mirror"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("corner"),
+                compilation_options: options.clone(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("pixel"),
+                compilation_options: options,
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("mirror"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let longest_px = device.limits().max_texture_dimension_2d;
+        Self { pipeline, sampler, longest_px, bound: None }
+    }
+
+    /// Draws the mirrored eyes into a pass over a picture of `size_px`.
+    pub(super) fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        pass: &mut wgpu::RenderPass<'_>,
+        size_px: [u32; 2],
+        images: &MirrorImages,
+        mirror: config::Mirror,
+    ) {
+        let sizes_px = [0, 1].map(|eye: usize| [images[eye].width(), images[eye].height()]);
+        let longest_px = self.longest_px;
+        let groups = self.groups(device, images).clone();
+        pass.set_pipeline(&self.pipeline);
+        for pane in panes(mirror, sizes_px, size_px, longest_px) {
+            let Area { x, y, width, height } = pane.image;
+            pass.set_viewport(x, y, width, height, 0.0, 1.0);
+            let clip = pane.clip;
+            pass.set_scissor_rect(clip.x as u32, clip.y as u32, clip.width as u32, clip.height as u32);
+            pass.set_bind_group(0, &groups[pane.eye], &[]);
+            pass.draw(0..3, 0..1);
+        }
+        let [width, height] = size_px;
+        pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+        pass.set_scissor_rect(0, 0, width, height);
+    }
+
+    fn groups(&mut self, device: &wgpu::Device, images: &MirrorImages) -> &[wgpu::BindGroup; 2] {
+        let bound = self.bound.take().filter(|bound| bound.images == *images).unwrap_or_else(|| Bound {
+            groups: [0, 1].map(|eye: usize| self.group(device, &images[eye])),
+            images: images.clone(),
+        });
+        &self.bound.insert(bound).groups
+    }
+
+    fn group(&self, device: &wgpu::Device, image: &wgpu::Texture) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("mirror"),
+            layout: &self.pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&image.create_view(&Default::default())),
+                },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+            ],
+        })
+    }
+}

@@ -1,0 +1,53 @@
+//! What must be seen even without the panel: loading, why it failed, and that a second Esc quits.
+
+use super::style::{self, BAD, FAINT, GOOD};
+use crate::walk::link::LoadState;
+use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
+
+/// Draws what there is to say. `picture`: the eyes already show something.
+pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: bool) {
+    if let Some(error) = &load.error {
+        failed(ui, error);
+    } else if !load.step.is_empty() {
+        loading(ui, load, picture);
+    }
+    if leave_pending {
+        card(ui, "leave", Align2::CENTER_BOTTOM, -70.0, |ui| ui.label("Press Esc again to quit"));
+    }
+}
+
+fn loading(ui: &mut Ui, load: &LoadState, picture: bool) {
+    // In the middle while there is nothing else to look at.
+    let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
+    card(ui, "loading", align, y, |ui| {
+        ui.set_width(260.0);
+        ui.horizontal(|ui| {
+            let mut step = load.step.clone();
+            if let Some(first) = step.get_mut(..1) {
+                first.make_ascii_uppercase();
+            }
+            ui.label(format!("{step} …"));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let percent = (100.0 * load.fraction.clamp(0.0, 1.0)).floor();
+                ui.label(RichText::new(format!("{percent:.0} %")).color(FAINT));
+            });
+        });
+        ui.add(ProgressBar::new(load.fraction).desired_height(5.0).fill(GOOD));
+    });
+}
+
+fn failed(ui: &mut Ui, error: &str) {
+    card(ui, "failed", Align2::CENTER_CENTER, 0.0, |ui| {
+        ui.set_max_width(440.0);
+        ui.label(RichText::new("The scan could not be loaded").heading().color(BAD));
+        ui.add_space(2.0);
+        ui.label(error);
+        ui.add_space(2.0);
+        ui.label(RichText::new("Close this window and start again with another file.").color(FAINT));
+    });
+}
+
+fn card<R>(ui: &mut Ui, name: &str, align: Align2, y: f32, contents: impl FnOnce(&mut Ui) -> R) {
+    let area = Area::new(Id::unique(name)).anchor(align, [0.0, y]).interactable(false);
+    area.show(ui.ctx(), |ui| style::card().show(ui, contents));
+}

@@ -1,0 +1,104 @@
+//! One picture of the window: the mirror, egui on top. Draws into any texture view, so tests need no window.
+
+use super::mirror::MirrorPipeline;
+use crate::config;
+use crate::gpu::Gpu;
+use crate::walk::link::MirrorImages;
+
+/// Where nothing else is drawn: near black, a little bluish, so that an empty window is not a black hole.
+const EMPTY: [f64; 3] = [18.0 / 255.0, 20.0 / 255.0, 24.0 / 255.0];
+
+/// Pipelines and egui's textures, for one format of picture.
+pub(super) struct Painter {
+    mirror: MirrorPipeline,
+    egui: egui_wgpu::Renderer,
+    format: wgpu::TextureFormat,
+    /// Freed by egui in the picture before; that one had to be submitted first.
+    freed: Vec<egui::TextureId>,
+}
+
+/// What egui wants painted.
+pub(super) struct EguiPicture {
+    /// Triangles.
+    pub primitives: Vec<egui::ClippedPrimitive>,
+    /// Textures that changed.
+    pub textures: egui::TexturesDelta,
+    /// Physical pixels a point.
+    pub pixels_per_point: f32,
+}
+
+impl EguiPicture {
+    /// From a finished egui pass.
+    pub(super) fn new(context: &egui::Context, output: egui::FullOutput) -> Self {
+        let egui::FullOutput { shapes, pixels_per_point, textures_delta: textures, .. } = output;
+        Self { primitives: context.tessellate(shapes, pixels_per_point), textures, pixels_per_point }
+    }
+}
+
+impl Painter {
+    /// For pictures of `format`.
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let egui = egui_wgpu::Renderer::new(device, format, egui_wgpu::RendererOptions::default());
+        Self { mirror: MirrorPipeline::new(device, format), egui, format, freed: Vec::new() }
+    }
+
+    /// Records a picture of `size_px`; the caller submits the commands, in order.
+    ///
+    /// The queue is locked only for egui's uploads, which copy into staging memory and wait for nothing.
+    pub(super) fn record(
+        &mut self,
+        gpu: &Gpu,
+        target: &wgpu::TextureView,
+        size_px: [u32; 2],
+        mirror: Option<(&MirrorImages, config::Mirror)>,
+        ui: &EguiPicture,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let device = &gpu.device;
+        for id in self.freed.drain(..) {
+            self.egui.free_texture(&id);
+        }
+        self.freed.extend(&ui.textures.free);
+        let screen =
+            egui_wgpu::ScreenDescriptor { size_in_pixels: size_px, pixels_per_point: ui.pixels_per_point };
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("window") });
+        let mut commands = {
+            let queue = gpu.queue.lock();
+            for (id, deltas) in &ui.textures.set {
+                for delta in deltas {
+                    self.egui.update_texture(device, &queue, *id, delta);
+                }
+            }
+            self.egui.update_buffers(device, &queue, &mut encoder, &ui.primitives, &screen)
+        };
+        let mut pass = encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("window"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(self.empty()),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            })
+            .forget_lifetime();
+        if let Some((images, mirror)) = mirror {
+            self.mirror.draw(device, &mut pass, size_px, images, mirror);
+        }
+        self.egui.render(&mut pass, &ui.primitives, &screen);
+        drop(pass);
+        commands.push(encoder.finish());
+        commands
+    }
+
+    /// [`EMPTY`] as a clear value: the hardware encodes it for sRGB formats.
+    fn empty(&self) -> wgpu::Color {
+        let linear = |c: f64| if self.format.is_srgb() { ((c + 0.055) / 1.055).powf(2.4) } else { c };
+        let [r, g, b] = EMPTY.map(linear);
+        wgpu::Color { r, g, b, a: 1.0 }
+    }
+}

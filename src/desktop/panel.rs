@@ -1,0 +1,241 @@
+//! The panel: how the frames go, what is seen, a few choices.
+
+use super::controls::{SPEED_LIMIT, View};
+use super::history::{History, Spread};
+use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
+use super::{WindowFacts, numbers, plot};
+use crate::config::Mirror;
+use crate::timing::{FrameRow, STAGES};
+use crate::walk::link::{Command, LoadState};
+use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use std::time::Instant;
+
+/// Width of what is in the panel, points.
+const WIDTH: f32 = 264.0;
+/// From the window's corner.
+const MARGIN: f32 = 12.0;
+
+/// Everything that the panel tells.
+pub(super) struct Contents<'a> {
+    /// Of the run.
+    pub facts: &'a WindowFacts,
+    /// Of the frames.
+    pub history: &'a History,
+    /// Of the scan.
+    pub load: &'a LoadState,
+    /// Pixels of an eye's image.
+    pub eye_px: Option<[u32; 2]>,
+    /// Now.
+    pub now: Instant,
+}
+
+/// Draws the panel if the view wants it; the command that the user gave in it.
+pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Command> {
+    if !view.panel {
+        return None;
+    }
+    let mut command = None;
+    let height = ui.ctx().content_rect().height() - 2.0 * MARGIN - 26.0;
+    Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]).show(ui.ctx(), |ui| {
+        style::card().show(ui, |ui| {
+            ui.set_width(WIDTH);
+            let scroll = ScrollArea::vertical().max_height(height.max(40.0)).auto_shrink([false, true]);
+            scroll.show(ui, |ui| {
+                ui.set_max_width(WIDTH);
+                frames(ui, contents);
+                section(ui);
+                points(ui, contents.history.newest());
+                section(ui);
+                command = choices(ui, view);
+                scan(ui, contents.load);
+                machine(ui, contents);
+            });
+        });
+    });
+    command
+}
+
+fn section(ui: &mut Ui) {
+    ui.add_space(3.0);
+    ui.separator();
+    ui.add_space(1.0);
+}
+
+/// Frame rate, plot, stages, GPU and CPU times.
+fn frames(ui: &mut Ui, contents: &Contents) {
+    let history = contents.history;
+    let newest = history.newest();
+    ui.horizontal(|ui| {
+        let rate = history.frames_per_second(contents.now);
+        let text = rate.map_or("–".to_string(), |rate| format!("{rate:.*}", usize::from(rate < 9.95)));
+        ui.label(RichText::new(text).size(26.0));
+        ui.label(RichText::new("frames / s").color(FAINT));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let missed = history.num_missed();
+            let color = if missed == 0 { FAINT } else { WARN };
+            let text = RichText::new(format!("{} missed", numbers::count(missed))).color(color);
+            ui.label(text).on_hover_text("Display periods without a new image, since the start");
+        });
+    });
+    plot::show(ui, history);
+    let Some(row) = newest else {
+        ui.label(RichText::new("No frame yet").color(FAINT));
+        return;
+    };
+    ui.horizontal(|ui| {
+        ui.label(caption(&format!("GPU, last {} s", super::history::HISTORY_S)));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(caption(&format!("budget {}", numbers::millis(row.budget_ms))));
+        });
+    });
+    stages(ui, row);
+    ui.add_space(2.0);
+    match history.gpu() {
+        Some(spread) => gpu(ui, &spread, row.budget_ms),
+        None => {
+            ui.label(RichText::new("This GPU tells no times.").color(FAINT));
+        }
+    }
+    ui.label(caption(&format!(
+        "CPU: wait {}, record {}, submit {}",
+        numbers::millis(row.wait_ms),
+        numbers::millis(row.record_ms),
+        numbers::millis(row.submit_ms)
+    )));
+}
+
+/// The plot's legend, with each stage's newest time.
+fn stages(ui: &mut Ui, row: &FrameRow) {
+    Grid::new("stages").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
+        for (i, name) in STAGES.iter().enumerate() {
+            ui.horizontal(|ui| {
+                ui.set_width(58.0);
+                let (square, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
+                ui.painter().rect_filled(square, 2.0, STAGE_COLORS[i]);
+                ui.label(RichText::new(*name).color(FAINT));
+            });
+            figure(ui, &numbers::millis(row.stage_ms[i]), style::TEXT);
+            if i % 2 == 1 {
+                ui.end_row();
+            }
+        }
+    });
+}
+
+fn gpu(ui: &mut Ui, spread: &Spread, budget_ms: f32) {
+    ui.columns_const(|columns: &mut [Ui; 3]| {
+        let figures = [("now", spread.now_ms), ("median", spread.median_ms), ("99 %", spread.p99_ms)];
+        for (ui, (name, ms)) in columns.iter_mut().zip(figures) {
+            let color = if ms > budget_ms { BAD } else { GOOD };
+            ui.label(caption(name));
+            ui.label(RichText::new(numbers::millis(ms)).size(15.0).color(color));
+        }
+    });
+}
+
+/// What the newest frame drew.
+fn points(ui: &mut Ui, row: Option<&FrameRow>) {
+    let text = |figure: fn(&FrameRow) -> String| row.map_or("–".to_string(), figure);
+    let rows = [
+        ("Points read", text(|row| numbers::count(row.points_read))),
+        ("Points on the GPU", text(|row| numbers::count(row.points_resident))),
+        ("Visible nodes", text(|row| numbers::count(row.visible_nodes.into()))),
+        ("Quality", text(|row| row.quality.to_string())),
+    ];
+    for (name, value) in rows {
+        fact(ui, name, &value);
+    }
+    if let Some(row) = row.filter(|row| row.upload_bytes > 0) {
+        fact(ui, "Upload a frame", &numbers::bytes(row.upload_bytes));
+    }
+    if let Some(row) = row.filter(|row| row.lod_scale != 1.0 || row.resolution_scale != 1.0) {
+        let text = format!("LOD ×{:.2}, edge ×{:.2}", row.lod_scale, row.resolution_scale);
+        fact(ui, "Reduced to", &text);
+    }
+}
+
+/// Mirror, speed, help.
+fn choices(ui: &mut Ui, view: &mut View) -> Option<Command> {
+    let mut speed = view.speed();
+    Grid::new("choices").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
+        ui.label(RichText::new("Mirror").color(FAINT));
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for (mirror, name) in [(Mirror::Left, "Left"), (Mirror::Right, "Right"), (Mirror::Both, "Both")] {
+                ui.selectable_value(&mut view.mirror, mirror, name);
+            }
+        });
+        ui.end_row();
+        ui.label(RichText::new("Speed").color(FAINT));
+        ui.spacing_mut().slider_width = 122.0;
+        let slider = Slider::new(&mut speed, 1.0 / SPEED_LIMIT..=SPEED_LIMIT).logarithmic(true);
+        ui.add(slider.custom_formatter(|speed, _| numbers::factor(speed as f32)));
+        ui.end_row();
+    });
+    ui.horizontal(|ui| {
+        if ui.button("Keys (F1)").clicked() {
+            view.help = !view.help;
+        }
+        if ui.button("Hide (Tab)").clicked() {
+            view.panel = false;
+        }
+    });
+    (speed != view.speed()).then(|| view.set_speed(speed)).flatten()
+}
+
+/// What the readers found.
+fn scan(ui: &mut Ui, load: &LoadState) {
+    if !load.facts.is_empty() {
+        fold(ui, "Scan", true, |ui| {
+            for (name, value) in &load.facts {
+                fact(ui, name, value);
+            }
+        });
+    }
+    if !load.warnings.is_empty() {
+        let title = format!("Warnings ({})", load.warnings.len());
+        fold(ui, &title, true, |ui| {
+            for warning in &load.warnings {
+                ui.label(RichText::new(warning).small().color(WARN));
+            }
+        });
+    }
+}
+
+/// What it runs on.
+fn machine(ui: &mut Ui, contents: &Contents) {
+    fold(ui, "Machine", true, |ui| {
+        fact(ui, "GPU", &contents.facts.device);
+        fact(ui, "Headset", &contents.facts.runtime);
+        if let Some([width, height]) = contents.eye_px {
+            fact(ui, "An eye", &format!("{width} × {height} px"));
+        }
+    });
+}
+
+fn fold(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
+    section(ui);
+    // The count in a title may change; the section stays the same one.
+    let name = title.split(' ').next().unwrap_or(title).to_string();
+    egui::CollapsingHeader::new(caption(title))
+        .id_salt(name)
+        .default_open(open)
+        .show_unindented(ui, contents);
+}
+
+/// A name and its value, on one line; a long value is cut, and whole when pointed at.
+fn fact(ui: &mut Ui, name: &str, value: &str) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(name).color(FAINT));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.add(egui::Label::new(value).truncate()).on_hover_text(value);
+        });
+    });
+}
+
+fn figure(ui: &mut Ui, text: &str, color: Color32) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.set_width(56.0);
+        ui.label(RichText::new(text).color(color));
+    });
+}

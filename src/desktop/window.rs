@@ -1,0 +1,320 @@
+//! winit's side: events to [`Controls`], sixty times a second a look at what is new, a picture if there is.
+
+use super::controls::{Controls, View};
+use super::history::History;
+use super::painter::{EguiPicture, Painter};
+use super::screen::Screen;
+use super::{DesktopError, WindowFacts, help, notice, panel, style};
+use crate::config::{Config, WindowConfig};
+use crate::gpu::Gpu;
+use crate::progress::Stop;
+use crate::walk::link::{Command, LoadState, ViewerEnd};
+use std::sync::Arc;
+use std::sync::mpsc::TryRecvError;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::keyboard::PhysicalKey;
+use winit::window::{Fullscreen, Window, WindowId};
+
+/// Between two looks at rows and `stop`, and so between two pictures.
+const TICK: Duration = Duration::from_micros(16_667);
+/// Without anything new the picture is still drawn so often: the last mirror image may be newer than its row.
+const IDLE_REDRAW: Duration = Duration::from_millis(200);
+/// Pixels of a touchpad's scrolling that count as a line of the wheel.
+const PX_PER_LINE: f32 = 40.0;
+
+/// The window's program.
+pub(super) struct App {
+    gpu: Arc<Gpu>,
+    viewer: ViewerEnd,
+    facts: WindowFacts,
+    config: WindowConfig,
+    stop: Stop,
+    controls: Controls,
+    history: History,
+    load: LoadState,
+    shown: Option<Shown>,
+    failure: Option<DesktopError>,
+    next_tick: Instant,
+}
+
+/// What exists while the window does. The screen is dropped before the window.
+struct Shown {
+    screen: Screen,
+    painter: Painter,
+    egui: egui_winit::State,
+    window: Arc<Window>,
+    occluded: bool,
+    full_screen: bool,
+    /// Something changed since the last picture.
+    stale: bool,
+    drawn_at: Option<Instant>,
+}
+
+impl App {
+    /// Opens nothing yet: winit says when.
+    pub(super) fn new(
+        gpu: Arc<Gpu>,
+        viewer: ViewerEnd,
+        facts: WindowFacts,
+        config: &Config,
+        stop: Stop,
+    ) -> Self {
+        let config = config.window.clone();
+        let controls = Controls::new(View::new(config.mirror, config.panel));
+        let load = viewer.load();
+        Self {
+            gpu,
+            viewer,
+            facts,
+            config,
+            stop,
+            controls,
+            history: History::default(),
+            load,
+            shown: None,
+            failure: None,
+            next_tick: Instant::now(),
+        }
+    }
+
+    /// Once the event loop has ended.
+    pub(super) fn outcome(self) -> Result<(), DesktopError> {
+        self.failure.map_or(Ok(()), Err)
+    }
+
+    fn open(&self, events: &ActiveEventLoop) -> Result<Shown, DesktopError> {
+        let [width, height] = self.config.size.map(|edge| edge.max(1));
+        let title = match self.facts.scan.as_str() {
+            "" => "scanwalk".to_string(),
+            scan => format!("{scan} – scanwalk"),
+        };
+        let attributes = Window::default_attributes()
+            .with_title(title)
+            .with_inner_size(LogicalSize::new(width, height))
+            .with_min_inner_size(LogicalSize::new(160, 120));
+        let window = Arc::new(events.create_window(attributes).map_err(DesktopError::Window)?);
+        let screen = Screen::new(Arc::clone(&self.gpu), Arc::clone(&window))?;
+        let painter = Painter::new(&self.gpu.device, screen.format());
+        let context = egui::Context::default();
+        style::apply(&context);
+        let longest_px = self.gpu.device.limits().max_texture_dimension_2d as usize;
+        let egui = egui_winit::State::new(
+            context,
+            egui::ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            Some(winit::window::Theme::Dark),
+            Some(longest_px),
+        );
+        Ok(Shown {
+            screen,
+            painter,
+            egui,
+            window,
+            occluded: false,
+            full_screen: false,
+            stale: true,
+            drawn_at: None,
+        })
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, error: DesktopError) {
+        self.failure = Some(error);
+        self.leave(events);
+    }
+
+    /// The user, or a failure, ends it all.
+    fn leave(&mut self, events: &ActiveEventLoop) {
+        self.send(Some(Command::Quit));
+        self.stop.request();
+        events.exit();
+    }
+
+    fn send(&self, command: Option<Command>) {
+        // Nobody listens: the walk has ended, and the window will with the next look at the rows.
+        let _ = command.map(|command| self.viewer.commands.send(command));
+    }
+
+    /// Takes in what the frame thread offered. False once the walk is over and nothing is left to read.
+    fn take_in(&mut self, now: Instant) -> bool {
+        let mut news = false;
+        let ended = loop {
+            match self.viewer.rows.try_recv() {
+                Ok(row) => self.history.push(row, now),
+                Err(TryRecvError::Empty) => break false,
+                Err(TryRecvError::Disconnected) => break true,
+            }
+            news = true;
+        };
+        let load = self.viewer.load();
+        if load != self.load {
+            self.load = load;
+            news = true;
+        }
+        if let Some(shown) = &mut self.shown {
+            shown.stale |= news;
+        }
+        // A failure to load ends the walk, yet the user is to read why.
+        !ended || self.load.error.is_some()
+    }
+
+    fn keyboard(&mut self, event: &KeyEvent, synthetic: bool) {
+        let PhysicalKey::Code(key) = event.physical_key else { return };
+        let pressed = event.state == ElementState::Pressed;
+        // winit makes up presses of keys that were held as the window got the keyboard.
+        if pressed && (event.repeat || synthetic) {
+            return;
+        }
+        let command = self.controls.key(key, pressed, Instant::now());
+        self.send(command);
+    }
+
+    /// Mouse and the rest; `ours` if egui does not want it for itself.
+    fn other(&mut self, event: &WindowEvent, ours: bool) {
+        let command = match *event {
+            WindowEvent::Focused(false) => self.controls.release_all(),
+            WindowEvent::MouseInput { state, button: MouseButton::Left | MouseButton::Right, .. } => {
+                let pressed = state == ElementState::Pressed;
+                if ours || !pressed {
+                    self.controls.button(pressed);
+                }
+                None
+            }
+            WindowEvent::CursorMoved { position, .. } => self.controls.pointer([position.x, position.y]),
+            WindowEvent::MouseWheel { delta, .. } if ours => self.controls.wheel(match delta {
+                MouseScrollDelta::LineDelta(_, lines) => lines,
+                MouseScrollDelta::PixelDelta(px) => px.y as f32 / PX_PER_LINE,
+            }),
+            _ => None,
+        };
+        self.send(command);
+    }
+
+    /// Brings the window to what the view wishes for.
+    fn follow_view(&mut self, events: &ActiveEventLoop) {
+        if self.controls.view.leave {
+            return self.leave(events);
+        }
+        let Some(shown) = &mut self.shown else { return };
+        let wished = self.controls.view.full_screen;
+        if wished != shown.full_screen {
+            shown.full_screen = wished;
+            shown.window.set_fullscreen(wished.then_some(Fullscreen::Borderless(None)));
+        }
+    }
+
+    fn draw(&mut self) -> Result<(), DesktopError> {
+        let Some(shown) = &mut self.shown else { return Ok(()) };
+        let Some(picture) = shown.screen.begin()? else { return Ok(()) };
+        let now = Instant::now();
+        let input = shown.egui.take_egui_input(&shown.window);
+        let context = shown.egui.egui_ctx().clone();
+        let images = self.viewer.mirror();
+        let contents = panel::Contents {
+            facts: &self.facts,
+            history: &self.history,
+            load: &self.load,
+            eye_px: images.as_ref().map(|[left, _]| [left.width(), left.height()]),
+            now,
+        };
+        let dragging = self.controls.dragging();
+        let view = &mut self.controls.view;
+        let mut command = None;
+        let mut output = context.run_ui(input, |ui| {
+            command = panel::show(ui, &contents, view).or(command);
+            notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
+            help::show(ui, view);
+        });
+        if dragging {
+            output.platform_output.cursor_icon = egui::CursorIcon::Grabbing;
+        }
+        shown.egui.handle_platform_output(&shown.window, std::mem::take(&mut output.platform_output));
+        let repaint = output.viewport_output.get(&egui::ViewportId::ROOT).map(|v| v.repaint_delay);
+        shown.stale = repaint.is_some_and(|delay| delay <= TICK);
+        shown.drawn_at = Some(now);
+        let ui = EguiPicture::new(&context, output);
+        let mirror = images.as_ref().map(|images| (images, self.controls.view.mirror));
+        let target = picture.texture.create_view(&Default::default());
+        let size_px = [picture.texture.width(), picture.texture.height()];
+        let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, &ui);
+        shown.screen.present(commands, picture);
+        self.send(command);
+        Ok(())
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.shown.is_some() {
+            return;
+        }
+        match self.open(events) {
+            Ok(shown) => self.shown = Some(shown),
+            Err(error) => self.fail(events, error),
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(shown) = &mut self.shown else { return };
+        match &event {
+            WindowEvent::CloseRequested => return self.leave(events),
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = self.draw() {
+                    self.fail(events, error);
+                }
+            }
+            WindowEvent::KeyboardInput { event: key, is_synthetic, .. } => {
+                shown.stale = true;
+                // egui gets keys only while one of its widgets has asked for them (a number being typed);
+                // releases always reach the controls, which may have seen the key go down.
+                let typing = shown.egui.egui_ctx().egui_wants_keyboard_input();
+                if typing {
+                    let _ = shown.egui.on_window_event(&shown.window, &event);
+                }
+                if !typing || key.state == ElementState::Released {
+                    self.keyboard(key, *is_synthetic);
+                }
+            }
+            other => {
+                if let WindowEvent::Occluded(occluded) = other {
+                    shown.occluded = *occluded;
+                }
+                let response = shown.egui.on_window_event(&shown.window, other);
+                let resized =
+                    matches!(other, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
+                shown.stale |= response.repaint || resized;
+                self.other(other, !response.consumed);
+            }
+        }
+        self.follow_view(events);
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let now = Instant::now();
+        if now >= self.next_tick {
+            self.next_tick = now + TICK;
+            if !self.take_in(now) {
+                return self.leave(events);
+            }
+            if self.stop.requested() {
+                return events.exit();
+            }
+            if let Some(shown) = &self.shown {
+                let due = shown.drawn_at.is_none_or(|at| now.saturating_duration_since(at) > IDLE_REDRAW);
+                if (shown.stale || due) && !shown.occluded {
+                    shown.window.request_redraw();
+                }
+            }
+        }
+        events.set_control_flow(ControlFlow::WaitUntil(self.next_tick));
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // The surface must go while the event loop's connection to the display still stands.
+        self.shown = None;
+    }
+}

@@ -1,0 +1,160 @@
+//! The window's program as a child process, its lines, and the validation layer that watches it.
+
+use super::screen::{Picture, Pixel, Screen, wait_for};
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+
+/// The environment variable that makes this test program the window's program, and says its role.
+pub const ROLE: &str = "SCANWALK_DESKTOP_TEST_ROLE";
+
+/// A running child; killed when dropped.
+pub struct Window<'a> {
+    process: Child,
+    lines: Arc<Mutex<Vec<String>>>,
+    screen: Option<&'a Screen>,
+    /// X11's number of the window.
+    pub id: String,
+    validation: Validation,
+}
+
+/// Where the layer writes.
+struct Validation {
+    folder: tempfile::TempDir,
+}
+
+impl Validation {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = format!(
+            "khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n\
+             khronos_validation.report_flags = error,warn\n\
+             khronos_validation.enables = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT\n\
+             khronos_validation.log_filename = {}\n",
+            folder.path().join("log").display()
+        );
+        std::fs::write(folder.path().join("vk_layer_settings.txt"), settings).unwrap();
+        Self { folder }
+    }
+
+    fn watch(&self, command: &mut Command) {
+        command
+            .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
+            .env("VK_LAYER_SETTINGS_PATH", self.folder.path())
+            .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
+            // wgpu's own messenger would take the messages away from the layer's log.
+            .env("WGPU_VALIDATION", "0");
+    }
+
+    fn log(&self) -> String {
+        let path: PathBuf = self.folder.path().join("log");
+        std::fs::read_to_string(path).unwrap_or_default()
+    }
+}
+
+/// Starts the child in `role`, on `screen` or on none.
+fn spawn<'a>(role: &str, screen: Option<&'a Screen>) -> Window<'a> {
+    let validation = Validation::new();
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.env(ROLE, role).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
+    if let Some(screen) = screen {
+        command.env("DISPLAY", &screen.display);
+    }
+    validation.watch(&mut command);
+    let mut process = command.stdout(Stdio::piped()).spawn().unwrap();
+    let lines = Arc::new(Mutex::new(Vec::new()));
+    let output = BufReader::new(process.stdout.take().unwrap());
+    std::thread::spawn({
+        let lines = Arc::clone(&lines);
+        move || output.lines().map_while(Result::ok).for_each(|line| lines.lock().unwrap().push(line))
+    });
+    Window { process, lines, screen, id: String::new(), validation }
+}
+
+impl<'a> Window<'a> {
+    /// Opens the window on `screen`, waits until it is drawn, gives it the keyboard.
+    pub fn open(role: &str, screen: &'a Screen) -> Self {
+        let mut window = spawn(role, Some(screen));
+        window.id = wait_for("the window", 60.0, || {
+            if let Some(ended) = window.ended() {
+                panic!("the window's program {ended}");
+            }
+            screen.try_xdotool(&["search", "--onlyvisible", "--name", "^hall.laz – scanwalk$"])
+        });
+        wait_for("a first picture", 60.0, || {
+            let picture = window.picture();
+            (picture.pixels.iter().any(|p| *p != picture.pixels[0])).then_some(())
+        });
+        screen.xdotool(&["windowfocus", "--sync", &window.id]);
+        window
+    }
+
+    /// Runs `role` without any display (or, as "hazard", without a window).
+    pub fn without_display(role: &str) -> Self {
+        spawn(role, None)
+    }
+
+    fn screen(&self) -> &'a Screen {
+        self.screen.expect("a child with a screen")
+    }
+
+    pub fn xdotool(&self, arguments: &[&str]) {
+        self.screen().xdotool(arguments);
+    }
+
+    pub fn picture(&self) -> Picture {
+        self.screen().picture(&self.id)
+    }
+
+    /// Commands that the stand-in has printed so far.
+    pub fn commands(&self) -> Vec<String> {
+        let lines = self.lines.lock().unwrap();
+        lines.iter().filter_map(|line| line.strip_prefix("command ").map(str::to_string)).collect()
+    }
+
+    /// Waits for a command after the first `already`.
+    pub fn wait_command(&self, wanted: &str, already: usize) {
+        wait_for(wanted, 10.0, || {
+            let commands = self.commands();
+            commands[already.min(commands.len())..].iter().any(|c| c == wanted).then_some(())
+        });
+    }
+
+    /// Waits until a pixel has its colour.
+    pub fn wait_pixel(&self, x: usize, y: usize, wanted: Pixel) {
+        let mut seen = [0; 3];
+        let begin = std::time::Instant::now();
+        while begin.elapsed().as_secs() < 15 {
+            let picture = self.picture();
+            if x < picture.width && y < picture.height {
+                seen = picture.at(x, y);
+                if seen == wanted {
+                    return;
+                }
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        self.picture().keep("failed");
+        panic!("pixel {x}, {y} is {seen:?}, not {wanted:?} (kept where SCANWALK_TEST_PICTURES says)");
+    }
+
+    fn ended(&self) -> Option<String> {
+        self.lines.lock().unwrap().iter().find(|line| line.starts_with("ended")).cloned()
+    }
+
+    /// Waits until the program has ended; its last line and what the validation layer wrote.
+    pub fn wait_end(mut self) -> (String, String) {
+        let status = wait_for("the end of the window's program", 30.0, || self.process.try_wait().unwrap());
+        let line = wait_for("its last line", 5.0, || self.ended());
+        assert!(status.success(), "{status}, {line}");
+        (line, self.validation.log())
+    }
+}
+
+impl Drop for Window<'_> {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}

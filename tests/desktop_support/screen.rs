@@ -1,0 +1,145 @@
+//! A virtual screen: Xvfb on a free display, its pixels, and xdotool for hands.
+
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Red, green, blue, 0–255.
+pub type Pixel = [u8; 3];
+
+/// A screen of 1600 × 1000; gone when dropped.
+pub struct Screen {
+    server: Child,
+    /// ":99"
+    pub display: String,
+    folder: tempfile::TempDir,
+}
+
+/// A window on it, without decorations, since there is no window manager.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Geometry {
+    pub x: usize,
+    pub y: usize,
+    pub width: usize,
+    pub height: usize,
+}
+
+/// A part of the screen, rows from the top.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Picture {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<Pixel>,
+}
+
+impl Picture {
+    pub fn at(&self, x: usize, y: usize) -> Pixel {
+        self.pixels[y * self.width + x]
+    }
+
+    /// How many pixels of `self` differ from `other` (all, if the sizes do).
+    pub fn num_different(&self, other: &Self) -> usize {
+        if (self.width, self.height) != (other.width, other.height) {
+            return self.pixels.len();
+        }
+        self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count()
+    }
+
+    /// Kept for people if SCANWALK_TEST_PICTURES names a folder.
+    pub fn keep(&self, name: &str) {
+        let Some(folder) = std::env::var_os("SCANWALK_TEST_PICTURES") else { return };
+        let file = std::fs::File::create(PathBuf::from(folder).join(format!("{name}.png"))).unwrap();
+        let mut png = png::Encoder::new(file, self.width as u32, self.height as u32);
+        png.set_color(png::ColorType::Rgb);
+        png.write_header().unwrap().write_image_data(self.pixels.as_flattened()).unwrap();
+    }
+}
+
+impl Screen {
+    pub fn start() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let mut server = Command::new("Xvfb")
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1600x1000x24",
+                "-nolisten",
+                "tcp",
+                "-noreset",
+                "-fbdir",
+            ])
+            .arg(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|e| panic!("Xvfb cannot be started ({e}): apt install xvfb"));
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let display = format!(":{}", number.trim());
+        assert!(display.len() > 1, "Xvfb found no free display");
+        Self { server, display, folder }
+    }
+
+    /// What xdotool prints; `None` if it fails (a window that is not there yet).
+    pub fn try_xdotool(&self, arguments: &[&str]) -> Option<String> {
+        let output = Command::new("xdotool")
+            .args(arguments)
+            .env("DISPLAY", &self.display)
+            .output()
+            .unwrap_or_else(|e| panic!("xdotool cannot be started ({e}): apt install xdotool"));
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+    }
+
+    pub fn xdotool(&self, arguments: &[&str]) -> String {
+        self.try_xdotool(arguments).unwrap_or_else(|| panic!("xdotool {arguments:?} failed"))
+    }
+
+    pub fn geometry(&self, window: &str) -> Geometry {
+        let text = self.xdotool(&["getwindowgeometry", "--shell", window]);
+        let value = |name: &str| {
+            let line = text.lines().find_map(|l| l.strip_prefix(name)?.strip_prefix('='));
+            line.and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("{name} in {text}"))
+        };
+        Geometry { x: value("X"), y: value("Y"), width: value("WIDTH"), height: value("HEIGHT") }
+    }
+
+    /// The pixels of a window. Xvfb keeps its screen in a file in XWD format: a header of big-endian
+    /// words, a colour table, rows of 4-byte pixels (blue, green, red, unused).
+    pub fn picture(&self, window: &str) -> Picture {
+        let g = self.geometry(window);
+        let file = std::fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
+        let word = |i: usize| u32::from_be_bytes(file[4 * i..4 * i + 4].try_into().unwrap()) as usize;
+        let (header_bytes, bits_per_pixel, row_bytes, num_colors) = (word(0), word(11), word(12), word(19));
+        assert_eq!(bits_per_pixel, 32);
+        let rows = &file[header_bytes + 12 * num_colors..];
+        let pixel = |x: usize, y: usize| {
+            let at = y * row_bytes + 4 * x;
+            [rows[at + 2], rows[at + 1], rows[at]]
+        };
+        let pixels = (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y)));
+        let pixels = pixels.map(|(x, y)| pixel(g.x + x, g.y + y)).collect();
+        Picture { width: g.width, height: g.height, pixels }
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// Asks again and again until there is an answer; panics after `seconds`.
+pub fn wait_for<T>(what: &str, seconds: f64, mut ask: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(begin.elapsed().as_secs_f64() < seconds, "waited {seconds} s for {what}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}

@@ -1,0 +1,156 @@
+//! The child's side: the real window beside a stand-in for the frame thread, which paints a known pattern
+//! into the mirror images at 30 Hz, offers rows, and prints the commands that come.
+
+use super::fault;
+use scanwalk::config::Config;
+use scanwalk::desktop::{self, WindowFacts};
+use scanwalk::gpu::Gpu;
+use scanwalk::progress::Stop;
+use scanwalk::timing::FrameRow;
+use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Pixels of an eye's image.
+pub const EYE_PX: [u32; 2] = [480, 540];
+
+/// sRGB colours of each eye's quarters: top left, top right, bottom left, bottom right.
+pub const QUARTERS: [[[u8; 3]; 4]; 2] = [
+    [[200, 30, 40], [20, 180, 60], [30, 60, 210], [127, 128, 129]],
+    [[1, 2, 3], [250, 251, 252], [200, 100, 0], [0, 100, 200]],
+];
+
+/// Between two frames of the stand-in.
+const PERIOD: Duration = Duration::from_micros(33_333);
+
+/// Runs the window; `role` says what happens beside it. Prints "command …" lines and, last, "ended …".
+pub fn play(role: &str) {
+    let gpu = match Gpu::open(None) {
+        Ok(gpu) => Arc::new(gpu),
+        Err(error) => return println!("ended without a GPU: {error}"),
+    };
+    if role == "hazard" {
+        fault::write_twice_without_a_barrier(&gpu);
+        return println!("ended well");
+    }
+    let (walk, commands, viewer) = link::link();
+    let stop = Stop::default();
+    let frames = std::thread::spawn({
+        let (gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
+        move || {
+            let begin = Instant::now();
+            prepare(&role, &walk);
+            let images = (role != "broken" && role != "loading").then(|| images(&gpu));
+            if let Some(images) = &images {
+                walk.set_mirror(images.clone());
+            }
+            for frame in 0.. {
+                for command in commands.try_iter() {
+                    println!("command {command:?}");
+                }
+                if stop.requested() || (role == "vanish" && frame == 45) {
+                    return;
+                }
+                if role == "stop" && frame == 45 {
+                    stop.request();
+                }
+                if let Some(images) = &images {
+                    paint(&gpu, images);
+                    walk.offer_row(row(frame, begin.elapsed().as_secs_f64()));
+                }
+                std::thread::sleep(PERIOD);
+            }
+        }
+    });
+    let facts = WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
+    let mut config = Config::default();
+    config.window.size = [960, 640];
+    let outcome = desktop::run(Arc::clone(&gpu), viewer, facts, &config, stop.clone());
+    // An error of the window ends the stand-in too.
+    let stopped = stop.requested();
+    stop.request();
+    frames.join().expect("the stand-in for the frame thread");
+    match outcome {
+        Ok(()) => println!("ended well, stop requested: {stopped}"),
+        Err(error) => println!("ended with no_display={}: {error}", error.is_no_display()),
+    }
+}
+
+fn prepare(role: &str, walk: &WalkEnd) {
+    walk.update_load(|load| match role {
+        "broken" => {
+            load.error = Some("hall.laz: the header ends after 100 of 375 bytes; copy the file again".into());
+        }
+        "loading" => (load.step, load.fraction) = ("sorting".into(), 0.4),
+        _ => {
+            let facts = [
+                ("Format", "LAS 1.4, point format 7"),
+                ("Points", "52 391 020"),
+                ("Size", "48.1 × 30.9 × 11.2 m"),
+            ];
+            load.facts = facts.map(|(name, value)| (name.into(), value.into())).to_vec();
+            load.warnings = vec!["hall.laz: 12 points lie outside of the header's box; they are kept".into()];
+        }
+    });
+}
+
+fn images(gpu: &Gpu) -> MirrorImages {
+    [0, 1].map(|_: usize| {
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("mirror image"),
+            size: wgpu::Extent3d { width: EYE_PX[0], height: EYE_PX[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    })
+}
+
+/// Paints the pattern once more, in a submit of its own, as the frame thread does.
+fn paint(gpu: &Gpu, images: &MirrorImages) {
+    let [width, height] = EYE_PX;
+    let queue = gpu.queue.lock();
+    for (image, quarters) in images.iter().zip(QUARTERS) {
+        let pixels: Vec<u8> = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (2 * (2 * y / height) + 2 * x / width) as usize))
+            .flat_map(|quarter| {
+                let [r, g, b] = quarters[quarter];
+                [r, g, b, 255]
+            })
+            .collect();
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None };
+        queue.write_texture(image.as_image_copy(), &pixels, layout, image.size());
+    }
+    queue.submit([]);
+}
+
+/// A frame that is near the budget, over it every now and then.
+fn row(frame: u64, time_s: f64) -> FrameRow {
+    let wave = (frame as f32 * 0.13).sin() + 0.4 * (frame as f32 * 0.71).sin();
+    let late = frame % 41 == 40;
+    let depth_ms = 5.2 + 0.8 * wave + if late { 6.0 } else { 0.0 };
+    let stage_ms = [0.31, 0.42 + 0.1 * wave, depth_ms, 1.3 + 0.1 * wave];
+    FrameRow {
+        frame,
+        time_s,
+        predicted_display_ns: 0,
+        wait_ms: 2.1,
+        record_ms: 0.34,
+        submit_ms: 0.12,
+        stage_ms,
+        gpu_ms: stage_ms.iter().sum::<f32>() + 0.05,
+        budget_ms: 11.11,
+        missed_periods: u32::from(late),
+        visible_nodes: 1210 + frame as u32 % 7,
+        points_read: 12_391_020,
+        points_resident: 52_391_020,
+        lod_scale: 1.0,
+        resolution_scale: 1.0,
+        quality: "closest",
+        upload_bytes: 0,
+    }
+}
