@@ -65,8 +65,8 @@ mod landing {
         bail!("this build has no info command")
     }
 
-    /// `synth::write(&SynthOptions { kind, out, points, seed }, stop)`; the kind's type is then
-    /// `synth::Kind`.
+    /// `synth::write(&SynthOptions { kind, out, points, seed }, stop)`, with `synth::Kind` in place of
+    /// [`SynthKind`](crate::cli::SynthKind).
     pub fn synth(_args: &SynthArgs, _stop: &Stop) -> anyhow::Result<()> {
         bail!("this build has no synth command")
     }
