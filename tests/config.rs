@@ -116,7 +116,10 @@ fn wrong_types_name_what_is_wanted() {
             "walk.toml, line 2: frame.near_m must be a number, not the text \"far\"",
         ),
         ("gpu.adapter = 3", "walk.toml, line 1: gpu.adapter must be a text in quotes, not 3"),
-        ("gpu.chunk_mib = -1", "walk.toml, line 1: gpu.chunk_mib must be a whole number from 0, not -1"),
+        (
+            "gpu.chunk_mib = -1",
+            "walk.toml, line 1: gpu.chunk_mib must be a whole number from 0 to 4294967295, not -1",
+        ),
         ("window.panel = 1", "walk.toml, line 1: window.panel must be true or false, not 1"),
         (
             "frame.background = [0, 0, 256]",
@@ -124,7 +127,7 @@ fn wrong_types_name_what_is_wanted() {
         ),
         (
             "window.size = [1]",
-            "walk.toml, line 1: window.size must be a list of 2 whole numbers from 0, not the list [1]",
+            "walk.toml, line 1: window.size must be a list of 2 whole numbers from 0 to 4294967295, not the list [1]",
         ),
         (
             "window.mirror = \"middle\"",

@@ -1,4 +1,4 @@
-//! The command line: arguments ([`args`]), commands ([`commands`]), exit codes ([`exit`]).
+//! The command line: arguments (`args`), commands (`commands`), exit codes (`exit`).
 //!
 //! Names and meanings are a contract with the scripts of those who use scanwalk. Output for programs goes to
 //! stdout, everything else to stderr.

@@ -191,14 +191,16 @@ fn wanted_in_words(valid: &Value, message: &str) -> String {
             Some((_, names)) if names.contains('`') => names.replace('`', "\""),
             _ => "a text in quotes".into(),
         },
-        Value::Integer(_) => "a whole number from 0".into(),
+        Value::Integer(_) => format!("a whole number from 0 to {}", u32::MAX),
         Value::Float(_) => "a number".into(),
         Value::Boolean(_) => "true or false".into(),
         Value::Array(items) => match items.first() {
             Some(Value::Integer(_)) if message.contains("u8") => {
                 format!("a list of {} whole numbers from 0 to 255", items.len())
             }
-            Some(Value::Integer(_)) => format!("a list of {} whole numbers from 0", items.len()),
+            Some(Value::Integer(_)) => {
+                format!("a list of {} whole numbers from 0 to {}", items.len(), u32::MAX)
+            }
             _ => format!("a list of {} numbers", items.len()),
         },
         Value::Table(_) => "a section".into(),

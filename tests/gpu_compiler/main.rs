@@ -1,0 +1,215 @@
+//! Every shader, as the host assembles it, through the compiler of real GPUs: AMD's RDNA 2 and RDNA 3 in Mesa's
+//! RADV, whose null device compiles without the GPU. Nothing may spill registers or need scratch memory.
+//!
+//! The statistics are compared by people, not by this test: `SCANWALK_BLESS=1` writes them to
+//! `docs/bench/gpu-compiler/stats.csv`. They are no times: memory and atomics are not in them.
+
+mod radv;
+mod wgsl;
+
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The GPU families compiled for, RDNA 2 and RDNA 3, each with the names that RADV's versions know it by.
+const FAMILIES: [&[&str]; 2] = [&["navi21"], &["navi31", "gfx1100"]];
+/// Tells the child process where its job is; the answer goes beside it.
+const JOB: &str = "SCANWALK_GPU_COMPILER_JOB";
+/// Statistics shown, as RADV calls them.
+const SHOWN: [&str; 9] = [
+    "Instructions",
+    "Code size",
+    "SGPRs",
+    "VGPRs",
+    "Spilled SGPRs",
+    "Spilled VGPRs",
+    "Scratch size",
+    "Subgroups per SIMD",
+    "Inverse Throughput",
+];
+/// Statistics that must be 0.
+const FORBIDDEN: [&str; 3] = ["Spilled SGPRs", "Spilled VGPRs", "Scratch size"];
+
+/// A shader's whole text.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Shader {
+    name: String,
+    text: String,
+}
+
+/// What the compiler says of one executable: a compute stage, or the vertex or fragment half of a pass.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Executable {
+    shader: String,
+    entry: String,
+    /// Name and value, in the compiler's order.
+    stats: Vec<(String, u64)>,
+}
+
+impl Executable {
+    fn stat(&self, wanted: &str) -> Option<u64> {
+        self.stats.iter().find(|(name, _)| name == wanted).map(|(_, value)| *value)
+    }
+
+    /// What must not be: spills and scratch. A statistic that is not there is an error, not a zero.
+    fn faults(&self) -> Vec<String> {
+        let fault = |name: &&str| match self.stat(name) {
+            Some(0) => None,
+            Some(value) => Some(format!("{} {}: {name} = {value}", self.shader, self.entry)),
+            None => Some(format!("{} {}: the compiler tells no '{name}'", self.shader, self.entry)),
+        };
+        FORBIDDEN.iter().filter_map(fault).collect()
+    }
+}
+
+/// The project's shaders for pictures (one eye) and headsets (two).
+fn our_shaders() -> Vec<Shader> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let Ok(entries) = std::fs::read_dir(&folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let is_include = |path: &&PathBuf| path.to_string_lossy().ends_with(".inc.wgsl");
+    let text = |path: &PathBuf| std::fs::read_to_string(path).unwrap();
+    let includes: String = files.iter().filter(is_include).map(text).collect();
+    let mut shaders = Vec::new();
+    for path in files.iter().filter(|path| !is_include(path)) {
+        for num_eyes in [1, 2] {
+            let name = format!("{}-{num_eyes}", path.file_stem().unwrap().to_string_lossy());
+            let text = format!("{}{includes}{}", scanwalk::layout::prelude(num_eyes), text(path));
+            shaders.push(Shader { name, text });
+        }
+    }
+    shaders
+}
+
+/// Shaders of this test's own, whose fate is known.
+fn samples() -> Vec<Shader> {
+    let sample = |name: &str, text: &str| Shader { name: name.into(), text: text.into() };
+    vec![
+        sample("lean", include_str!("shaders/lean.wgsl")),
+        sample("pass", include_str!("shaders/pass.wgsl")),
+        sample("scratch", include_str!("shaders/scratch.wgsl")),
+    ]
+}
+
+/// Compiles for a family. `Err`: why it cannot be done on this machine.
+fn compile(family: &[&str], shaders: &[Shader]) -> Result<Vec<Executable>, String> {
+    let manifest = radv::manifest().ok_or("Mesa's driver for AMD GPUs (RADV) is not installed")?;
+    let compiled = family.iter().find_map(|name| compile_for(name, &manifest, shaders).transpose());
+    compiled.unwrap_or_else(|| Err(format!("this version of RADV is older than {}", family[0])))
+}
+
+/// Compiles in a child process, since driver and family are chosen by environment variables. `None`: RADV
+/// does not know a family of that name.
+fn compile_for(name: &str, manifest: &Path, shaders: &[Shader]) -> Result<Option<Vec<Executable>>, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let job = folder.path().join("job.json");
+    std::fs::write(&job, serde_json::to_vec(shaders).unwrap()).unwrap();
+    // Not `current_exe`, which names the loader where the tests are started through one.
+    let child = Command::new(std::env::args_os().next().unwrap())
+        .args(["--exact", "compile_in_child", "--ignored", "--nocapture"])
+        .env(JOB, &job)
+        .env("RADV_FORCE_FAMILY", name)
+        .env("VK_DRIVER_FILES", manifest)
+        .env("VK_ICD_FILENAMES", manifest)
+        .output()
+        .unwrap();
+    let said =
+        format!("{}{}", String::from_utf8_lossy(&child.stdout), String::from_utf8_lossy(&child.stderr));
+    if said.contains("Unknown family") {
+        return Ok(None);
+    }
+    if let Some((_, reason)) = said.split_once(radv::NO_DEVICE) {
+        return Err(reason.lines().next().unwrap_or_default().trim().to_owned());
+    }
+    let answer = std::fs::read(job.with_extension("answer"));
+    let answer = answer.unwrap_or_else(|_| panic!("compiling for {name} failed:\n{said}"));
+    Ok(Some(serde_json::from_slice(&answer).unwrap()))
+}
+
+/// The child's part: compiles every shader of its job for the family in its environment.
+#[test]
+#[ignore = "runs inside a child process of the other tests"]
+fn compile_in_child() {
+    let Some(job) = std::env::var_os(JOB).map(PathBuf::from) else { return };
+    let shaders: Vec<Shader> = serde_json::from_slice(&std::fs::read(&job).unwrap()).unwrap();
+    let gpu = match radv::NullGpu::open() {
+        Ok(gpu) => gpu,
+        Err(reason) => return println!("{}{reason}", radv::NO_DEVICE),
+    };
+    let compile = |shader: &Shader| {
+        let executables = wgsl::Parsed::new(&shader.text).and_then(|parsed| gpu.compile(&parsed));
+        executables
+            .unwrap_or_else(|error| panic!("{}: {error}", shader.name))
+            .into_iter()
+            .map(|(entry, stats)| Executable { shader: shader.name.clone(), entry, stats })
+            .collect::<Vec<_>>()
+    };
+    let answer: Vec<Executable> = shaders.iter().flat_map(compile).collect();
+    std::fs::write(job.with_extension("answer"), serde_json::to_vec(&answer).unwrap()).unwrap();
+}
+
+#[test]
+fn no_shader_spills() {
+    let shaders = our_shaders();
+    if shaders.is_empty() {
+        return println!("skipped: there is no shader in shaders/");
+    }
+    let mut csv = format!("family,shader,entry,{}\n", SHOWN.join(",").to_lowercase().replace(' ', "_"));
+    for family in FAMILIES {
+        let executables = match compile(family, &shaders) {
+            Ok(executables) => executables,
+            Err(reason) => return println!("skipped: {reason}"),
+        };
+        let faults: Vec<String> = executables.iter().flat_map(Executable::faults).collect();
+        for executable in &executables {
+            let values = SHOWN.map(|name| executable.stat(name).map_or(String::new(), |v| v.to_string()));
+            writeln!(csv, "{},{},{},{}", family[0], executable.shader, executable.entry, values.join(","))
+                .unwrap();
+        }
+        assert!(faults.is_empty(), "{family:?}: {faults:#?}");
+        for shader in &shaders {
+            assert!(executables.iter().any(|e| e.shader == shader.name), "{} was not compiled", shader.name);
+        }
+    }
+    println!("{csv}");
+    if std::env::var_os("SCANWALK_BLESS").is_some() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/bench/gpu-compiler");
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("stats.csv"), csv).unwrap();
+    }
+}
+
+/// The check can fail: a shader that indexes a large private array needs scratch memory, a lean one does not,
+/// and neither does a pass with a vertex and a fragment half.
+#[test]
+fn scratch_memory_is_noticed() {
+    for family in FAMILIES {
+        let executables = match compile(family, &samples()) {
+            Ok(executables) => executables,
+            Err(reason) => return println!("skipped: {reason}"),
+        };
+        let faulty: Vec<&str> = executables
+            .iter()
+            .filter(|executable| !executable.faults().is_empty())
+            .map(|executable| executable.shader.as_str())
+            .collect();
+        assert_eq!(faulty, ["scratch"], "{family:?}: {executables:#?}");
+        let entries: Vec<String> = executables.iter().map(|e| format!("{} {}", e.shader, e.entry)).collect();
+        assert_eq!(entries, ["lean main", "pass vertex", "pass fragment", "scratch main"]);
+    }
+}
+
+/// A statistic that the compiler does not tell counts as a fault, not as zero.
+#[test]
+fn untold_statistics_are_faults() {
+    let executable = |stats: &[(&str, u64)]| Executable {
+        shader: "s".into(),
+        entry: "main".into(),
+        stats: stats.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
+    };
+    assert!(executable(&FORBIDDEN.map(|name| (name, 0))).faults().is_empty());
+    assert_eq!(executable(&[]).faults().len(), FORBIDDEN.len());
+    assert_eq!(executable(&FORBIDDEN.map(|name| (name, 1))).faults().len(), FORBIDDEN.len());
+}

@@ -1,0 +1,239 @@
+//! The house's own rules, kept by reading its files: which module may name what, where `unsafe` may stand, how
+//! long a file gets, what the documents must mention. Each rule is shown to fail on a sample.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A file: its path from the root, with `/`, and its text.
+struct File {
+    path: String,
+    text: String,
+}
+
+/// Files with one of these endings below `folder`.
+fn files(folder: &str, endings: &[&str]) -> Vec<File> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    let mut folders = vec![root.join(folder)];
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        let paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+        for path in paths {
+            let name = path.strip_prefix(root).unwrap().to_string_lossy().replace('\\', "/");
+            if path.is_dir() {
+                folders.push(path);
+            } else if endings.iter().any(|ending| name.ends_with(ending)) {
+                found.push(File { path: name, text: std::fs::read_to_string(&path).unwrap() });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found
+}
+
+fn sources() -> Vec<File> {
+    let sources = files("src", &[".rs"]);
+    assert!(sources.len() > 20, "the sources were not found");
+    sources
+}
+
+/// Lines of code with their numbers: what stands behind `//` is left out.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(at, line)| (at + 1, line.split("//").next().unwrap_or_default()))
+}
+
+/// True if `word` stands in `line` and is not part of a longer name.
+fn names(line: &str, word: &str) -> bool {
+    let part_of_name = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    line.match_indices(word).any(|(at, _)| {
+        let before = line[..at].chars().next_back();
+        let after = line[at + word.len()..].chars().next();
+        let word_starts = word.starts_with(|c: char| c.is_alphanumeric());
+        !(part_of_name(after) || word_starts && part_of_name(before))
+    })
+}
+
+/// Which folder of `src` must not name what.
+const MUST_NOT_NAME: [(&str, &[&str]); 7] = [
+    ("cloud", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::xr"]),
+    ("twin", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::xr"]),
+    ("scan", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::twin"]),
+    ("synth", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render"]),
+    ("render", &["openxr", "winit", "egui", "crate::xr", "crate::desktop", "crate::walk"]),
+    (
+        "gpu",
+        &["openxr", "winit", "crate::cloud", "crate::config", "crate::scan", "crate::render", "crate::walk"],
+    ),
+    ("timing", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::walk"]),
+];
+
+/// Names that the file must not use, with their lines.
+fn forbidden_names(file: &File) -> Vec<String> {
+    let mut faults = Vec::new();
+    for (folder, words) in MUST_NOT_NAME {
+        if !file.path.starts_with(&format!("src/{folder}/")) {
+            continue;
+        }
+        for (line, text) in code(&file.text) {
+            let used = words.iter().filter(|word| names(text, word));
+            faults.extend(used.map(|word| format!("{}:{line} names {word}", file.path)));
+        }
+    }
+    faults
+}
+
+#[test]
+fn dependencies_point_one_way() {
+    let faults: Vec<String> = sources().iter().flat_map(forbidden_names).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |path: &str, text: &str| forbidden_names(&File { path: path.into(), text: text.into() });
+    assert_eq!(sample("src/cloud/x.rs", "fn f() {}\nuse wgpu::Buffer;"), ["src/cloud/x.rs:2 names wgpu"]);
+    assert_eq!(sample("src/render/x.rs", "openxr::Posef").len(), 1);
+    assert_eq!(sample("src/gpu/x.rs", "use crate::config::Config;").len(), 1);
+    assert!(sample("src/cloud/x.rs", "// wgpu\nlet hash = wgpu_free; // crate::gpu").is_empty());
+    assert!(sample("src/gpu/x.rs", "use wgpu::Buffer;").is_empty());
+}
+
+/// The files that wrap raw handles.
+const MAY_BE_UNSAFE: [&str; 2] = ["src/xr/vulkan.rs", "src/xr/swapchain.rs"];
+
+fn unsafe_code(file: &File) -> Vec<String> {
+    if MAY_BE_UNSAFE.contains(&file.path.as_str()) {
+        return Vec::new();
+    }
+    let lines = code(&file.text).filter(|(_, text)| names(text, "unsafe") || names(text, "unsafe_code"));
+    lines.map(|(line, _)| format!("{}:{line} is unsafe", file.path)).collect()
+}
+
+#[test]
+fn unsafe_stands_where_raw_handles_are_wrapped() {
+    let faults: Vec<String> = sources().iter().flat_map(unsafe_code).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |path: &str| {
+        unsafe_code(&File { path: path.into(), text: "#![allow(unsafe_code)]\nunsafe { f() }".into() })
+    };
+    assert_eq!(sample("src/gpu/open.rs").len(), 2);
+    assert!(sample("src/xr/vulkan.rs").is_empty());
+}
+
+/// `print!` and `println!` panic when the reader of a pipe has gone; `writeln!` gives an error.
+fn panicking_prints(file: &File) -> Vec<String> {
+    let prints = |text: &str| names(text, "println!") || names(text, "print!");
+    let lines = code(&file.text).filter(|(_, text)| prints(text));
+    lines.map(|(line, _)| format!("{}:{line}: write to stdout with writeln!", file.path)).collect()
+}
+
+#[test]
+fn a_closed_pipe_never_panics() {
+    let faults: Vec<String> = sources().iter().flat_map(panicking_prints).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |text: &str| panicking_prints(&File { path: "src/x.rs".into(), text: text.into() }).len();
+    assert_eq!(sample("println!(\"x\");\nprint!(\"y\");"), 2);
+    assert_eq!(sample("eprintln!(\"x\");"), 0);
+}
+
+const MAX_LINES: usize = 500;
+
+fn too_long(file: &File) -> Option<String> {
+    let num_lines = file.text.lines().count();
+    (num_lines > MAX_LINES).then(|| format!("{} has {num_lines} lines", file.path))
+}
+
+#[test]
+fn files_stay_small_and_say_what_they_are_for() {
+    let mut all = sources();
+    let undocumented: Vec<&str> =
+        all.iter().filter(|file| !is_documented(file)).map(|file| file.path.as_str()).collect();
+    assert!(undocumented.is_empty(), "no module doc: {undocumented:#?}");
+    all.extend(files("tests", &[".rs"]));
+    all.extend(files("shaders", &[".wgsl"]));
+    all.extend(files("scripts", &[""]));
+    let faults: Vec<String> = all.iter().filter_map(too_long).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |text: String| File { path: "src/x.rs".into(), text };
+    assert!(too_long(&sample("x\n".repeat(MAX_LINES + 1))).is_some());
+    assert!(too_long(&sample("x\n".repeat(MAX_LINES))).is_none());
+    assert!(!is_documented(&sample("use x;\n//! late".into())));
+}
+
+fn is_documented(file: &File) -> bool {
+    file.text.starts_with("//! ")
+}
+
+const MAX_ARCHITECTURE_LINES: usize = 150;
+
+/// Folders of `src` that the text does not name, and its excess length.
+fn architecture_faults(text: &str, folders: &[String]) -> Vec<String> {
+    let unnamed = folders.iter().filter(|folder| !text.contains(&format!("`src/{folder}/`")));
+    let mut faults: Vec<String> = unnamed.map(|folder| format!("src/{folder}/ is not named")).collect();
+    let num_lines = text.lines().count();
+    if num_lines > MAX_ARCHITECTURE_LINES {
+        faults.push(format!("{num_lines} lines; {MAX_ARCHITECTURE_LINES} are enough"));
+    }
+    faults
+}
+
+#[test]
+fn the_architecture_names_every_part_and_stays_short() {
+    let mut folders: Vec<String> = sources()
+        .iter()
+        .filter_map(|file| Some(file.path.strip_prefix("src/")?.split_once('/')?.0.to_owned()))
+        .collect();
+    folders.dedup();
+    let faults = architecture_faults(include_str!("../docs/ARCHITECTURE.md"), &folders);
+    assert!(faults.is_empty(), "{faults:#?}");
+    assert_eq!(architecture_faults("see `src/gpu/`", &["gpu".into(), "walk".into()]).len(), 1);
+    assert_eq!(architecture_faults(&"\n".repeat(MAX_ARCHITECTURE_LINES + 1), &[]).len(), 1);
+}
+
+/// Places that exist on one machine only, with their lines. Put together here so that this file has none.
+fn machine_paths(file: &File) -> Vec<String> {
+    let words =
+        [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!("/ho", "me/"), concat!("../sha", "red")];
+    // Continuous integration may find test data beside the checkout.
+    let allowed = |word: &str| file.path == ".ci/run" && word.starts_with("..");
+    let mut faults = Vec::new();
+    for (at, line) in file.text.lines().enumerate() {
+        let found = words.iter().filter(|word| line.contains(**word) && !allowed(word));
+        faults.extend(found.map(|word| format!("{}:{} has {word}", file.path, at + 1)));
+    }
+    faults
+}
+
+#[test]
+fn nothing_names_one_machine() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let tracked = Command::new("git").args(["-C", root, "ls-files", "-z"]).output();
+    let Some(tracked) = tracked.ok().filter(|listed| listed.status.success()) else {
+        println!("skipped: not a git checkout, so nothing tells which files are the project's");
+        return;
+    };
+    let mut faults = Vec::new();
+    for path in String::from_utf8(tracked.stdout).unwrap().split_terminator('\0') {
+        // Pictures and scans are no text.
+        let Ok(text) = std::fs::read_to_string(Path::new(root).join(path)) else { continue };
+        faults.extend(machine_paths(&File { path: path.into(), text }));
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |path: &str| {
+        let text = concat!("cd /wo", "rk/scan\nls ../sha", "red/data\n").into();
+        machine_paths(&File { path: path.into(), text }).len()
+    };
+    assert_eq!(sample("README.md"), 2);
+    assert_eq!(sample(".ci/run"), 1);
+}
+
+#[test]
+fn the_readme_starts_with_the_two_commands() {
+    let has_both_early = |text: &str| {
+        let early: Vec<&str> = text.lines().take(25).collect();
+        ["scripts/demo", "scripts/test"]
+            .iter()
+            .all(|script| early.iter().any(|line| line.starts_with(script)))
+    };
+    assert!(has_both_early(include_str!("../README.md")));
+    assert!(!has_both_early("scripts/demo\n\nTests are elsewhere."));
+    for script in ["scripts/demo", "scripts/test"] {
+        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(script).is_file(), "{script}");
+    }
+}
