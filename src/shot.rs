@@ -99,7 +99,10 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
     let [width, height] = options.size_px;
     anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
     let fov_deg = options.fov_y_deg;
-    anyhow::ensure!(fov_deg > 0.0 && fov_deg < 180.0, "--fov-y {fov_deg}: must lie between 0 and 180 degrees");
+    anyhow::ensure!(
+        fov_deg > 0.0 && fov_deg < 180.0,
+        "--fov-y {fov_deg}: must lie between 0 and 180 degrees"
+    );
     let aspect = f64::from(width) / f64::from(height);
     let fov = Fov::symmetric(fov_deg.to_radians(), aspect);
     let target = options.target.unwrap_or(bounds.center());
@@ -110,7 +113,8 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
         let position = center.position + center.orientation * DVec3::X * sideways;
         Eye { world_from_view: Pose { position, ..center }, fov, size_px: options.size_px }
     };
-    let eyes = if options.stereo { vec![at(-0.5 * options.ipd), at(0.5 * options.ipd)] } else { vec![at(0.0)] };
+    let eyes =
+        if options.stereo { vec![at(-0.5 * options.ipd), at(0.5 * options.ipd)] } else { vec![at(0.0)] };
     Ok(View { eyes, near })
 }
 

@@ -16,7 +16,7 @@ use crate::walk::link::{self, WalkEnd};
 use crate::walk::pose_path::PosePath;
 use crate::walk::simulated::SimulatedHeadset;
 use crate::walk::start::start;
-use crate::walk::{Headset, Loaded, Walk, WalkSummary};
+use crate::walk::{Headset, Loaded, Walk};
 use crate::xr;
 use anyhow::Context;
 use std::path::PathBuf;
@@ -209,7 +209,12 @@ fn show_window(
     stop: &Stop,
 ) -> anyhow::Result<()> {
     let window_facts = desktop::WindowFacts {
-        scan: options.scans.iter().filter_map(|p| Some(p.file_name()?.display().to_string())).collect::<Vec<_>>().join(" "),
+        scan: options
+            .scans
+            .iter()
+            .filter_map(|p| Some(p.file_name()?.display().to_string()))
+            .collect::<Vec<_>>()
+            .join(" "),
         device: facts.device.clone(),
         runtime: facts.runtime.clone(),
     };

@@ -28,7 +28,8 @@ fn hits(drawn: &Drawn, eye: usize, width: u32) -> Vec<(u32, u32, u32)> {
 #[test]
 fn odd_sizes_are_painted_to_the_last_row_and_column() {
     // A wall 1 m away, denser than the pixels, wider than the view.
-    let wall: Vec<[i32; 3]> = (-550..=550).flat_map(|x| (-550..=550).map(move |z| [x * 2, 1000, z * 2])).collect();
+    let wall: Vec<[i32; 3]> =
+        (-550..=550).flat_map(|x| (-550..=550).map(move |z| [x * 2, 1000, z * 2])).collect();
     for size in [[333, 217], [17, 9], [1, 1], [129, 1]] {
         let drawn = draw_points(&wall, &look_north(size, 1.0));
         let empty = drawn.depth[0].iter().filter(|&&p| p == EMPTY).count();
@@ -58,7 +59,8 @@ fn the_point_on_the_far_face_stays_where_it_is() {
 #[test]
 fn flat_clouds_lines_and_single_points_are_drawn() {
     let view = look_north([100, 100], 1.0);
-    let plane: Vec<[i32; 3]> = (0..10).flat_map(|x| (0..10).map(move |z| [x * 100 - 450, 1000, z * 100 - 450])).collect();
+    let plane: Vec<[i32; 3]> =
+        (0..10).flat_map(|x| (0..10).map(move |z| [x * 100 - 450, 1000, z * 100 - 450])).collect();
     assert_eq!(hits(&draw_points(&plane, &view), 0, 100).len(), 100);
     let line: Vec<[i32; 3]> = (0..10).map(|x| [x * 100 - 450, 1000, 0]).collect();
     assert_eq!(hits(&draw_points(&line, &view), 0, 100).len(), 10);
@@ -104,16 +106,22 @@ fn the_left_eye_sees_a_near_point_further_right() {
 fn every_stored_color_comes_out_as_it_went_in() {
     let xyz: Vec<[i32; 3]> = (0..768).map(|i| [i % 32 * 60 - 930, 1000, i / 32 * 60 - 690]).collect();
     let mut scan = scan_of(&xyz, 0.001, DVec3::ZERO);
-    scan.files[0].points.rgb =
-        (0..768u16).map(|i| [[i % 256, 0, 255], [0, i % 256, 7], [i % 256; 3]][usize::from(i / 256)]).collect();
+    scan.files[0].points.rgb = (0..768u16)
+        .map(|i| [[i % 256, 0, 255], [0, i % 256, 7], [i % 256; 3]][usize::from(i / 256)])
+        .collect();
     let want: Vec<[u16; 3]> = scan.files[0].points.rgb.clone();
-    let cloud = scanwalk::cloud::build(scan, Order::Original, &scanwalk::progress::Progress::hidden()).expect("cloud");
+    let cloud = scanwalk::cloud::build(scan, Order::Original, &scanwalk::progress::Progress::hidden())
+        .expect("cloud");
     let view = look_north([320, 320], 1.0);
     let drawn = draw(&cloud, &view, true, 0);
     let hits = hits(&drawn, 0, 320);
     assert_eq!(hits.len(), 768);
     for (x, y, index) in hits {
         let [r, g, b] = want[index as usize].map(|c| c as u8);
-        assert_eq!(drawn.images[0][(y * 320 + x) as usize], u32::from_le_bytes([r, g, b, 255]), "point {index}");
+        assert_eq!(
+            drawn.images[0][(y * 320 + x) as usize],
+            u32::from_le_bytes([r, g, b, 255]),
+            "point {index}"
+        );
     }
 }

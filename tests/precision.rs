@@ -42,7 +42,12 @@ fn exact(view: &View, p: DVec3) -> (f64, f64) {
 }
 
 /// Grid points whose pixel does not show them, of those that are not within `EDGE` of a pixel's edge.
-fn misplaced(pixels: &[u64], view: &View, positions: &[DVec3], order: &dyn Fn(usize) -> u32) -> (usize, usize) {
+fn misplaced(
+    pixels: &[u64],
+    view: &View,
+    positions: &[DVec3],
+    order: &dyn Fn(usize) -> u32,
+) -> (usize, usize) {
     let [width, height] = view.eyes[0].size_px;
     let inside = |(x, y): (f64, f64)| {
         let fine = |v: f64| v.fract() > EDGE && v.fract() < 1.0 - EDGE;

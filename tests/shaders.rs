@@ -85,7 +85,8 @@ fn host_structs_have_the_shaders_offsets() {
 
 #[test]
 fn the_offset_comparison_can_fail() {
-    let wgsl = source("depth", 2).replace("min_lo: vec3<f32>,\n    num_points: u32,", "num_points: u32,\n    min_lo: vec3<f32>,");
+    let wgsl = source("depth", 2)
+        .replace("min_lo: vec3<f32>,\n    num_points: u32,", "num_points: u32,\n    min_lo: vec3<f32>,");
     assert!(difference(&parse("swapped", &wgsl), &host_structs()[0]).is_some());
 }
 

@@ -1,6 +1,8 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
-use super::{Cli, Command, HeadsetChoice, RenderArgs, ReportArgs, SynthArgs, Usage, ViewArgs, WindowChoice, doctor};
+use super::{
+    Cli, Command, HeadsetChoice, RenderArgs, ReportArgs, SynthArgs, Usage, ViewArgs, WindowChoice, doctor,
+};
 use crate::config::{self, Config};
 use crate::progress::Stop;
 use crate::scan;
@@ -87,7 +89,8 @@ fn render(args: &RenderArgs, config: &Config, stop: &Stop) -> anyhow::Result<()>
 }
 
 fn synth(args: &SynthArgs, stop: &Stop) -> anyhow::Result<()> {
-    let options = SynthOptions { kind: args.kind, out: args.out.clone(), points: args.points, seed: args.seed };
+    let options =
+        SynthOptions { kind: args.kind, out: args.out.clone(), points: args.points, seed: args.seed };
     synth::write(&options, stop)?;
     Ok(())
 }

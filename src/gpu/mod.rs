@@ -7,8 +7,8 @@ pub mod readback;
 pub mod stage;
 pub mod timer;
 
-pub(crate) use open::{block_on, instance_flags};
 pub use open::{GpuError, required_features};
+pub(crate) use open::{block_on, instance_flags};
 pub use queue::{Queue, QueueGuard};
 
 /// A GPU, opened: by us ([`Gpu::open`]) or by an OpenXR runtime (`xr::vulkan`).

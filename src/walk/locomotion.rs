@@ -136,7 +136,13 @@ impl Locomotion {
 
     /// The eyes in the world with the head at `world_from_head`, as a pose path has it.
     #[must_use]
-    pub fn view_at(&self, world_from_head: &Pose, eyes: &[StageEye; 2], sizes_px: [[u32; 2]; 2], near_m: f64) -> View {
+    pub fn view_at(
+        &self,
+        world_from_head: &Pose,
+        eyes: &[StageEye; 2],
+        sizes_px: [[u32; 2]; 2],
+        near_m: f64,
+    ) -> View {
         let (head, scale) = (head_of(eyes), self.start.units_per_m);
         let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
             let mut head_from_view = head.inverse().then(&eye.stage_from_view);
@@ -153,7 +159,10 @@ impl Locomotion {
         let turn = self.world_from_stage_axes();
         let scale = self.start.units_per_m;
         // Pitch turns the eyes about the head, not about the stage's origin.
-        let pitched = Pose { position: head.position, orientation: head.orientation * DQuat::from_rotation_x(self.pitch) };
+        let pitched = Pose {
+            position: head.position,
+            orientation: head.orientation * DQuat::from_rotation_x(self.pitch),
+        };
         let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
             let stage_from_view = pitched.then(&head.inverse().then(&eye.stage_from_view));
             let position = self.floor_in_world + turn * stage_from_view.position * scale;
@@ -231,7 +240,10 @@ mod tests {
         walk.advance(0.1, &forward, &Pose { position: DVec3::ZERO, orientation });
         let moved = walk.floor_in_world - start().floor_in_world;
         let step = 0.1 * walk.speed();
-        assert!((moved - DVec3::new(-step / 2f64.sqrt(), 0.0, step / 2f64.sqrt())).length() < 1e-9, "{moved}");
+        assert!(
+            (moved - DVec3::new(-step / 2f64.sqrt(), 0.0, step / 2f64.sqrt())).length() < 1e-9,
+            "{moved}"
+        );
     }
 
     #[test]
@@ -252,7 +264,11 @@ mod tests {
     #[test]
     fn noise_of_a_stick_and_a_hitch_do_nothing_bad() {
         let mut walk = walk();
-        walk.advance(0.1, &ControllerInput { left_stick: [0.1, -0.1], ..Default::default() }, &Pose::IDENTITY);
+        walk.advance(
+            0.1,
+            &ControllerInput { left_stick: [0.1, -0.1], ..Default::default() },
+            &Pose::IDENTITY,
+        );
         assert_eq!(walk.floor_in_world, start().floor_in_world);
         walk.command(Command::Move { direction: [0.0, 0.0, 1.0], fast: true });
         walk.advance(60.0, &ControllerInput::default(), &Pose::IDENTITY);

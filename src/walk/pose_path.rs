@@ -83,7 +83,8 @@ impl PosePath {
     #[must_use]
     pub fn at(&self, time_s: f64) -> Pose {
         let after = self.poses.partition_point(|(t, _)| *t <= time_s);
-        let (Some((t0, a)), Some((t1, b))) = (self.poses.get(after.wrapping_sub(1)), self.poses.get(after)) else {
+        let (Some((t0, a)), Some((t1, b))) = (self.poses.get(after.wrapping_sub(1)), self.poses.get(after))
+        else {
             return self.poses[after.min(self.poses.len() - 1)].1;
         };
         let s = (time_s - t0) / (t1 - t0);
@@ -103,7 +104,8 @@ mod tests {
 
     #[test]
     fn moves_evenly_between_poses() {
-        let path = read("time_s,x,y,z,qx,qy,qz,qw\n# start\n1,0,0,0,0,0,0,1\n3,4,0,0,0,0,1,0\n").expect("a path");
+        let path =
+            read("time_s,x,y,z,qx,qy,qz,qw\n# start\n1,0,0,0,0,0,0,1\n3,4,0,0,0,0,1,0\n").expect("a path");
         assert_eq!(path.at(0.0), path.at(1.0));
         assert_eq!(path.at(9.0).position.x, 4.0);
         let half = path.at(2.0);

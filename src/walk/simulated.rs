@@ -164,7 +164,10 @@ mod tests {
         };
         let [left, right] = SimulatedHeadset::eyes(&config);
         assert!(left.stage_from_view.position.x < 0.0 && right.stage_from_view.position.x > 0.0);
-        assert!((left.fov.left + right.fov.right).abs() < 1e-12 && (left.fov.right + right.fov.left).abs() < 1e-12);
+        assert!(
+            (left.fov.left + right.fov.right).abs() < 1e-12
+                && (left.fov.right + right.fov.left).abs() < 1e-12
+        );
         assert!(left.fov.left.abs() > left.fov.right, "outward is wider");
         let forward = |e: &StageEye| e.stage_from_view.orientation * DVec3::NEG_Z;
         assert!(forward(&left).x < 0.0 && forward(&right).x > 0.0, "displays turn outward");
