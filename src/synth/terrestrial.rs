@@ -1,0 +1,187 @@
+//! A terrestrial laser scanner on two stations in the courtyard.
+//!
+//! A mirror turns about a horizontal axis while the head turns about the vertical one: the points come in
+//! columns of constant azimuth, from −60° (below is the tripod) up to the zenith. Rays go out at equal
+//! angles, so the density falls with the square of the distance. Ranges are noisy, the more the farther;
+//! at edges some rays hit two surfaces and give a point between them, as real scanners do.
+
+use super::Viewpoint;
+use super::courtyard::Courtyard;
+use super::device::Device;
+use super::material::{Material, rgb};
+use super::plan::{Plan, Thin};
+use super::random::Rng;
+use super::record::{Format, Layout, Record};
+use super::span::{Hit, Ray};
+use crate::scan::Lattice;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
+
+/// World position of the fountain's foot: coordinates as large as national grids have them.
+const ORIGIN: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
+/// The scanner's mirror on each station, courtyard coordinates: on the paving, and in the hall's doorway;
+/// 1.6 m above the floor.
+const STATIONS: [DVec3; 2] = [DVec3::new(-4.2, -1.2, 1.6), DVec3::new(15.28, 0.15, 1.75)];
+/// Azimuth at which each station begins.
+const START: [f64; 2] = [0.4, 2.1];
+/// Lowest elevation.
+const LOWEST: f64 = -PI / 3.0;
+/// From the lowest elevation to the zenith.
+const SWEEP: f64 = PI / 3.0 + PI / 2.0;
+/// Farther surfaces send too little light back.
+const RANGE_M: f64 = 150.0;
+/// Pulses a second.
+const PULSES_PER_S: f64 = 1e6;
+/// Start of the first and between the starts of the stations, GPS seconds.
+const TIMES_S: [f64; 2] = [330_000_000.0, 900.0];
+/// Trial columns a station, and rays in each.
+const TRIALS: [u32; 2] = [360, 90];
+
+const fn place(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(ORIGIN.x + x, ORIGIN.y + y, ORIGIN.z + z)
+}
+
+/// Good places to stand.
+pub const VIEWPOINTS: [Viewpoint; 6] = [
+    Viewpoint { name: "overview", eye: place(-10.6, -8.0, 5.6), target: place(2.2, 1.6, 1.6) },
+    Viewpoint { name: "court", eye: place(-8.6, -5.6, 1.7), target: place(3.0, 2.6, 2.2) },
+    Viewpoint { name: "arcade", eye: place(13.6, -10.4, 1.85), target: place(13.2, 4.0, 1.9) },
+    Viewpoint { name: "hall", eye: place(16.3, -3.6, 1.85), target: place(20.4, 1.6, 1.25) },
+    Viewpoint { name: "stair", eye: place(1.6, 2.4, 1.7), target: place(-7.2, 8.6, 3.0) },
+    Viewpoint { name: "terrace", eye: place(-7.6, 10.2, 6.3), target: place(4.0, -2.0, 1.0) },
+];
+
+/// The scanner and what it is to do.
+pub struct Scanner {
+    court: &'static Courtyard,
+    plan: Plan,
+}
+
+impl Scanner {
+    /// One that will measure that many points in all.
+    pub fn new(points: u64) -> Self {
+        // How much of each direction returns anything is the same every time.
+        static WEIGHTS: OnceLock<Vec<u32>> = OnceLock::new();
+        let court = Courtyard::get();
+        let weights = WEIGHTS.get_or_init(|| try_out(court)).clone();
+        let rays = points as f64 * f64::from(TRIALS[1]) * weights.len() as f64
+            / weights.iter().map(|w| f64::from(*w)).sum::<f64>();
+        // Equal angles both ways: columns / rows = full circle / sweep.
+        let columns = (rays / STATIONS.len() as f64 * TAU / SWEEP).sqrt().ceil() as u64;
+        Self { court, plan: Plan::new(points, STATIONS.len() as u64, columns, weights) }
+    }
+
+    fn ray(&self, station: usize, column: f64, row: f64) -> Ray {
+        let clockwise = START[station] - TAU * column;
+        let ((sin_a, cos_a), (sin_e, cos_e)) = (libm::sincos(clockwise), libm::sincos(LOWEST + SWEEP * row));
+        Ray { origin: STATIONS[station], direction: DVec3::new(cos_e * cos_a, cos_e * sin_a, sin_e) }
+    }
+
+    /// All that one column hits with `rows` rays: the row, the surface and what it is made of.
+    fn column(&self, station: usize, column: f64, rows: u64, hits: &mut Vec<(u64, Hit, Material)>) {
+        hits.clear();
+        for row in 0..rows {
+            let ray = self.ray(station, column, (row as f64 + 0.5) / rows as f64);
+            if let Some((hit, material)) = self.court.nearest(&ray, RANGE_M) {
+                hits.push((row, hit, material));
+            }
+        }
+    }
+}
+
+/// Hits of the trial columns: what the points are shared out by.
+fn try_out(court: &Courtyard) -> Vec<u32> {
+    let bins = (0..STATIONS.len() * TRIALS[0] as usize).into_par_iter();
+    let probe = Scanner { court: Courtyard::get(), plan: Plan::new(1, 1, 1, vec![1]) };
+    bins.map(|bin| {
+        let (station, column) = (bin / TRIALS[0] as usize, bin % TRIALS[0] as usize);
+        let column = (column as f64 + 0.5) / f64::from(TRIALS[0]);
+        let hit = |row: &u32| {
+            let ray = probe.ray(station, column, (f64::from(*row) + 0.5) / f64::from(TRIALS[1]));
+            court.nearest(&ray, RANGE_M).is_some()
+        };
+        (0..TRIALS[1]).filter(hit).count() as u32
+    })
+    .collect()
+}
+
+impl Device for Scanner {
+    fn layout(&self) -> Layout {
+        Layout { format: Format::Rgb7, lattice: Lattice { scale: DVec3::splat(0.0001), offset: ORIGIN } }
+    }
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+        let (pass, number) = self.plan.pass_and_line(line);
+        let (station, lines) = (pass as usize, self.plan.lines_per_pass() as f64);
+        let column = (number as f64 + 0.5) / lines;
+        let share = f64::from(self.plan.weight(line).max(1)) / f64::from(TRIALS[1]);
+        let mut rows = (num_points as f64 / share * 1.01).ceil() as u64 + 1;
+        let mut hits = Vec::new();
+        self.column(station, column, rows, &mut hits);
+        // Some directions see more sky than the trial thought: closer rows. This ends, for the lowest third
+        // of every column meets the ground.
+        while (hits.len() as u64) < num_points {
+            rows += rows / 8 + 1;
+            self.column(station, column, rows, &mut hits);
+        }
+        let lattice = self.layout().lattice;
+        let start = TIMES_S[0] + TIMES_S[1] * pass as f64;
+        let column_s = SWEEP / TAU * lines / PULSES_PER_S;
+        let mut thin = Thin::new(num_points, hits.len() as u64);
+        let mut last: Option<(u64, f64)> = None;
+        for (row, hit, material) in &hits {
+            let neighbor = last.filter(|(r, _)| r + 1 == *row).map_or(hit.t, |(_, t)| t);
+            last = Some((*row, hit.t));
+            if thin.next(1) == 0 {
+                continue;
+            }
+            let part = (*row as f64 + 0.5) / rows as f64;
+            let ray = self.ray(station, column, part);
+            // A beam that grazes an edge measures something between the two surfaces.
+            let gap = neighbor - hit.t;
+            let mixed = gap.abs() > 0.08 && gap.abs() < 4.0 && rng.unit() < 0.05;
+            let range = hit.t + if mixed { gap * rng.unit() } else { 0.0 };
+            let noisy = range + (0.0012 + 0.00008 * range) * rng.normal();
+            let p = ORIGIN + ray.at(noisy);
+            out.push(Record {
+                xyz: Record::snap(&lattice, p),
+                intensity: intensity(hit, &ray, material, rng),
+                return_number: 1,
+                num_returns: 1,
+                class: 0,
+                forward: true,
+                scan_angle_deg: 0.0,
+                source: station as u16 + 1,
+                gps_time: start + (number as f64 + part) * column_s,
+                rgb: self.photo(&ray, hit, material, rng),
+            });
+        }
+    }
+}
+
+impl Scanner {
+    /// The surface's colour as the scanner's camera has it: 16 bits, overexposed softly.
+    fn photo(&self, ray: &Ray, hit: &Hit, material: &Material, rng: &mut Rng) -> [u16; 3] {
+        let color = self.court.color(ray.at(hit.t), hit.normal, material);
+        let haze = rgb(196, 208, 220);
+        let color = color + (haze - color) * (hit.t / 900.0).min(1.0);
+        let grain = 1.0 + 0.012 * rng.normal();
+        // Straight up to 0.8, then bending towards 1.
+        let expose = |c: f64| if c < 0.8 { c } else { 1.0 - 0.04 / (c - 0.6) };
+        (color * grain).to_array().map(|c| (65_535.0 * expose(c.max(0.0)).clamp(0.0, 1.0)).round() as u16)
+    }
+}
+
+/// Light that returns: less from dark, slanted and far surfaces.
+fn intensity(hit: &Hit, ray: &Ray, material: &Material, rng: &mut Rng) -> u16 {
+    let facing = hit.normal.dot(ray.direction).abs();
+    let far = 1.0 / (1.0 + (hit.t / 30.0) * (hit.t / 30.0));
+    let value = material.reflectance() * (0.25 + 0.75 * facing) * far * (1.0 + 0.03 * rng.normal());
+    (60_000.0 * value).clamp(1.0, 65_535.0) as u16
+}
