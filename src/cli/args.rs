@@ -1,5 +1,6 @@
 //! Arguments of the smaller commands.
 
+use crate::synth;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -35,7 +36,7 @@ The same kind, points and seed give the same bytes on every machine.")]
 pub struct SynthArgs {
     /// What to make, each in the point order that such a device writes
     #[arg(value_name = "KIND")]
-    pub kind: SynthKind,
+    pub kind: synth::Kind,
     /// The file to write
     #[arg(short, long, value_name = "OUT.las|OUT.laz")]
     pub out: PathBuf,
@@ -45,17 +46,6 @@ pub struct SynthArgs {
     /// Another seed, another scan
     #[arg(long, value_name = "S", default_value = "1")]
     pub seed: u64,
-}
-
-/// Devices whose scans can be made up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SynthKind {
-    /// A courtyard, by a scanner on two stations.
-    Terrestrial,
-    /// Land with a village, from an aircraft.
-    Aerial,
-    /// A statue, from photographs.
-    Photogrammetry,
 }
 
 /// Measure this machine.

@@ -11,7 +11,7 @@ mod parse;
 mod render;
 mod view;
 
-pub use args::{BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SynthArgs, SynthKind};
+pub use args::{BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SynthArgs};
 pub use exit::Usage;
 pub use render::{Dilate, Quality, RenderArgs, Switch};
 pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
