@@ -78,8 +78,19 @@ fn the_compositor_shows_what_render_draws() {
     let mut run = runtime.start(
         Path::new(PROGRAM),
         &[
-            "view", path(&scene.courtyard), path(&scene.ball), "--headset", "require", "--window", "off",
-            "--pose-path", path(&scene.pose_path), "--set", "cloud.order=original", "--frames", "120",
+            "view",
+            path(&scene.courtyard),
+            path(&scene.ball),
+            "--headset",
+            "require",
+            "--window",
+            "off",
+            "--pose-path",
+            path(&scene.pose_path),
+            "--set",
+            "cloud.order=original",
+            "--frames",
+            "120",
         ],
     );
     run.remote().send(&Packet { eyes: Some(eyes()), ..Packet::default() });
@@ -91,6 +102,17 @@ fn the_compositor_shows_what_render_draws() {
         if differences.iter().all(|d| *d < TOLERANCE) || Instant::now() > until {
             break (shown, differences);
         }
+        eprintln!("XX {differences:?}");
+        std::fs::write(
+            "/tmp/shown.ppm",
+            [format!("P6 {} {} 255\n", 960, 1080).into_bytes(), shown[0].pixels.concat()].concat(),
+        )
+        .unwrap();
+        std::fs::write(
+            "/tmp/want.ppm",
+            [format!("P6 {} {} 255\n", 960, 1080).into_bytes(), want[0].pixels.concat()].concat(),
+        )
+        .unwrap();
         std::thread::sleep(Duration::from_millis(100));
     };
     eprintln!("share of pixels that differ from render: {differences:?}");
@@ -114,7 +136,8 @@ fn the_compositor_shows_what_render_draws() {
 
 /// Session states in the order that they were reached.
 fn states(done: &Finished) -> Vec<String> {
-    let lines = done.stderr.lines().filter_map(|l| Some(l.split_once("headset session: ")?.1.trim().to_string()));
+    let lines =
+        done.stderr.lines().filter_map(|l| Some(l.split_once("headset session: ")?.1.trim().to_string()));
     lines.collect()
 }
 
@@ -125,15 +148,28 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
     let log = scene.file("frames.csv");
     let runtime = lab.runtime().validate().timeout_s(120);
     let args = [
-        "view", path(&scene.courtyard), "--headset", "require", "--window", "off", "--frames", "60", "--log",
-        path(&log), "-v",
+        "view",
+        path(&scene.courtyard),
+        "--headset",
+        "require",
+        "--window",
+        "off",
+        "--frames",
+        "60",
+        "--log",
+        path(&log),
+        "-v",
     ];
     let done = runtime.run(Path::new(PROGRAM), &args);
     done.assert_ok();
     done.assert_valid();
     let states = states(&done);
     assert!(states.iter().any(|s| s == "FOCUSED"), "{states:?}");
-    assert_eq!(states.last().map(String::as_str), Some("EXITING"), "the runtime agreed to the end: {states:?}");
+    assert_eq!(
+        states.last().map(String::as_str),
+        Some("EXITING"),
+        "the runtime agreed to the end: {states:?}"
+    );
     let log = scanwalk::timing::read(&log).expect("a frame log");
     let text = scanwalk::timing::Report::of(&log).to_string();
     assert!(text.contains("Monado"), "{text}");

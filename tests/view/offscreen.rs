@@ -41,7 +41,8 @@ fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
         assert!(stages > 0.0 && stages <= whole * 1.01 + 0.01, "{row:?}");
         assert!(row[15].parse::<u64>().expect("points read") > 1000, "{row:?}");
     }
-    let report = Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("report").arg(&log).output().expect("report");
+    let report =
+        Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("report").arg(&log).output().expect("report");
     let report = String::from_utf8_lossy(&report.stdout).into_owned();
     assert!(report.contains("costliest") && report.contains("99.9 %"), "{report}");
 }

@@ -33,7 +33,8 @@ impl Scene {
         let options =
             SynthOptions { kind: Kind::Terrestrial, out: courtyard.clone(), points: 400_000, seed: 1 };
         synth::write(&options, &Stop::default()).expect("a courtyard");
-        let place = synth::viewpoints(Kind::Terrestrial).iter().find(|v| v.name == "court").expect("a viewpoint");
+        let place =
+            synth::viewpoints(Kind::Terrestrial).iter().find(|v| v.name == "court").expect("a viewpoint");
         let head = Pose::look_at(place.eye, place.target, DVec3::Z);
         let forward = (place.target - place.eye).normalize();
         let ball = folder.path().join("ball.las");
@@ -57,8 +58,7 @@ fn write_ball(path: &Path, center: DVec3) {
     header.point_format = las::point::Format::new(2).expect("format 2");
     let scale = 0.0001;
     let axis = |offset: f64| las::Transform { scale, offset: offset.round() };
-    header.transforms =
-        las::Vector { x: axis(center.x), y: axis(center.y), z: axis(center.z) };
+    header.transforms = las::Vector { x: axis(center.x), y: axis(center.y), z: axis(center.z) };
     let mut writer = las::Writer::from_path(path, header.into_header().expect("a header")).expect("a writer");
     for step in 0..20_000 {
         // A spiral from pole to pole covers the sphere evenly.
@@ -66,7 +66,9 @@ fn write_ball(path: &Path, center: DVec3) {
         let (radius, angle) = ((1.0 - z * z).sqrt(), 2.399_963 * f64::from(step));
         let p = center + 0.03 * DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
         let color = Some(las::Color { red: 65535, green: 0, blue: 0 });
-        writer.write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() }).expect("a point");
+        writer
+            .write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() })
+            .expect("a point");
     }
     writer.close().expect("the ball is written");
 }
