@@ -12,17 +12,20 @@ use std::time::{Duration, Instant};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 /// Pixels of an eye on the virtual screen, which shows both side by side.
 const EYE: [usize; 2] = [960, 1080];
-const FOV_Y_DEG: f64 = 80.0;
+/// Half angles of the test headset's displays in degrees: 85 across, on panels of 65 × 70 mm. The compositor shows
+/// images with this field of view, and no other, without resampling.
+fn half_angles_deg() -> [f64; 2] {
+    let across = 42.5f64;
+    [across, (across.to_radians().tan() * 70.0 / 65.0).atan().to_degrees()]
+}
 /// Share of the pixels that may differ: the headset's half angles are f32, so some points change their pixel.
-const TOLERANCE: f64 = 0.002;
+const TOLERANCE: f64 = 0.0005;
 
-/// Eyes that `render --stereo` can match: symmetric, parallel, side by side.
+/// Eyes that `render --stereo` can match: parallel, side by side.
 fn eyes() -> [RemoteEye; 2] {
-    let up = (0.5 * FOV_Y_DEG).to_radians();
-    let right = (up.tan() * EYE[0] as f64 / EYE[1] as f64).atan();
-    let fov = [-right, right, up, -up].map(|angle| angle as f32);
+    let [x, y] = half_angles_deg().map(|deg| deg.to_radians() as f32);
     [-0.5, 0.5].map(|side| RemoteEye {
-        fov,
+        fov: [-x, x, y, -y],
         head_from_eye: RemotePose::at([(side * EYE_DISTANCE) as f32, 0.0, 0.0]),
     })
 }
@@ -34,10 +37,11 @@ fn path(path: &Path) -> &str {
 /// What `render` draws for the same eyes: left, right.
 fn rendered(scene: &Scene) -> [Image; 2] {
     let out = scene.file("want.png");
+    let [x, y] = half_angles_deg();
     let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
     let status = Command::new(PROGRAM)
         .args(["render", path(&scene.courtyard), path(&scene.ball), "-o", path(&out), "--stereo"])
-        .args(["--ipd", &EYE_DISTANCE.to_string(), "--fov-y", &FOV_Y_DEG.to_string()])
+        .args(["--ipd", &EYE_DISTANCE.to_string(), "--half-angles", &format!("{x},{x},{y},{y}")])
         .args(["--size", &format!("{}x{}", EYE[0], EYE[1])])
         .args(["--eye", &point(scene.head.position), "--target", &point(scene.target)])
         .status()
@@ -102,17 +106,6 @@ fn the_compositor_shows_what_render_draws() {
         if differences.iter().all(|d| *d < TOLERANCE) || Instant::now() > until {
             break (shown, differences);
         }
-        eprintln!("XX {differences:?}");
-        std::fs::write(
-            "/tmp/shown.ppm",
-            [format!("P6 {} {} 255\n", 960, 1080).into_bytes(), shown[0].pixels.concat()].concat(),
-        )
-        .unwrap();
-        std::fs::write(
-            "/tmp/want.ppm",
-            [format!("P6 {} {} 255\n", 960, 1080).into_bytes(), want[0].pixels.concat()].concat(),
-        )
-        .unwrap();
         std::thread::sleep(Duration::from_millis(100));
     };
     eprintln!("share of pixels that differ from render: {differences:?}");
@@ -120,14 +113,14 @@ fn the_compositor_shows_what_render_draws() {
 
     // The eyes are on their sides: the left one sees a near ball further right.
     let disparity = ball_column(&shown[0]) - ball_column(&shown[1]);
-    // 0.063 m at 0.6 m, 540 px / tan 40 degrees a unit of tangent.
-    let expected = EYE_DISTANCE / 0.6 * 540.0 / 40f64.to_radians().tan();
+    let px_per_tangent = 0.5 * EYE[0] as f64 / half_angles_deg()[0].to_radians().tan();
+    let expected = EYE_DISTANCE / 0.6 * px_per_tangent;
     assert!((disparity - expected).abs() < 2.0, "{disparity} px, expected {expected}");
     // The comparison can fail: eyes are not interchangeable.
-    assert!(difference(&shown[0], &want[1]) > 50.0 * TOLERANCE);
+    assert!(difference(&shown[0], &want[1]) > 100.0 * TOLERANCE);
     for image in &shown {
         let lit = image.pixels.iter().filter(|p| **p != [0; 3]).count();
-        assert!(lit > image.pixels.len() / 5, "the courtyard fills the view: {lit} pixels");
+        assert!(lit > image.pixels.len() / 20, "the courtyard fills the view: {lit} pixels");
     }
     let done = run.finish();
     done.assert_ok();
