@@ -90,7 +90,7 @@ impl Light {
 /// What the camera makes of it: it takes dark places at a longer exposure too, and lifts them.
 fn exposed(light: DVec3) -> DVec3 {
     let dark = light.y / 0.15;
-    light * (1.0 + 2.2 / (1.0 + dark * dark))
+    light * (1.0 + 3.2 / (1.0 + dark * dark))
 }
 
 /// Looks round from `p`: sky is bright, sunlit surfaces reflect, the rest is dim.

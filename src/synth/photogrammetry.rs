@@ -27,7 +27,7 @@ const TRIALS: u32 = 12;
 /// Noise of the depth maps.
 const NOISE_M: f64 = 0.0012;
 /// Share of points that are plainly wrong.
-const OUTLIERS: f64 = 0.004;
+const OUTLIERS: f64 = 0.002;
 
 /// Good places to stand.
 pub const VIEWPOINTS: [Viewpoint; 2] = [
@@ -82,7 +82,8 @@ fn find_cubes() -> (Vec<DVec3>, Vec<u32>) {
 fn throw(corner: DVec3, rng: &mut Rng) -> Option<(DVec3, DVec3)> {
     let mut p = corner + CUBE_M * DVec3::new(rng.unit(), rng.unit(), rng.unit());
     let shown = rng.unit();
-    if statue::distance(p).abs() > CUBE_M {
+    // What cannot stay anyway need not fall.
+    if shown > statue::most_coverage(corner.z + CUBE_M) || statue::distance(p).abs() > CUBE_M {
         return None;
     }
     let slope = statue::gradient(p);

@@ -183,15 +183,18 @@ pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
     tint * (0.50 * sky * DVec3::new(0.9, 0.97, 1.08) + 0.72 * sun * DVec3::new(1.1, 1.0, 0.86)).map(f64::sqrt)
 }
 
+/// The most that [`coverage`] can be up to a height: the photographer came to see the statue.
+pub fn most_coverage(height: f64) -> f64 {
+    0.3 + 0.7 * smooth(0.1, 0.5, height)
+}
+
 /// Share of the photographs that show a surface: few from below, few in clefts, fewer at the patch's rim.
 pub fn coverage(p: DVec3, normal: DVec3) -> f64 {
     let from_above = smooth(-0.72, -0.15, normal.z);
     let open = smooth(-0.02, 0.10, distance(p + 0.18 * normal + 0.12 * DVec3::Z));
     let patchy = 0.55 + 0.45 * fractal(1.7 * p + DVec3::splat(20.0), 3);
     let rim = smooth(GROUND_M, 0.6 * GROUND_M, DVec2::new(p.x, p.y).length()).max(smooth(0.1, 0.3, p.z));
-    // The photographer came to see the statue.
-    let subject = 0.3 + 0.7 * smooth(0.1, 0.5, p.z);
-    from_above * open * subject * (0.35 + 0.65 * patchy.clamp(0.0, 1.0)) * (0.12 + 0.88 * rim)
+    from_above * open * most_coverage(p.z) * (0.35 + 0.65 * patchy.clamp(0.0, 1.0)) * (0.12 + 0.88 * rim)
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ use std::sync::OnceLock;
 const ORIGIN: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
 /// The scanner's mirror on each station, courtyard coordinates: on the paving, and in the hall's doorway;
 /// 1.6 m above the floor.
-const STATIONS: [DVec3; 2] = [DVec3::new(-1.9, -3.9, 1.6), DVec3::new(15.28, 0.15, 1.75)];
+const STATIONS: [DVec3; 2] = [DVec3::new(-4.2, -1.2, 1.6), DVec3::new(15.28, 0.15, 1.75)];
 /// Azimuth at which each station begins.
 const START: [f64; 2] = [0.4, 2.1];
 /// Lowest elevation.
@@ -46,10 +46,10 @@ const fn place(x: f64, y: f64, z: f64) -> DVec3 {
 /// Good places to stand.
 pub const VIEWPOINTS: [Viewpoint; 6] = [
     Viewpoint { name: "overview", eye: place(-10.6, -8.0, 5.6), target: place(2.2, 1.6, 1.6) },
-    Viewpoint { name: "court", eye: place(-7.4, -2.0, 1.75), target: place(4.0, 2.0, 2.2) },
-    Viewpoint { name: "arcade", eye: place(13.6, -10.4, 1.85), target: place(13.2, 4.0, 1.9) },
+    Viewpoint { name: "court", eye: place(-5.2, -1.5, 1.75), target: place(4.0, 2.0, 2.3) },
+    Viewpoint { name: "arcade", eye: place(13.9, -4.8, 1.85), target: place(11.4, 3.0, 2.0) },
     Viewpoint { name: "hall", eye: place(16.3, -3.6, 1.85), target: place(20.4, 1.6, 1.25) },
-    Viewpoint { name: "stair", eye: place(1.6, 2.4, 1.7), target: place(-7.2, 8.6, 3.0) },
+    Viewpoint { name: "stair", eye: place(-2.0, -0.6, 1.7), target: place(-6.2, 8.6, 3.0) },
     Viewpoint { name: "terrace", eye: place(-7.6, 10.2, 6.3), target: place(4.0, -2.0, 1.0) },
 ];
 
