@@ -240,7 +240,7 @@ impl App {
         let mirror = images.as_ref().map(|images| (images, self.controls.view.mirror));
         let target = picture.texture.create_view(&Default::default());
         let size_px = [picture.texture.width(), picture.texture.height()];
-        let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, &ui);
+        let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, ui);
         shown.screen.present(commands, picture);
         self.send(command);
         Ok(())
