@@ -185,9 +185,7 @@ fn losing_the_keyboard_stops_moving() {
     window.xdotool(&["keydown", "w"]);
     window.wait_command("Move { direction: [0.0, 0.0, 1.0], fast: false }", 0);
     let already = window.commands().len();
-    // Without a window manager the root window takes the keyboard.
-    let root = screen.xdotool(&["search", "--maxdepth", "0", "."]);
-    window.xdotool(&["windowfocus", root.lines().next().unwrap()]);
+    screen.take_keyboard();
     window.wait_command("Move { direction: [0.0, 0.0, 0.0], fast: false }", already);
     window.xdotool(&["keyup", "w"]);
     close(window);
@@ -253,7 +251,7 @@ fn settled(window: &Window, wanted: impl Fn(&Picture) -> bool) -> Picture {
 
 /// Asks the window to close as a desktop's close button does, and checks a good end.
 fn close(window: Window) {
-    window.xdotool(&["windowquit", &window.id]);
+    window.ask_to_close();
     let commands = wait_for("Quit", 10.0, || {
         let commands = window.commands();
         commands.iter().any(|c| c == "Quit").then_some(commands)
