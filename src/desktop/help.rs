@@ -27,7 +27,8 @@ pub(super) fn show(ui: &mut Ui, view: &mut View) {
                 });
             });
             ui.add_space(8.0);
-            ScrollArea::vertical().max_height((height - 90.0).max(60.0)).show(ui, |ui| {
+            let height = (height - 90.0).max(60.0);
+            ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
                 Grid::new("bindings").num_columns(2).spacing([28.0, 6.0]).show(ui, |ui| {
                     for binding in BINDINGS {
                         ui.horizontal(|ui| {

@@ -36,12 +36,14 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<
     }
     let mut command = None;
     let height = ui.ctx().content_rect().height() - 2.0 * MARGIN - 26.0;
-    let area = Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]).default_size([WIDTH, height]);
+    let area = Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]);
     area.show(ui.ctx(), |ui| {
         style::card().show(ui, |ui| {
             ui.set_width(WIDTH);
-            let scroll = ScrollArea::vertical().max_height(height.max(40.0)).auto_shrink([false, true]);
-            scroll.show(ui, |ui| {
+            // An area remembers its first size; the panel grows with its contents and with the window.
+            let height = height.max(40.0);
+            let scroll = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+            scroll.auto_shrink([false, true]).show(ui, |ui| {
                 ui.set_max_width(WIDTH);
                 frames(ui, contents);
                 section(ui);
