@@ -66,10 +66,10 @@ impl Painter {
             let queue = gpu.queue.lock();
             for (id, deltas) in ui.textures.set.drain() {
                 for delta in &deltas {
-                    self.egui.update_texture(device, &queue, id, delta);
+                    self.egui.update_texture(device, queue.for_uploads(), id, delta);
                 }
             }
-            self.egui.update_buffers(device, &queue, &mut encoder, &ui.primitives, &screen)
+            self.egui.update_buffers(device, queue.for_uploads(), &mut encoder, &ui.primitives, &screen)
         };
         let mut pass = encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -34,7 +34,7 @@ fn ramps(gpu: &Gpu) -> MirrorImages {
         let pixels: Vec<u8> = (0..=255u8).flat_map(|v| [v ^ flip, v ^ flip, v ^ flip, 255]).collect();
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * EDGE), rows_per_image: None };
-        gpu.queue.lock().write_texture(image.as_image_copy(), &pixels, layout, image.size());
+        gpu.queue.lock().for_uploads().write_texture(image.as_image_copy(), &pixels, layout, image.size());
         image
     })
 }

@@ -5,14 +5,13 @@
 //! meet. The queue is therefore reachable only through a guard, and the four OpenXR calls take the guard
 //! as an argument. Never hold it while waiting for anything.
 
-use std::ops::Deref;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// wgpu's queue, locked away.
 #[derive(Debug)]
 pub struct Queue(Mutex<wgpu::Queue>);
 
-/// The right to use the queue; derefs to it. Submit, present, configure a surface, then let go.
+/// The right to use the queue. It does not deref to wgpu's queue: that one can be cloned, and a clone knows no lock.
 #[derive(Debug)]
 pub struct QueueGuard<'a>(MutexGuard<'a, wgpu::Queue>);
 
@@ -30,15 +29,28 @@ impl Queue {
     }
 }
 
-impl Deref for QueueGuard<'_> {
-    type Target = wgpu::Queue;
-
-    fn deref(&self) -> &wgpu::Queue {
-        &self.0
-    }
-}
-
 impl QueueGuard<'_> {
+    /// Hands commands to the GPU.
+    pub fn submit<I: IntoIterator<Item = wgpu::CommandBuffer>>(&self, commands: I) -> wgpu::SubmissionIndex {
+        self.0.submit(commands)
+    }
+
+    /// Writes bytes into a buffer before the next submit's commands run.
+    pub fn write_buffer(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+        self.0.write_buffer(buffer, offset, bytes);
+    }
+
+    /// Calls back when everything submitted so far is done. The callback may run while somebody holds this lock:
+    /// it must not take it.
+    pub fn on_submitted_work_done(&self, callback: impl FnOnce() + Send + 'static) {
+        self.0.on_submitted_work_done(callback);
+    }
+
+    /// Shows a window's picture.
+    pub fn present(&self, picture: wgpu::SurfaceTexture) {
+        self.0.present(picture);
+    }
+
     /// Configures a surface, which uses the queue under the hood.
     pub fn configure(
         &self,
@@ -47,5 +59,18 @@ impl QueueGuard<'_> {
         config: &wgpu::SurfaceConfiguration,
     ) {
         surface.configure(device, config);
+    }
+
+    /// Nanoseconds a tick of the GPU's timestamps.
+    #[must_use]
+    pub fn timestamp_period(&self) -> f32 {
+        self.0.get_timestamp_period()
+    }
+
+    /// The queue itself, for a library that stages its own uploads (egui). Never to be cloned or submitted to:
+    /// `tests/house.rs` allows its use in the window's painter alone.
+    #[must_use]
+    pub fn for_uploads(&self) -> &wgpu::Queue {
+        &self.0
     }
 }

@@ -89,7 +89,7 @@ impl Timer {
             slots: (0..NUM_SLOTS).map(slot).collect(),
             num_stages,
             extra_bytes,
-            milliseconds_per_tick: 1e-6 * f64::from(gpu.queue.lock().get_timestamp_period()),
+            milliseconds_per_tick: 1e-6 * f64::from(gpu.queue.lock().timestamp_period()),
             current: None,
             stage_ms: vec![f32::NAN; num_stages],
         }
