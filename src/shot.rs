@@ -1,5 +1,5 @@
-//! Pictures: the frame drawn once, without a window, and written to disk. The README's "The picture, exactly"
-//! says which pixel a point falls on.
+//! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
+//! point falls on.
 
 use crate::cloud::{self, Order};
 use crate::config::{Config, Precision};
