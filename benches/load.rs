@@ -45,8 +45,8 @@ fn bench(folder: &Path, num_points: usize, num_runs: usize) -> Result<()> {
         ("laz-format-3", 3, true),
         ("laz-format-7", 7, true),
     ] {
-        let path = folder.join(format!("{name}.las"));
-        write_file(&path, point_format, compressed, num_points)?;
+        let path = folder.join(name).with_extension(if compressed { "laz" } else { "las" });
+        write_file(&path, point_format, num_points)?;
         for run in 0..num_runs {
             for reader in ["scanwalk", "las-crate"] {
                 println!("{name},{reader},{run},{}", child(reader, &path)?);
@@ -111,9 +111,9 @@ fn peak_bytes() -> Option<u64> {
 }
 
 /// A scanner's sweep over a wavy ground: neighbours in the file are neighbours in space, with noise.
-fn write_file(path: &Path, point_format: u8, compressed: bool, num_points: usize) -> Result<()> {
-    let mut format = Format::new(point_format)?;
-    format.is_compressed = compressed;
+/// The writer takes from the file's name whether to compress.
+fn write_file(path: &Path, point_format: u8, num_points: usize) -> Result<()> {
+    let format = Format::new(point_format)?;
     let mut builder = Builder::from(if point_format < 6 { (1, 2) } else { (1, 4) });
     builder.point_format = format;
     let transform = Transform { scale: 0.001, offset: 0.0 };

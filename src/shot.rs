@@ -36,8 +36,8 @@ pub struct ShotOptions {
     pub target: Option<DVec3>,
     /// Which way is up.
     pub up: DVec3,
-    /// Vertical field of view in degrees.
-    pub fov_y_deg: f64,
+    /// How much is seen.
+    pub fov: ShotFov,
     /// Width, height in pixels.
     pub size_px: [u32; 2],
     /// Two eyes, `ipd` apart along the camera's right, both looking the same way.
@@ -48,6 +48,29 @@ pub struct ShotOptions {
     pub depth: Option<PathBuf>,
     /// Figures as JSON.
     pub metrics: Option<PathBuf>,
+}
+
+/// A picture's field of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShotFov {
+    /// Vertical angle in degrees; pixels are square.
+    Vertical(f64),
+    /// Half angles of the left eye in degrees: outwards (left), inwards (right), up, down; the right eye mirrors
+    /// them. What a headset's eyes see.
+    HalfAngles([f64; 4]),
+}
+
+impl ShotFov {
+    /// Of the left (or only) eye.
+    fn left(self, [width, height]: [u32; 2]) -> Fov {
+        match self {
+            Self::Vertical(deg) => Fov::symmetric(deg.to_radians(), f64::from(width) / f64::from(height)),
+            Self::HalfAngles(deg) => {
+                let [outward, inward, up, down] = deg.map(f64::to_radians);
+                Fov::from_angles(-outward, inward, up, -down)
+            }
+        }
+    }
 }
 
 /// Draws the picture and writes all files that were asked for.
@@ -94,34 +117,34 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
 /// The eyes of the picture.
 ///
 /// # Errors
-/// Eye and target at one place, or a field of view or size that shows nothing.
+/// Eye and target at one place, or a field of view or a size that shows nothing.
 pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result<View> {
     let [width, height] = options.size_px;
     anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
-    let fov_deg = options.fov_y_deg;
+    let fov = options.fov.left(options.size_px);
     anyhow::ensure!(
-        fov_deg > 0.0 && fov_deg < 180.0,
-        "--fov-y {fov_deg}: must lie between 0 and 180 degrees"
+        fov.right > fov.left && fov.up > fov.down && fov.right.is_finite() && fov.up.is_finite(),
+        "the field of view {:?} shows nothing",
+        options.fov
     );
-    let aspect = f64::from(width) / f64::from(height);
-    let fov = Fov::symmetric(fov_deg.to_radians(), aspect);
     let target = options.target.unwrap_or(bounds.center());
     let eye = options.eye.unwrap_or_else(|| overview(bounds, target, fov));
     anyhow::ensure!(eye != target, "--eye and --target are the same place: the camera has no direction");
     let center = Pose::look_at(eye, target, options.up);
-    let at = |sideways: f64| {
+    let at = |sideways: f64, fov: Fov| {
         let position = center.position + center.orientation * DVec3::X * sideways;
         Eye { world_from_view: Pose { position, ..center }, fov, size_px: options.size_px }
     };
+    let half = 0.5 * options.ipd;
     let eyes =
-        if options.stereo { vec![at(-0.5 * options.ipd), at(0.5 * options.ipd)] } else { vec![at(0.0)] };
+        if options.stereo { vec![at(-half, fov), at(half, fov.mirrored())] } else { vec![at(0.0, fov)] };
     Ok(View { eyes, near })
 }
 
 /// From the south-east, 25 degrees up, so far away that the box's sphere fits the picture.
 fn overview(bounds: &Bounds, target: DVec3, fov: Fov) -> DVec3 {
     let radius = (0.5 * bounds.size().length()).max(1e-3);
-    let half_angle = fov.up.min(fov.right).atan();
+    let half_angle = fov.up.min(fov.right).min(-fov.left).min(-fov.down).max(0.05).atan();
     target + DVec3::new(0.55, -0.72, 0.42).normalize() * (0.9 * radius / half_angle.sin()).max(radius * 0.2)
 }
 

@@ -134,6 +134,12 @@ impl Fov {
         Self { left: -t * aspect, right: t * aspect, up: t, down: -t }
     }
 
+    /// The field of view of the other eye: left and right exchanged.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        Self { left: -self.right, right: -self.left, ..self }
+    }
+
     /// From four signed half angles in radians (OpenXR's XrFovf).
     #[must_use]
     pub fn from_angles(left: f64, right: f64, up: f64, down: f64) -> Self {

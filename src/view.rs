@@ -239,6 +239,10 @@ fn join<T>(thread: std::thread::ScopedJoinHandle<'_, anyhow::Result<T>>) -> anyh
 fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
     if let (Some(log), Some(path)) = (log, &options.log) {
         let summary = log.finish();
+        if summary.error.is_some() {
+            // Said when it happened.
+            return;
+        }
         eprintln!("scanwalk: frame log: {} ({} frames)", path.display(), summary.num_rows);
     }
 }

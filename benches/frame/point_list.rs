@@ -113,7 +113,7 @@ impl PointList {
 
     /// GPU time in milliseconds of a frame that is done.
     pub fn collect_ms(&mut self, gpu: &Gpu) -> Option<f32> {
-        Some(self.timer.collect(gpu)?.total_ms)
+        self.timer.collect(gpu, |times| times.total_ms)
     }
 
     /// Linear depth of an eye's pixels; infinite where no point is.

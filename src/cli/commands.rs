@@ -6,7 +6,7 @@ use super::{
 use crate::config::{self, Config};
 use crate::progress::Stop;
 use crate::scan;
-use crate::shot::{self, ShotOptions};
+use crate::shot::{self, ShotFov, ShotOptions};
 use crate::synth::{self, SynthOptions};
 use crate::timing::{self, Report};
 use crate::view::{self, ViewOptions, Wish};
@@ -78,7 +78,10 @@ fn render(args: &RenderArgs, config: &Config, stop: &Stop) -> anyhow::Result<()>
         eye: args.eye,
         target: args.target,
         up: args.up.unwrap_or(DVec3::Z),
-        fov_y_deg: args.fov_y,
+        fov: match args.half_angles {
+            Some(half_angles_deg) => ShotFov::HalfAngles(half_angles_deg),
+            None => ShotFov::Vertical(args.fov_y),
+        },
         size_px: args.size,
         stereo: args.stereo,
         ipd: args.ipd,

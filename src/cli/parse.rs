@@ -43,6 +43,16 @@ pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     number(text, "degrees, more than 0 and less than 180", |deg| deg > 0.0 && deg < 180.0)
 }
 
+/// Half angles `OUT,IN,UP,DOWN` in degrees.
+pub(super) fn half_angles(text: &str) -> Result<[f64; 4], String> {
+    let angles: Option<Vec<f64>> = text.split(',').map(|angle| angle.trim().parse().ok()).collect();
+    let angles: Option<[f64; 4]> = angles.and_then(|angles| angles.try_into().ok());
+    let seen = |a: &[f64; 4]| a.iter().all(|v| v.abs() < 90.0) && a[0] + a[1] > 0.0 && a[2] + a[3] > 0.0;
+    angles
+        .filter(seen)
+        .ok_or_else(|| "write four angles below 90 degrees, OUT,IN,UP,DOWN: for example 50,40,45,45".into())
+}
+
 /// A distance of the eyes.
 pub(super) fn eye_distance(text: &str) -> Result<f64, String> {
     number(text, "a distance from 0 upwards", |distance| distance >= 0.0)
@@ -63,6 +73,7 @@ mod tests {
         assert_eq!(color("0,128,255"), Ok([0, 128, 255]));
         assert_eq!(size("1920x1080"), Ok([1920, 1080]));
         assert_eq!(field_of_view("60"), Ok(60.0));
+        assert_eq!(half_angles("50, 40,45,45.5"), Ok([50.0, 40.0, 45.0, 45.5]));
         assert_eq!(eye_distance("0"), Ok(0.0));
         assert_eq!(seconds("0.5"), Ok(0.5));
     }
@@ -81,6 +92,9 @@ mod tests {
         assert!(
             field_of_view("0").is_err() && field_of_view("180").is_err() && field_of_view("nan").is_err()
         );
+        for text in ["1,2,3", "90,1,1,1", "-5,5,1,1", "1,1,nan,1", "x"] {
+            assert!(half_angles(text).is_err(), "{text}");
+        }
         assert!(eye_distance("-0.1").is_err() && seconds("0").is_err() && seconds("inf").is_err());
     }
 }

@@ -28,6 +28,9 @@ pub struct RenderArgs {
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "60", value_parser = parse::field_of_view)]
     pub fov_y: f64,
+    /// Half angles in degrees as a headset's left eye has them, in place of --fov-y; the right eye mirrors them
+    #[arg(long, value_name = "OUT,IN,UP,DOWN", value_parser = parse::half_angles, conflicts_with = "fov_y")]
+    pub half_angles: Option<[f64; 4]>,
     /// Pixels of the picture
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse::size)]
     pub size: [u32; 2],

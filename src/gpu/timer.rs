@@ -23,9 +23,11 @@ pub struct Timer {
     slots: Vec<Slot>,
     num_stages: usize,
     extra_bytes: u64,
-    nanoseconds_per_tick: f64,
+    milliseconds_per_tick: f64,
     /// Slot of the frame being recorded.
     current: Option<usize>,
+    /// Stage times of the frame that is being collected; kept so that collecting allocates nothing.
+    stage_ms: Vec<f32>,
 }
 
 #[derive(Debug)]
@@ -39,16 +41,16 @@ struct Slot {
 }
 
 /// What came back of a frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Times {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Times<'a> {
     /// As given to [`Timer::begin`].
     pub frame: u64,
     /// Milliseconds of each stage; NaN where the device gave none.
-    pub stage_ms: Vec<f32>,
+    pub stage_ms: &'a [f32],
     /// From the first stage's start to the last stage's end.
     pub total_ms: f32,
-    /// The bytes copied by [`Timer::end`].
-    pub extra: Vec<u8>,
+    /// The bytes copied by [`Timer::end`]; empty if they were lost.
+    pub extra: &'a [u8],
 }
 
 impl Timer {
@@ -91,8 +93,9 @@ impl Timer {
             slots: (0..NUM_SLOTS).map(slot).collect(),
             num_stages,
             extra_bytes,
-            nanoseconds_per_tick: f64::from(gpu.queue.lock().get_timestamp_period()),
+            milliseconds_per_tick: 1e-6 * f64::from(gpu.queue.lock().get_timestamp_period()),
             current: None,
+            stage_ms: vec![f32::NAN; num_stages],
         }
     }
 
@@ -178,44 +181,35 @@ impl Timer {
         });
     }
 
-    /// The oldest frame that has come back, if any. Never waits; call it until it gives none.
-    pub fn collect(&mut self, gpu: &Gpu) -> Option<Times> {
+    /// Hands the oldest frame that has come back, if any, to `read`. Never waits, allocates nothing; call it until
+    /// it gives none.
+    pub fn collect<R>(&mut self, gpu: &Gpu, read: impl FnOnce(Times) -> R) -> Option<R> {
         // A lost device shows at the next submit; here it only means that nothing comes back.
         let _ = gpu.device.poll(wgpu::PollType::Poll);
         let done = |s: &&Slot| matches!(s.state.load(Ordering::Acquire), MAPPED | FAILED);
         let slot = self.slots.iter().filter(done).min_by_key(|s| s.frame)?;
-        let times = match slot.readback.get_mapped_range(..) {
-            Ok(bytes) => self.read(slot, &bytes),
-            Err(_) => self.read(slot, &[]),
-        };
+        let view = slot.readback.get_mapped_range(..).ok();
+        let bytes: &[u8] = view.as_deref().unwrap_or(&[]);
+        let (ticks, extra) = bytes.split_at((slot.resolved.size() as usize).min(bytes.len()));
+        let ticks = if slot.queries.is_some() { ticks } else { &[] };
+        for (stage, ms) in self.stage_ms.iter_mut().enumerate() {
+            *ms = elapsed(ticks, 2 * stage + 1, 2 * stage + 3, self.milliseconds_per_tick);
+        }
+        let total_ms = elapsed(ticks, 1, 2 * self.num_stages + 1, self.milliseconds_per_tick);
+        let result = read(Times { frame: slot.frame, stage_ms: &self.stage_ms, total_ms, extra });
+        drop(view);
         if slot.state.swap(IDLE, Ordering::AcqRel) == MAPPED {
             slot.readback.unmap();
         }
-        Some(times)
+        Some(result)
     }
+}
 
-    fn read(&self, slot: &Slot, bytes: &[u8]) -> Times {
-        let query_bytes = slot.resolved.size() as usize;
-        let (queries, extra) = bytes.split_at(query_bytes.min(bytes.len()));
-        let ticks: Vec<u64> = match slot.queries {
-            // Eight bytes each: `chunks_exact` makes the conversion infallible.
-            Some(_) => queries
-                .chunks_exact(8)
-                .map(|b| u64::from_le_bytes(b.try_into().unwrap_or_default()))
-                .collect(),
-            None => Vec::new(),
-        };
-        let ms = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
-            (Some(from), Some(to)) => {
-                (to.saturating_sub(*from) as f64 * self.nanoseconds_per_tick * 1e-6) as f32
-            }
-            _ => f32::NAN,
-        };
-        Times {
-            frame: slot.frame,
-            stage_ms: (0..self.num_stages).map(|i| ms(ticks.get(2 * i + 1), ticks.get(2 * i + 3))).collect(),
-            total_ms: ms(ticks.get(1), ticks.last()),
-            extra: extra.to_vec(),
-        }
+/// Milliseconds between two timestamps of a readback; NaN where it has none.
+fn elapsed(ticks: &[u8], from: usize, to: usize, milliseconds_per_tick: f64) -> f32 {
+    let tick = |index: usize| ticks.get(8 * index..8 * index + 8).map(bytemuck::pod_read_unaligned::<u64>);
+    match (tick(from), tick(to)) {
+        (Some(from), Some(to)) => (to.saturating_sub(from) as f64 * milliseconds_per_tick) as f32,
+        _ => f32::NAN,
     }
 }

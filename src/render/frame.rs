@@ -191,19 +191,19 @@ impl Renderer {
 
     /// Times of the oldest frame that has come back, if any; never waits.
     pub fn collect_times(&mut self) -> Option<FrameTimes> {
-        let times = self.timer.collect(&self.gpu)?;
-        let mut stage_ms = [f32::NAN; STAGES.len()];
-        stage_ms.copy_from_slice(&times.stage_ms);
-        let (mut visible_nodes, mut points_read) = (0, 0);
-        if self.cloud.is_some() {
-            for chunk in times.extra.chunks_exact(COUNTERS_STRIDE as usize) {
+        let drawn = self.cloud.is_some();
+        self.timer.collect(&self.gpu, |times| {
+            let mut stage_ms = [f32::NAN; STAGES.len()];
+            stage_ms.copy_from_slice(times.stage_ms);
+            let (mut visible_nodes, mut points_read) = (0, 0);
+            for chunk in times.extra.chunks_exact(COUNTERS_STRIDE as usize).filter(|_| drawn) {
                 let counters: CullCounters =
                     bytemuck::pod_read_unaligned(&chunk[..size_of::<CullCounters>()]);
                 visible_nodes += counters.num_visible;
                 points_read += u64::from(counters.num_points);
             }
-        }
-        Some(FrameTimes { frame: times.frame, stage_ms, gpu_ms: times.total_ms, visible_nodes, points_read })
+            FrameTimes { frame: times.frame, stage_ms, gpu_ms: times.total_ms, visible_nodes, points_read }
+        })
     }
 
     fn chunks(&self) -> &[Chunk] {

@@ -173,10 +173,37 @@ fn grouped(count: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scan::{Lattice, Points};
+    use glam::DVec3;
 
     #[test]
     fn counts_are_grouped() {
         assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+    }
+
+    #[test]
+    fn json_has_the_names_of_the_contract() {
+        let points =
+            Points { xyz: vec![[1, 2, 3], [-1, 0, 9]], rgb: vec![[300, 0, 0]; 2], intensity: vec![0; 2] };
+        let lattice = Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO };
+        let bounds = Bounds { min: DVec3::new(-0.5, 0.0, 1.5), max: DVec3::new(0.5, 1.0, 4.5) };
+        let (path, color) = (PathBuf::from("a.las"), ColorSource::Rgb16);
+        let file = ScanFile { path, format: "LAS 1.2".into(), lattice, points, color, bounds };
+        let scan = Scan { files: vec![file], ..Scan::default() };
+        let json = serde_json::to_value(describe(&scan, &[])).unwrap();
+        let expected = serde_json::json!({
+            "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],
+            "color_bits": 16, "crs": null, "unit_m": null, "warnings": [],
+            "files": [{"path": "a.las", "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]]}],
+        });
+        assert_eq!(json, expected);
+    }
+
+    #[test]
+    fn people_see_sizes_in_metres() {
+        let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(10.0, 20.0, 30.0) };
+        let [_, _, (name, size)] = box_lines(bounds, Some(0.3048), 2);
+        assert_eq!((name, size.as_str()), ("size", "10.00 x 20.00 x 30.00 (3.0 x 6.1 x 9.1 m)"));
     }
 
     #[test]

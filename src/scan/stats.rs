@@ -29,10 +29,8 @@ impl Stats {
     pub fn of(xyz: &[[i32; 3]], rgb: &[[u16; 3]], intensity: &[u16]) -> Self {
         let mut stats = Self::EMPTY;
         for p in xyz {
-            for axis in 0..3 {
-                stats.xyz_min[axis] = stats.xyz_min[axis].min(p[axis]);
-                stats.xyz_max[axis] = stats.xyz_max[axis].max(p[axis]);
-            }
+            stats.xyz_min = std::array::from_fn(|axis| stats.xyz_min[axis].min(p[axis]));
+            stats.xyz_max = std::array::from_fn(|axis| stats.xyz_max[axis].max(p[axis]));
         }
         stats.rgb_max = rgb.iter().flatten().fold(0, |max, &value| max.max(value));
         stats.intensity_min = intensity.iter().fold(u16::MAX, |min, &value| min.min(value));

@@ -35,8 +35,8 @@ const fn place(x: f64, y: f64, z: f64) -> DVec3 {
 
 /// Good places to be.
 pub const VIEWPOINTS: [Viewpoint; 2] = [
-    Viewpoint { name: "overview", eye: place(180.0, -220.0, 330.0), target: place(530.0, 520.0, 0.0) },
-    Viewpoint { name: "village", eye: place(440.0, 420.0, 75.0), target: place(580.0, 680.0, 12.0) },
+    Viewpoint { name: "overview", eye: place(300.0, 60.0, 230.0), target: place(540.0, 560.0, 0.0) },
+    Viewpoint { name: "village", eye: place(490.0, 500.0, 48.0), target: place(580.0, 690.0, 8.0) },
 ];
 
 /// The aircraft and what it is to do.

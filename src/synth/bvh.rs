@@ -170,3 +170,45 @@ fn split(part: &mut [u32], bounds: &[Bounds]) -> Option<usize> {
     sort(part, axis);
     (cut > 0).then_some(cut)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Rng;
+
+    fn crowd(rng: &mut Rng) -> Vec<Shape> {
+        let shape = |i: usize, rng: &mut Rng| {
+            let center = 5.0 * rng.unit() * rng.direction();
+            let radius = rng.between(0.05, 0.4);
+            match i % 3 {
+                0 => Shape::Ball { center, radius },
+                1 => Shape::Cuboid { min: center - radius, max: center + radius },
+                _ => Shape::Disc { center, normal: rng.direction(), radius },
+            }
+        };
+        (0..600).map(|i| shape(i, rng)).collect()
+    }
+
+    #[test]
+    fn the_tree_finds_what_looking_at_every_shape_finds() {
+        let mut rng = Rng::new(21, 0);
+        let shapes = crowd(&mut rng);
+        let bvh = Bvh::new(&shapes);
+        let (mut num_hits, mut num_inside) = (0, 0);
+        for i in 0..4000 {
+            // Every other ray along an axis: its inverse direction has infinities.
+            let direction = if i % 2 == 0 { rng.direction() } else { DVec3::AXES[i / 2 % 3] };
+            let ray = Ray { origin: 6.0 * rng.unit() * rng.direction(), direction };
+            let reach = rng.between(1.0, 12.0);
+            let all = shapes.iter().enumerate().filter_map(|(i, s)| Some((s.intersect(&ray)?, i)));
+            let nearest = all.filter(|(hit, _)| hit.t < reach).min_by(|a, b| a.0.t.total_cmp(&b.0.t));
+            assert_eq!(bvh.nearest(&ray, reach), nearest);
+            assert_eq!(bvh.blocked(&ray, reach), nearest.is_some());
+            let inside = shapes.iter().any(|s| s.contains(ray.origin));
+            assert_eq!(bvh.contains(ray.origin), inside);
+            num_hits += usize::from(nearest.is_some());
+            num_inside += usize::from(inside);
+        }
+        assert!((1000..3900).contains(&num_hits) && num_inside > 50, "{num_hits} {num_inside}");
+    }
+}

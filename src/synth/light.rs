@@ -63,7 +63,7 @@ impl Light {
             let clear = !scene.blocked(&Ray { origin: start, direction: self.to_sun }, REACH_M);
             if clear { facing } else { 0.0 }
         };
-        sun * SUN_COLOR + self.ambient(p, normal) * SKY_COLOR
+        exposed(sun * SUN_COLOR + self.ambient(p, normal) * SKY_COLOR)
     }
 
     /// Strength of sky and walls at `p`, seen half a step in front of the surface; free probes count only.
@@ -85,6 +85,12 @@ impl Light {
         // Deep in a corner no probe is free: some light gets everywhere.
         0.05 + if weights > 1e-3 { sum / weights } else { 0.1 }
     }
+}
+
+/// What the camera makes of it: it takes dark places at a longer exposure too, and lifts them.
+fn exposed(light: DVec3) -> DVec3 {
+    let dark = light.y / 0.15;
+    light * (1.0 + 3.2 / (1.0 + dark * dark))
 }
 
 /// Looks round from `p`: sky is bright, sunlit surfaces reflect, the rest is dim.

@@ -16,6 +16,7 @@ mod bvh;
 mod courtyard;
 mod device;
 mod file;
+mod header;
 mod landscape;
 mod light;
 mod material;

@@ -27,12 +27,12 @@ const TRIALS: u32 = 12;
 /// Noise of the depth maps.
 const NOISE_M: f64 = 0.0012;
 /// Share of points that are plainly wrong.
-const OUTLIERS: f64 = 0.004;
+const OUTLIERS: f64 = 0.002;
 
 /// Good places to stand.
 pub const VIEWPOINTS: [Viewpoint; 2] = [
-    Viewpoint { name: "overview", eye: DVec3::new(-2.1, -4.1, 2.5), target: DVec3::new(0.0, 0.0, 1.45) },
-    Viewpoint { name: "face", eye: DVec3::new(-0.45, -1.35, 2.75), target: DVec3::new(0.0, -0.05, 2.62) },
+    Viewpoint { name: "overview", eye: DVec3::new(-1.7, -3.3, 2.3), target: DVec3::new(0.0, 0.0, 1.55) },
+    Viewpoint { name: "face", eye: DVec3::new(-0.4, -1.5, 2.75), target: DVec3::new(0.0, -0.05, 2.52) },
 ];
 
 /// The cubes and how many points each gets.
@@ -82,14 +82,15 @@ fn find_cubes() -> (Vec<DVec3>, Vec<u32>) {
 fn throw(corner: DVec3, rng: &mut Rng) -> Option<(DVec3, DVec3)> {
     let mut p = corner + CUBE_M * DVec3::new(rng.unit(), rng.unit(), rng.unit());
     let shown = rng.unit();
-    if statue::distance(p).abs() > CUBE_M {
+    // What cannot stay anyway need not fall.
+    if shown > statue::most_coverage(corner.z + CUBE_M) || statue::distance(p).abs() > CUBE_M {
         return None;
     }
-    let mut normal = statue::normal(p);
+    let slope = statue::gradient(p);
     for _ in 0..2 {
-        p -= statue::distance(p) * normal;
+        p -= statue::distance(p) * slope / slope.length_squared().max(0.1);
     }
-    normal = statue::normal(p);
+    let normal = statue::gradient(p).normalize_or(DVec3::Z);
     let inside = p.cmpge(corner).all() && p.cmplt(corner + CUBE_M).all();
     (inside && shown < statue::coverage(p, normal)).then_some((p, normal))
 }

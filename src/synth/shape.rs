@@ -256,3 +256,122 @@ fn disc(ray: &Ray, center: DVec3, normal: DVec3, radius: f64) -> Option<Hit> {
     let t = (center - ray.origin).dot(normal) / facing;
     (t > NEAREST && ray.at(t).distance_squared(center) <= radius * radius).then_some(Hit { t, normal })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Rng;
+
+    const STEP: f64 = 0.002;
+
+    /// One of each solid, all about the origin and about two units large.
+    fn solids() -> Vec<Shape> {
+        let (min, max) = (DVec3::new(-1.0, -0.7, -0.9), DVec3::new(0.8, 0.6, 1.1));
+        let base = DVec3::new(0.1, -0.1, -0.8);
+        vec![
+            Shape::Cuboid { min, max },
+            Shape::Arch { min, max, through: 0, middle: -0.1, radius: 0.35, spring: 0.2 },
+            Shape::Arch { min, max, through: 1, middle: 0.1, radius: 0.5, spring: -0.3 },
+            Shape::Frustum { base, height: 1.7, bottom: 0.9, top: 0.3 },
+            Shape::Frustum { base, height: 0.3, bottom: 0.2, top: 1.0 },
+            Shape::Frustum { base, height: 1.5, bottom: 0.6, top: 0.6 },
+            Shape::Frustum { base, height: 1.5, bottom: 0.7, top: 0.0 },
+            Shape::Ring { base, height: 1.2, inner: 0.5, outer: 0.9 },
+            Shape::Capsule { a: base, b: max, radius: 0.3 },
+            Shape::Ball { center: base, radius: 0.8 },
+        ]
+    }
+
+    fn rays(seed: u64, count: usize) -> impl Iterator<Item = Ray> {
+        let mut rng = Rng::new(seed, 0);
+        std::iter::repeat_with(move || {
+            let origin = 2.5 * rng.direction();
+            let toward = 1.2 * rng.unit() * rng.direction();
+            Ray { origin, direction: (toward - origin).normalize() }
+        })
+        .take(count)
+    }
+
+    /// Walks along the ray until the material begins.
+    fn march(shape: &Shape, ray: &Ray) -> Option<f64> {
+        (1..).map(|i| f64::from(i) * STEP).take_while(|t| *t < 5.0).find(|t| shape.contains(ray.at(*t)))
+    }
+
+    /// What is wrong with what `shape` says of the ray, `truth` being marched through; None if nothing.
+    fn fault(shape: &Shape, truth: &Shape, ray: &Ray) -> Option<String> {
+        let (hit, walked) = (shape.intersect(ray), march(truth, ray));
+        let Some(hit) = hit else { return walked.map(|t| format!("missed the surface at {t}")) };
+        // Corners that the walk stepped over are real if there is material just behind the surface.
+        let (before, behind) = (ray.at(hit.t - 1e-7), ray.at(hit.t + 1e-7));
+        if truth.contains(before) || !truth.contains(behind) {
+            return Some(format!("no surface at {}", hit.t));
+        }
+        let late = walked.is_some_and(|t| hit.t > t);
+        let facing = -hit.normal.dot(ray.direction);
+        let unit = (hit.normal.length() - 1.0).abs() < 1e-9;
+        let p = ray.at(hit.t);
+        let out = !truth.contains(p + 1e-5 * hit.normal) && truth.contains(p - 1e-5 * hit.normal);
+        (late || facing < 0.0 || !unit || (facing > 0.01 && !out))
+            .then(|| format!("{hit:?}, walked {walked:?}"))
+    }
+
+    #[test]
+    fn solids_are_met_where_their_material_begins() {
+        for shape in solids() {
+            let hits = rays(11, 1500).filter(|ray| {
+                assert_eq!(fault(&shape, &shape, ray), None, "{shape:?} {ray:?}");
+                shape.intersect(ray).is_some()
+            });
+            assert!(hits.count() > 200, "{shape:?} is hardly met");
+        }
+    }
+
+    #[test]
+    fn the_comparison_finds_a_shape_that_is_slightly_wrong() {
+        let truth = Shape::Ball { center: DVec3::ZERO, radius: 0.8 };
+        let wrong = Shape::Ball { center: DVec3::ZERO, radius: 0.801 };
+        assert!(rays(12, 200).any(|ray| fault(&wrong, &truth, &ray).is_some()));
+        let wrong = Shape::Ball { center: DVec3::ZERO, radius: 0.799 };
+        assert!(rays(12, 200).any(|ray| fault(&wrong, &truth, &ray).is_some()));
+    }
+
+    #[test]
+    fn sheets_and_discs_are_met_where_the_equations_say() {
+        let (corner, u, v) =
+            (DVec3::new(-0.5, -0.6, 0.1), DVec3::new(1.2, 0.3, 0.2), DVec3::new(0.1, 1.0, -0.4));
+        let normal = DVec3::new(0.3, 0.4, 0.866).normalize();
+        let mut num_hits = [0; 3];
+        for ray in rays(13, 3000) {
+            // corner + a·u + b·v = origin + t·direction, as a linear system.
+            let abt = glam::DMat3::from_cols(u, v, -ray.direction).inverse() * (ray.origin - corner);
+            let inside = abt.x > 0.0 && abt.y > 0.0 && abt.z > 0.0;
+            for (i, triangle) in [false, true].into_iter().enumerate() {
+                let limit = if triangle { abt.x + abt.y < 1.0 } else { abt.x < 1.0 && abt.y < 1.0 };
+                let hit = Shape::Sheet { corner, u, v, triangle }.intersect(&ray);
+                assert_eq!(hit.is_some(), inside && limit);
+                assert!(hit.is_none_or(|hit| (hit.t - abt.z).abs() < 1e-9));
+                num_hits[i] += usize::from(hit.is_some());
+            }
+            let hit = Shape::Disc { center: corner, normal, radius: 0.7 }.intersect(&ray);
+            let t = (corner - ray.origin).dot(normal) / ray.direction.dot(normal);
+            assert_eq!(hit.is_some(), t > 0.0 && ray.at(t).distance(corner) < 0.7);
+            num_hits[2] += usize::from(hit.is_some());
+        }
+        assert!(num_hits.iter().all(|n| *n > 100), "{num_hits:?}");
+    }
+
+    #[test]
+    fn boxes_hold_their_shapes_and_touch_them() {
+        for shape in solids() {
+            let (around, mut seen) = (shape.bounds(), Bounds::EMPTY);
+            for ray in rays(14, 20_000) {
+                if let Some(hit) = shape.intersect(&ray) {
+                    seen = seen.with(ray.at(hit.t));
+                }
+            }
+            let (low, high) = (seen.min - around.min, around.max - seen.max);
+            assert!(low.min(high).min_element() > -1e-9, "{shape:?} sticks out");
+            assert!(low.max(high).max_element() < 0.12, "{shape:?}: box too large {low} {high}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The statue that the photographs show: a robed reader on a plinth, as a distance function.
 //!
-//! Metres, z up, the plinth's foot at the origin, the face towards −y. Distances are exact or a little too
-//! small, and good near the surface.
+//! Metres, z up, the plinth's foot at the origin, the face towards −y. Far off, distances are rough; near the
+//! surface distance / |gradient| is good.
 
 use super::material::{rgb, smooth};
 use super::random::fractal;
@@ -45,6 +45,11 @@ fn cuboid(p: DVec3, center: DVec3, half: DVec3, round: f64) -> f64 {
 
 /// Steps, die, mouldings.
 fn plinth(p: DVec3) -> f64 {
+    // Far off its size is enough.
+    let far = cuboid(p, DVec3::new(0.0, 0.0, 0.5 * PLINTH), DVec3::new(0.82, 0.82, 0.5 * PLINTH + 0.1), 0.0);
+    if far > 0.2 {
+        return far;
+    }
     let block = |z: f64, half_height: f64, half: f64| {
         cuboid(p, DVec3::new(0.0, 0.0, z), DVec3::new(half, half, half_height), 0.012)
     };
@@ -115,7 +120,11 @@ fn head(q: DVec3) -> f64 {
 }
 
 fn ground(p: DVec3) -> f64 {
-    let bumps = 0.05 * fractal(0.9 * p.truncate().extend(0.0), 4);
+    // Well above the highest bump that is enough.
+    if p.z > 0.4 {
+        return p.z - 0.2;
+    }
+    let bumps = 0.05 * fractal(0.9 * p.truncate().extend(0.0), 3);
     let stones = 0.012 * fractal(14.0 * p.truncate().extend(3.0), 2).max(0.0);
     let edge = p.truncate().length() - GROUND_M;
     (0.85 * (p.z - bumps - stones)).max(edge)
@@ -130,11 +139,12 @@ pub fn distance(p: DVec3) -> f64 {
     ground(p).min(plinth(p)).min(figure(p))
 }
 
-/// Unit normal of the surface nearest to `p`.
-pub fn normal(p: DVec3) -> DVec3 {
+/// How the distance grows around `p`: differences along the corners of a tetrahedron.
+pub fn gradient(p: DVec3) -> DVec3 {
     let step = 0.002;
-    let slope = |axis: DVec3| distance(p + step * axis) - distance(p - step * axis);
-    DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize_or(DVec3::Z)
+    let corners = [(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)];
+    let slopes = corners.map(DVec3::from).map(|corner| distance(p + step * corner) * corner);
+    slopes.iter().sum::<DVec3>() / (4.0 * step)
 }
 
 /// Display colour of the surface at `p`, lit by a hazy sky: weathered marble, a mossy plinth, gravel, grass.
@@ -173,11 +183,45 @@ pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
     tint * (0.50 * sky * DVec3::new(0.9, 0.97, 1.08) + 0.72 * sun * DVec3::new(1.1, 1.0, 0.86)).map(f64::sqrt)
 }
 
+/// The most that [`coverage`] can be up to a height: the photographer came to see the statue.
+pub fn most_coverage(height: f64) -> f64 {
+    0.3 + 0.7 * smooth(0.1, 0.5, height)
+}
+
 /// Share of the photographs that show a surface: few from below, few in clefts, fewer at the patch's rim.
 pub fn coverage(p: DVec3, normal: DVec3) -> f64 {
     let from_above = smooth(-0.72, -0.15, normal.z);
     let open = smooth(-0.02, 0.10, distance(p + 0.18 * normal + 0.12 * DVec3::Z));
     let patchy = 0.55 + 0.45 * fractal(1.7 * p + DVec3::splat(20.0), 3);
     let rim = smooth(GROUND_M, 0.6 * GROUND_M, DVec2::new(p.x, p.y).length()).max(smooth(0.1, 0.3, p.z));
-    from_above * open * (0.35 + 0.65 * patchy.clamp(0.0, 1.0)) * (0.12 + 0.88 * rim)
+    from_above * open * most_coverage(p.z) * (0.35 + 0.65 * patchy.clamp(0.0, 1.0)) * (0.12 + 0.88 * rim)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Rng;
+
+    #[test]
+    fn walking_by_the_distance_never_steps_far_through_the_surface() {
+        let mut rng = Rng::new(4, 0);
+        let mut deepest: f64 = 0.0;
+        for _ in 0..3000 {
+            let mut p = DVec3::new(0.0, 0.0, 0.9) + 2.5 * rng.direction() * DVec3::new(1.0, 1.0, 0.25);
+            p.z += 0.6;
+            let toward = (DVec3::new(0.0, 0.0, 1.4) + 0.8 * rng.direction() - p).normalize();
+            if distance(p) < 0.1 {
+                continue;
+            }
+            for _ in 0..60 {
+                let d = distance(p);
+                deepest = deepest.min(d);
+                p += 0.8 * d.max(0.001) * toward;
+                if d < 0.002 {
+                    break;
+                }
+            }
+        }
+        assert!(deepest > -0.04, "{deepest} m inside");
+    }
 }

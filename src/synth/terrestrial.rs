@@ -46,10 +46,10 @@ const fn place(x: f64, y: f64, z: f64) -> DVec3 {
 /// Good places to stand.
 pub const VIEWPOINTS: [Viewpoint; 6] = [
     Viewpoint { name: "overview", eye: place(-10.6, -8.0, 5.6), target: place(2.2, 1.6, 1.6) },
-    Viewpoint { name: "court", eye: place(-8.6, -5.6, 1.7), target: place(3.0, 2.6, 2.2) },
-    Viewpoint { name: "arcade", eye: place(13.6, -10.4, 1.85), target: place(13.2, 4.0, 1.9) },
+    Viewpoint { name: "court", eye: place(-5.2, -1.5, 1.75), target: place(4.0, 2.0, 2.3) },
+    Viewpoint { name: "arcade", eye: place(13.9, -4.8, 1.85), target: place(11.4, 3.0, 2.0) },
     Viewpoint { name: "hall", eye: place(16.3, -3.6, 1.85), target: place(20.4, 1.6, 1.25) },
-    Viewpoint { name: "stair", eye: place(1.6, 2.4, 1.7), target: place(-7.2, 8.6, 3.0) },
+    Viewpoint { name: "stair", eye: place(-2.0, -0.6, 1.7), target: place(-6.2, 8.6, 3.0) },
     Viewpoint { name: "terrace", eye: place(-7.6, 10.2, 6.3), target: place(4.0, -2.0, 1.0) },
 ];
 
@@ -134,20 +134,17 @@ impl Device for Scanner {
         let start = TIMES_S[0] + TIMES_S[1] * pass as f64;
         let column_s = SWEEP / TAU * lines / PULSES_PER_S;
         let mut thin = Thin::new(num_points, hits.len() as u64);
-        let mut last: Option<(u64, f64)> = None;
+        let mut last: Option<(u64, DVec3)> = None;
         for (row, hit, material) in &hits {
-            let neighbor = last.filter(|(r, _)| r + 1 == *row).map_or(hit.t, |(_, t)| t);
-            last = Some((*row, hit.t));
+            let part = (*row as f64 + 0.5) / rows as f64;
+            let ray = self.ray(station, column, part);
+            let neighbor = last.filter(|(r, _)| r + 1 == *row).map(|(_, p)| p);
+            last = Some((*row, ray.at(hit.t)));
             if thin.next(1) == 0 {
                 continue;
             }
-            let part = (*row as f64 + 0.5) / rows as f64;
-            let ray = self.ray(station, column, part);
-            // A beam that grazes an edge measures something between the two surfaces.
-            let gap = neighbor - hit.t;
-            let mixed = gap.abs() > 0.08 && gap.abs() < 4.0 && rng.unit() < 0.05;
-            let range = hit.t + if mixed { gap * rng.unit() } else { 0.0 };
-            let noisy = range + (0.0012 + 0.00008 * range) * rng.normal();
+            let range = hit.t + neighbor.map_or(0.0, |p| mixed(p, &ray, hit, rng));
+            let noisy = range + (0.0012 + 0.000_08 * range) * rng.normal();
             let p = ORIGIN + ray.at(noisy);
             out.push(Record {
                 xyz: Record::snap(&lattice, p),
@@ -178,10 +175,65 @@ impl Scanner {
     }
 }
 
+/// A beam that grazes an edge sometimes measures something between its two surfaces: how much farther (or
+/// nearer) than `hit`, where `neighbor` is what the ray before met.
+fn mixed(neighbor: DVec3, ray: &Ray, hit: &Hit, rng: &mut Rng) -> f64 {
+    let off_plane = (neighbor - ray.at(hit.t)).dot(hit.normal).abs();
+    let gap = neighbor.distance(ray.origin) - hit.t;
+    let grazes = off_plane > 0.08 && gap.abs() < 4.0;
+    if grazes && rng.unit() < 0.05 { gap * rng.unit() } else { 0.0 }
+}
+
 /// Light that returns: less from dark, slanted and far surfaces.
 fn intensity(hit: &Hit, ray: &Ray, material: &Material, rng: &mut Rng) -> u16 {
     let facing = hit.normal.dot(ray.direction).abs();
     let far = 1.0 / (1.0 + (hit.t / 30.0) * (hit.t / 30.0));
     let value = material.reflectance() * (0.25 + 0.75 * facing) * far * (1.0 + 0.03 * rng.normal());
     (60_000.0 * value).clamp(1.0, 65_535.0) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_turn_clockwise_and_their_points_rise() {
+        let scanner = Scanner::new(20_000);
+        let plan = scanner.plan();
+        for pass in 0..2 {
+            let station = STATIONS[pass as usize];
+            let mut last_turn = -1.0;
+            for number in 0..plan.lines_per_pass() {
+                let line = pass * plan.lines_per_pass() + number;
+                let count = plan.first_point(line + 1) - plan.first_point(line);
+                let mut points = Vec::new();
+                scanner.measure(line, count, &mut Rng::new(9, line), &mut points);
+                assert_eq!(points.len() as u64, count);
+                let from_station = |r: &Record| scanner.layout().lattice.p_in_world(r.xyz) - ORIGIN - station;
+                let mut last_rise = -2.0;
+                for d in points.iter().map(from_station) {
+                    // Snapping to the file's lattice moves the angles a little.
+                    let rise = d.z / d.length();
+                    assert!(rise > last_rise - 2e-4, "{rise} after {last_rise}");
+                    last_rise = rise;
+                    if d.truncate().length() > 1.0 {
+                        let turn = (START[pass as usize] - d.y.atan2(d.x)).rem_euclid(TAU);
+                        assert!(turn > last_turn - 2e-4, "{turn} after {last_turn}");
+                        last_turn = last_turn.max(turn);
+                    }
+                }
+            }
+            assert!(last_turn > 0.95 * TAU);
+        }
+    }
+
+    #[test]
+    fn stations_stand_free_at_eye_height() {
+        for (station, floor) in STATIONS.iter().zip([0.0, 0.15]) {
+            let down = Ray { origin: *station, direction: DVec3::NEG_Z };
+            let (hit, _) = Courtyard::get().nearest(&down, RANGE_M).unwrap();
+            assert!((hit.t - (station.z - floor)).abs() < 1e-9);
+            assert!((hit.t - 1.6).abs() < 1e-9);
+        }
+    }
 }

@@ -113,6 +113,7 @@ struct Frames {
     renderer: Renderer,
     locomotion: Option<Locomotion>,
     mirror: Option<[wgpu::Texture; 2]>,
+    views: Views,
     sizes_px: [[u32; 2]; 2],
     locomotion_config: crate::config::LocomotionConfig,
     frame: u64,
@@ -135,6 +136,7 @@ impl Frames {
             renderer,
             locomotion: None,
             mirror: None,
+            views: Views::default(),
             sizes_px,
             locomotion_config: walk.config.locomotion.clone(),
             frame: 0,
@@ -192,7 +194,7 @@ impl Frames {
         let images = headset.acquire()?;
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        let views = [0, 1].map(|eye: usize| images[eye].create_view(&wgpu::TextureViewDescriptor::default()));
+        let views = [self.views.of(&images[0]), self.views.of(&images[1])];
         self.renderer.record(&mut encoder, self.frame, &[&views[0], &views[1]]);
         self.record_mirror(walk, headset, &mut encoder, &images);
         let record_ms = ms(record_began.elapsed());
@@ -309,6 +311,21 @@ impl Frames {
             pass_on(walk, row);
         }
         WalkSummary { frames: self.frame, scan_frames: self.scan_frames, ended, last_view: self.last_view }
+    }
+}
+
+/// Views of the headset's few images, made once each.
+#[derive(Default)]
+struct Views(Vec<(wgpu::Texture, wgpu::TextureView)>);
+
+impl Views {
+    fn of(&mut self, image: &wgpu::Texture) -> wgpu::TextureView {
+        if let Some((_, view)) = self.0.iter().find(|(texture, _)| texture == image) {
+            return view.clone();
+        }
+        let view = image.create_view(&wgpu::TextureViewDescriptor::default());
+        self.0.push((image.clone(), view.clone()));
+        view
     }
 }
 

@@ -63,17 +63,14 @@ impl SimulatedHeadset {
     #[must_use]
     pub fn eyes(config: &SimulatedConfig) -> [StageEye; 2] {
         let [outward, inward, up, down] = config.fov_deg.map(f64::to_radians);
+        let left = Fov::from_angles(-outward, inward, up, -down);
         // sign: −1 left, +1 right. A positive turn about y (up) is to the left, which is outward for the left eye.
         [-1.0, 1.0].map(|sign: f64| StageEye {
             stage_from_view: Pose {
                 position: DVec3::new(sign * 0.5 * config.eye_distance_m, config.eye_height_m, 0.0),
                 orientation: DQuat::from_rotation_y(-sign * config.cant_deg.to_radians()),
             },
-            fov: if sign < 0.0 {
-                Fov::from_angles(-outward, inward, up, -down)
-            } else {
-                Fov::from_angles(-inward, outward, up, -down)
-            },
+            fov: if sign < 0.0 { left } else { left.mirrored() },
         })
     }
 

@@ -15,6 +15,8 @@ const BLOCK_POINTS: usize = 1 << 12;
 /// made-up ones with thousands of equal points come near.
 const MOST_POINTS_PER_BYTE: u64 = 1000;
 const POINTS_FOR_FREE: u64 = 1 << 16;
+/// Points that memory is taken for at once, per byte that was really read.
+const VOUCHED_POINTS_PER_BYTE: u64 = 2;
 
 /// How the records of a file are compressed.
 #[derive(Clone, Debug)]
@@ -108,6 +110,9 @@ impl Codec {
             return Err(format!("states {limit} points in {} bytes", bytes.len()));
         }
         let mut points = Points::default();
+        // All at once if the chunk's own bytes vouch for it, otherwise as they come.
+        let vouched = limit.min(bytes.len() as u64 * VOUCHED_POINTS_PER_BYTE) as usize;
+        self.reserve(&mut points, vouched).map_err(|_| "needs more memory than there is")?;
         let mut cursor = Cursor::new(bytes);
         match self.decode(&mut cursor, limit, &mut points) {
             // Without a count, the end of the bytes is the end of the points.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::io::{self, BufReader};
 
 /// Chunks in work for each thread: enough to even out their sizes, few enough to hold them in memory twice.
-const CHUNKS_PER_THREAD: usize = 8;
+const CHUNKS_PER_THREAD: usize = 4;
 /// Damaged chunks that are named one by one.
 const MOST_NAMED: usize = 5;
 
@@ -111,51 +111,30 @@ impl Laz {
         }
     }
 
+    /// While a window of chunks is decompressed, the one before it is appended.
     fn read_chunks(
         &self,
         source: &Source,
         chunks: &[Chunk],
         progress: &Progress,
     ) -> Result<Columns, ScanError> {
-        let mut columns = Columns::default();
-        let mut damaged = Vec::new();
-        let mut first_point = 0;
-        let window = CHUNKS_PER_THREAD * rayon::current_num_threads();
-        for (round, chunks_now) in chunks.chunks(window).enumerate() {
-            let read: Vec<_> =
-                chunks_now.par_iter().map(|chunk| self.read_chunk(source, chunk, progress)).collect();
+        let mut assembly = Assembly::default();
+        let mut decoded = Vec::new();
+        for window in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
+            let decode = || window.par_iter().map(|chunk| (*chunk, self.read_chunk(source, chunk, progress)));
+            let before = std::mem::take(&mut decoded);
+            let (now, appended) = rayon::join(|| decode().collect(), || assembly.append(source, before));
+            appended?;
+            decoded = now;
             if progress.stopped() {
                 return Err(ScanError::Stopped);
             }
-            for (index, (chunk, read)) in chunks_now.iter().zip(read).enumerate() {
-                let num_points = match read {
-                    Ok((points, stats)) => {
-                        let num_points = points.xyz.len() as u64;
-                        append(source, &mut columns, points, stats)?;
-                        num_points
-                    }
-                    Err(reason) => {
-                        let number = round * window + index + 1;
-                        damaged.push(Damaged { number, first_point, num_points: chunk.num_points, reason });
-                        0
-                    }
-                };
-                first_point += chunk.num_points.unwrap_or(num_points);
-            }
         }
-        report(source, &mut columns, chunks.len(), &damaged)?;
-        columns.points.xyz.shrink_to_fit();
-        columns.points.rgb.shrink_to_fit();
-        columns.points.intensity.shrink_to_fit();
-        Ok(columns)
+        assembly.append(source, decoded)?;
+        assembly.finish(source)
     }
 
-    fn read_chunk(
-        &self,
-        source: &Source,
-        chunk: &Chunk,
-        progress: &Progress,
-    ) -> Result<(Points, Stats), String> {
+    fn read_chunk(&self, source: &Source, chunk: &Chunk, progress: &Progress) -> Decoded {
         if progress.stopped() {
             return Ok((Points::default(), Stats::EMPTY));
         }
@@ -225,21 +204,66 @@ fn truncated(points: &mut Points, num_points: usize, problem: String) -> String 
     problem
 }
 
-/// Columns grow with what was really read; the pages of spare capacity are never touched.
-fn append(source: &Source, columns: &mut Columns, points: Points, stats: Stats) -> Result<(), ScanError> {
-    let all = &mut columns.points;
-    let reserved = all.xyz.try_reserve(points.xyz.len());
-    let reserved = reserved.and_then(|()| all.rgb.try_reserve(points.rgb.len()));
-    let reserved = reserved.and_then(|()| all.intensity.try_reserve(points.intensity.len()));
-    if reserved.is_err() {
-        let num_points = (all.xyz.len() + points.xyz.len()) as u64;
-        return Err(ScanError::Memory { path: source.path().to_owned(), num_points });
+/// A chunk's points, or why they are lost.
+type Decoded = Result<(Points, Stats), String>;
+
+/// Chunks on their way into the columns of their file, in file order.
+#[derive(Default)]
+struct Assembly {
+    columns: Columns,
+    damaged: Vec<Damaged>,
+    num_chunks: usize,
+    first_point: u64,
+}
+
+impl Assembly {
+    fn append(&mut self, source: &Source, decoded: Vec<(Chunk, Decoded)>) -> Result<(), ScanError> {
+        for (chunk, decoded) in decoded {
+            self.num_chunks += 1;
+            match decoded {
+                Ok((points, stats)) => {
+                    self.first_point += points.xyz.len() as u64;
+                    self.extend(points, stats).map_err(|num_points| ScanError::Memory {
+                        path: source.path().to_owned(),
+                        num_points,
+                    })?;
+                }
+                Err(reason) => {
+                    let (number, first_point, num_points) =
+                        (self.num_chunks, self.first_point, chunk.num_points);
+                    self.first_point += num_points.unwrap_or(0);
+                    self.damaged.push(Damaged { number, first_point, num_points, reason });
+                }
+            }
+        }
+        Ok(())
     }
-    all.xyz.extend_from_slice(&points.xyz);
-    all.rgb.extend_from_slice(&points.rgb);
-    all.intensity.extend_from_slice(&points.intensity);
-    columns.stats = columns.stats.union(stats);
-    Ok(())
+
+    /// Columns grow with what was really read; the pages of spare capacity are never touched. The error is how
+    /// many points there is no memory for.
+    fn extend(&mut self, points: Points, stats: Stats) -> Result<(), u64> {
+        let all = &mut self.columns.points;
+        let num_points = (all.xyz.len() + points.xyz.len()) as u64;
+        let reserved = all.xyz.try_reserve(points.xyz.len());
+        let reserved = reserved.and_then(|()| all.rgb.try_reserve(points.rgb.len()));
+        let reserved = reserved.and_then(|()| all.intensity.try_reserve(points.intensity.len()));
+        reserved.map_err(|_| num_points)?;
+        all.xyz.extend_from_slice(&points.xyz);
+        all.rgb.extend_from_slice(&points.rgb);
+        all.intensity.extend_from_slice(&points.intensity);
+        self.columns.stats = self.columns.stats.union(stats);
+        Ok(())
+    }
+
+    /// The columns, with a warning for each lost chunk.
+    fn finish(mut self, source: &Source) -> Result<Columns, ScanError> {
+        report(source, &mut self.columns, self.num_chunks, &self.damaged)?;
+        let points = &mut self.columns.points;
+        points.xyz.shrink_to_fit();
+        points.rgb.shrink_to_fit();
+        points.intensity.shrink_to_fit();
+        Ok(self.columns)
+    }
 }
 
 /// A chunk that could not be read.

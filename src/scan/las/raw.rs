@@ -59,7 +59,8 @@ pub(super) fn num_points(source: &Source, header: &LasHeader) -> u64 {
     if header.announced_points >= held {
         return held;
     }
-    let nothing_else = header.minor < 4 && header.points_end.is_none() && available % record_bytes == 0;
+    let nothing_else =
+        header.minor < 4 && header.points_end.is_none() && available.is_multiple_of(record_bytes);
     match (header.announced_points, header.points_end) {
         (_, None) if nothing_else => held,
         (0, end) => end.map_or(held, |end| (end - header.points_offset) / record_bytes).min(held),

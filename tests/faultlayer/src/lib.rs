@@ -1,0 +1,226 @@
+//! An OpenXR API layer for tests: it stands between the loader and the runtime and makes things go wrong.
+//!
+//! `XRFAULT=WHAT:N` chooses what happens after N calls of xrEndFrame:
+//! - `exit`: the runtime ends the session (as if the user had closed it in the headset's menu);
+//! - `losspending`: a state event LOSS_PENDING;
+//! - `instloss`: an event that the instance will be lost;
+//! - `sessionlost`, `instancelost`: every later xrWaitFrame fails with that error;
+//! - `badend`: one xrEndFrame fails with ERROR_LAYER_INVALID;
+//!
+//! and without waiting for frames:
+//! - `noheadset`: xrGetSystem finds none;
+//! - `nosession`: xrCreateSession fails with ERROR_LIMIT_REACHED;
+//! - `noimages`: the second xrCreateSwapchain fails with ERROR_OUT_OF_MEMORY.
+//!
+//! One instance and one session at a time, which is what a test has.
+
+use openxr_sys as xr;
+use std::ffi::{CStr, c_char};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use xr::{Handle as _, pfn};
+
+/// The next layer's or the runtime's xrGetInstanceProcAddr.
+static NEXT: OnceLock<pfn::GetInstanceProcAddr> = OnceLock::new();
+static INSTANCE: AtomicU64 = AtomicU64::new(0);
+static SESSION: AtomicU64 = AtomicU64::new(0);
+static FRAMES: AtomicU64 = AtomicU64::new(0);
+static FIRED: AtomicBool = AtomicBool::new(false);
+
+/// What is to happen, and after how many frames.
+fn plan() -> &'static (String, u64) {
+    static PLAN: OnceLock<(String, u64)> = OnceLock::new();
+    PLAN.get_or_init(|| {
+        let text = std::env::var("XRFAULT").unwrap_or_default();
+        let (what, frames) = text.split_once(':').unwrap_or((&text, ""));
+        (what.to_string(), frames.parse().unwrap_or(30))
+    })
+}
+
+/// Whether `what` is planned and due.
+fn due(what: &str) -> bool {
+    let (planned, frames) = plan();
+    planned == what && FRAMES.load(Ordering::SeqCst) >= *frames
+}
+
+/// The same, once.
+fn fires(what: &str) -> bool {
+    let fires = due(what) && !FIRED.swap(true, Ordering::SeqCst);
+    if fires {
+        eprintln!("faultlayer: {what}");
+    }
+    fires
+}
+
+/// The function `name` of the layer below.
+///
+/// # Safety
+/// `F` must be the function's type.
+unsafe fn next<F: Copy>(name: &CStr) -> F {
+    let get = NEXT.get().expect("the layer was asked before it was created");
+    let mut function = None;
+    unsafe {
+        get(xr::Instance::from_raw(INSTANCE.load(Ordering::SeqCst)), name.as_ptr(), &mut function);
+        let function = function.expect("the layer below has every core function");
+        std::mem::transmute_copy(&function)
+    }
+}
+
+unsafe extern "system" fn get_system(
+    instance: xr::Instance,
+    info: *const xr::SystemGetInfo,
+    system: *mut xr::SystemId,
+) -> xr::Result {
+    if plan().0 == "noheadset" {
+        return xr::Result::ERROR_FORM_FACTOR_UNAVAILABLE;
+    }
+    unsafe { next::<pfn::GetSystem>(c"xrGetSystem")(instance, info, system) }
+}
+
+unsafe extern "system" fn create_session(
+    instance: xr::Instance,
+    info: *const xr::SessionCreateInfo,
+    session: *mut xr::Session,
+) -> xr::Result {
+    if plan().0 == "nosession" {
+        return xr::Result::ERROR_LIMIT_REACHED;
+    }
+    unsafe { next::<pfn::CreateSession>(c"xrCreateSession")(instance, info, session) }
+}
+
+unsafe extern "system" fn create_swapchain(
+    session: xr::Session,
+    info: *const xr::SwapchainCreateInfo,
+    swapchain: *mut xr::Swapchain,
+) -> xr::Result {
+    static CREATED: AtomicU64 = AtomicU64::new(0);
+    if plan().0 == "noimages" && CREATED.fetch_add(1, Ordering::SeqCst) == 1 {
+        return xr::Result::ERROR_OUT_OF_MEMORY;
+    }
+    unsafe { next::<pfn::CreateSwapchain>(c"xrCreateSwapchain")(session, info, swapchain) }
+}
+
+unsafe extern "system" fn wait_frame(
+    session: xr::Session,
+    info: *const xr::FrameWaitInfo,
+    state: *mut xr::FrameState,
+) -> xr::Result {
+    if due("sessionlost") {
+        return xr::Result::ERROR_SESSION_LOST;
+    }
+    if due("instancelost") {
+        return xr::Result::ERROR_INSTANCE_LOST;
+    }
+    unsafe { next::<pfn::WaitFrame>(c"xrWaitFrame")(session, info, state) }
+}
+
+unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
+    SESSION.store(session.into_raw(), Ordering::SeqCst);
+    if fires("badend") {
+        return xr::Result::ERROR_LAYER_INVALID;
+    }
+    let result = unsafe { next::<pfn::EndFrame>(c"xrEndFrame")(session, info) };
+    FRAMES.fetch_add(1, Ordering::SeqCst);
+    if fires("exit") {
+        unsafe { next::<pfn::RequestExitSession>(c"xrRequestExitSession")(session) };
+    }
+    result
+}
+
+unsafe extern "system" fn poll_event(instance: xr::Instance, event: *mut xr::EventDataBuffer) -> xr::Result {
+    if fires("losspending") {
+        let lost = xr::EventDataSessionStateChanged {
+            ty: xr::EventDataSessionStateChanged::TYPE,
+            next: std::ptr::null(),
+            session: xr::Session::from_raw(SESSION.load(Ordering::SeqCst)),
+            state: xr::SessionState::LOSS_PENDING,
+            time: xr::Time::from_nanos(1),
+        };
+        unsafe { event.cast::<xr::EventDataSessionStateChanged>().write(lost) };
+        return xr::Result::SUCCESS;
+    }
+    if fires("instloss") {
+        let lost = xr::EventDataInstanceLossPending {
+            ty: xr::EventDataInstanceLossPending::TYPE,
+            next: std::ptr::null(),
+            loss_time: xr::Time::from_nanos(1),
+        };
+        unsafe { event.cast::<xr::EventDataInstanceLossPending>().write(lost) };
+        return xr::Result::SUCCESS;
+    }
+    unsafe { next::<pfn::PollEvent>(c"xrPollEvent")(instance, event) }
+}
+
+unsafe extern "system" fn get_instance_proc_addr(
+    instance: xr::Instance,
+    name: *const c_char,
+    function: *mut Option<pfn::VoidFunction>,
+) -> xr::Result {
+    let wanted = unsafe { CStr::from_ptr(name) };
+    // SAFETY of the casts: OpenXR hands every function out as this one type.
+    let ours: Option<pfn::VoidFunction> = unsafe {
+        use std::mem::transmute;
+        match wanted.to_bytes() {
+            b"xrGetSystem" => Some(transmute::<pfn::GetSystem, pfn::VoidFunction>(get_system)),
+            b"xrCreateSession" => Some(transmute::<pfn::CreateSession, pfn::VoidFunction>(create_session)),
+            b"xrCreateSwapchain" => {
+                Some(transmute::<pfn::CreateSwapchain, pfn::VoidFunction>(create_swapchain))
+            }
+            b"xrWaitFrame" => Some(transmute::<pfn::WaitFrame, pfn::VoidFunction>(wait_frame)),
+            b"xrEndFrame" => Some(transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame)),
+            b"xrPollEvent" => Some(transmute::<pfn::PollEvent, pfn::VoidFunction>(poll_event)),
+            _ => None,
+        }
+    };
+    if ours.is_some() {
+        unsafe { *function = ours };
+        return xr::Result::SUCCESS;
+    }
+    match NEXT.get() {
+        Some(get) => unsafe { get(instance, name, function) },
+        None => xr::Result::ERROR_FUNCTION_UNSUPPORTED,
+    }
+}
+
+unsafe extern "system" fn create_instance(
+    info: *const xr::InstanceCreateInfo,
+    layer: *const xr::ApiLayerCreateInfo,
+    instance: *mut xr::Instance,
+) -> xr::Result {
+    unsafe {
+        let below = &*(*layer).next_info;
+        let (Some(get), Some(create)) =
+            (below.next_get_instance_proc_addr, below.next_create_api_layer_instance)
+        else {
+            return xr::Result::ERROR_INITIALIZATION_FAILED;
+        };
+        NEXT.set(get).ok();
+        let mut layer_below = *layer;
+        layer_below.next_info = below.next;
+        let result = create(info, &layer_below, instance);
+        if result.into_raw() >= 0 {
+            INSTANCE.store((*instance).into_raw(), Ordering::SeqCst);
+        }
+        result
+    }
+}
+
+/// The loader's first call.
+///
+/// # Safety
+/// Called by an OpenXR loader.
+#[unsafe(no_mangle)]
+#[allow(non_snake_case)]
+pub unsafe extern "system" fn xrNegotiateLoaderApiLayerInterface(
+    loader: *const xr::NegotiateLoaderInfo,
+    _name: *const c_char,
+    request: *mut xr::NegotiateApiLayerRequest,
+) -> xr::Result {
+    unsafe {
+        (*request).layer_interface_version = 1;
+        (*request).layer_api_version = xr::Version::new(1, 0, 0).max((*loader).min_api_version);
+        (*request).get_instance_proc_addr = Some(get_instance_proc_addr);
+        (*request).create_api_layer_instance = Some(create_instance);
+    }
+    xr::Result::SUCCESS
+}

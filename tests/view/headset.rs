@@ -1,0 +1,204 @@
+//! In a headset: what its compositor shows is what `render` draws for the same eyes, every layer of validation is
+//! silent, and the walk ends cleanly whoever ends it.
+
+use crate::scene::{EYE_DISTANCE, Scene};
+use crate::xr_support::poses::{Packet, RemoteEye, RemotePose};
+use crate::xr_support::screen::Image;
+use crate::xr_support::{Compositor, Finished, Lab};
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
+/// Pixels of an eye on the virtual screen, which shows both side by side.
+const EYE: [usize; 2] = [960, 1080];
+/// Half angles of the test headset's displays in degrees: 85 across, on panels of 65 × 70 mm. The compositor shows
+/// images with this field of view, and no other, without resampling.
+fn half_angles_deg() -> [f64; 2] {
+    let across = 42.5f64;
+    [across, (across.to_radians().tan() * 70.0 / 65.0).atan().to_degrees()]
+}
+/// Share of the pixels that may differ: the headset's half angles are f32, so some points change their pixel.
+const TOLERANCE: f64 = 0.0005;
+
+/// Eyes that `render --stereo` can match: parallel, side by side.
+fn eyes() -> [RemoteEye; 2] {
+    let [x, y] = half_angles_deg().map(|deg| deg.to_radians() as f32);
+    [-0.5, 0.5].map(|side| RemoteEye {
+        fov: [-x, x, y, -y],
+        head_from_eye: RemotePose::at([(side * EYE_DISTANCE) as f32, 0.0, 0.0]),
+    })
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("a UTF-8 path")
+}
+
+/// What `render` draws for the same eyes: left, right.
+fn rendered(scene: &Scene) -> [Image; 2] {
+    let out = scene.file("want.png");
+    let [x, y] = half_angles_deg();
+    let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
+    let status = Command::new(PROGRAM)
+        .args(["render", path(&scene.courtyard), path(&scene.ball), "-o", path(&out), "--stereo"])
+        .args(["--ipd", &EYE_DISTANCE.to_string(), "--half-angles", &format!("{x},{x},{y},{y}")])
+        .args(["--size", &format!("{}x{}", EYE[0], EYE[1])])
+        .args(["--eye", &point(scene.head.position), "--target", &point(scene.target)])
+        .status()
+        .expect("render starts");
+    assert!(status.success());
+    ["left", "right"].map(|side| read_png(&scene.file(&format!("want.{side}.png"))))
+}
+
+fn read_png(path: &Path) -> Image {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("a picture"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("a size")];
+    let info = reader.next_frame(&mut rgb).expect("pixels");
+    assert_eq!(info.color_type, png::ColorType::Rgb);
+    let pixels = rgb.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    Image { size: [info.width as usize, info.height as usize], pixels }
+}
+
+/// Share of the pixels that differ.
+fn difference(a: &Image, b: &Image) -> f64 {
+    a.differences(b).0 as f64 / a.pixels.len() as f64
+}
+
+/// Mean column of the red ball.
+fn ball_column(image: &Image) -> f64 {
+    let red = image.pixels.iter().enumerate().filter(|(_, p)| **p == [255, 0, 0]);
+    let columns: Vec<f64> = red.map(|(i, _)| (i % image.size[0]) as f64).collect();
+    assert!(columns.len() > 100, "the ball is in view: {} pixels", columns.len());
+    columns.iter().sum::<f64>() / columns.len() as f64
+}
+
+#[test]
+fn the_compositor_shows_what_render_draws() {
+    let Some(lab) = Lab::enter() else { return };
+    let scene = Scene::get();
+    let want = rendered(scene);
+    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(150);
+    let mut run = runtime.start(
+        Path::new(PROGRAM),
+        &[
+            "view",
+            path(&scene.courtyard),
+            path(&scene.ball),
+            "--headset",
+            "require",
+            "--window",
+            "off",
+            "--pose-path",
+            path(&scene.pose_path),
+            "--set",
+            "cloud.order=original",
+            "--frames",
+            "120",
+        ],
+    );
+    run.remote().send(&Packet { eyes: Some(eyes()), ..Packet::default() });
+    let until = Instant::now() + Duration::from_secs(100);
+    let (shown, differences) = loop {
+        let screen = run.screen();
+        let shown = [screen.columns(0, EYE[0]), screen.columns(EYE[0], EYE[0])];
+        let differences = [difference(&shown[0], &want[0]), difference(&shown[1], &want[1])];
+        if differences.iter().all(|d| *d < TOLERANCE) || Instant::now() > until {
+            break (shown, differences);
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    eprintln!("share of pixels that differ from render: {differences:?}");
+    assert!(differences.iter().all(|d| *d < TOLERANCE), "{differences:?}");
+
+    // The eyes are on their sides: the left one sees a near ball further right.
+    let disparity = ball_column(&shown[0]) - ball_column(&shown[1]);
+    let px_per_tangent = 0.5 * EYE[0] as f64 / half_angles_deg()[0].to_radians().tan();
+    let expected = EYE_DISTANCE / 0.6 * px_per_tangent;
+    assert!((disparity - expected).abs() < 2.0, "{disparity} px, expected {expected}");
+    // The comparison can fail: eyes are not interchangeable.
+    assert!(difference(&shown[0], &want[1]) > 100.0 * TOLERANCE);
+    for image in &shown {
+        let lit = image.pixels.iter().filter(|p| **p != [0; 3]).count();
+        assert!(lit > image.pixels.len() / 20, "the courtyard fills the view: {lit} pixels");
+    }
+    let done = run.finish();
+    done.assert_ok();
+    done.assert_valid();
+}
+
+/// Session states in the order that they were reached.
+fn states(done: &Finished) -> Vec<String> {
+    let lines =
+        done.stderr.lines().filter_map(|l| Some(l.split_once("headset session: ")?.1.trim().to_string()));
+    lines.collect()
+}
+
+#[test]
+fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
+    let Some(lab) = Lab::enter() else { return };
+    let scene = Scene::get();
+    let log = scene.file("frames.csv");
+    let runtime = lab.runtime().validate().timeout_s(120);
+    let args = [
+        "view",
+        path(&scene.courtyard),
+        "--headset",
+        "require",
+        "--window",
+        "off",
+        "--frames",
+        "60",
+        "--log",
+        path(&log),
+        "-v",
+    ];
+    let done = runtime.run(Path::new(PROGRAM), &args);
+    done.assert_ok();
+    done.assert_valid();
+    let states = states(&done);
+    assert!(states.iter().any(|s| s == "FOCUSED"), "{states:?}");
+    assert_eq!(
+        states.last().map(String::as_str),
+        Some("EXITING"),
+        "the runtime agreed to the end: {states:?}"
+    );
+    let log = scanwalk::timing::read(&log).expect("a frame log");
+    let text = scanwalk::timing::Report::of(&log).to_string();
+    assert!(text.contains("Monado"), "{text}");
+    let rows = std::fs::read_to_string(scene.file("frames.csv")).expect("the log");
+    let with_scan = rows.lines().filter(|l| !l.starts_with(['#', 'f'])).filter(|l| {
+        let columns: Vec<&str> = l.split(',').collect();
+        columns.get(16).is_some_and(|resident| *resident == "400000")
+    });
+    assert!(with_scan.count() >= 60, "{rows}");
+}
+
+#[test]
+fn the_runtime_may_end_the_walk() {
+    let Some(lab) = Lab::enter() else { return };
+    let scene = Scene::get();
+    let args = ["view", path(&scene.courtyard), "--headset", "require", "--window", "off", "-v"];
+    let done = lab.runtime().fault("exit:30").timeout_s(90).run(Path::new(PROGRAM), &args);
+    done.assert_ok();
+    assert_eq!(states(&done).last().map(String::as_str), Some("EXITING"), "{}", done.stderr);
+}
+
+#[test]
+fn without_a_runtime_require_fails_and_auto_walks_on() {
+    let scene = Scene::get();
+    let view = |headset: &str| {
+        Command::new(PROGRAM)
+            .args(["view", path(&scene.courtyard), "--window", "off", "--frames", "2", "--headset", headset])
+            .args(["--set", "simulated.size_px=[64,64]"])
+            .env("XR_RUNTIME_JSON", "/nonexistent/runtime.json")
+            .output()
+            .expect("view starts")
+    };
+    let required = view("require");
+    let said = String::from_utf8_lossy(&required.stderr);
+    assert_eq!(required.status.code(), Some(1), "{said}");
+    assert!(said.contains("OpenXR"), "{said}");
+    let auto = view("auto");
+    assert!(auto.status.success(), "{}", String::from_utf8_lossy(&auto.stderr));
+}

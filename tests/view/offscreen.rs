@@ -1,0 +1,89 @@
+//! Without headset and window: limits, logs, failures, and the way a signal ends it.
+
+use crate::scene::Scene;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SMALL: [&str; 6] = ["--headset", "off", "--window", "off", "--set", "simulated.size_px=[97,65]"];
+
+fn view(scan: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    command.arg("view").arg(scan).args(SMALL).args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn run(scan: &Path, args: &[&str]) -> Output {
+    view(scan, args).output().expect("view starts")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
+    let scene = Scene::get();
+    let log = scene.file("offscreen.csv");
+    let output = run(&scene.courtyard, &["--frames", "30", "--log", log.to_str().expect("UTF-8")]);
+    assert!(output.status.success(), "{}", said(&output));
+    let text = std::fs::read_to_string(&log).expect("a log");
+    let rows: Vec<Vec<&str>> =
+        text.lines().filter(|l| !l.starts_with(['#', 'f'])).map(|l| l.split(',').collect()).collect();
+    for (number, row) in rows.iter().enumerate() {
+        assert_eq!(row[0], number.to_string(), "rows are in order and none is missing");
+    }
+    let shown: Vec<_> = rows.iter().filter(|row| row[16] == "400000").collect();
+    assert!(shown.len() >= 30);
+    for row in shown {
+        let stages: f64 = row[6..10].iter().map(|v| v.parse::<f64>().expect("GPU time of a stage")).sum();
+        let whole: f64 = row[10].parse().expect("GPU time");
+        assert!(stages > 0.0 && stages <= whole * 1.01 + 0.01, "{row:?}");
+        assert!(row[15].parse::<u64>().expect("points read") > 1000, "{row:?}");
+    }
+    let report =
+        Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("report").arg(&log).output().expect("report");
+    let report = String::from_utf8_lossy(&report.stdout).into_owned();
+    assert!(report.contains("costliest") && report.contains("99.9 %"), "{report}");
+}
+
+#[test]
+fn a_log_on_a_full_disk_is_reported_once_and_stops_nothing() {
+    let output = run(&Scene::get().courtyard, &["--frames", "20", "--log", "/dev/full"]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert_eq!(said(&output).matches("/dev/full").count(), 1, "{}", said(&output));
+}
+
+#[test]
+fn a_scan_that_cannot_be_read_ends_the_walk_with_its_sentence() {
+    let missing = Scene::get().file("no-such.las");
+    let output = run(&missing, &["--frames", "5"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = said(&output);
+    assert!(said.contains("no-such.las") && !said.contains("panicked"), "{said}");
+}
+
+#[test]
+fn a_signal_ends_the_walk_cleanly() {
+    let mut child = view(&Scene::get().courtyard, &[]).spawn().expect("view starts");
+    std::thread::sleep(Duration::from_secs(3));
+    let killed = Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status();
+    assert!(killed.expect("kill").success());
+    let until = Instant::now() + Duration::from_secs(20);
+    let status = loop {
+        if let Some(status) = child.try_wait().expect("a child of ours") {
+            break status;
+        }
+        assert!(Instant::now() < until, "Ctrl-C does not end it");
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    assert_eq!(status.code(), Some(0), "a walk that the user ends is no failure");
+}
+
+#[test]
+fn seconds_end_the_walk() {
+    let began = Instant::now();
+    let output = run(&Scene::get().courtyard, &["--seconds", "1.5"]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(began.elapsed() > Duration::from_secs_f64(1.5) && began.elapsed() < Duration::from_secs(40));
+}

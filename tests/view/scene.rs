@@ -1,0 +1,74 @@
+//! What the walks look at: a made-up courtyard, and a red ball close before the viewer.
+
+use glam::DVec3;
+use scanwalk::progress::Stop;
+use scanwalk::space::Pose;
+use scanwalk::synth::{self, Kind, SynthOptions};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// Eye distance of the test headset in metres.
+pub const EYE_DISTANCE: f64 = 0.063;
+
+pub struct Scene {
+    pub courtyard: PathBuf,
+    pub ball: PathBuf,
+    /// A path file that holds the head at `head`.
+    pub pose_path: PathBuf,
+    pub head: Pose,
+    pub target: DVec3,
+    folder: tempfile::TempDir,
+}
+
+impl Scene {
+    /// Made once a test program.
+    pub fn get() -> &'static Scene {
+        static SCENE: OnceLock<Scene> = OnceLock::new();
+        SCENE.get_or_init(Scene::make)
+    }
+
+    fn make() -> Scene {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let courtyard = folder.path().join("courtyard.las");
+        let options =
+            SynthOptions { kind: Kind::Terrestrial, out: courtyard.clone(), points: 400_000, seed: 1 };
+        synth::write(&options, &Stop::default()).expect("a courtyard");
+        let place =
+            synth::viewpoints(Kind::Terrestrial).iter().find(|v| v.name == "court").expect("a viewpoint");
+        let head = Pose::look_at(place.eye, place.target, DVec3::Z);
+        let forward = (place.target - place.eye).normalize();
+        let ball = folder.path().join("ball.las");
+        write_ball(&ball, place.eye + 0.6 * forward);
+        let pose_path = folder.path().join("held.csv");
+        let (p, q) = (head.position, head.orientation);
+        let line = format!("0,{},{},{},{},{},{},{}\n", p.x, p.y, p.z, q.x, q.y, q.z, q.w);
+        std::fs::write(&pose_path, line).expect("the pose path");
+        Scene { courtyard, ball, pose_path, head, target: place.target, folder }
+    }
+
+    /// A file of that name that goes with the tests.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+}
+
+/// A ball of 3 cm, pure red, which nothing else in the scene is.
+fn write_ball(path: &Path, center: DVec3) {
+    let mut header = las::Builder::from((1, 2));
+    header.point_format = las::point::Format::new(2).expect("format 2");
+    let scale = 0.0001;
+    let axis = |offset: f64| las::Transform { scale, offset: offset.round() };
+    header.transforms = las::Vector { x: axis(center.x), y: axis(center.y), z: axis(center.z) };
+    let mut writer = las::Writer::from_path(path, header.into_header().expect("a header")).expect("a writer");
+    for step in 0..20_000 {
+        // A spiral from pole to pole covers the sphere evenly.
+        let z = 1.0 - 2.0 * (f64::from(step) + 0.5) / 20_000.0;
+        let (radius, angle) = ((1.0 - z * z).sqrt(), 2.399_963 * f64::from(step));
+        let p = center + 0.03 * DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
+        let color = Some(las::Color { red: 65535, green: 0, blue: 0 });
+        writer
+            .write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() })
+            .expect("a point");
+    }
+    writer.close().expect("the ball is written");
+}

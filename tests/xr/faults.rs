@@ -1,0 +1,123 @@
+//! What goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
+
+use crate::probe::{Job, last, this_program};
+use crate::support::{Finished, Lab};
+use std::process::Command;
+
+/// Runs the probe without an end of its own.
+fn run_with_fault(lab: &Lab, fault: &str) -> Finished {
+    let done = Job::default().run(&lab.runtime().validate().fault(fault));
+    done.assert_ok();
+    done
+}
+
+#[test]
+fn the_runtime_ends_the_session() {
+    let Some(lab) = Lab::enter() else { return };
+    let done = run_with_fault(&lab, "exit:20");
+    done.assert_valid();
+    assert_eq!(last(&done.lines, "ended").unwrap(), "the headset's software ended the session");
+    assert!(last(&done.lines, "frame").unwrap().as_u64().unwrap() >= 10);
+}
+
+#[test]
+fn losses_end_with_a_sentence() {
+    let Some(lab) = Lab::enter() else { return };
+    for (fault, word) in [
+        ("losspending:20", "headset was lost"),
+        ("sessionlost:20", "headset was lost"),
+        ("instloss:20", "software stopped"),
+        ("instancelost:20", "software stopped"),
+    ] {
+        let done = run_with_fault(&lab, fault);
+        let ended = last(&done.lines, "ended").unwrap_or_default();
+        assert!(ended.as_str().is_some_and(|sentence| sentence.contains(word)), "{fault}: {ended}");
+    }
+}
+
+#[test]
+fn a_failing_call_is_an_error_that_names_it() {
+    let Some(lab) = Lab::enter() else { return };
+    let done = run_with_fault(&lab, "badend:20");
+    let error = last(&done.lines, "error").unwrap();
+    assert!(error.as_str().unwrap().contains("xrEndFrame: ERROR_LAYER_INVALID"), "{error}");
+}
+
+#[test]
+fn a_killed_runtime_ends_the_walk() {
+    let Some(lab) = Lab::enter() else { return };
+    let mut run = Job::default().start(&lab.runtime().timeout_s(30));
+    run.wait_for("frame", |line| line.contains("\"frame\":20").then_some(()));
+    run.kill_runtime();
+    let done = run.finish();
+    done.assert_ok();
+    let ended = last(&done.lines, "ended").unwrap();
+    assert!(ended.as_str().unwrap().contains("software stopped"), "{ended}");
+}
+
+#[test]
+fn what_is_missing_is_told_and_leaves_nothing_behind() {
+    let Some(lab) = Lab::enter() else { return };
+    for (fault, words) in [
+        ("noheadset", ["finds no headset", "Monado"]),
+        // These fail with the Vulkan device, and the left eye's images, already made.
+        ("nosession", ["refused the session", "xrCreateSession: ERROR_LIMIT_REACHED"]),
+        ("noimages", ["refused the session", "xrCreateSwapchain: ERROR_OUT_OF_MEMORY"]),
+    ] {
+        let runtime = lab.runtime().validate().fault(fault);
+        let done = Job::default().run(&runtime);
+        done.assert_ok();
+        let missing = last(&done.lines, "missing").unwrap_or_default();
+        for word in words {
+            assert!(
+                missing.as_str().is_some_and(|m| m.contains(word)),
+                "{fault}: {missing}\n{}",
+                done.stderr
+            );
+        }
+        if fault != "noheadset" {
+            done.assert_valid();
+        }
+    }
+}
+
+/// Runs the probe in the runtime's C library with one variable changed.
+fn run_with_variable(lab: &Lab, assignment: &str) -> String {
+    let program = this_program();
+    let mut args = vec!["-c", "exec env \"$1\" \"$XR_LD\" \"${@:2}\"", "bash", assignment];
+    args.push(program.to_str().unwrap());
+    args.extend(crate::probe::PROBE_ARGS);
+    let job = serde_json::to_string(&Job::default()).unwrap();
+    // A script, for the runtime starts programs with its own loader and bash is this machine's.
+    let script = tempfile::Builder::new().suffix(".sh").tempfile().unwrap();
+    std::fs::write(script.path(), "#!/bin/sh\nexec bash \"$@\"\n").unwrap();
+    let mut permissions = script.as_file().metadata().unwrap().permissions();
+    std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, 0o755);
+    std::fs::set_permissions(script.path(), permissions).unwrap();
+    let path = script.into_temp_path();
+    let done = lab.runtime().variable("SCANWALK_XR_PROBE", job).run(&path, &args);
+    done.assert_ok();
+    last(&done.lines, "missing").unwrap_or_default().to_string()
+}
+
+#[test]
+fn no_runtime_and_a_silent_one_are_told_apart() {
+    let Some(lab) = Lab::enter() else { return };
+    let missing = run_with_variable(&lab, "XR_RUNTIME_JSON=/nonexistent/runtime.json");
+    assert!(missing.contains("no OpenXR runtime is set up"), "{missing}");
+    let missing = run_with_variable(&lab, "XDG_RUNTIME_DIR=/nonexistent");
+    assert!(missing.contains("does not work (xrCreateInstance: ERROR_RUNTIME_FAILURE)"), "{missing}");
+}
+
+#[test]
+fn no_loader_is_told() {
+    // A file of that name that is no library hides an installed loader.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("libopenxr_loader.so.1"), "not a library").unwrap();
+    let mut command: Command = Job::default().bare(&this_program());
+    let output = command.env("LD_LIBRARY_PATH", folder.path()).output().unwrap();
+    let lines: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_string).collect();
+    assert!(output.status.success(), "{lines:?}");
+    let missing = last(&lines, "missing").unwrap();
+    assert!(missing.as_str().unwrap().contains("no OpenXR loader found: install it"), "{missing}");
+}

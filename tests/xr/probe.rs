@@ -1,0 +1,332 @@
+//! The program that the tests run inside the runtime: a frame loop as the walk has it, with a test pattern.
+
+use crate::support::{Finished, Running, Runtime};
+use scanwalk::config::Config;
+use scanwalk::gpu::Gpu;
+use scanwalk::walk::{Beat, Headset, StageEye};
+use scanwalk::xr::{self, XrHeadset};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Carries the [`Job`] to the child.
+const JOB: &str = "SCANWALK_XR_PROBE";
+
+/// What the probe is to do.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Job {
+    /// Asks for the end after so many drawn frames; 0: never.
+    pub exit_after: u64,
+    /// Writes what it submitted to `$XR_RUN/left.rgba` and `right.rgba` with this drawn frame; 0: never.
+    pub dump_frame: u64,
+    /// Factor on the recommended size; 0 means 1.
+    pub resolution_scale: f64,
+    /// Another thread submits as fast as it can.
+    pub busy_thread: bool,
+    /// A deliberate error: see `validation.rs`.
+    pub misuse: String,
+}
+
+impl Job {
+    /// Starts the probe in a runtime.
+    pub fn start(&self, runtime: &Runtime) -> Running {
+        let job = serde_json::to_string(self).unwrap();
+        runtime.clone().variable(JOB, job).start(&this_program(), &PROBE_ARGS)
+    }
+
+    /// The same, until its end.
+    pub fn run(&self, runtime: &Runtime) -> Finished {
+        self.start(runtime).finish()
+    }
+
+    /// A command that runs the probe as it is, without a runtime of ours.
+    pub fn bare(&self, program: &Path) -> std::process::Command {
+        let mut command = std::process::Command::new(program);
+        command.args(PROBE_ARGS).env(JOB, serde_json::to_string(self).unwrap());
+        command
+    }
+}
+
+/// This test binary's arguments that run the probe alone.
+pub const PROBE_ARGS: [&str; 5] = ["probe::probe", "--exact", "--nocapture", "--test-threads", "1"];
+
+/// This test binary. (`current_exe` is the loader where the binary was started with one.)
+pub fn this_program() -> PathBuf {
+    std::fs::canonicalize(std::env::args_os().next().unwrap()).unwrap()
+}
+
+/// The last value of `key` among a program's lines.
+pub fn last(lines: &[String], key: &str) -> Option<Value> {
+    lines.iter().rev().find_map(|line| Some(serde_json::from_str::<Value>(line).ok()?.get(key)?.clone()))
+}
+
+/// A frame as the probe reported it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Frame {
+    pub frame: u64,
+    pub state: String,
+    /// Position, orientation x, y, z, w, tangents left, right, up, down; left eye, then right.
+    pub eyes: [([f64; 3], [f64; 4], [f64; 4]); 2],
+    pub left_stick: [f32; 2],
+    pub right_stick: [f32; 2],
+    pub reset: bool,
+}
+
+/// A line as a frame, if it is one.
+pub fn frame(line: &str) -> Option<Frame> {
+    serde_json::from_str(line).ok()
+}
+
+/// Not a test of its own: the program of the others. Does nothing unless they start it.
+#[test]
+fn probe() {
+    let Ok(job) = std::env::var(JOB) else { return };
+    println!();
+    let job: Job = serde_json::from_str(&job).unwrap();
+    if job.misuse == "openxr" {
+        return crate::validation::misuse_openxr();
+    }
+    let mut config = Config::default();
+    if job.resolution_scale > 0.0 {
+        config.headset.resolution_scale = job.resolution_scale;
+    }
+    let (gpu, headset) = match xr::open(&config) {
+        Ok(opened) => opened,
+        Err(missing) => return report(&json!({ "missing": missing.to_string() })),
+    };
+    if job.misuse == "vulkan" {
+        crate::validation::misuse_vulkan(&gpu);
+    }
+    report(&json!({
+        "runtime": headset.runtime(),
+        "headset": headset.name(),
+        "sizes": headset.eye_sizes(),
+        "hz": headset.refresh_hz(),
+        "format": format!("{:?}", headset.image_format()),
+        "depth_layer": headset.offers().depth_layer,
+    }));
+    let mut looper =
+        Loop { pattern: Pattern::new(&gpu, headset.image_format()), gpu: &gpu, headset, drawn: 0, job };
+    let stop = std::sync::atomic::AtomicBool::new(false);
+    let end = std::thread::scope(|scope| {
+        if looper.job.busy_thread {
+            scope.spawn(|| keep_busy(&gpu, &stop));
+        }
+        let end = looper.run();
+        // While the other thread still submits: the session must be able to go at any time.
+        drop(looper);
+        stop.store(true, std::sync::atomic::Ordering::Release);
+        end
+    });
+    match end {
+        Ok((reason, focused)) => report(&json!({ "ended": reason, "reached_focus": focused })),
+        Err(error) => report(&json!({ "error": format!("{error:#}") })),
+    }
+}
+
+fn report(value: &Value) {
+    println!("{value}");
+}
+
+/// Submits until told to stop, as a window's thread would.
+fn keep_busy(gpu: &Gpu, stop: &std::sync::atomic::AtomicBool) {
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("busy"),
+        size: 1 << 16,
+        usage: wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut num_submits = 0_u64;
+    while !stop.load(std::sync::atomic::Ordering::Acquire) {
+        let mut commands = gpu.device.create_command_encoder(&Default::default());
+        commands.clear_buffer(&buffer, 0, None);
+        gpu.queue.lock().submit([commands.finish()]);
+        num_submits += 1;
+        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    report(&json!({ "busy_submits": num_submits }));
+}
+
+/// The frame loop.
+struct Loop<'a> {
+    headset: XrHeadset,
+    pattern: Pattern,
+    gpu: &'a Gpu,
+    drawn: u64,
+    job: Job,
+}
+
+impl Loop<'_> {
+    /// Frames until the end: the reason, and whether the session was ever in focus.
+    fn run(&mut self) -> anyhow::Result<(&'static str, bool)> {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        loop {
+            anyhow::ensure!(Instant::now() < deadline, "no end after 60 s");
+            match self.headset.wait()? {
+                Beat::Ended(reason) => return Ok((reason, self.headset.reached_focus())),
+                Beat::Idle => std::thread::sleep(self.headset.idle_pause()),
+                Beat::Frame { should_render, .. } => self.frame(should_render)?,
+            }
+        }
+    }
+
+    fn frame(&mut self, should_render: bool) -> anyhow::Result<()> {
+        let input = self.headset.input()?;
+        if !should_render {
+            report(&json!({ "hidden_frame": format!("{:?}", self.headset.state()) }));
+            return self.headset.submit(None);
+        }
+        let images = self.headset.acquire()?;
+        self.drawn += 1;
+        let mut commands = self.gpu.device.create_command_encoder(&Default::default());
+        self.pattern.draw(&mut commands, &images);
+        let dump = (self.drawn == self.job.dump_frame)
+            .then(|| images.each_ref().map(|image| Readback::record(self.gpu, &mut commands, image)));
+        let eyes = self.headset.locate()?;
+        self.headset.submit(Some(commands))?;
+        report(&json!({
+            "frame": self.drawn,
+            "state": format!("{:?}", self.headset.state()),
+            "eyes": eyes.map(eye_json),
+            "left_stick": input.left_stick,
+            "right_stick": input.right_stick,
+            "reset": input.reset,
+        }));
+        if let Some([left, right]) = dump {
+            let folder = PathBuf::from(std::env::var_os("XR_RUN").unwrap());
+            left.write(self.gpu, &folder.join("left.rgba"))?;
+            right.write(self.gpu, &folder.join("right.rgba"))?;
+            report(&json!({ "dumped": true }));
+        }
+        if self.drawn == self.job.exit_after {
+            self.headset.request_exit();
+        }
+        Ok(())
+    }
+}
+
+fn eye_json(eye: StageEye) -> Value {
+    let StageEye { stage_from_view: pose, fov } = eye;
+    json!([pose.position.to_array(), pose.orientation.to_array(), [fov.left, fov.right, fov.up, fov.down]])
+}
+
+/// Draws a red picture for the left eye and a green one for the right: noise of its own in every pixel, white
+/// top left corners.
+struct Pattern {
+    pipelines: [wgpu::RenderPipeline; 2],
+}
+
+const PATTERN: &str = "
+override EYE: u32;
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+    return vec4(f32((i << 1u) & 2u) * 2.0 - 1.0, f32(i & 2u) * 2.0 - 1.0, 0.0, 1.0);
+}
+@fragment fn fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<u32>(at.xy);
+    if (pixel.x < 64u && pixel.y < 32u) { return vec4(1.0); }
+    var noise = pixel.x * 1973u + pixel.y * 9277u + EYE * 26699u;
+    noise = (noise ^ (noise >> 7u)) * 2654435761u;
+    let bright = 0.5 + f32(noise >> 24u) / 512.0;
+    let dark = f32((noise >> 16u) & 255u) / 1024.0;
+    return select(vec4(dark, bright, dark, 1.0), vec4(bright, dark, dark, 1.0), EYE == 0u);
+}
+";
+
+impl Pattern {
+    fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("pattern"),
+            source: wgpu::ShaderSource::Wgsl(PATTERN.into()),
+        });
+        let pipelines = [0.0, 1.0].map(|eye| {
+            let constants = [("EYE", eye)];
+            let compilation_options =
+                wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("pattern"),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("vertex"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: Default::default(),
+                depth_stencil: None,
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("fragment"),
+                    compilation_options,
+                    targets: &[Some(format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        });
+        Self { pipelines }
+    }
+
+    fn draw(&self, commands: &mut wgpu::CommandEncoder, images: &[wgpu::Texture; 2]) {
+        for (pipeline, image) in self.pipelines.iter().zip(images) {
+            let view = image.create_view(&Default::default());
+            let mut pass = commands.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("pattern"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            pass.set_pipeline(pipeline);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}
+
+/// A copy of an image on its way to the CPU. It leaves the image in another layout than the runtime wants:
+/// the headset has to put that right.
+struct Readback {
+    buffer: wgpu::Buffer,
+    row_bytes: u32,
+    size: wgpu::Extent3d,
+}
+
+impl Readback {
+    fn record(gpu: &Gpu, commands: &mut wgpu::CommandEncoder, image: &wgpu::Texture) -> Self {
+        let size = image.size();
+        let row_bytes = (4 * size.width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: u64::from(row_bytes) * u64::from(size.height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
+        commands.copy_texture_to_buffer(
+            image.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            size,
+        );
+        Self { buffer, row_bytes, size }
+    }
+
+    /// Writes red, green, blue, alpha, tightly packed.
+    fn write(&self, gpu: &Gpu, path: &Path) -> anyhow::Result<()> {
+        self.buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+        gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+        let mapped = self.buffer.slice(..).get_mapped_range()?;
+        let rows = mapped.chunks_exact(self.row_bytes as usize);
+        let packed: Vec<u8> = rows.flat_map(|row| &row[..4 * self.size.width as usize]).copied().collect();
+        std::fs::write(path, packed)?;
+        Ok(())
+    }
+}

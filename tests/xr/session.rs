@@ -1,0 +1,60 @@
+//! Sessions that go well.
+
+use crate::probe::{Job, frame, last};
+use crate::support::{Compositor, Device, Lab};
+
+#[test]
+fn frames_flow_in_focus_until_we_ask_to_leave() {
+    let Some(lab) = Lab::enter() else { return };
+    let done = Job { exit_after: 80, ..Job::default() }.run(&lab.runtime().validate());
+    done.assert_ok();
+    done.assert_valid();
+    let frames: Vec<_> = done.lines.iter().filter_map(|line| frame(line)).collect();
+    assert!(frames.iter().filter(|frame| frame.state == "FOCUSED").count() >= 60, "{}", frames.len());
+    // Frames go on after the request until the runtime says stop, so there may be more than asked for.
+    assert!(frames.len() >= 80 && frames.last().unwrap().frame as usize == frames.len());
+    assert_eq!(last(&done.lines, "ended").unwrap(), "the walk was ended");
+    assert_eq!(last(&done.lines, "reached_focus").unwrap(), true);
+    let runtime = last(&done.lines, "runtime").unwrap();
+    assert!(runtime.as_str().unwrap().starts_with("Monado"), "{runtime}");
+    assert!(
+        last(&done.lines, "hidden_frame").is_some(),
+        "a frame that is not to be rendered was lived through"
+    );
+}
+
+#[test]
+fn another_thread_may_submit_all_the_while() {
+    let Some(lab) = Lab::enter() else { return };
+    let job = Job { exit_after: 60, busy_thread: true, ..Job::default() };
+    let done = job.run(&lab.runtime().validate().device(Device::Simulated));
+    done.assert_ok();
+    done.assert_valid();
+    assert!(last(&done.lines, "busy_submits").unwrap().as_u64().unwrap() > 100);
+}
+
+#[test]
+fn the_images_follow_the_scale_and_odd_sizes_work() {
+    let Some(lab) = Lab::enter() else { return };
+    let runtime = lab.runtime().validate();
+    let plain = last(&Job { exit_after: 5, ..Job::default() }.run(&runtime).lines, "sizes").unwrap();
+    let done = Job { exit_after: 5, resolution_scale: 0.51, ..Job::default() }.run(&runtime);
+    done.assert_ok();
+    done.assert_valid();
+    let scaled = last(&done.lines, "sizes").unwrap();
+    for (eye, axis) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        let expected = (plain[eye][axis].as_f64().unwrap() * 0.51).round();
+        assert_eq!(scaled[eye][axis].as_f64().unwrap(), expected, "{plain} {scaled}");
+    }
+}
+
+#[test]
+fn the_displays_rate_is_known() {
+    let Some(lab) = Lab::enter() else { return };
+    let runtime =
+        lab.runtime().compositor(Compositor::Xcb).variable("XRT_COMPOSITOR_DEFAULT_FRAMERATE", "72");
+    let done = Job { exit_after: 5, ..Job::default() }.run(&runtime);
+    done.assert_ok();
+    let hz = last(&done.lines, "hz").unwrap().as_f64().unwrap();
+    assert!((hz - 72.0).abs() < 0.5, "{hz}");
+}
