@@ -23,7 +23,7 @@ pub struct Sample {
     pub gpu_ms: f64,
     /// From submit until the CPU knows that the GPU is done.
     pub wall_ms: f64,
-    /// Points that the geometry stage loaded, once for each time.
+    /// Points that were loaded; of two renderers or draws, the sum.
     pub points_read: u64,
 }
 
