@@ -44,6 +44,9 @@ fn assert_twin(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u6
     }
     assert_eq!(drawn.times.visible_nodes, want.num_visible);
     assert_eq!(drawn.times.points_read, want.points_read);
+    // Each stage lasts from the end of the one before to its own; NaN where the device cannot time.
+    let (sum, whole) = (drawn.times.stage_ms.iter().sum::<f32>(), drawn.times.gpu_ms);
+    assert!(whole.is_nan() || (sum - whole).abs() <= 1e-3 * whole, "stages {sum} ms, frame {whole} ms");
     drawn
 }
 

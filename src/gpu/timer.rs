@@ -1,4 +1,8 @@
 //! GPU times of a frame's passes, and a few bytes more, read back some frames late without ever waiting.
+//!
+//! A stage lasts from the end of the stage before to its own end, so the stages' times add up to the frame's.
+//! Yet a timestamp is also written where each stage begins: Mesa's software driver gives a timestamp its
+//! value only when the next one is written, so without them an end would be as late as the next stage's.
 
 use super::Gpu;
 use std::sync::Arc;
@@ -54,7 +58,7 @@ impl Timer {
     #[must_use]
     pub fn new(gpu: &Gpu, num_stages: usize, extra_bytes: u64) -> Self {
         let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-        let count = 2 * num_stages as u32;
+        let count = 2 * (1 + num_stages as u32);
         let query_bytes = u64::from(count) * 8;
         let buffer = |label, size, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -95,11 +99,21 @@ impl Timer {
         }
     }
 
-    /// Begins a frame.
-    pub fn begin(&mut self, frame: u64) {
+    /// Begins a frame, whose first stage begins now.
+    pub fn begin(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64) {
         self.current = self.slots.iter().position(|s| s.state.load(Ordering::Acquire) == IDLE);
-        if let Some(slot) = self.current {
-            self.slots[slot].frame = frame;
+        let Some(slot) = self.current.map(|i| &mut self.slots[i]) else { return };
+        slot.frame = frame;
+        if let Some(query_set) = &slot.queries {
+            // An empty pass: its end is the first stage's beginning.
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("begin"),
+                timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: Some(0),
+                    end_of_pass_write_index: Some(1),
+                }),
+            });
         }
     }
 
@@ -110,7 +124,7 @@ impl Timer {
         last: bool,
     ) -> Option<(&wgpu::QuerySet, Option<u32>, Option<u32>)> {
         let queries = self.slots[self.current?].queries.as_ref()?;
-        let at = |wanted: bool, end: u32| wanted.then_some(2 * stage as u32 + end);
+        let at = |wanted: bool, end: u32| wanted.then_some(2 * (1 + stage as u32) + end);
         (first || last).then_some((queries, at(first, 0), at(last, 1)))
     }
 
@@ -151,7 +165,7 @@ impl Timer {
         let Some(slot) = self.current.map(|i| &self.slots[i]) else { return };
         let query_bytes = slot.resolved.size();
         if let Some(queries) = &slot.queries {
-            encoder.resolve_query_set(queries, 0..2 * self.num_stages as u32, &slot.resolved, 0);
+            encoder.resolve_query_set(queries, 0..2 * (1 + self.num_stages as u32), &slot.resolved, 0);
             encoder.copy_buffer_to_buffer(&slot.resolved, 0, &slot.readback, 0, query_bytes);
         }
         encoder.copy_buffer_to_buffer(extra, 0, &slot.readback, query_bytes, self.extra_bytes);
@@ -179,9 +193,9 @@ impl Timer {
         let (ticks, extra) = bytes.split_at((slot.resolved.size() as usize).min(bytes.len()));
         let ticks = if slot.queries.is_some() { ticks } else { &[] };
         for (stage, ms) in self.stage_ms.iter_mut().enumerate() {
-            *ms = elapsed(ticks, 2 * stage, 2 * stage + 1, self.milliseconds_per_tick);
+            *ms = elapsed(ticks, 2 * stage + 1, 2 * stage + 3, self.milliseconds_per_tick);
         }
-        let total_ms = elapsed(ticks, 0, 2 * self.num_stages - 1, self.milliseconds_per_tick);
+        let total_ms = elapsed(ticks, 1, 2 * self.num_stages + 1, self.milliseconds_per_tick);
         let result = read(Times { frame: slot.frame, stage_ms: &self.stage_ms, total_ms, extra });
         drop(view);
         if slot.state.swap(IDLE, Ordering::AcqRel) == MAPPED {

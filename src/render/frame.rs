@@ -168,7 +168,7 @@ impl Renderer {
 
     /// Records frame number `frame` into `images`, one an eye. Poses are not needed yet: see [`Self::set_view`].
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[&wgpu::TextureView]) {
-        self.timer.begin(frame);
+        self.timer.begin(encoder, frame);
         self.record_clear(encoder);
         self.record_cull(encoder);
         self.record_depth(encoder);

@@ -28,6 +28,10 @@ impl Parsed {
         let info = Validator::new(ValidationFlags::all(), Capabilities::all())
             .validate(&module)
             .map_err(|error| error.emit_to_string(text))?;
+        // Overrides get their values with the pipeline. 1 (true) takes the longer way through our shaders.
+        let values = module.overrides.iter().filter_map(|(_, o)| Some((o.name.clone()?, 1.0))).collect();
+        let (module, info) = naga::back::pipeline_constants::process_overrides(&module, &info, None, &values)
+            .map_err(|error| error.to_string())?;
         let options = naga::back::spv::Options {
             lang_version: (1, 4),
             bounds_check_policies: BoundsCheckPolicies {
@@ -40,7 +44,7 @@ impl Parsed {
             ..naga::back::spv::Options::default()
         };
         let spirv = naga::back::spv::write_vec(&module, &info, &options, None).map_err(|e| e.to_string())?;
-        Ok(Self { module, spirv })
+        Ok(Self { module: module.into_owned(), spirv })
     }
 
     /// Names of the entry points of a stage.
