@@ -69,10 +69,7 @@ fn our_shaders() -> Vec<Shader> {
     let stages = SHADERS.iter().flat_map(|(name, _)| [1, 2].map(|num_eyes| (*name, num_eyes)));
     let shader =
         |(name, num_eyes)| Shader { name: format!("{name}-{num_eyes}"), text: source(name, num_eyes) };
-    // The pipeline's constant, set as for a surface that does not encode by itself.
-    let mirror = include_str!("../../shaders/mirror.wgsl")
-        .replace("override ENCODE_SRGB: bool;", "const ENCODE_SRGB = true;");
-    let mirror = Shader { name: "mirror".into(), text: mirror };
+    let mirror = Shader { name: "mirror".into(), text: include_str!("../../shaders/mirror.wgsl").into() };
     stages.map(shader).chain([mirror]).collect()
 }
 
