@@ -356,18 +356,9 @@ fn pass_on(walk: &Walk, row: FrameRow) {
 }
 
 fn mirror_texture(gpu: &Gpu, image: &wgpu::Texture) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("mirror"),
-        size: image.size(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: image.format(),
-        usage: wgpu::TextureUsages::COPY_DST
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
+    let usage =
+        wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+    gpu.texture("mirror", [image.width(), image.height()], image.format(), usage)
 }
 
 fn ms(duration: Duration) -> f32 {
