@@ -1,7 +1,9 @@
 //! Pure CPU: points to Morton-ordered batches of quantised planes, ready for the GPU. Names no GPU API.
 
 mod build;
+mod index;
 pub mod morton;
+pub mod octree;
 pub mod quantize;
 
 pub use build::{BuildError, build};

@@ -52,8 +52,8 @@ impl Cells {
     }
 }
 
-/// `edge / 2³⁰`, rounded up to [`CELL_BITS`] bits of mantissa.
-fn cell_edge(edge: f64) -> f32 {
+/// `edge / 2³⁰`, rounded up to [`CELL_BITS`] bits of mantissa; 0 where an edge is as good as none.
+pub(super) fn cell_edge(edge: f64) -> f32 {
     if edge < MIN_EDGE {
         return 0.0;
     }
