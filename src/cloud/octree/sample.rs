@@ -27,7 +27,8 @@ pub(super) struct Sample {
 impl Sample {
     /// A point that stands for itself.
     pub fn of(key: &Key, number: usize) -> Self {
-        let rgb = [0, 8, 16].map(|shift| u64::from(key.color >> shift & 255));
+        let channel = |shift: u32| u64::from(key.color >> shift & 255);
+        let rgb = [channel(0), channel(8), channel(16)];
         Self { code: key.code, key: number as u32, num_points: 1, rgb }
     }
 
@@ -102,7 +103,9 @@ impl Grid {
     /// Square of the distance to the grid cell's centre, in half code cells.
     fn off_center(&self, code: u64) -> u64 {
         let size = 1i64 << self.cell_bits;
-        self.place(code).map(|v| (2 * (v as i64 & (size - 1)) + 1 - size).unsigned_abs().pow(2)).iter().sum()
+        let axis_sq = |v: u64| (2 * (v as i64 & (size - 1)) + 1 - size).unsigned_abs().pow(2);
+        let [x, y, z] = self.place(code);
+        axis_sq(x) + axis_sq(y) + axis_sq(z)
     }
 
     /// Smallest distance between two samples, in code cells.
@@ -192,17 +195,19 @@ impl Sampler {
         // Gaps are a code cell less than the difference of the numbers.
         let reach = grid.min_distance() + 1;
         let end = grid.size() - 1;
-        let sides = place.map(|v| {
+        // Morton parts of the cells in reach along an axis: a reach is less than a cell, so two at most.
+        let side = |v: u64| {
             let first = v.saturating_sub(reach) >> grid.cell_bits;
-            [first, end.min((v + reach) >> grid.cell_bits)]
-        });
-        let codes = sides.map(|side| side.map(spread));
-        // One of both where they are the same cell.
-        let num_sides = sides.map(|[first, last]| if first == last { 1 } else { 2 });
+            let last = end.min((v + reach) >> grid.cell_bits);
+            ([spread(first), spread(last)], if first == last { 1 } else { 2 })
+        };
+        let (xs, num_xs) = side(place[0]);
+        let (ys, num_ys) = side(place[1]);
+        let (zs, num_zs) = side(place[2]);
         let mut nearest = (grid.min_distance().pow(2), usize::MAX);
-        for z in &codes[2][..num_sides[2]] {
-            for y in &codes[1][..num_sides[1]] {
-                for x in &codes[0][..num_sides[0]] {
+        for z in &zs[..num_zs] {
+            for y in &ys[..num_ys] {
+                for x in &xs[..num_xs] {
                     if let Some(number) = self.number(x | y << 1 | z << 2) {
                         nearest = nearest.min((self.gap_sq(place, number), number));
                     }
@@ -223,7 +228,8 @@ impl Sampler {
 
     fn gap_sq(&self, place: [u64; 3], number: usize) -> u64 {
         let other = self.places[number];
-        (0..3).map(|axis| place[axis].abs_diff(other[axis]).saturating_sub(1).pow(2)).sum()
+        let axis_sq = |axis: usize| place[axis].abs_diff(other[axis]).saturating_sub(1).pow(2);
+        axis_sq(0) + axis_sq(1) + axis_sq(2)
     }
 
     /// Hands over what was sampled and leaves everything empty.
