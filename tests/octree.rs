@@ -177,7 +177,8 @@ fn counts_within(octree: &Octree, number: usize) -> bool {
     let below: u32 = node.children.clone().map(|c| octree.nodes[c as usize].num_points_within).sum();
     let num_above = above(octree, number).map(|n| octree.nodes[n].num_points).sum::<u32>();
     let least = node.num_points.max(below);
-    (least..=below.saturating_add(node.num_points).saturating_add(num_above)).contains(&node.num_points_within)
+    (least..=below.saturating_add(node.num_points).saturating_add(num_above))
+        .contains(&node.num_points_within)
 }
 
 fn above(octree: &Octree, number: usize) -> impl Iterator<Item = usize> {
@@ -311,7 +312,8 @@ fn filtered_colors_are_the_averages_of_cells() {
 #[test]
 fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
     let mut random = Random(3);
-    let xyz = (0..2_500_000).map(|_| [random.below(90_000), random.below(90_000), random.below(30)]).collect();
+    let xyz =
+        (0..2_500_000).map(|_| [random.below(90_000), random.below(90_000), random.below(30)]).collect();
     let scan = scan_of(xyz);
     let mut seen: Vec<(Range<usize>, Vec<u32>)> = Vec::new();
     let octree = build_octree(&scan, &Progress::hidden(), &mut |octree, nodes| {

@@ -15,10 +15,7 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let rgb = (0..xyz.len() as u32).map(|i| [i * 7 % 256, i * 31 % 256, i / 5 % 256].map(|c| c as u16));
     let points = Points { rgb: rgb.collect(), xyz, intensity: vec![] };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    Scan {
-        files: vec![ScanFile { path, format, lattice, points, color, bounds }],
-        ..Scan::default()
-    }
+    Scan { files: vec![ScanFile { path, format, lattice, points, color, bounds }], ..Scan::default() }
 }
 
 /// Keys in the root's frame, every point its own candidate.
