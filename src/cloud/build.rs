@@ -1,5 +1,6 @@
 //! Scan to cloud: order, cut into batches, quantise; every step on all cores.
 
+use super::index::Index;
 use super::quantize::{Cells, planes};
 use super::{Batch, Cloud, Order, morton};
 use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
@@ -39,17 +40,7 @@ const MAX_EDGE: f64 = 1e15;
 /// # Errors
 /// See [`BuildError`].
 pub fn build(scan: Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
-    let (num_points, bounds) = (scan.num_points(), scan.bounds());
-    if num_points == 0 {
-        return Err(BuildError::Empty);
-    }
-    if num_points > (u32::MAX - 2 * BATCH_POINTS) as usize {
-        return Err(BuildError::TooMany(num_points));
-    }
-    let edge = bounds.size().max_element();
-    if !edge.is_finite() || edge > MAX_EDGE {
-        return Err(BuildError::TooWide(format!("{edge:e}")));
-    }
+    let (num_points, bounds) = check(&scan)?;
     let index = Index::new(&scan);
     let sorted = match order {
         Order::Original => None,
@@ -98,6 +89,22 @@ pub fn build(scan: Scan, order: Order, progress: &Progress) -> Result<Cloud, Bui
     Ok(Cloud { split, bounds, batches, planes: [hi, mid, lo], colors, num_points: num_points as u64 })
 }
 
+/// Number of points and box of a scan that can become a cloud.
+pub(super) fn check(scan: &Scan) -> Result<(usize, Bounds), BuildError> {
+    let (num_points, bounds) = (scan.num_points(), scan.bounds());
+    if num_points == 0 {
+        return Err(BuildError::Empty);
+    }
+    if num_points > (u32::MAX - 2 * BATCH_POINTS) as usize {
+        return Err(BuildError::TooMany(num_points));
+    }
+    let edge = bounds.size().max_element();
+    if !edge.is_finite() || edge > MAX_EDGE {
+        return Err(BuildError::TooWide(format!("{edge:e}")));
+    }
+    Ok((num_points, bounds))
+}
+
 /// (Morton code, point) in ascending order; equal codes keep the files' order.
 fn sort(index: &Index, bounds: &Bounds) -> Vec<(u64, u32)> {
     let grid = morton::Grid::new(bounds);
@@ -108,43 +115,4 @@ fn sort(index: &Index, bounds: &Bounds) -> Vec<(u64, u32)> {
         .collect();
     keys.par_sort_unstable();
     keys
-}
-
-/// Points of all files by one running number.
-struct Index<'a> {
-    scan: &'a Scan,
-    /// First number of each file.
-    starts: Vec<usize>,
-    num_points: usize,
-}
-
-impl<'a> Index<'a> {
-    fn new(scan: &'a Scan) -> Self {
-        let mut num_points = 0;
-        let starts = scan.files.iter().map(|f| {
-            let start = num_points;
-            num_points += f.points.xyz.len();
-            start
-        });
-        Self { scan, starts: starts.collect(), num_points }
-    }
-
-    /// File and number within it.
-    fn locate(&self, i: usize) -> (usize, usize) {
-        let file = self.starts.partition_point(|&start| start <= i) - 1;
-        (file, i - self.starts[file])
-    }
-
-    fn position(&self, i: usize) -> DVec3 {
-        let (file, i) = self.locate(i);
-        let file = &self.scan.files[file];
-        file.lattice.p_in_world(file.points.xyz[i])
-    }
-
-    /// World position and colour.
-    fn point(&self, i: usize) -> (DVec3, u32) {
-        let (file, i) = self.locate(i);
-        let file = &self.scan.files[file];
-        (file.lattice.p_in_world(file.points.xyz[i]), file.color(i))
-    }
 }

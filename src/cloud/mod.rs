@@ -2,7 +2,9 @@
 
 mod body;
 mod build;
+mod index;
 pub mod morton;
+pub mod octree;
 pub mod quantize;
 
 pub use build::{BuildError, build};

@@ -17,9 +17,14 @@ impl Grid {
     /// The grid over `bounds`: cubic cells, the longest edge is 2²¹ of them.
     #[must_use]
     pub fn new(bounds: &Bounds) -> Self {
-        let edge = bounds.size().max_element();
+        Self::of_cube(bounds.min, bounds.size().max_element())
+    }
+
+    /// The grid over the cube with its smallest corner at `min`: 2²¹ cells an axis.
+    #[must_use]
+    pub fn of_cube(min: DVec3, edge: f64) -> Self {
         let cells_per_unit = if edge > 0.0 { f64::from(1 << BITS) / edge } else { 0.0 };
-        Self { min: bounds.min, cells_per_unit }
+        Self { min, cells_per_unit }
     }
 
     /// Code of a position; positions outside are clamped to the border.
@@ -43,6 +48,17 @@ pub fn spread(v: u64) -> u64 {
     (v | v << 2) & 0x1249_2492_4924_9249
 }
 
+/// Inverse of [`spread`]: bit 3i to bit i; the bits between are ignored.
+#[must_use]
+pub fn compact(code: u64) -> u64 {
+    let mut v = code & 0x1249_2492_4924_9249;
+    v = (v | v >> 2) & 0x10c3_0c30_c30c_30c3;
+    v = (v | v >> 4) & 0x100f_00f0_0f00_f00f;
+    v = (v | v >> 8) & 0x001f_0000_ff00_00ff;
+    v = (v | v >> 16) & 0x001f_0000_0000_ffff;
+    (v | v >> 32) & 0x1f_ffff
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,6 +73,11 @@ mod tests {
         #[test]
         fn spread_follows_the_definition(v in 0u64..1 << BITS) {
             prop_assert_eq!(spread(v), spread_by_definition(v));
+        }
+
+        #[test]
+        fn compact_undoes_spread_whatever_lies_between(v in 0u64..1 << BITS, other in 0u64..1 << BITS) {
+            prop_assert_eq!(compact(spread(v) | spread(other) << 1 | spread(other) << 2), v);
         }
 
         #[test]

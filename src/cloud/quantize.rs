@@ -34,14 +34,16 @@ impl Cells {
     /// Cell numbers of a position inside the box.
     #[must_use]
     pub fn quantize(&self, p_in_world: DVec3) -> [u32; 3] {
-        let d = (p_in_world - self.min).to_array();
-        std::array::from_fn(|axis| {
-            if self.cell[axis] == 0.0 {
+        let d = p_in_world - self.min;
+        let axis = |d: f64, cell: f32| {
+            if cell == 0.0 {
                 return 0;
             }
             // Casts from float saturate: a position just below the box gives 0.
-            ((d[axis] / f64::from(self.cell[axis])) as u32).min(MAX_CELL)
-        })
+            ((d / f64::from(cell)) as u32).min(MAX_CELL)
+        };
+        let [x, y, z] = self.cell;
+        [axis(d.x, x), axis(d.y, y), axis(d.z, z)]
     }
 
     /// World position of a cell's centre (on a flat axis: of the box).
@@ -52,8 +54,8 @@ impl Cells {
     }
 }
 
-/// `edge / 2³⁰`, rounded up to [`CELL_BITS`] bits of mantissa.
-fn cell_edge(edge: f64) -> f32 {
+/// `edge / 2³⁰`, rounded up to [`CELL_BITS`] bits of mantissa; 0 where an edge is as good as none.
+pub(super) fn cell_edge(edge: f64) -> f32 {
     if edge < MIN_EDGE {
         return 0.0;
     }
@@ -66,9 +68,10 @@ fn cell_edge(edge: f64) -> f32 {
 #[must_use]
 pub fn planes([x, y, z]: [u32; 3]) -> [u32; 3] {
     let mask = (1 << PLANE_BITS) - 1;
-    [2 * PLANE_BITS, PLANE_BITS, 0].map(|shift| {
+    let word = |shift: u32| {
         (x >> shift & mask) | (y >> shift & mask) << PLANE_BITS | (z >> shift & mask) << (2 * PLANE_BITS)
-    })
+    };
+    [word(2 * PLANE_BITS), word(PLANE_BITS), word(0)]
 }
 
 /// Inverse of [`planes`].

@@ -1,0 +1,123 @@
+//! A layered point cloud: an additive octree whose inner nodes hold a thinned sample of their subtree and whose
+//! leaves hold the rest; every point is stored once [2022 §3.5].
+//!
+//! ```text
+//!  Scan ──keys──▶ Morton-sorted keys ──tree──▶ nodes (a subtree = a range of keys) ──fill──▶ Octree
+//!                                        │ bottom-up: sample                 breadth first, root down
+//!                                        ▼
+//!                              filtered colors, level of each key
+//! ```
+//!
+//! Instead of hash tables: once the points are sorted by Morton code, each cube of the octree is a run of
+//! neighbours, found by bisection, and so is each cell of a node's sampling grid. A node samples the samples of
+//! its children (of leaves: all their points), takes them out of the children, and hands them on to its parent;
+//! the work shrinks by a factor from level to level. The result does not depend on the number of threads.
+//!
+//! What an inner node guarantees:
+//! - **Spread**: no two of its points share a cell of its grid (128³, coarser where more than
+//!   [`MAX_NODE_POINTS`] would be taken), and no two are closer than half a cell, [`Node::spacing`] / 2. In a
+//!   cell, the point nearest to the centre is taken.
+//! - **Filter**: its points' filtered colours average all points of its cube, each counted once: a cell's points
+//!   count for the cell's sample, and where that one is dropped for closeness, for the nearest that was kept.
+//!
+//! Leaves keep whatever is left, at most [`LEAF_POINTS`] unless the points cannot be told apart by
+//! [`MAX_LEVEL`] halvings (duplicates): then as many batches as are needed.
+
+mod fill;
+mod keys;
+mod sample;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use super::build::check;
+use super::index::Index;
+use super::{BuildError, Cloud};
+use crate::progress::Progress;
+use crate::scan::Scan;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Deepest level; the root is level 0.
+pub const MAX_LEVEL: u32 = 21;
+/// A cube with more points than this is split.
+pub const LEAF_POINTS: usize = 30_000;
+/// An inner node takes no more points than this.
+pub const MAX_NODE_POINTS: usize = 50_000;
+/// Bits an axis of a node's sampling grid, unless that takes too many points: 128³ cells.
+const GRID_BITS: u32 = 7;
+
+/// A cube of the octree and its own points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Halvings from the root's cube.
+    pub level: u32,
+    /// Number of the cube along each axis at its level, below 2^level: with the level, the node's path.
+    pub cube: [u32; 3],
+    /// Smallest corner of the cube, world space.
+    pub min: DVec3,
+    /// Edge of the cube, world units; 0 if all points of the cloud are in one place.
+    pub edge: f64,
+    /// Edge of a cell of the sampling grid, world units: `edge` / 128, seldom coarser. A leaf's points may lie
+    /// closer together, or further apart.
+    pub spacing: f64,
+    /// The node that it is a part of; `None` for the root. A cube between them, in which one point would have
+    /// stood for all, is left out, so the parent may be more than one level up.
+    pub parent: Option<u32>,
+    /// Its parts in Morton order, as a range of nodes; empty for a leaf.
+    pub children: Range<u32>,
+    /// Its points, as a range of batches.
+    pub batches: Range<u32>,
+    /// First of its points in the planes; they follow one another without gaps.
+    pub first_point: u32,
+    /// Points of its own.
+    pub num_points: u32,
+    /// Points of the cloud in its cube: its own, those of all nodes below, and those that nodes above took.
+    pub num_points_within: u32,
+}
+
+/// A layered point cloud.
+#[derive(Clone, Debug)]
+pub struct Octree {
+    /// All points, node by node, each node cut into batches that share its cube as their box. As it stands this
+    /// is a flat cloud too: drawn whole, it shows every point once. Its colours are the points' own.
+    pub cloud: Cloud,
+    /// Beside `cloud.colors`: the average of what a point stands for while nothing below its node is drawn.
+    /// Equal to the own colour in leaves.
+    pub filtered_colors: Vec<u32>,
+    /// Breadth first: the root, its children, their children; siblings follow one another in Morton order.
+    /// Parents stand before children, so that any prefix of the nodes (and of the planes) can be drawn.
+    pub nodes: Vec<Node>,
+}
+
+/// Builds the octree of a scan, on all cores.
+///
+/// `progress` counts each point twice: once sorted into the tree, once put in its place. `ready` is called as
+/// runs of nodes are whole, from the root down, with the octree so far and the nodes that are new in it; node
+/// list and batches are complete at its first call, the planes up to the end of the last new node. It runs on
+/// the calling thread, between two runs: hand the work on if it takes long.
+///
+/// Peak memory above the scan: 17 B a point for the keys, 20 B for the planes.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build_octree(
+    scan: &Scan,
+    progress: &Progress,
+    ready: &mut dyn FnMut(&Octree, Range<usize>),
+) -> Result<Octree, BuildError> {
+    let (_, bounds) = check(scan)?;
+    let index = Index::new(scan);
+    let root = keys::Root::new(&bounds);
+    let mut keys = keys::sorted(&index, &root);
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let mut levels = vec![0; keys.len()];
+    let draft = tree::Builder { index: &index, root, progress }.build(&mut keys, &mut levels);
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let source = fill::Source { index: &index, keys: &keys, levels: &levels };
+    fill::fill(&source, fill::Plan::new(&root, bounds, draft)?, progress, ready)
+}

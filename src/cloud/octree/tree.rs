@@ -1,0 +1,186 @@
+//! From sorted keys to a tree: down by bisection, up by sampling.
+
+use super::keys::{Cube, Frame, Key, Root, recode};
+use super::sample::{Sample, Sampler};
+use super::{GRID_BITS, LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS};
+use crate::cloud::index::Index;
+use crate::progress::Progress;
+use rayon::prelude::*;
+use std::cell::RefCell;
+use std::ops::Range;
+
+/// Subtrees with fewer points are built by one thread.
+const PARALLEL_POINTS: usize = 1 << 16;
+
+thread_local! {
+    static SAMPLER: RefCell<Sampler> = RefCell::new(Sampler::new());
+}
+
+/// A node before its points have a place.
+#[derive(Debug)]
+pub(super) struct Draft {
+    pub cube: Cube,
+    /// Keys of all points in the cube.
+    pub keys: Range<usize>,
+    /// Points of its own.
+    pub num_points: u32,
+    /// Bits an axis of its sampling grid.
+    pub grid_bits: u32,
+    /// In Morton order.
+    pub children: Vec<Draft>,
+}
+
+/// What a subtree offers to its parent.
+#[derive(Debug)]
+enum Offer {
+    /// Every point of a leaf.
+    All,
+    /// The samples of an inner node.
+    Samples(Vec<Sample>),
+}
+
+/// The keys of a subtree and the levels of the nodes that own them.
+struct Part<'k> {
+    /// Number of its first key.
+    first: usize,
+    keys: &'k mut [Key],
+    levels: &'k mut [u8],
+}
+
+impl<'k> Part<'k> {
+    fn reborrow(&mut self) -> Part<'_> {
+        Part { first: self.first, keys: self.keys, levels: self.levels }
+    }
+
+    fn range(&self) -> Range<usize> {
+        self.first..self.first + self.keys.len()
+    }
+
+    /// Runs of keys that agree in all but the lowest `bits` of their codes.
+    fn split(self, bits: u32) -> Vec<Part<'k>> {
+        let mut parts = Vec::with_capacity(8);
+        let mut rest = self;
+        while let Some(first) = rest.keys.first() {
+            let cube = first.code >> bits;
+            let count = rest.keys.partition_point(|key| key.code >> bits == cube);
+            let (keys, later_keys) = rest.keys.split_at_mut(count);
+            let (levels, later_levels) = rest.levels.split_at_mut(count);
+            parts.push(Part { first: rest.first, keys, levels });
+            rest = Part { first: rest.first + count, keys: later_keys, levels: later_levels };
+        }
+        parts
+    }
+
+    /// All keys as samples of themselves.
+    fn each(&self, range: &Range<usize>) -> impl Iterator<Item = Sample> {
+        let keys = &self.keys[range.start - self.first..range.end - self.first];
+        keys.iter().zip(range.clone()).map(|(key, number)| Sample::of(key, number))
+    }
+}
+
+/// What does not change while a tree is built.
+pub(super) struct Builder<'a> {
+    pub index: &'a Index<'a>,
+    pub root: Root,
+    pub progress: &'a Progress,
+}
+
+impl Builder<'_> {
+    /// The tree over sorted keys, at least one. Afterwards `levels` says of each key which of the nodes on its
+    /// path owns it, and its colour is the filtered one. Worthless if `progress` says stop.
+    pub fn build(&self, keys: &mut [Key], levels: &mut [u8]) -> Draft {
+        let frame = Frame::new(&self.root, Cube::ROOT);
+        let part = Part { first: 0, keys, levels };
+        if self.root.edge(0) == 0.0 {
+            return self.leaf(&frame, 0, part).0;
+        }
+        self.subtree(&frame, 0, part).0
+    }
+
+    fn subtree(&self, frame: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
+        if part.keys.len() <= LEAF_POINTS || level == MAX_LEVEL || self.progress.stopped() {
+            return self.leaf(frame, level, part);
+        }
+        if !frame.serves(level) {
+            return self.reframed(frame, level, part);
+        }
+        let cell_bits = frame.bits_below(level) - 3 * GRID_BITS;
+        if part.keys[0].code >> cell_bits == part.keys[part.keys.len() - 1].code >> cell_bits {
+            // One sample would stand for all: the node would show nothing that its parent does not.
+            return self.subtree(frame, level + 1, part);
+        }
+        let is_small = part.keys.len() < PARALLEL_POINTS;
+        let parts = part.reborrow().split(frame.bits_below(level + 1));
+        let below = |part: Part| self.subtree(frame, level + 1, part);
+        let below: Vec<(Draft, Offer)> = if is_small {
+            parts.into_iter().map(below).collect()
+        } else {
+            parts.into_par_iter().map(below).collect()
+        };
+        self.inner(frame, level, part, below)
+    }
+
+    fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
+        self.progress.add(part.keys.len() as u64);
+        part.levels.fill(level as u8);
+        let draft = Draft {
+            cube: frame.cube(part.keys[0].code, level),
+            keys: part.range(),
+            num_points: part.keys.len() as u32,
+            grid_bits: GRID_BITS,
+            children: Vec::new(),
+        };
+        (draft, Offer::All)
+    }
+
+    /// A subtree that its frame's codes are too short for: built in a frame of its own.
+    fn reframed(&self, outer: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
+        let cube = outer.cube(part.keys[0].code, level);
+        let frame = Frame::new(&self.root, cube);
+        recode(part.keys, self.index, &frame);
+        let (draft, offer) = self.subtree(&frame, level, part.reborrow());
+        let mut samples = match offer {
+            Offer::All => part.each(&part.range()).collect(),
+            Offer::Samples(samples) => samples,
+        };
+        for sample in &mut samples {
+            let point = part.keys[sample.key as usize - part.first].point;
+            sample.code = outer.code(self.index.position(point as usize));
+        }
+        (draft, Offer::Samples(samples))
+    }
+
+    /// A node over its children: takes its samples from them.
+    fn inner(&self, frame: &Frame, level: u32, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+        let feed = |offer: &mut dyn FnMut(usize, &Sample)| {
+            for (number, (child, offered)) in below.iter().enumerate() {
+                match offered {
+                    Offer::All => part.each(&child.keys).for_each(|sample| offer(number, &sample)),
+                    Offer::Samples(samples) => samples.iter().for_each(|sample| offer(number, sample)),
+                }
+            }
+        };
+        let node_bits = frame.bits_below(level);
+        let (sampled, grid_bits) =
+            SAMPLER.with_borrow_mut(|sampler| sampler.sample(node_bits, MAX_NODE_POINTS, feed));
+        for sample in &sampled.samples {
+            let at = sample.key as usize - part.first;
+            part.levels[at] = level as u8;
+            part.keys[at].color = sample.color();
+        }
+        let mut children: Vec<Draft> = below.into_iter().map(|(child, _)| child).collect();
+        for (child, taken) in children.iter_mut().zip(sampled.num_taken) {
+            child.num_points -= taken;
+        }
+        // What was taken whole and has nothing below is no node any more.
+        children.retain(|child| child.num_points > 0 || !child.children.is_empty());
+        let draft = Draft {
+            cube: frame.cube(part.keys[0].code, level),
+            keys: part.range(),
+            num_points: sampled.samples.len() as u32,
+            grid_bits,
+            children,
+        };
+        (draft, Offer::Samples(sampled.samples))
+    }
+}
