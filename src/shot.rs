@@ -1,5 +1,5 @@
-//! Pictures: the frame drawn once, without a window, and written to disk. The README's "The picture, exactly"
-//! says which pixel a point falls on.
+//! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
+//! point falls on.
 
 use crate::cloud::{self, Order};
 use crate::config::{Config, Precision};
@@ -165,18 +165,8 @@ impl Shot {
                 "--size {width}x{height}: this GPU draws at most {max} pixels a side"
             );
         }
-        let images = sizes_px.iter().map(|&[width, height]| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("picture"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
         Ok(Self { gpu: Arc::clone(gpu), renderer: Renderer::new(gpu, &sizes_px, FORMAT)?, images })
     }

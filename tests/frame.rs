@@ -3,10 +3,14 @@
 mod support;
 
 use glam::{DQuat, DVec3};
-use scanwalk::cloud::{Cloud, Order};
+use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::layout::{Batch, CullCounters, ViewUniform, VisibleBatch};
+use scanwalk::progress::{Progress, Stop};
+use scanwalk::scan;
 use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin;
+use std::path::Path;
 use support::{Drawn, cloud_of, draw, random_points};
 
 /// A stereo view with asymmetric, canted eyes of odd size.
@@ -55,6 +59,32 @@ fn stereo_frame_equals_its_twin() {
         let drawn = assert_twin(&cloud, &view, full, 0);
         assert_ne!(drawn.depth[0], drawn.depth[1], "the eyes see different pictures");
     }
+}
+
+/// A made-up courtyard from where people stand, and a real room where there is one.
+#[test]
+fn whole_scans_equal_their_twin() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("courtyard.las");
+    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 300_000, seed: 7 };
+    synth::write(&options, &Stop::default()).expect("a courtyard");
+    let cloud = cloud_from(&out);
+    for place in synth::viewpoints(Kind::Terrestrial) {
+        assert_twin(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
+    }
+    let Some(data) = std::env::var_os("SCANWALK_TEST_DATA") else {
+        eprintln!("skipped: a real room, for SCANWALK_TEST_DATA names no folder of scans");
+        return;
+    };
+    let room = cloud_from(&Path::new(&data).join("laz-indoor-rooms/indoor-rooms.laz"));
+    let inside = stereo(DVec3::new(6.0, 5.0, 2.4), DVec3::new(9.0, 8.0, 2.2), [501, 503]);
+    let drawn = assert_twin(&room, &inside, false, 0);
+    assert!(drawn.times.points_read > 100_000);
+}
+
+fn cloud_from(path: &Path) -> Cloud {
+    let scan = scan::read(&[path.to_path_buf()], &Stop::default()).expect("a scan");
+    build(scan, Order::Morton, &Progress::hidden()).expect("a cloud")
 }
 
 #[test]

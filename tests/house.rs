@@ -132,6 +132,27 @@ fn a_closed_pipe_never_panics() {
     assert_eq!(sample("eprintln!(\"x\");"), 0);
 }
 
+/// Where a library stages its uploads through the bare queue; see `QueueGuard::for_uploads`.
+const MAY_TOUCH_THE_QUEUE: [&str; 3] =
+    ["src/gpu/queue.rs", "src/desktop/painter.rs", "src/desktop/painter_tests.rs"];
+
+fn bare_queues(file: &File) -> Vec<String> {
+    if MAY_TOUCH_THE_QUEUE.contains(&file.path.as_str()) {
+        return Vec::new();
+    }
+    let lines = code(&file.text).filter(|(_, text)| names(text, "for_uploads"));
+    lines.map(|(line, _)| format!("{}:{line}: the queue without its lock", file.path)).collect()
+}
+
+#[test]
+fn the_queue_stays_behind_its_lock() {
+    let faults: Vec<String> = sources().iter().flat_map(bare_queues).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let file = |path: &str| File { path: path.into(), text: "queue.lock().for_uploads().clone();".into() };
+    assert_eq!(bare_queues(&file("src/walk/run.rs")).len(), 1);
+    assert!(bare_queues(&file("src/desktop/painter.rs")).is_empty());
+}
+
 const MAX_LINES: usize = 500;
 
 fn too_long(file: &File) -> Option<String> {

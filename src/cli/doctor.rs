@@ -2,10 +2,10 @@
 
 use crate::config::Config;
 use crate::gpu::Gpu;
+use crate::xr;
 use serde::Serialize;
 use std::env;
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 /// One thing that a walk needs, or is better with.
 #[derive(Debug, Serialize)]
@@ -34,7 +34,7 @@ impl Check {
 pub(super) fn run(config: &Config, json: bool) -> anyhow::Result<()> {
     let mut checks = gpu(config);
     checks.push(display());
-    checks.push(openxr_runtime());
+    checks.push(headset());
     let mut out = io::stdout().lock();
     if json {
         writeln!(out, "{}", serde_json::to_string_pretty(&checks)?)?;
@@ -95,24 +95,10 @@ fn display() -> Check {
     }
 }
 
-/// The manifest by which OpenXR programs find the active runtime.
-fn openxr_runtime() -> Check {
-    let home = env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
-    let config_home = env::var_os("XDG_CONFIG_HOME").map_or_else(|| home.join(".config"), PathBuf::from);
-    let manifest = "openxr/1/active_runtime.json";
-    let places = [
-        env::var_os("XR_RUNTIME_JSON").map(PathBuf::from).unwrap_or_default(),
-        config_home.join(manifest),
-        PathBuf::from("/etc/xdg").join(manifest),
-        PathBuf::from("/usr/share").join(manifest),
-        PathBuf::from("/usr/local/share").join(manifest),
-    ];
-    match places.into_iter().find(|place| place.is_file()) {
-        Some(place) => Check::good("headset", format!("OpenXR runtime {}", place.display())),
-        None => Check::bad(
-            "headset",
-            "no OpenXR runtime",
-            "install SteamVR, Monado or WiVRn and make it the active OpenXR runtime",
-        ),
+/// An OpenXR runtime with a headset.
+fn headset() -> Check {
+    match xr::probe() {
+        Ok((runtime, headset)) => Check::good("headset", format!("{headset}, by {runtime}")),
+        Err(missing) => Check::bad("headset", "none that answers", missing.to_string()),
     }
 }

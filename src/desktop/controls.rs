@@ -122,6 +122,11 @@ impl Controls {
         self.drag_from_px = pressed.then_some(self.pointer_px);
     }
 
+    /// Where the pointer is, physical pixels.
+    pub(super) fn pointer_px(&self) -> [f64; 2] {
+        self.pointer_px
+    }
+
     /// True while a drag is under way.
     pub(super) fn dragging(&self) -> bool {
         self.drag_from_px.is_some()

@@ -5,14 +5,19 @@ use super::keys::BINDINGS;
 use super::style::{self, FAINT};
 use egui::{Align2, Area, Color32, CornerRadius, Frame, Grid, Id, Margin, Order, RichText, ScrollArea, Ui};
 
+/// Width of what is in it, points.
+const WIDTH: f32 = 430.0;
+
 /// Draws it if the view wants it.
 pub(super) fn show(ui: &mut Ui, view: &mut View) {
     if !view.help {
         return;
     }
-    let area =
-        Area::new(Id::unique("help")).order(Order::Foreground).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
-    let height = ui.ctx().content_rect().height() - 60.0;
+    let height = ui.ctx().content_rect().height() - 40.0;
+    let area = Area::new(Id::unique("help"))
+        .default_size([WIDTH, height])
+        .order(Order::Foreground)
+        .anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
     area.show(ui.ctx(), |ui| {
         style::card().inner_margin(Margin::symmetric(22, 18)).show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -22,7 +27,8 @@ pub(super) fn show(ui: &mut Ui, view: &mut View) {
                 });
             });
             ui.add_space(8.0);
-            ScrollArea::vertical().max_height(height.max(60.0)).show(ui, |ui| {
+            let height = (height - 90.0).max(60.0);
+            ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
                 Grid::new("bindings").num_columns(2).spacing([28.0, 6.0]).show(ui, |ui| {
                     for binding in BINDINGS {
                         ui.horizontal(|ui| {

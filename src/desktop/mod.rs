@@ -43,6 +43,8 @@ mod mirror;
 mod notice;
 mod numbers;
 mod painter;
+#[cfg(test)]
+mod painter_tests;
 mod panel;
 mod placement;
 mod plot;

@@ -17,6 +17,7 @@ pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: 
 }
 
 fn loading(ui: &mut Ui, load: &LoadState, picture: bool) {
+    let fraction = if load.fraction.is_finite() { load.fraction.clamp(0.0, 1.0) } else { 0.0 };
     // In the middle while there is nothing else to look at.
     let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
     card(ui, "loading", align, y, |ui| {
@@ -28,11 +29,10 @@ fn loading(ui: &mut Ui, load: &LoadState, picture: bool) {
             }
             ui.label(format!("{step} …"));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let percent = (100.0 * load.fraction.clamp(0.0, 1.0)).floor();
-                ui.label(RichText::new(format!("{percent:.0} %")).color(FAINT));
+                ui.label(RichText::new(format!("{:.0} %", (100.0 * fraction).floor())).color(FAINT));
             });
         });
-        ui.add(ProgressBar::new(load.fraction).desired_height(5.0).fill(GOOD));
+        ui.add(ProgressBar::new(fraction).desired_height(5.0).fill(GOOD));
     });
 }
 

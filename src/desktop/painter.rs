@@ -51,25 +51,25 @@ impl Painter {
         target: &wgpu::TextureView,
         size_px: [u32; 2],
         mirror: Option<(&MirrorImages, config::Mirror)>,
-        ui: &EguiPicture,
+        mut ui: EguiPicture,
     ) -> Vec<wgpu::CommandBuffer> {
         let device = &gpu.device;
         for id in self.freed.drain(..) {
             self.egui.free_texture(&id);
         }
-        self.freed.extend(&ui.textures.free);
+        self.freed.extend(ui.textures.free.drain());
         let screen =
             egui_wgpu::ScreenDescriptor { size_in_pixels: size_px, pixels_per_point: ui.pixels_per_point };
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("window") });
         let mut commands = {
             let queue = gpu.queue.lock();
-            for (id, deltas) in &ui.textures.set {
-                for delta in deltas {
-                    self.egui.update_texture(device, &queue, *id, delta);
+            for (id, deltas) in ui.textures.set.drain() {
+                for delta in &deltas {
+                    self.egui.update_texture(device, queue.for_uploads(), id, delta);
                 }
             }
-            self.egui.update_buffers(device, &queue, &mut encoder, &ui.primitives, &screen)
+            self.egui.update_buffers(device, queue.for_uploads(), &mut encoder, &ui.primitives, &screen)
         };
         let mut pass = encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -36,11 +36,14 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<
     }
     let mut command = None;
     let height = ui.ctx().content_rect().height() - 2.0 * MARGIN - 26.0;
-    Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]).show(ui.ctx(), |ui| {
+    let area = Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]);
+    area.show(ui.ctx(), |ui| {
         style::card().show(ui, |ui| {
             ui.set_width(WIDTH);
-            let scroll = ScrollArea::vertical().max_height(height.max(40.0)).auto_shrink([false, true]);
-            scroll.show(ui, |ui| {
+            // An area remembers its first size; the panel grows with its contents and with the window.
+            let height = height.max(40.0);
+            let scroll = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+            scroll.auto_shrink([false, true]).show(ui, |ui| {
                 ui.set_max_width(WIDTH);
                 frames(ui, contents);
                 section(ui);
@@ -78,6 +81,7 @@ fn frames(ui: &mut Ui, contents: &Contents) {
         });
     });
     plot::show(ui, history);
+    ui.add_space(5.0);
     let Some(row) = newest else {
         ui.label(RichText::new("No frame yet").color(FAINT));
         return;
@@ -106,7 +110,7 @@ fn frames(ui: &mut Ui, contents: &Contents) {
 
 /// The plot's legend, with each stage's newest time.
 fn stages(ui: &mut Ui, row: &FrameRow) {
-    Grid::new("stages").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
+    Grid::new("stages").num_columns(4).spacing([12.0, 2.0]).show(ui, |ui| {
         for (i, name) in STAGES.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.set_width(58.0);
@@ -235,7 +239,7 @@ fn fact(ui: &mut Ui, name: &str, value: &str) {
 
 fn figure(ui: &mut Ui, text: &str, color: Color32) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.set_width(56.0);
+        ui.set_width(50.0);
         ui.label(RichText::new(text).color(color));
     });
 }

@@ -138,7 +138,8 @@ mod tests {
                     && placed.x + placed.width >= clip.x + clip.width - 0.51
                     && placed.y + placed.height >= clip.y + clip.height - 0.51;
                 let within = placed.width <= clip.width * 1.001 && placed.height <= clip.height * 1.001;
-                prop_assert!(if mirror == Mirror::Both { within } else { covers });
+                let kept = if mirror == Mirror::Both { within } else { covers };
+                prop_assert!(kept, "{placed:?} in {clip:?}");
             }
         }
     }

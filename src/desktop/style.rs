@@ -40,7 +40,7 @@ pub(super) fn apply(context: &egui::Context) {
         .into();
         style.spacing.item_spacing = vec2(8.0, 4.0);
         style.spacing.button_padding = vec2(8.0, 3.0);
-        style.spacing.interact_size.y = 20.0;
+        style.spacing.interact_size.y = 18.0;
         style.interaction.selectable_labels = false;
         let visuals = &mut style.visuals;
         visuals.override_text_color = Some(TEXT);

@@ -54,6 +54,17 @@ struct Shown {
     drawn_at: Option<Instant>,
 }
 
+impl Shown {
+    /// True if egui has a widget's drag under way or something of its own at `at_px`. (Its answer to the event
+    /// tells where the pointer was in the last pass, which it may have left since.)
+    fn on_panel(&self, at_px: [f64; 2]) -> bool {
+        let context = self.egui.egui_ctx();
+        let at = egui::Pos2::from(at_px.map(|px| px as f32)) / context.pixels_per_point();
+        context.egui_is_using_pointer()
+            || context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background)
+    }
+}
+
 impl App {
     /// Opens nothing yet: winit says when.
     pub(super) fn new(
@@ -173,7 +184,7 @@ impl App {
         self.send(command);
     }
 
-    /// Mouse and the rest; `ours` if egui does not want it for itself.
+    /// Mouse and the rest; `ours` if the pointer is on the picture, not on the panel.
     fn other(&mut self, event: &WindowEvent, ours: bool) {
         let command = match *event {
             WindowEvent::Focused(false) => self.controls.release_all(),
@@ -240,7 +251,7 @@ impl App {
         let mirror = images.as_ref().map(|images| (images, self.controls.view.mirror));
         let target = picture.texture.create_view(&Default::default());
         let size_px = [picture.texture.width(), picture.texture.height()];
-        let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, &ui);
+        let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, ui);
         shown.screen.present(commands, picture);
         self.send(command);
         Ok(())
@@ -287,7 +298,8 @@ impl ApplicationHandler for App {
                 let resized =
                     matches!(other, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
                 shown.stale |= response.repaint || resized;
-                self.other(other, !response.consumed);
+                let ours = !shown.on_panel(self.controls.pointer_px());
+                self.other(other, ours);
             }
         }
         self.follow_view(events);

@@ -38,6 +38,38 @@ impl Gpu {
         format!("{} {}", info.driver, info.driver_info).trim().to_string()
     }
 
+    /// A plain two-dimensional texture.
+    #[must_use]
+    pub fn texture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
+    /// A buffer of `size` bytes, which are zero.
+    #[must_use]
+    pub fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
     /// Bytes that one storage binding may hold; buffers that shaders read are cut to it.
     #[must_use]
     pub fn binding_limit(&self) -> u64 {

@@ -60,14 +60,6 @@ impl Timer {
         let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let count = 2 * (1 + num_stages as u32);
         let query_bytes = u64::from(count) * 8;
-        let buffer = |label, size, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
         let slot = |_| Slot {
             frame: 0,
             queries: can_time.then(|| {
@@ -77,12 +69,12 @@ impl Timer {
                     count,
                 })
             }),
-            resolved: buffer(
+            resolved: gpu.buffer(
                 "timer resolved",
                 query_bytes,
                 wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
             ),
-            readback: buffer(
+            readback: gpu.buffer(
                 "timer readback",
                 query_bytes + extra_bytes,
                 wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
@@ -93,7 +85,7 @@ impl Timer {
             slots: (0..NUM_SLOTS).map(slot).collect(),
             num_stages,
             extra_bytes,
-            milliseconds_per_tick: 1e-6 * f64::from(gpu.queue.lock().get_timestamp_period()),
+            milliseconds_per_tick: 1e-6 * f64::from(gpu.queue.lock().timestamp_period()),
             current: None,
             stage_ms: vec![f32::NAN; num_stages],
         }

@@ -150,12 +150,7 @@ impl Uploader<'_> {
 
     fn empty(&mut self, label: &'static str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
         self.bytes += size;
-        self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size,
-            usage,
-            mapped_at_creation: false,
-        })
+        self.gpu.buffer(label, size, usage)
     }
 
     fn buffer(

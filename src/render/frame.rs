@@ -79,12 +79,8 @@ impl Renderer {
         let stage = |name| Stage::new(gpu, name, &shaders::source(name, num_eyes));
         let (clear, cull, depth) = (stage(STAGES[CLEAR]), stage(STAGES[CULL]), stage(STAGES[DEPTH]));
         let (resolve, resolve_bindings) = resolve_pipeline(gpu, num_eyes, format);
-        let view = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("view"),
-            size: size_of::<ViewUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let targets = Targets::new(gpu, sizes_px)?;
         let counters = counters_buffer(gpu, 1);
         let clear_group = clear.bind(gpu, &clear_resources(&targets, &counters));
@@ -339,12 +335,8 @@ fn clear_resources<'a>(
 }
 
 fn counters_buffer(gpu: &Gpu, num_chunks: u64) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("counters"),
-        size: num_chunks * u64::from(COUNTERS_STRIDE),
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    })
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
+    gpu.buffer("counters", num_chunks * u64::from(COUNTERS_STRIDE), usage)
 }
 
 fn resolve_pipeline(

@@ -37,12 +37,9 @@ impl Targets {
             }
         }
         let depth = |eye: usize| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(if eye == 0 { "depth_left" } else { "depth_right" }),
-                size: depth_bytes(sizes_px.get(eye).copied().unwrap_or([1, 1])),
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            })
+            let label = if eye == 0 { "depth_left" } else { "depth_right" };
+            let size = depth_bytes(sizes_px.get(eye).copied().unwrap_or([1, 1]));
+            gpu.buffer(label, size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
         };
         Ok(Self { sizes_px: sizes_px.to_vec(), depth: [depth(0), depth(1)] })
     }

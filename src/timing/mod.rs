@@ -51,7 +51,7 @@ pub struct FrameRow {
     pub resolution_scale: f32,
     /// `closest` or `hqs`.
     pub quality: &'static str,
-    /// Bytes sent to the GPU for this frame.
+    /// Bytes sent to the GPU since the frame before: uploads of the loader too.
     pub upload_bytes: u64,
 }
 

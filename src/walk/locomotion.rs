@@ -34,23 +34,28 @@ pub struct Locomotion {
     start: Start,
     floor_in_world: DVec3,
     yaw: f64,
-    /// Only for simulated headsets: a real head pitches itself.
+    /// Stays 0 for real headsets: a head pitches itself.
     pitch: f64,
+    may_pitch: bool,
+    /// The head's place in the stage, as last located; turns are about it.
+    head_in_stage: DVec3,
     speed_factor: f64,
     held: ([f32; 3], bool),
     snap_ready: bool,
 }
 
 impl Locomotion {
-    /// Standing at the start.
+    /// Standing at the start. `may_pitch`: the mouse may look up and down, which is for simulated headsets only.
     #[must_use]
-    pub fn new(config: &LocomotionConfig, start: Start) -> Self {
+    pub fn new(config: &LocomotionConfig, start: Start, may_pitch: bool) -> Self {
         Self {
             config: config.clone(),
             start,
             floor_in_world: start.floor_in_world,
             yaw: start.yaw,
             pitch: 0.0,
+            may_pitch,
+            head_in_stage: DVec3::ZERO,
             speed_factor: 1.0,
             held: ([0.0; 3], false),
             snap_ready: true,
@@ -80,13 +85,15 @@ impl Locomotion {
             Command::Move { direction, fast } => self.held = (direction, fast),
             Command::Look { delta_px } => {
                 let radians = self.config.look_deg_per_px.to_radians();
-                self.yaw -= f64::from(delta_px[0]) * radians;
-                self.pitch = (self.pitch - f64::from(delta_px[1]) * radians).clamp(-FRAC_PI_2, FRAC_PI_2);
+                self.turn(-f64::from(delta_px[0]) * radians);
+                if self.may_pitch {
+                    self.pitch = (self.pitch - f64::from(delta_px[1]) * radians).clamp(-FRAC_PI_2, FRAC_PI_2);
+                }
             }
             Command::ScaleSpeed(factor) => {
                 self.speed_factor = (self.speed_factor * f64::from(factor)).clamp(0.01, 100.0);
             }
-            Command::Snap(steps) => self.yaw -= f64::from(steps) * self.config.snap_deg.to_radians(),
+            Command::Snap(steps) => self.turn(-f64::from(steps) * self.config.snap_deg.to_radians()),
             Command::Reset => self.reset(),
             Command::WholeView => {
                 (self.floor_in_world, self.yaw) = self.start.overview;
@@ -96,13 +103,23 @@ impl Locomotion {
         }
     }
 
+    /// Turns to the left by `angle` about the head: whoever stands off the stage's middle must not be swung round it.
+    fn turn(&mut self, angle: f64) {
+        let scale = self.start.units_per_m;
+        let before = self.world_from_stage_axes() * self.head_in_stage;
+        self.yaw += angle;
+        let after = self.world_from_stage_axes() * self.head_in_stage;
+        self.floor_in_world += (before - after) * scale;
+    }
+
     fn reset(&mut self) {
         (self.floor_in_world, self.yaw, self.pitch) = (self.start.floor_in_world, self.start.yaw, 0.0);
     }
 
-    /// Moves by what is held for `seconds`. `head` is the orientation of the head in the stage, as last located:
-    /// forward is where it looks.
+    /// Moves by what is held for `seconds`. `stage_from_head` is the head as last located: forward is where it
+    /// looks.
     pub fn advance(&mut self, seconds: f64, controllers: &ControllerInput, stage_from_head: &Pose) {
+        self.head_in_stage = stage_from_head.position;
         let dead = |v: f32| if v.abs() < DEAD_ZONE { 0.0 } else { f64::from(v) };
         let [right, up, forward] = self.held.0.map(f64::from);
         let [stick_right, stick_forward] = controllers.left_stick.map(dead);
@@ -118,7 +135,7 @@ impl Locomotion {
             self.snap_ready = true;
         } else if turn.abs() > SNAP_AT && self.snap_ready {
             self.snap_ready = false;
-            self.yaw -= f64::from(turn.signum()) * self.config.snap_deg.to_radians();
+            self.turn(-f64::from(turn.signum()) * self.config.snap_deg.to_radians());
         }
         if controllers.reset {
             self.reset();
@@ -207,7 +224,7 @@ mod tests {
     }
 
     fn walk() -> Locomotion {
-        Locomotion::new(&LocomotionConfig::default(), start())
+        Locomotion::new(&LocomotionConfig::default(), start(), true)
     }
 
     const SIZES: [[u32; 2]; 2] = [[100, 100]; 2];
@@ -259,6 +276,30 @@ mod tests {
         assert!((walk.yaw + 60f64.to_radians()).abs() < 1e-12);
         walk.advance(0.01, &ControllerInput { reset: true, ..Default::default() }, &Pose::IDENTITY);
         assert_eq!(walk.yaw, 0.0);
+    }
+
+    #[test]
+    fn turning_leaves_the_head_where_it_is() {
+        let mut walk = walk();
+        let mut off_center = eyes();
+        for eye in &mut off_center {
+            eye.stage_from_view.position += DVec3::new(0.8, 0.0, -1.2);
+        }
+        walk.advance(0.01, &ControllerInput::default(), &head_of(&off_center));
+        let before = walk.view(&off_center, SIZES, 0.05).head_in_world();
+        walk.command(Command::Snap(3));
+        let after = walk.view(&off_center, SIZES, 0.05);
+        assert!((after.head_in_world() - before).length() < 1e-9);
+        let forward = after.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
+        assert!((forward - DVec3::X).length() < 1e-9, "three times 30 degrees to the right: east");
+    }
+
+    #[test]
+    fn the_mouse_never_pitches_a_real_head() {
+        let mut walk = Locomotion::new(&LocomotionConfig::default(), start(), false);
+        walk.command(Command::Look { delta_px: [0.0, -200.0] });
+        let view = walk.view(&eyes(), SIZES, 0.05);
+        assert!((view.eyes[0].world_from_view.orientation * DVec3::NEG_Z).z.abs() < 1e-12);
     }
 
     #[test]

@@ -116,6 +116,7 @@ struct Frames {
     views: Views,
     sizes_px: [[u32; 2]; 2],
     locomotion_config: crate::config::LocomotionConfig,
+    may_pitch: bool,
     frame: u64,
     scan_frames: u64,
     began: Instant,
@@ -123,6 +124,8 @@ struct Frames {
     last_display_ns: Option<i64>,
     stage_from_head: Pose,
     pending: VecDeque<FrameRow>,
+    /// Bytes sent to the GPU up to the frame before, by whomever.
+    written_bytes: u64,
     last_view: Option<View>,
 }
 
@@ -139,6 +142,7 @@ impl Frames {
             views: Views::default(),
             sizes_px,
             locomotion_config: walk.config.locomotion.clone(),
+            may_pitch: headset.is_simulated(),
             frame: 0,
             scan_frames: 0,
             began: Instant::now(),
@@ -146,6 +150,7 @@ impl Frames {
             last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
             pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
+            written_bytes: walk.gpu.queue.written_bytes(),
             last_view: None,
         })
     }
@@ -156,7 +161,9 @@ impl Frames {
             self.renderer.set_cloud(cloud);
             match &mut self.locomotion {
                 Some(locomotion) => locomotion.restart(start),
-                None => self.locomotion = Some(Locomotion::new(&self.locomotion_config, start)),
+                None => {
+                    self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch))
+                }
             }
         }
     }
@@ -209,6 +216,7 @@ impl Frames {
         headset.submit(Some(encoder))?;
         self.renderer.submitted();
 
+        let written_bytes = walk.gpu.queue.written_bytes();
         self.note(FrameRow {
             frame: self.frame,
             time_s: record_began.duration_since(self.began).as_secs_f64(),
@@ -226,8 +234,9 @@ impl Frames {
             lod_scale: 1.0,
             resolution_scale: 1.0,
             quality: "closest",
-            upload_bytes: 0,
+            upload_bytes: written_bytes - self.written_bytes,
         });
+        self.written_bytes = written_bytes;
         self.last_display_ns = Some(predicted_display_ns);
         Ok(())
     }
@@ -347,18 +356,9 @@ fn pass_on(walk: &Walk, row: FrameRow) {
 }
 
 fn mirror_texture(gpu: &Gpu, image: &wgpu::Texture) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("mirror"),
-        size: image.size(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: image.format(),
-        usage: wgpu::TextureUsages::COPY_DST
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
+    let usage =
+        wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+    gpu.texture("mirror", [image.width(), image.height()], image.format(), usage)
 }
 
 fn ms(duration: Duration) -> f32 {

@@ -33,21 +33,10 @@ impl SimulatedHeadset {
     /// One with images on `gpu`.
     #[must_use]
     pub fn new(gpu: &Arc<Gpu>, config: &SimulatedConfig) -> Self {
-        let image = |label| {
-            let [width, height] = config.size_px;
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
-        };
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
+        let image = |label| gpu.texture(label, config.size_px, FORMAT, usage);
         Self {
             gpu: Arc::clone(gpu),
             config: config.clone(),

@@ -1,8 +1,8 @@
 //! OpenXR: a real headset behind [`crate::walk::Headset`].
 //!
-//! The runtime makes the Vulkan device and wgpu wraps it ([`vulkan`]); the session ([`session`]) follows the
-//! runtime's states ([`lifecycle`]) and hands the frame thread images ([`swapchain`]), poses ([`eyes`]) and
-//! controllers ([`input`]). The four OpenXR calls that may use the Vulkan queue are reachable only with a
+//! The runtime makes the Vulkan device and wgpu wraps it (`vulkan`); the session (`session`) follows the
+//! runtime's states (`lifecycle`) and hands the frame thread images (`swapchain`), poses (`eyes`) and
+//! controllers (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
 //! [`crate::gpu::QueueGuard`], since the window presents on the same queue.
 
 mod eyes;
@@ -157,8 +157,18 @@ impl Drop for XrHeadset {
         if let Err(error) = self.gpu.device.poll(drained) {
             tracing::warn!("closing the headset's session while the GPU is busy: {error}");
         }
-        // Runtimes wait for the whole device, its queue included, when they destroy images and sessions.
+        // Runtimes may wait for the whole device, its queue included, when they destroy images and sessions.
         let _queue = self.gpu.queue.lock();
         self.session = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// The headset is opened on the main thread and used on the frame thread.
+    #[test]
+    fn a_headset_can_be_sent_to_the_frame_thread() {
+        fn is_send<T: Send>() {}
+        is_send::<super::XrHeadset>();
     }
 }

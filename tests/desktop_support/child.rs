@@ -44,7 +44,9 @@ impl Validation {
             .env("VK_LAYER_SETTINGS_PATH", self.folder.path())
             .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
             // wgpu's own messenger would take the messages away from the layer's log.
-            .env("WGPU_VALIDATION", "0");
+            .env("WGPU_VALIDATION", "0")
+            // Debug shaders name WGSL as their source language, which older layers take for an error.
+            .env("WGPU_DEBUG", "0");
     }
 
     fn log(&self) -> String {
@@ -80,7 +82,7 @@ impl<'a> Window<'a> {
             if let Some(ended) = window.ended() {
                 panic!("the window's program {ended}");
             }
-            screen.try_xdotool(&["search", "--onlyvisible", "--name", "^hall.laz – scanwalk$"])
+            screen.try_xdotool(&["search", "--onlyvisible", "--name", "^hall.laz "])
         });
         wait_for("a first picture", 60.0, || {
             let picture = window.picture();
@@ -101,6 +103,10 @@ impl<'a> Window<'a> {
 
     pub fn xdotool(&self, arguments: &[&str]) {
         self.screen().xdotool(arguments);
+    }
+
+    pub fn ask_to_close(&self) {
+        self.screen().ask_to_close(&self.id);
     }
 
     pub fn picture(&self) -> Picture {

@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask, InputFocus};
 
 /// Red, green, blue, 0–255.
 pub type Pixel = [u8; 3];
@@ -104,6 +105,23 @@ impl Screen {
             line.and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("{name} in {text}"))
         };
         Geometry { x: value("X"), y: value("Y"), width: value("WIDTH"), height: value("HEIGHT") }
+    }
+
+    /// Asks a window to close as a desktop's close button does.
+    pub fn ask_to_close(&self, window: &str) {
+        let (connection, _) = x11rb::connect(Some(&self.display)).unwrap();
+        let atom = |name: &[u8]| connection.intern_atom(false, name).unwrap().reply().unwrap().atom;
+        let (protocols, delete) = (atom(b"WM_PROTOCOLS"), atom(b"WM_DELETE_WINDOW"));
+        let window = window.parse().unwrap();
+        let message = ClientMessageEvent::new(32, window, protocols, [delete, 0, 0, 0, 0]);
+        connection.send_event(false, window, EventMask::NO_EVENT, message).unwrap().check().unwrap();
+    }
+
+    /// Takes the keyboard away from every window.
+    pub fn take_keyboard(&self) {
+        let (connection, _) = x11rb::connect(Some(&self.display)).unwrap();
+        let nobody = x11rb::NONE;
+        connection.set_input_focus(InputFocus::NONE, nobody, x11rb::CURRENT_TIME).unwrap().check().unwrap();
     }
 
     /// The pixels of a window. Xvfb keeps its screen in a file in XWD format: a header of big-endian

@@ -123,7 +123,7 @@ fn paint(gpu: &Gpu, images: &MirrorImages) {
             .collect();
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None };
-        queue.write_texture(image.as_image_copy(), &pixels, layout, image.size());
+        queue.for_uploads().write_texture(image.as_image_copy(), &pixels, layout, image.size());
     }
     queue.submit([]);
 }

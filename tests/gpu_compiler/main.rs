@@ -7,6 +7,7 @@
 mod radv;
 mod wgsl;
 
+use scanwalk::render::shaders::{SHADERS, source};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -65,22 +66,11 @@ impl Executable {
 
 /// The project's shaders for pictures (one eye) and headsets (two).
 fn our_shaders() -> Vec<Shader> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
-    let Ok(entries) = std::fs::read_dir(&folder) else { return Vec::new() };
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    let is_include = |path: &&PathBuf| path.to_string_lossy().ends_with(".inc.wgsl");
-    let text = |path: &PathBuf| std::fs::read_to_string(path).unwrap();
-    let includes: String = files.iter().filter(is_include).map(text).collect();
-    let mut shaders = Vec::new();
-    for path in files.iter().filter(|path| !is_include(path)) {
-        for num_eyes in [1, 2] {
-            let name = format!("{}-{num_eyes}", path.file_stem().unwrap().to_string_lossy());
-            let text = format!("{}{includes}{}", scanwalk::layout::prelude(num_eyes), text(path));
-            shaders.push(Shader { name, text });
-        }
-    }
-    shaders
+    let stages = SHADERS.iter().flat_map(|(name, _)| [1, 2].map(|num_eyes| (*name, num_eyes)));
+    let shader =
+        |(name, num_eyes)| Shader { name: format!("{name}-{num_eyes}"), text: source(name, num_eyes) };
+    let mirror = Shader { name: "mirror".into(), text: include_str!("../../shaders/mirror.wgsl").into() };
+    stages.map(shader).chain([mirror]).collect()
 }
 
 /// Shaders of this test's own, whose fate is known.

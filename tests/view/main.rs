@@ -1,8 +1,13 @@
-//! `scanwalk view` from start to end: against a real OpenXR runtime without a headset, and offscreen.
+//! `scanwalk view` from start to end: against a real OpenXR runtime without a headset, in a window, and offscreen.
 
 #[path = "../support/xr/mod.rs"]
 mod xr_support;
 
+#[path = "../desktop_support/screen.rs"]
+#[allow(dead_code, reason = "each test program uses its own part")]
+mod screen;
+
 mod headset;
 mod offscreen;
 mod scene;
+mod window;

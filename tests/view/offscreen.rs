@@ -1,6 +1,8 @@
 //! Without headset and window: limits, logs, failures, and the way a signal ends it.
 
 use crate::scene::Scene;
+use std::io::{BufRead, BufReader};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -52,6 +54,42 @@ fn a_log_on_a_full_disk_is_reported_once_and_stops_nothing() {
     let output = run(&Scene::get().courtyard, &["--frames", "20", "--log", "/dev/full"]);
     assert!(output.status.success(), "{}", said(&output));
     assert_eq!(said(&output).matches("/dev/full").count(), 1, "{}", said(&output));
+}
+
+#[test]
+fn a_log_into_a_closed_pipe_is_reported_once_and_stops_nothing() {
+    let mut child =
+        view(&Scene::get().courtyard, &["--seconds", "3", "--log", "/dev/stdout"]).spawn().expect("view");
+    let mut first = String::new();
+    let mut reader = BufReader::new(child.stdout.take().expect("piped"));
+    reader.read_line(&mut first).expect("a line");
+    assert!(first.starts_with("# scanwalk frame log"), "{first}");
+    drop(reader);
+    let output = child.wait_with_output().expect("view ends");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(said(&output).matches("/dev/stdout").count(), 1, "{}", said(&output));
+}
+
+#[test]
+fn a_scan_without_permission_says_so() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = folder.path().join("locked.las");
+    std::fs::copy(&Scene::get().ball, &scan).expect("a scan");
+    let mode = |path: &Path, mode| std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode));
+    mode(&scan, 0o000).expect("locked");
+    mode(folder.path(), 0o755).expect("a folder for all");
+    let output = if std::fs::File::open(&scan).is_err() {
+        Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(&scan).output()
+    } else {
+        // Root may read everything, so the program runs as somebody else, from where that one can start it.
+        let program = folder.path().join("scanwalk");
+        std::fs::copy(env!("CARGO_BIN_EXE_scanwalk"), &program).expect("a copy of the program");
+        let nobody = ["--reuid=65534", "--regid=65534", "--clear-groups"];
+        Command::new("setpriv").args(nobody).arg(&program).arg("info").arg(&scan).output()
+    };
+    let output = output.expect("info starts");
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(said(&output).contains("locked.las") && said(&output).contains("chmod"), "{}", said(&output));
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! What goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
 
-use crate::probe::{Job, last, this_program};
+use crate::probe::{JOB, Job, PROBE_ARGS, last, this_program};
 use crate::support::{Finished, Lab};
-use std::process::Command;
+use std::os::unix::fs::PermissionsExt;
 
 /// Runs the probe without an end of its own.
 fn run_with_fault(lab: &Lab, fault: &str) -> Finished {
@@ -81,21 +81,18 @@ fn what_is_missing_is_told_and_leaves_nothing_behind() {
     }
 }
 
-/// Runs the probe in the runtime's C library with one variable changed.
+/// Runs the probe with one variable changed after the runtime has set its own.
 fn run_with_variable(lab: &Lab, assignment: &str) -> String {
-    let program = this_program();
-    let mut args = vec!["-c", "exec env \"$1\" \"$XR_LD\" \"${@:2}\"", "bash", assignment];
-    args.push(program.to_str().unwrap());
-    args.extend(crate::probe::PROBE_ARGS);
-    let job = serde_json::to_string(&Job::default()).unwrap();
-    // A script, for the runtime starts programs with its own loader and bash is this machine's.
     let script = tempfile::Builder::new().suffix(".sh").tempfile().unwrap();
-    std::fs::write(script.path(), "#!/bin/sh\nexec bash \"$@\"\n").unwrap();
-    let mut permissions = script.as_file().metadata().unwrap().permissions();
-    std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, 0o755);
-    std::fs::set_permissions(script.path(), permissions).unwrap();
-    let path = script.into_temp_path();
-    let done = lab.runtime().variable("SCANWALK_XR_PROBE", job).run(&path, &args);
+    std::fs::write(script.path(), format!("#!/bin/sh\nexec env {assignment} \"$XR_LD\" \"$@\"\n")).unwrap();
+    std::fs::set_permissions(script.path(), std::fs::Permissions::from_mode(0o755)).unwrap();
+    // Closed, for a file that is open for writing cannot be run.
+    let script = script.into_temp_path();
+    let program = this_program();
+    let mut args = vec![program.to_str().unwrap()];
+    args.extend(PROBE_ARGS);
+    let job = serde_json::to_string(&Job::default()).unwrap();
+    let done = lab.runtime().variable(JOB, job).run(&script, &args);
     done.assert_ok();
     last(&done.lines, "missing").unwrap_or_default().to_string()
 }
@@ -114,7 +111,7 @@ fn no_loader_is_told() {
     // A file of that name that is no library hides an installed loader.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("libopenxr_loader.so.1"), "not a library").unwrap();
-    let mut command: Command = Job::default().bare(&this_program());
+    let mut command = Job::default().bare(&this_program());
     let output = command.env("LD_LIBRARY_PATH", folder.path()).output().unwrap();
     let lines: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_string).collect();
     assert!(output.status.success(), "{lines:?}");

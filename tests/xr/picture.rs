@@ -2,7 +2,7 @@
 
 use crate::probe::Job;
 use crate::support::poses::Packet;
-use crate::support::screen::Image;
+use crate::support::screen::{Difference, Image};
 use crate::support::{Compositor, Lab};
 use std::time::{Duration, Instant};
 
@@ -55,5 +55,8 @@ fn a_single_changed_bit_is_found() {
     assert_eq!(image.differences(&image), (0, None));
     let mut changed = image.clone();
     changed.pixels[4][1] ^= 1;
-    assert_eq!(image.differences(&changed), (1, Some((1, 1, [7, 7, 7], [7, 6, 7]))));
+    assert_eq!(
+        image.differences(&changed),
+        (1, Some(Difference { at: [1, 1], here: [7, 7, 7], there: [7, 6, 7] }))
+    );
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Carries the [`Job`] to the child.
-const JOB: &str = "SCANWALK_XR_PROBE";
+pub const JOB: &str = "SCANWALK_XR_PROBE";
 
 /// What the probe is to do.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -3,6 +3,15 @@
 use std::io;
 use std::path::Path;
 
+/// A pixel that is not the same in two pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// x, y; 0, 0 is top left.
+    pub at: [usize; 2],
+    pub here: [u8; 3],
+    pub there: [u8; 3],
+}
+
 /// A picture, 8 bits a channel.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Image {
@@ -54,13 +63,14 @@ impl Image {
         }
     }
 
-    /// How many pixels differ, and the first: x, y, here, there.
-    pub fn differences(&self, other: &Self) -> (usize, Option<(usize, usize, [u8; 3], [u8; 3])>) {
+    /// How many pixels differ, and the first that does.
+    pub fn differences(&self, other: &Self) -> (usize, Option<Difference>) {
         assert_eq!(self.size, other.size, "sizes");
         let mut different =
             self.pixels.iter().zip(&other.pixels).enumerate().filter(|(_, (here, there))| here != there);
         let first = different.next();
         let count = usize::from(first.is_some()) + different.count();
-        (count, first.map(|(i, (here, there))| (i % self.size[0], i / self.size[0], *here, *there)))
+        let place = |i: usize| [i % self.size[0], i / self.size[0]];
+        (count, first.map(|(i, (&here, &there))| Difference { at: place(i), here, there }))
     }
 }

@@ -1,0 +1,201 @@
+//! The painter on a GPU without a window, and the panel without either.
+
+use super::controls::{Controls, View};
+use super::history::{History, tests::row};
+use super::painter::{EguiPicture, Painter};
+use super::{WindowFacts, help, keys, notice, panel, style};
+use crate::config::Mirror;
+use crate::gpu::Gpu;
+use crate::timing::FrameRow;
+use crate::walk::link::{LoadState, MirrorImages};
+use std::time::Instant;
+use wgpu::TextureFormat;
+
+/// A grey ramp of every 8-bit value, 16 × 16, and its negative for the other eye.
+const EDGE: u32 = 16;
+
+fn texture(gpu: &Gpu, format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: EDGE, height: EDGE, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+fn ramps(gpu: &Gpu) -> MirrorImages {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    [0u8, 255].map(|flip| {
+        let image = texture(gpu, TextureFormat::Rgba8UnormSrgb, usage);
+        let pixels: Vec<u8> = (0..=255u8).flat_map(|v| [v ^ flip, v ^ flip, v ^ flip, 255]).collect();
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * EDGE), rows_per_image: None };
+        gpu.queue.lock().for_uploads().write_texture(image.as_image_copy(), &pixels, layout, image.size());
+        image
+    })
+}
+
+/// The first channel of each pixel after mirroring `images` into a picture of their own size.
+fn mirrored(gpu: &Gpu, images: &MirrorImages, mirror: Mirror, format: TextureFormat) -> Vec<u8> {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    let target = texture(gpu, format, usage);
+    let nothing = EguiPicture { primitives: Vec::new(), textures: Default::default(), pixels_per_point: 1.0 };
+    let view = target.create_view(&Default::default());
+    let mut painter = Painter::new(&gpu.device, format);
+    let commands = painter.record(gpu, &view, [EDGE, EDGE], Some((images, mirror)), nothing);
+    let row_bytes = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row_bytes * EDGE),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
+    encoder.copy_texture_to_buffer(
+        target.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        target.size(),
+    );
+    gpu.queue.lock().submit(commands.into_iter().chain([encoder.finish()]));
+    buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let bytes = buffer.slice(..).get_mapped_range().unwrap();
+    let row = |y: u32| (0..EDGE).map(move |x| (y * row_bytes + 4 * x) as usize);
+    (0..EDGE).flat_map(row).map(|at| bytes[at]).collect()
+}
+
+#[test]
+fn the_mirror_keeps_every_8_bit_value() {
+    let gpu = Gpu::open(None).unwrap();
+    let images = ramps(&gpu);
+    let ramp: Vec<u8> = (0..=255).collect();
+    let negative: Vec<u8> = (0..=255).rev().collect();
+    for format in [TextureFormat::Bgra8Unorm, TextureFormat::Rgba8Unorm, TextureFormat::Bgra8UnormSrgb] {
+        assert_eq!(mirrored(&gpu, &images, Mirror::Left, format), ramp, "{format:?}");
+        assert_eq!(mirrored(&gpu, &images, Mirror::Right, format), negative, "{format:?}");
+    }
+    // The comparison can fail: side by side each eye has half of the pixels.
+    assert_ne!(mirrored(&gpu, &images, Mirror::Both, TextureFormat::Bgra8Unorm), ramp);
+}
+
+/// Every word that one egui pass paints.
+fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
+    fn collect(shape: &egui::Shape, words: &mut String) {
+        match shape {
+            egui::Shape::Text(text) => *words += &format!("{}\n", text.galley.text()),
+            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, words)),
+            _ => {}
+        }
+    }
+    let context = egui::Context::default();
+    style::apply(&context);
+    let mut contents = contents;
+    let size = egui::vec2(1280.0, 1200.0);
+    let mut words = String::new();
+    // The first pass of an area only measures it.
+    for _ in 0..3 {
+        let input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+            ..Default::default()
+        };
+        let mut output = context.run_ui(input, &mut contents);
+        // egui insists that somebody deals with its textures.
+        output.textures_delta.clear();
+        words.clear();
+        output.shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut words));
+    }
+    words
+}
+
+fn panel_words(history: &History, load: &LoadState) -> String {
+    let facts =
+        WindowFacts { scan: "hall.laz".into(), device: "Some GPU".into(), runtime: "Monado 25".into() };
+    let now = Instant::now();
+    let contents = panel::Contents { facts: &facts, history, load, eye_px: Some([1440, 1600]), now };
+    let mut view = View::new(Mirror::Left, true);
+    painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), None))
+}
+
+#[test]
+fn the_panel_tells_of_frames_scan_and_machine() {
+    let mut history = History::default();
+    for frame in 0..=180 {
+        history.push(
+            FrameRow { missed_periods: u32::from(frame == 7), ..row(frame, frame as f64 / 90.0, 8.0) },
+            Instant::now(),
+        );
+    }
+    let load = LoadState {
+        facts: vec![("Points".into(), "52 391 020".into())],
+        warnings: vec!["hall.laz: odd".into()],
+        ..Default::default()
+    };
+    let words = panel_words(&history, &load);
+    let wanted = [
+        "90",
+        "1 missed",
+        "budget 11.1 ms",
+        "depth",
+        "4.80 ms",
+        "8.00 ms",
+        "median",
+        "8.00 M",
+        "52.4 M",
+        "800",
+        "closest",
+        "52 391 020",
+        "hall.laz: odd",
+        "Some GPU",
+        "Monado 25",
+        "1440 × 1600 px",
+        "Both",
+        "×1",
+    ];
+    for text in wanted {
+        assert!(words.lines().any(|line| line.contains(text)), "no '{text}' in:\n{words}");
+    }
+}
+
+#[test]
+fn the_panel_bears_having_nothing_to_tell() {
+    let words = panel_words(&History::default(), &LoadState::default());
+    assert!(words.contains("No frame yet") && !words.contains("Warnings"), "{words}");
+    let mut silent = History::default();
+    silent.push(
+        FrameRow { stage_ms: [f32::NAN; 4], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
+        Instant::now(),
+    );
+    let words = panel_words(&silent, &LoadState::default());
+    assert!(words.contains("This GPU tells no times"), "{words}");
+}
+
+#[test]
+fn the_help_lists_the_whole_table() {
+    let mut view = View::new(Mirror::Left, false);
+    assert_eq!(painted(|ui| help::show(ui, &mut view)), "");
+    let mut controls = Controls::new(view);
+    controls.key(winit::keyboard::KeyCode::F1, true, Instant::now());
+    let words = painted(|ui| help::show(ui, &mut controls.view));
+    for binding in keys::BINDINGS {
+        assert!(words.contains(binding.does), "{}", binding.does);
+        assert!(binding.labels().iter().all(|label| words.lines().any(|line| line == label)), "{binding:?}");
+    }
+}
+
+#[test]
+fn notices_say_what_goes_on() {
+    let mut load = LoadState { step: "sorting".into(), fraction: 0.425, ..Default::default() };
+    let words = painted(|ui| notice::show(ui, &load, false, false));
+    assert!(words.contains("Sorting …") && words.contains("42 %"), "{words}");
+    load.error = Some("hall.laz: not a LAS file; choose another".into());
+    let words = painted(|ui| notice::show(ui, &load, true, true));
+    assert!(words.contains("not a LAS file") && words.contains("Esc again") && !words.contains("Sorting"));
+    load = LoadState { step: "über".into(), fraction: f32::NAN, ..Default::default() };
+    assert!(painted(|ui| notice::show(ui, &load, true, false)).contains("über"));
+}
