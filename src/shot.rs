@@ -93,7 +93,7 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     drop((sorting, sending));
     let load_s = load_began.elapsed().as_secs_f64();
 
-    let view = view(options, &cloud.bounds, config.frame.near_m)?;
+    let view = view(options, &cloud.body(), config.frame.near_m)?;
     let mut shot = Shot::new(&gpu, &view)?;
     shot.renderer.set_cloud(buffers);
     shot.renderer.set_background(config.frame.background);
@@ -145,7 +145,7 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
 fn overview(bounds: &Bounds, target: DVec3, fov: Fov) -> DVec3 {
     let radius = (0.5 * bounds.size().length()).max(1e-3);
     let half_angle = fov.up.min(fov.right).min(-fov.left).min(-fov.down).max(0.05).atan();
-    target + DVec3::new(0.55, -0.72, 0.42).normalize() * (0.9 * radius / half_angle.sin()).max(radius * 0.2)
+    target + DVec3::new(0.55, -0.72, 0.42).normalize() * (radius / half_angle.sin()).max(radius * 0.2)
 }
 
 /// A renderer with images of its own.

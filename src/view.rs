@@ -185,7 +185,7 @@ fn load(
 /// What the window's panel says of the scan.
 fn scan_facts(scan: &scan::Scan) -> Vec<(String, String)> {
     let size = scan.bounds().size();
-    let mut facts = vec![("points".to_string(), scan.num_points().to_string())];
+    let mut facts = vec![("points".to_string(), scan::info::grouped(scan.num_points()))];
     facts.push(("size".into(), format!("{:.2} × {:.2} × {:.2}", size.x, size.y, size.z)));
     if let Some(file) = scan.files.first() {
         facts.push(("format".into(), file.format.clone()));

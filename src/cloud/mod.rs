@@ -1,5 +1,6 @@
 //! Pure CPU: points to Morton-ordered batches of quantised planes, ready for the GPU. Names no GPU API.
 
+mod body;
 mod build;
 pub mod morton;
 pub mod quantize;

@@ -158,7 +158,7 @@ fn decimals(headers: &[Header]) -> usize {
 }
 
 /// 1234567 as 1,234,567.
-fn grouped(count: usize) -> String {
+pub(crate) fn grouped(count: usize) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {

@@ -1,20 +1,19 @@
 //! Where a walk begins: inside a place, before an object, above a landscape.
 
 use super::locomotion::Start;
-use crate::cloud::{Cloud, quantize};
+use crate::cloud::Cloud;
 use glam::DVec3;
 
 /// Below this many metres across, a scan is an object: stand before it.
 const OBJECT_M: f64 = 4.0;
 /// Above this many metres across, it is a landscape: look at it from its edge, from above.
 const LANDSCAPE_M: f64 = 250.0;
-/// Points looked at to find the floor.
-const NUM_SAMPLES: usize = 200_000;
 
 /// The starting place for a cloud whose world unit is `unit_m` metres.
 #[must_use]
 pub fn start(cloud: &Cloud, unit_m: f64) -> Start {
-    let (bounds, center) = (cloud.bounds, cloud.bounds.center());
+    let bounds = cloud.body();
+    let center = bounds.center();
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
     let extent_m = extent * unit_m;
     let units_per_m = 1.0 / unit_m;
@@ -27,30 +26,16 @@ pub fn start(cloud: &Cloud, unit_m: f64) -> Start {
     } else if extent_m > LANDSCAPE_M {
         overview
     } else {
-        DVec3::new(center.x, center.y, floor(cloud, center, 0.1 * extent))
+        DVec3::new(center.x, center.y, floor(cloud, center, 0.1 * extent).unwrap_or(bounds.min.z))
     };
     Start { floor_in_world, yaw: 0.0, units_per_m, extent_m, overview: (overview, 0.0) }
 }
 
 /// Height of the floor round `center`: a low percentile of the points within `radius`, so that neither stray
-/// points below nor furniture matter.
-fn floor(cloud: &Cloud, center: DVec3, radius: f64) -> f64 {
-    let stride = (cloud.num_points as usize / NUM_SAMPLES).max(1);
-    let near = |p: DVec3| (p - center).truncate().length() < radius;
-    let mut heights: Vec<f64> = Vec::new();
-    for batch in &cloud.batches {
-        let cells = quantize::Cells { min: batch.min, cell: batch.cell };
-        let range = batch.first_point as usize..(batch.first_point + batch.num_points) as usize;
-        for i in range.step_by(stride) {
-            let p = cells.center(quantize::cells_of([0, 1, 2].map(|plane| cloud.planes[plane][i])));
-            if near(p) {
-                heights.push(p.z);
-            }
-        }
-    }
-    if heights.is_empty() {
-        return cloud.bounds.min.z;
-    }
+/// points below nor furniture matter. None if there are no points.
+fn floor(cloud: &Cloud, center: DVec3, radius: f64) -> Option<f64> {
+    let near = cloud.samples().filter(|p| (*p - center).truncate().length() < radius);
+    let mut heights: Vec<f64> = near.map(|p| p.z).collect();
     let low = heights.len() / 20;
-    *heights.select_nth_unstable_by(low, f64::total_cmp).1
+    (!heights.is_empty()).then(|| *heights.select_nth_unstable_by(low, f64::total_cmp).1)
 }
