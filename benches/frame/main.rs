@@ -2,8 +2,8 @@
 //! in one `depth` dispatch (`stereo`) against a renderer for each eye (`two-singles`), and against hardware
 //! points (`point-list`). `docs/bench/frame` keeps a run.
 //!
-//! The contestants take turns, so that whatever else the machine does meets them all; medians are shown with
-//! their range. Before anything is timed, all must have drawn the same picture: see [`check`].
+//! The contestants take turns, so that whatever else the machine does meets them all, and each draws a frame
+//! that does not count before one that does; medians are shown with their range. Before anything is timed, all must have drawn the same picture: see [`check`].
 
 mod check;
 mod contestant;
@@ -121,6 +121,9 @@ fn measure(gpu: &Arc<Gpu>, cloud: &Cloud, args: &Args) -> Result<Vec<Figures>> {
         let mut samples = [const { Vec::new() }; 3];
         for run in 0..WARM_UP_FRAMES + args.runs {
             for (contestant, samples) in contestants.iter_mut().zip(&mut samples) {
+                // A frame that does not count: caches and scheduler are then as this contestant leaves them,
+                // not as the one before did.
+                contestant.draw(&view)?;
                 let sample = contestant.draw(&view)?;
                 if run >= WARM_UP_FRAMES {
                     samples.push(sample);
