@@ -195,11 +195,11 @@ impl Sampler {
         // Gaps are a code cell less than the difference of the numbers.
         let reach = grid.min_distance() + 1;
         let end = grid.size() - 1;
-        // Morton parts of the cells in reach along an axis: a reach is less than a cell, so two at most.
+        // Morton parts of the cells in reach along an axis: from the middle of a cell both neighbours are.
         let side = |v: u64| {
             let first = v.saturating_sub(reach) >> grid.cell_bits;
             let last = end.min((v + reach) >> grid.cell_bits);
-            ([spread(first), spread(last)], if first == last { 1 } else { 2 })
+            ([first, first + 1, first + 2].map(spread), (last - first + 1) as usize)
         };
         let (xs, num_xs) = side(place[0]);
         let (ys, num_ys) = side(place[1]);
