@@ -187,15 +187,6 @@ fn wait(gpu: &Gpu, began: Instant) -> Result<f64> {
     Ok(1e3 * began.elapsed().as_secs_f64())
 }
 
-fn image(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("image"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    })
+fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.texture("image", size_px, format, wgpu::TextureUsages::RENDER_ATTACHMENT)
 }

@@ -15,16 +15,7 @@ use wgpu::TextureFormat;
 const EDGE: u32 = 16;
 
 fn texture(gpu: &Gpu, format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: EDGE, height: EDGE, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
+    gpu.texture("ramp", [EDGE; 2], format, usage)
 }
 
 fn ramps(gpu: &Gpu) -> MirrorImages {
