@@ -17,6 +17,12 @@ struct EyeUniform {
     row_w: vec4<f32>,
     eye_in_head: vec3<f32>,
     pixels_per_radian: f32,
+    gaze_in_head: vec3<f32>,
+    reserved_a: u32,
+    gaze_in_view: vec3<f32>,
+    reserved_b: u32,
+    tangent_origin: vec2<f32>,
+    tangent_per_px: vec2<f32>,
     size_px: vec2<f32>,
     width: u32,
     height: u32,
@@ -27,6 +33,10 @@ struct ViewUniform {
     near: f32,
     head_lo: vec3<f32>,
     forced_planes: u32,
+    threshold_px: vec3<f32>,
+    lod_flags: u32,
+    ring_cos: vec2<f32>,
+    ring_sin: vec2<f32>,
     eyes: array<EyeUniform, 2>,
 }
 

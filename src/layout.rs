@@ -1,7 +1,7 @@
 //! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
 //! generated [`prelude`]; struct offsets are compared with naga's in `tests/shaders.rs`.
 
-use crate::space::{Eye, Split, View};
+use crate::space::{Eye, Fov, Split, View};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
@@ -25,6 +25,10 @@ pub const HEAD_CELL_STEP: i32 = 1 << 18;
 pub const COUNTERS_STRIDE: u32 = 256;
 /// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
 pub const EMPTY_DEPTH: u32 = u32::MAX;
+/// [`ViewUniform::lod_flags`]: points of a node appear one by one.
+pub const LOD_FADE: u32 = 1;
+/// [`ViewUniform::lod_flags`]: thresholds grow smoothly from ring to ring.
+pub const LOD_SMOOTH: u32 = 2;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 
@@ -70,7 +74,8 @@ impl Batch {
     }
 }
 
-/// One eye as the shaders see it: rows of `pixel_from_head` ([`crate::space::Eye::pixel_from_head`]).
+/// One eye as the shaders see it: rows of `pixel_from_head` ([`crate::space::Eye::pixel_from_head`]), the gaze,
+/// and the way from a pixel back to a direction.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct EyeUniform {
@@ -84,6 +89,19 @@ pub struct EyeUniform {
     pub eye_in_head: [f32; 3],
     /// Pixels per radian at the optical axis.
     pub pixels_per_radian: f32,
+    /// Direction of the gaze in head space, unit length.
+    pub gaze_in_head: [f32; 3],
+    /// Always 0.
+    pub reserved_a: u32,
+    /// Direction of the gaze in view space, unit length; (0, 0, −1) is the optical axis.
+    pub gaze_in_view: [f32; 3],
+    /// Always 0.
+    pub reserved_b: u32,
+    /// Tangents of the angles to the image's top left corner: right and up are positive.
+    pub tangent_origin: [f32; 2],
+    /// Tangents from one pixel to the next, to the right and down. The centre of pixel (x, y) lies in the
+    /// direction `(tangent_origin + tangent_per_px · (x + ½, y + ½), −1)` of view space.
+    pub tangent_per_px: [f32; 2],
     /// Image size in pixels, as floats.
     pub size_px: [f32; 2],
     /// Image width in pixels.
@@ -98,15 +116,51 @@ impl EyeUniform {
     pub fn new(eye: &Eye, head_in_world: DVec3) -> Self {
         let [row_x, row_y, row_w] = eye.pixel_from_head(head_in_world).map(|row| row.map(|v| v as f32));
         let [width, height] = eye.size_px;
+        let Fov { left, right, up, down } = eye.fov;
+        let per_px = [(right - left) / f64::from(width), (down - up) / f64::from(height)];
         Self {
             row_x,
             row_y,
             row_w,
             eye_in_head: (eye.world_from_view.position - head_in_world).as_vec3().to_array(),
             pixels_per_radian: eye.pixels_per_radian() as f32,
+            gaze_in_head: (eye.world_from_view.orientation * eye.gaze_in_view).as_vec3().to_array(),
+            reserved_a: 0,
+            gaze_in_view: eye.gaze_in_view.as_vec3().to_array(),
+            reserved_b: 0,
+            tangent_origin: [left as f32, up as f32],
+            tangent_per_px: per_px.map(|t| t as f32),
             size_px: [width as f32, height as f32],
             width,
             height,
+        }
+    }
+}
+
+/// How much of a cloud a frame draws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detail {
+    /// 0: precision by projected size; 1, 2, 3: that many planes always.
+    pub forced_planes: u32,
+    /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
+    pub threshold_px: [f32; 3],
+    /// Angles from the gaze at which the inner and the middle ring end, radians.
+    pub ring_rad: [f64; 2],
+    /// Thresholds grow from the first to the third between the rings' ends.
+    pub smooth: bool,
+    /// Points of a node appear one by one.
+    pub fade: bool,
+}
+
+impl Default for Detail {
+    /// The papers' thresholds, no fading.
+    fn default() -> Self {
+        Self {
+            forced_planes: 0,
+            threshold_px: [100.0, 200.0, 300.0],
+            ring_rad: [20f64.to_radians(), 38f64.to_radians()],
+            smooth: false,
+            fade: false,
         }
     }
 }
@@ -123,17 +177,25 @@ pub struct ViewUniform {
     pub head_lo: [f32; 3],
     /// 0: precision by projected size; 1, 2, 3: that many planes always.
     pub forced_planes: u32,
+    /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
+    pub threshold_px: [f32; 3],
+    /// [`LOD_FADE`], [`LOD_SMOOTH`].
+    pub lod_flags: u32,
+    /// Cosines of the angles from the gaze at which the inner and the middle ring end.
+    pub ring_cos: [f32; 2],
+    /// Their sines.
+    pub ring_sin: [f32; 2],
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
 }
 
 impl ViewUniform {
-    /// The GPU's form of a view of one or two eyes; `forced_planes` as the field.
+    /// The GPU's form of a view of one or two eyes.
     ///
     /// # Panics
     /// If the view has no eye.
     #[must_use]
-    pub fn new(view: &View, split: &Split, forced_planes: u32) -> Self {
+    pub fn new(view: &View, split: &Split, detail: &Detail) -> Self {
         let head_in_world = view.head_in_world();
         let (hi, lo) = split.pair(head_in_world);
         let eye = |index: usize| EyeUniform::new(&view.eyes[index.min(view.eyes.len() - 1)], head_in_world);
@@ -141,7 +203,11 @@ impl ViewUniform {
             head_hi: hi.to_array(),
             near: view.near as f32,
             head_lo: lo.to_array(),
-            forced_planes,
+            forced_planes: detail.forced_planes,
+            threshold_px: detail.threshold_px,
+            lod_flags: if detail.fade { LOD_FADE } else { 0 } | if detail.smooth { LOD_SMOOTH } else { 0 },
+            ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
+            ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
             eyes: [eye(0), eye(1)],
         }
     }
@@ -222,6 +288,8 @@ pub fn prelude(num_eyes: u32) -> String {
          const COUNTERS_STRIDE: u32 = {COUNTERS_STRIDE}u;\n\
          const EMPTY_DEPTH: u32 = {EMPTY_DEPTH}u;\n\
          const HEAD_CELL_STEP: i32 = {HEAD_CELL_STEP};\n\
-         const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n"
+         const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n\
+         const LOD_FADE: u32 = {LOD_FADE}u;\n\
+         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n"
     )
 }

@@ -133,7 +133,12 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
     let center = Pose::look_at(eye, target, options.up);
     let at = |sideways: f64, fov: Fov| {
         let position = center.position + center.orientation * DVec3::X * sideways;
-        Eye { world_from_view: Pose { position, ..center }, fov, size_px: options.size_px }
+        Eye {
+            world_from_view: Pose { position, ..center },
+            fov,
+            size_px: options.size_px,
+            gaze_in_view: Eye::AHEAD,
+        }
     };
     let half = 0.5 * options.ipd;
     let eyes =

@@ -156,9 +156,15 @@ pub struct Eye {
     pub fov: Fov,
     /// Image size in pixels: width, height; both at least 1.
     pub size_px: [u32; 2],
+    /// Where the eye looks, in view space, unit length: an eye tracker's answer, else [`Eye::AHEAD`].
+    pub gaze_in_view: DVec3,
 }
 
 impl Eye {
+    /// The optical axis: the gaze of an eye that nobody tracks. Not the image's centre, which an asymmetric
+    /// field of view puts degrees away.
+    pub const AHEAD: DVec3 = DVec3::NEG_Z;
+
     /// Rows of `pixel_from_head`: for p in head space (world axes, relative to `head_in_world`),
     /// `w = r[2]·(p, 1)` is the linear depth (distance along the view direction, world units),
     /// `px = r[0]·(p, 1) / w` and `py = r[1]·(p, 1) / w` are pixel coordinates, y down.
@@ -275,6 +281,7 @@ mod tests {
                 world_from_view: Pose::look_at(eye, target, DVec3::Z),
                 fov: Fov::symmetric(fov.to_radians(), f64::from(size[0]) / f64::from(size[1])),
                 size_px: size,
+                gaze_in_view: Eye::AHEAD,
             };
             let head = eye + DVec3::new(0.1, -0.2, 0.3);
             let rows = camera.pixel_from_head(head);

@@ -12,7 +12,7 @@ use support::{Drawn, cloud_of, draw, scan_of};
 fn look_north(size_px: [u32; 2], half: f64) -> View {
     let world_from_view = Pose::look_at(DVec3::ZERO, DVec3::Y, DVec3::Z);
     let fov = Fov { left: -half, right: half, up: half, down: -half };
-    View { eyes: vec![Eye { world_from_view, fov, size_px }], near: 0.05 }
+    View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: 0.05 }
 }
 
 fn draw_points(xyz: &[[i32; 3]], view: &View) -> Drawn {

@@ -4,7 +4,7 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use scanwalk::cloud::{Cloud, Order, build};
-use scanwalk::layout::{Batch, CullCounters, ViewUniform, VisibleBatch};
+use scanwalk::layout::{Batch, CullCounters, Detail, ViewUniform, VisibleBatch};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan;
 use scanwalk::space::{Eye, Fov, Pose, View};
@@ -27,7 +27,7 @@ fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
         } else {
             Fov { left: -inner, right: outer, up: 1.0, down: -1.2 }
         };
-        Eye { world_from_view: head.then(&cant), fov, size_px }
+        Eye { world_from_view: head.then(&cant), fov, size_px, gaze_in_view: Eye::AHEAD }
     };
     View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
 }
@@ -113,7 +113,7 @@ fn cull_equals_its_twin() {
     let center = cloud.bounds.center();
     let view = stereo(center + DVec3::new(20.0, 5.0, 1.0), center + DVec3::new(60.0, 40.0, 3.0), [640, 480]);
     let drawn = draw(&cloud, &view, false, 0);
-    let uniform = ViewUniform::new(&view, &cloud.split, 0);
+    let uniform = ViewUniform::new(&view, &cloud.split, &Detail::default());
     let batches: Vec<Batch> = twin::batches(&cloud);
     let want = twin::cull::cull(&uniform, 2, &batches);
     let counters: CullCounters = bytemuck::pod_read_unaligned(&drawn.counters[..16]);

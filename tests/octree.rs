@@ -341,7 +341,7 @@ fn all_batches_together_draw_the_whole_cloud() {
     let center = octree.cloud.bounds.center();
     let eye = Pose::look_at(center - DVec3::new(0.0, 4.0, 0.0), center, DVec3::Z);
     let fov = Fov::symmetric(std::f64::consts::FRAC_PI_2, 1.0);
-    let eyes = vec![Eye { world_from_view: eye, fov, size_px: [2400, 2400] }];
+    let eyes = vec![Eye { world_from_view: eye, fov, size_px: [2400, 2400], gaze_in_view: Eye::AHEAD }];
     let view = View { eyes, near: 0.05 };
     let num_drawn = |cloud| {
         let frame = scanwalk::twin::frame(cloud, &view, 3, [0, 0, 0]);

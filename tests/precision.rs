@@ -30,7 +30,10 @@ fn view(head_offset: DVec3) -> View {
     let eye = target - DVec3::Y + head_offset;
     let world_from_view = Pose { position: eye, ..Pose::look_at(target - DVec3::Y, target, DVec3::Z) };
     let size_px = [701, 701];
-    View { eyes: vec![Eye { world_from_view, fov: Fov::symmetric(0.2, 1.0), size_px }], near: 0.05 }
+    View {
+        eyes: vec![Eye { world_from_view, fov: Fov::symmetric(0.2, 1.0), size_px, gaze_in_view: Eye::AHEAD }],
+        near: 0.05,
+    }
 }
 
 /// Exact pixel coordinates by the picture formula in f64.

@@ -49,8 +49,9 @@ macro_rules! host {
 fn host_structs() -> Vec<HostStruct> {
     vec![
         host!(Batch: min_hi, first_point, min_lo, num_points, cell, reserved_a, steps_per_unit, reserved_b),
-        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, size_px, width, height),
-        host!(ViewUniform: head_hi, near, head_lo, forced_planes, eyes),
+        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, reserved_a, gaze_in_view,
+            reserved_b, tangent_origin, tangent_per_px, size_px, width, height),
+        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, lod_flags, ring_cos, ring_sin, eyes),
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ResolveUniform: width, first_index, num_points, reserved),

@@ -141,7 +141,7 @@ fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
     let [outer, inner, up, down] = FOV_DEG.map(f64::to_radians);
     let eye = |side: f64, fov| {
         let sideways = Pose { position: DVec3::X * side * 0.5 * EYE_DISTANCE_M, ..Pose::IDENTITY };
-        Eye { world_from_view: head.then(&sideways), fov, size_px }
+        Eye { world_from_view: head.then(&sideways), fov, size_px, gaze_in_view: Eye::AHEAD }
     };
     let left = eye(-1.0, Fov::from_angles(-outer, inner, up, -down));
     let right = eye(1.0, Fov::from_angles(-inner, outer, up, -down));

@@ -1,7 +1,7 @@
 //! Arguments of `scanwalk render`.
 
 use super::{Usage, parse};
-use crate::config::{Config, Precision};
+use crate::config::{Config, Dilate, Precision, Quality};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -68,16 +68,6 @@ const EXAMPLES: &str = "Examples:
   scanwalk render castle.laz -o gate.png --eye 12,-4,1.7 --target 0,0,2 --fov-y 75
   scanwalk render castle.laz -o castle.png --stereo --ipd 0.065 --depth castle.npy";
 
-/// What a pixel shows of the points in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Quality {
-    /// The nearest point's color.
-    #[default]
-    Closest,
-    /// The blend of the nearest points.
-    Hqs,
-}
-
 /// On or off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
@@ -86,16 +76,6 @@ pub enum Switch {
     /// Off.
     #[default]
     Off,
-}
-
-/// How gaps between points are filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Dilate {
-    /// Not at all.
-    #[default]
-    Off,
-    /// By kernels that grow with the angle from the gaze.
-    Rings,
 }
 
 impl RenderArgs {

@@ -1,6 +1,6 @@
 //! The range of every setting, in one place.
 
-use super::{Config, HeadsetConfig, LocomotionConfig, SimulatedConfig};
+use super::{Config, FoveaConfig, HeadsetConfig, LocomotionConfig, SimulatedConfig};
 use std::ops::RangeInclusive;
 
 /// Largest edge of an image or window: what Vulkan drivers draw to.
@@ -18,7 +18,13 @@ pub(super) struct Problem {
 /// Checks every value that its type leaves too much freedom.
 pub(super) fn check(config: &Config) -> Result<(), Problem> {
     number("frame.near_m", config.frame.near_m, 1e-6..=1e6)?;
-    let HeadsetConfig { resolution_scale } = config.headset;
+    rings(&config.fovea)?;
+    for threshold in config.lod.threshold_px {
+        // Below, a pixel could get more points than `color` can add up; see layout::SumsForm.
+        number("lod.threshold_px", threshold, 50.0..=10_000.0)?;
+    }
+    number("governor.budget", config.governor.budget, 0.1..=1.0)?;
+    let HeadsetConfig { resolution_scale, .. } = config.headset;
     number("headset.resolution_scale", resolution_scale, 0.05..=4.0)?;
     simulated(&config.simulated)?;
     let LocomotionConfig { speed, fast, snap_deg, look_deg_per_px } = config.locomotion;
@@ -27,6 +33,17 @@ pub(super) fn check(config: &Config) -> Result<(), Problem> {
     number("locomotion.snap_deg", snap_deg, 1.0..=180.0)?;
     number("locomotion.look_deg_per_px", look_deg_per_px, -10.0..=10.0)?;
     size("window.size", config.window.size)
+}
+
+fn rings(fovea: &FoveaConfig) -> Result<(), Problem> {
+    for angle in fovea.ring_deg {
+        number("fovea.ring_deg", angle, 0.0..=89.0)?;
+    }
+    if fovea.ring_deg[0] > fovea.ring_deg[1] {
+        let problem = format!("is {:?}, but the inner ring must end first", fovea.ring_deg);
+        return Err(Problem { key: "fovea.ring_deg", problem });
+    }
+    Ok(())
 }
 
 fn simulated(simulated: &SimulatedConfig) -> Result<(), Problem> {

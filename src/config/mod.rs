@@ -23,6 +23,12 @@ pub struct Config {
     pub cloud: CloudConfig,
     /// The frame's stages.
     pub frame: FrameConfig,
+    /// Where the eye looks, and how far out it wants how much.
+    pub fovea: FoveaConfig,
+    /// Level of detail.
+    pub lod: LodConfig,
+    /// What keeps the frame within its budget.
+    pub governor: GovernorConfig,
     /// Real headsets.
     pub headset: HeadsetConfig,
     /// The headset that stands in where there is none.
@@ -69,6 +75,23 @@ pub struct GpuConfig {
     pub adapter: String,
     /// Largest part of the point pool in MiB that one binding holds; 0: what the GPU allows.
     pub chunk_mib: u32,
+    /// Which atomics the stages use; all draw the same picture.
+    pub tier: Tier,
+}
+
+/// What the stages ask of the GPU's atomics (frame.md section 7). Each tier draws the same picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tier {
+    /// The best that the GPU has.
+    #[default]
+    Auto,
+    /// 64-bit minimum and addition.
+    Int64,
+    /// 64-bit minimum; sums by 32-bit additions.
+    Int64Minmax,
+    /// 32-bit minimum and addition.
+    Int32,
 }
 
 /// `[cloud]`
@@ -89,11 +112,96 @@ pub struct FrameConfig {
     pub background: [u8; 3],
     /// `auto`: coordinate bits by projected size; `full`: always 30.
     pub precision: Precision,
+    /// What a pixel shows of the points in it.
+    pub quality: Quality,
+    /// How gaps between points are filled.
+    pub dilate: Dilate,
+    /// Points are drawn larger where even the finest lie further apart than `dilate` reaches.
+    pub fill: bool,
 }
 
 impl Default for FrameConfig {
     fn default() -> Self {
-        Self { near_m: 0.05, background: [0, 0, 0], precision: Precision::Auto }
+        Self {
+            near_m: 0.05,
+            background: [0, 0, 0],
+            precision: Precision::Auto,
+            quality: Quality::Hqs,
+            dilate: Dilate::Rings,
+            fill: true,
+        }
+    }
+}
+
+/// What a pixel shows of the points in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// The nearest point's color.
+    #[default]
+    Closest,
+    /// High-quality shading: the blend of the nearest points.
+    Hqs,
+}
+
+/// How gaps between points are filled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Dilate {
+    /// Not at all.
+    #[default]
+    Off,
+    /// By kernels that grow with the angle from the gaze.
+    Rings,
+}
+
+/// `[fovea]`: one fovea, in degrees from the gaze, for level of detail and dilation (frame.md section 4).
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FoveaConfig {
+    /// Where the inner and the middle ring end.
+    pub ring_deg: [f64; 2],
+    /// Thresholds grow smoothly from ring to ring.
+    pub smooth: bool,
+}
+
+impl Default for FoveaConfig {
+    fn default() -> Self {
+        Self { ring_deg: [20.0, 38.0], smooth: false }
+    }
+}
+
+/// `[lod]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LodConfig {
+    /// Build an octree and draw the nodes that matter; off: every point, always.
+    pub enabled: bool,
+    /// A node is drawn if its projected edge has this many pixels: inner, middle, outer ring.
+    pub threshold_px: [f64; 3],
+    /// Points of a node appear one by one rather than all at once.
+    pub fade: bool,
+}
+
+impl Default for LodConfig {
+    fn default() -> Self {
+        Self { enabled: true, threshold_px: [100.0, 200.0, 300.0], fade: true }
+    }
+}
+
+/// `[governor]`
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GovernorConfig {
+    /// Trade quality for time when frames take too long.
+    pub enabled: bool,
+    /// Share of the display period that the GPU may use; the runtime's compositor needs the rest.
+    pub budget: f64,
+}
+
+impl Default for GovernorConfig {
+    fn default() -> Self {
+        Self { enabled: true, budget: 0.8 }
     }
 }
 
@@ -114,11 +222,15 @@ pub enum Precision {
 pub struct HeadsetConfig {
     /// Factor on the width and height that the runtime recommends.
     pub resolution_scale: f64,
+    /// Hand depth to the runtime where it takes it, for its reprojection.
+    pub depth_layer: bool,
+    /// Do not fill pixels that the lenses hide, where the runtime tells which.
+    pub visibility_mask: bool,
 }
 
 impl Default for HeadsetConfig {
     fn default() -> Self {
-        Self { resolution_scale: 1.0 }
+        Self { resolution_scale: 1.0, depth_layer: true, visibility_mask: true }
     }
 }
 

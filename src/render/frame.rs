@@ -6,7 +6,7 @@ use super::targets::{TargetTooLarge, Targets};
 use crate::gpu::stage::{Bindings, Stage, shader_module};
 use crate::gpu::timer::Timer;
 use crate::gpu::{Gpu, QueueGuard};
-use crate::layout::{COUNTERS_STRIDE, CullCounters, ResolveUniform, ViewUniform, WORKGROUP_SIZE};
+use crate::layout::{COUNTERS_STRIDE, CullCounters, Detail, ResolveUniform, ViewUniform, WORKGROUP_SIZE};
 use crate::space::{Split, View};
 use crate::timing::{STAGES, StageMs};
 use std::sync::Arc;
@@ -175,7 +175,8 @@ impl Renderer {
     /// Sets the eyes of the frame that is submitted next through the same guard.
     pub fn set_view(&self, queue: &QueueGuard, view: &View) {
         if let Some(cloud) = &self.cloud {
-            let uniform = ViewUniform::new(view, &cloud.split, self.forced_planes);
+            let detail = Detail { forced_planes: self.forced_planes, ..Detail::default() };
+            let uniform = ViewUniform::new(view, &cloud.split, &detail);
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         }
     }

@@ -7,7 +7,7 @@ pub mod depth;
 pub mod resolve;
 
 use crate::cloud::Cloud;
-use crate::layout::{Batch, ViewUniform};
+use crate::layout::{Batch, Detail, ViewUniform};
 use crate::space::View;
 
 /// The frame of a flat cloud: a pixel buffer an eye, and its image as r | g≪8 | b≪16 | a≪24 a pixel.
@@ -26,7 +26,7 @@ pub struct Frame {
 /// Draws `cloud` as the GPU does; `forced_planes` as in [`ViewUniform`].
 #[must_use]
 pub fn frame(cloud: &Cloud, view: &View, forced_planes: u32, background: [u8; 3]) -> Frame {
-    let uniform = ViewUniform::new(view, &cloud.split, forced_planes);
+    let uniform = ViewUniform::new(view, &cloud.split, &Detail { forced_planes, ..Detail::default() });
     let num_eyes = view.eyes.len();
     let batches = batches(cloud);
     let visible = cull::cull(&uniform, num_eyes, &batches);

@@ -164,7 +164,12 @@ impl Locomotion {
         let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
             let mut head_from_view = head.inverse().then(&eye.stage_from_view);
             head_from_view.position *= scale;
-            Eye { world_from_view: world_from_head.then(&head_from_view), fov: eye.fov, size_px }
+            Eye {
+                world_from_view: world_from_head.then(&head_from_view),
+                fov: eye.fov,
+                size_px,
+                gaze_in_view: Eye::AHEAD,
+            }
         };
         View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
     }
@@ -184,7 +189,12 @@ impl Locomotion {
             let stage_from_view = pitched.then(&head.inverse().then(&eye.stage_from_view));
             let position = self.floor_in_world + turn * stage_from_view.position * scale;
             let orientation = (turn * stage_from_view.orientation).normalize();
-            Eye { world_from_view: Pose { position, orientation }, fov: eye.fov, size_px }
+            Eye {
+                world_from_view: Pose { position, orientation },
+                fov: eye.fov,
+                size_px,
+                gaze_in_view: Eye::AHEAD,
+            }
         };
         View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
     }
