@@ -22,7 +22,6 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
     match &cli.command {
         Command::View(args) => view(args, &config, stop),
         Command::Render(args) => {
-            args.check()?;
             args.apply_to(&mut config);
             render(args, &config, stop)
         }

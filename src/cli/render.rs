@@ -1,6 +1,6 @@
 //! Arguments of `scanwalk render`.
 
-use super::{Usage, parse};
+use super::parse;
 use crate::config::{Config, Dilate, Precision, Quality};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
@@ -40,13 +40,13 @@ pub struct RenderArgs {
     /// Distance of the eyes for --stereo, in metres
     #[arg(long, value_name = "M", default_value = "0.063", value_parser = parse::eye_distance)]
     pub ipd: f64,
-    /// closest: the nearest point's color; hqs: blended (not there yet)
+    /// closest: the nearest point's color; hqs: the blend of the nearest points
     #[arg(long, value_name = "HOW", default_value = "closest")]
     pub quality: Quality,
-    /// Level of detail (not there yet)
+    /// Level of detail: the nodes of an octree that matter
     #[arg(long, value_name = "WHEN", default_value = "off")]
     pub lod: Switch,
-    /// Fill the gaps between points (rings: not there yet)
+    /// Fill the gaps between points: rings, by kernels that grow outwards
     #[arg(long, value_name = "HOW", default_value = "off")]
     pub dilate: Dilate,
     /// Coordinate bits that are read: auto by the projected size, or full [default: frame.precision]
@@ -79,26 +79,15 @@ pub enum Switch {
 }
 
 impl RenderArgs {
-    /// Refuses what does not exist yet.
-    ///
-    /// # Errors
-    /// A sentence that says what to use instead.
-    pub fn check(&self) -> Result<(), Usage> {
-        let refuse = |option: &str, instead: &str| {
-            Err(Usage(format!("render: {option} does not exist yet; use {instead}, which is the default")))
-        };
-        match self {
-            Self { quality: Quality::Hqs, .. } => refuse("--quality hqs", "--quality closest"),
-            Self { lod: Switch::On, .. } => refuse("--lod on", "--lod off"),
-            Self { dilate: Dilate::Rings, .. } => refuse("--dilate rings", "--dilate off"),
-            _ => Ok(()),
-        }
-    }
-
     /// Settings that the command's own options win over: afterwards the configuration is the one place to
     /// look for them.
     pub fn apply_to(&self, config: &mut Config) {
         config.frame.precision = self.precision.unwrap_or(config.frame.precision);
         config.frame.background = self.background.unwrap_or(config.frame.background);
+        config.frame.quality = self.quality;
+        config.frame.dilate = self.dilate;
+        config.frame.fill = false;
+        config.lod.enabled = self.lod == Switch::On;
+        config.lod.fade = false;
     }
 }

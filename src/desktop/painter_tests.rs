@@ -159,7 +159,7 @@ fn the_panel_bears_having_nothing_to_tell() {
     assert!(words.contains("No frame yet") && !words.contains("Warnings"), "{words}");
     let mut silent = History::default();
     silent.push(
-        FrameRow { stage_ms: [f32::NAN; 4], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
+        FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
         Instant::now(),
     );
     let words = panel_words(&silent, &LoadState::default());

@@ -6,14 +6,15 @@ use super::pose_path::PosePath;
 use super::{Beat, Headset, StageEye};
 use crate::config::Config;
 use crate::gpu::Gpu;
+use crate::look::Look;
 use crate::progress::Stop;
-use crate::render::{CloudBuffers, FrameTimes, Renderer};
+use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use crate::space::{Pose, View};
 use crate::timing::log::FrameLog;
 use crate::timing::{FrameRow, STAGES};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
 /// Rows that wait for their GPU times; a frame's times come back a few frames late.
@@ -27,8 +28,8 @@ const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
 pub struct Loaded {
     /// On the GPU.
     pub cloud: CloudBuffers,
-    /// Where to stand.
-    pub start: Start,
+    /// Where to stand; `None` if it is the scan that is shown already, in a better form.
+    pub start: Option<Start>,
 }
 
 /// What the loop needs besides the headset.
@@ -40,6 +41,8 @@ pub struct Walk<'a> {
     pub config: &'a Config,
     /// Scans as they become ready.
     pub loaded: Receiver<Loaded>,
+    /// Takes clouds that are shown no more, since freeing them may take a while.
+    pub retired: Sender<CloudBuffers>,
     /// From the desktop.
     pub commands: Receiver<Command>,
     /// To the desktop.
@@ -84,7 +87,7 @@ impl Walk<'_> {
                 headset.request_exit();
                 exit_requested = true;
             }
-            frames.take_loaded(&self.loaded);
+            frames.take_loaded(&self)?;
             if frames.take_commands(&self.commands) {
                 self.stop.request();
             }
@@ -132,9 +135,13 @@ struct Frames {
 impl Frames {
     fn new(walk: &Walk, headset: &dyn Headset) -> anyhow::Result<Self> {
         let sizes_px = headset.eye_sizes();
-        let mut renderer = Renderer::new(&walk.gpu, &sizes_px, headset.image_format())?;
-        renderer.set_background(walk.config.frame.background);
-        renderer.set_full_precision(walk.config.frame.precision == crate::config::Precision::Full);
+        let setup = Setup {
+            sizes_px: sizes_px.to_vec(),
+            color_format: headset.image_format(),
+            depth_format: None,
+            atomics: tier(&walk.gpu, walk.config.gpu.tier)?,
+        };
+        let renderer = Renderer::new(&walk.gpu, setup, Look::of(walk.config))?;
         Ok(Self {
             renderer,
             locomotion: None,
@@ -156,16 +163,21 @@ impl Frames {
     }
 
     /// The newest scan that has become ready, if any.
-    fn take_loaded(&mut self, loaded: &Receiver<Loaded>) {
-        while let Ok(Loaded { cloud, start }) = loaded.try_recv() {
-            self.renderer.set_cloud(cloud);
-            match &mut self.locomotion {
-                Some(locomotion) => locomotion.restart(start),
-                None => {
-                    self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch))
+    fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
+        while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
+            if let Some(before) = self.renderer.set_cloud(cloud)? {
+                // If nobody takes it, it is freed here.
+                let _ = walk.retired.send(before);
+            }
+            match (&mut self.locomotion, start) {
+                (_, None) => {}
+                (Some(locomotion), Some(start)) => locomotion.restart(start),
+                (None, Some(start)) => {
+                    self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch));
                 }
             }
         }
+        Ok(())
     }
 
     /// Applies what the desktop asked for; true if that is to end the walk.
@@ -202,7 +214,8 @@ impl Frames {
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         let views = [self.views.of(&images[0]), self.views.of(&images[1])];
-        self.renderer.record(&mut encoder, self.frame, &[&views[0], &views[1]]);
+        let eyes = views.each_ref().map(|color| EyeImage { color, depth: None });
+        self.renderer.record(&mut encoder, self.frame, &eyes);
         self.record_mirror(walk, headset, &mut encoder, &images);
         let record_ms = ms(record_began.elapsed());
 
