@@ -144,6 +144,17 @@ pub enum Quality {
     Hqs,
 }
 
+impl Quality {
+    /// As the configuration and the frame log write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Closest => "closest",
+            Self::Hqs => "hqs",
+        }
+    }
+}
+
 /// How gaps between points are filled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]

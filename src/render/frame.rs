@@ -3,6 +3,7 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::shaders;
 use super::targets::{TargetTooLarge, Targets};
+use crate::config::Quality;
 use crate::gpu::stage::{Bindings, Stage, shader_module};
 use crate::gpu::timer::Timer;
 use crate::gpu::{Gpu, QueueGuard};
@@ -51,6 +52,7 @@ pub struct Renderer {
     groups: Groups,
     timer: Timer,
     forced_planes: u32,
+    lod_scale: f32,
     background: wgpu::Color,
 }
 
@@ -102,6 +104,7 @@ impl Renderer {
             groups,
             timer,
             forced_planes: 0,
+            lod_scale: 1.0,
             background: wgpu::Color::BLACK,
         })
     }
@@ -125,6 +128,22 @@ impl Renderer {
         }
         Ok(())
     }
+
+    /// Draws only so many pixels of each image, from its top left corner, from the next recorded frame on.
+    /// Never more than the images have.
+    pub fn set_sizes(&mut self, sizes_px: &[[u32; 2]]) {
+        if let Err(error) = self.resize(sizes_px) {
+            tracing::warn!("{error}");
+        }
+    }
+
+    /// Factor on the pixels that a node's projected edge needs.
+    pub fn set_lod_scale(&mut self, lod_scale: f32) {
+        self.lod_scale = lod_scale;
+    }
+
+    /// What a pixel shows of the points in it; for now always the nearest one's color.
+    pub fn set_quality(&mut self, _quality: Quality) {}
 
     /// Reads all 30 coordinate bits always (true) or as many as the projected size asks for.
     pub fn set_full_precision(&mut self, full: bool) {
@@ -175,7 +194,9 @@ impl Renderer {
     /// Sets the eyes of the frame that is submitted next through the same guard.
     pub fn set_view(&self, queue: &QueueGuard, view: &View) {
         if let Some(cloud) = &self.cloud {
-            let detail = Detail { forced_planes: self.forced_planes, ..Detail::default() };
+            let papers = Detail::default();
+            let threshold_px = papers.threshold_px.map(|px| px * self.lod_scale);
+            let detail = Detail { forced_planes: self.forced_planes, threshold_px, ..papers };
             let uniform = ViewUniform::new(view, &cloud.split, &detail);
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         }
@@ -246,6 +267,8 @@ impl Renderer {
                 timestamp_writes: self.timer.render(RESOLVE, eye == 0, eye + 1 == images.len()),
                 ..Default::default()
             });
+            let [width, height] = self.targets.sizes_px[eye].map(|edge| edge as f32);
+            pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
             pass.set_pipeline(&self.resolve);
             for group in &self.groups.resolve[eye] {
                 pass.set_bind_group(0, group, &[]);
