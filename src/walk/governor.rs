@@ -34,8 +34,9 @@ const PATIENCE: u32 = 45;
 const LATER: u32 = 4;
 /// What waiting may grow to: half a minute.
 const MOST_PATIENCE: u32 = 64 * PATIENCE;
-/// A step up has failed if the next step is down and comes within so many times its waiting time.
-const HELD: u32 = 4;
+/// A step up has failed if the next step is down and comes within so many times its waiting time, but at most
+/// [`MOST_PATIENCE`].
+const HELD: u32 = 16;
 /// A load below this share of the one that a step up failed at is a new one, and nothing is known against it.
 const NEW_LOAD: f32 = 0.85;
 
@@ -248,7 +249,7 @@ impl Rung {
 
     /// Quality has to be given up `since_step` frames after the step up to here, taken at `raised_at_ms`.
     fn judge(&mut self, since_step: u32, raised_at_ms: f32) {
-        if since_step > HELD * self.patience {
+        if since_step > (HELD * self.patience).min(MOST_PATIENCE) {
             *self = Self::new(self.settings);
         } else {
             self.failed_at_ms = raised_at_ms;
