@@ -182,6 +182,14 @@ impl Renderer {
         Ok(())
     }
 
+    /// What a pixel shows from the next frame on.
+    ///
+    /// # Errors
+    /// See [`Self::set_look`].
+    pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
+        if quality == self.look.quality { Ok(()) } else { self.set_look(Look { quality, ..self.look }) }
+    }
+
     /// Makes room for four-word sums where there is none.
     fn fit_targets(&mut self, needs_wide: bool) -> Result<(), TargetTooLarge> {
         if needs_wide && !self.targets.has_wide() {

@@ -95,7 +95,7 @@ fn prepare(role: &str, walk: &WalkEnd) {
 }
 
 fn images(gpu: &Gpu) -> MirrorImages {
-    [0, 1].map(|_: usize| {
+    MirrorImages::whole([0, 1].map(|_: usize| {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("mirror image"),
             size: wgpu::Extent3d { width: EYE_PX[0], height: EYE_PX[1], depth_or_array_layers: 1 },
@@ -106,14 +106,14 @@ fn images(gpu: &Gpu) -> MirrorImages {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         })
-    })
+    }))
 }
 
 /// Paints the pattern once more, in a submit of its own, as the frame thread does.
 fn paint(gpu: &Gpu, images: &MirrorImages) {
     let [width, height] = EYE_PX;
     let queue = gpu.queue.lock();
-    for (image, quarters) in images.iter().zip(QUARTERS) {
+    for (image, quarters) in images.textures.iter().zip(QUARTERS) {
         let pixels: Vec<u8> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (2 * (2 * y / height) + 2 * x / width) as usize))
             .flat_map(|quarter| {
