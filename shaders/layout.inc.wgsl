@@ -61,3 +61,9 @@ struct ResolveUniform {
     num_points: u32,
     reserved: u32,
 }
+
+struct DilateUniform {
+    eye: u32,
+    radius_px: u32,
+    reserved: vec2<u32>,
+}

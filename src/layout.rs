@@ -31,6 +31,15 @@ pub const LOD_FADE: u32 = 1;
 pub const LOD_SMOOTH: u32 = 2;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
+/// Two depths are of one surface if the farther is at most this many times the nearer.
+pub const SURFACE_TOLERANCE: f32 = 1.01;
+/// Pixels that a workgroup of `dilate` fills, across and down, four a thread. With what reaches into them they take
+/// 15.2 of the 16 KiB of workgroup memory that every Vulkan device has.
+pub const DILATE_TILE_PX: [u32; 2] = [32, 16];
+/// Pixels that `dilate` reaches at most, to each side: 7×7.
+pub const DILATE_REACH_PX: u32 = 3;
+/// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
+pub const DILATE_FALLOFF_BITS: u32 = 2;
 
 /// A batch on the GPU: a run of points and the box that their coordinates are relative to.
 ///
@@ -274,9 +283,22 @@ pub struct CullCounters {
     pub num_points: u32,
 }
 
+/// Which image `dilate` works on, and how far it reaches.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct DilateUniform {
+    /// The eye, 0 or 1.
+    pub eye: u32,
+    /// 0: by the pixel's ring; 1, 2, 3: that radius everywhere.
+    pub radius_px: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}
+
 /// WGSL text of every constant above; put in front of each shader.
 #[must_use]
 pub fn prelude(num_eyes: u32) -> String {
+    let [tile_width, tile_height] = DILATE_TILE_PX;
     format!(
         "const NUM_EYES: u32 = {num_eyes}u;\n\
          const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
@@ -290,6 +312,10 @@ pub fn prelude(num_eyes: u32) -> String {
          const HEAD_CELL_STEP: i32 = {HEAD_CELL_STEP};\n\
          const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\
-         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n"
+         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
+         const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\
+         const DILATE_TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n\
+         const DILATE_REACH_PX: u32 = {DILATE_REACH_PX}u;\n\
+         const DILATE_FALLOFF_BITS: u32 = {DILATE_FALLOFF_BITS}u;\n"
     )
 }

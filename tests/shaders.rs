@@ -55,6 +55,7 @@ fn host_structs() -> Vec<HostStruct> {
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ResolveUniform: width, first_index, num_points, reserved),
+        host!(DilateUniform: eye, radius_px, reserved),
     ]
 }
 

@@ -80,9 +80,15 @@ impl Stage {
 
     /// Records a dispatch of `num_groups` workgroups.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: u32) {
+        self.dispatch_2d(pass, group, [num_groups, 1]);
+    }
+
+    /// Records a dispatch of `num_groups` workgroups across and down.
+    pub fn dispatch_2d(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: [u32; 2]) {
+        let [x, y] = num_groups;
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(num_groups, 1, 1);
+        pass.dispatch_workgroups(x, y, 1);
     }
 
     /// Records a dispatch whose workgroup counts lie in `arguments` at `offset` bytes.

@@ -6,10 +6,14 @@ use crate::layout;
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
 
 /// Every stage's shader, in the frame's order: name and text.
-pub const SHADERS: [(&str, &str); 4] = [
+pub const SHADERS: [(&str, &str); 5] = [
     ("clear", include_str!("../../shaders/clear.wgsl")),
     ("cull", include_str!("../../shaders/cull.wgsl")),
     ("depth", include_str!("../../shaders/depth.wgsl")),
+    (
+        "dilate",
+        concat!(include_str!("../../shaders/dilation.inc.wgsl"), include_str!("../../shaders/dilate.wgsl")),
+    ),
     ("resolve", include_str!("../../shaders/resolve.wgsl")),
 ];
 

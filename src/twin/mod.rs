@@ -4,6 +4,7 @@
 pub mod clear;
 pub mod cull;
 pub mod depth;
+pub mod dilate;
 pub mod resolve;
 
 use crate::cloud::Cloud;
