@@ -18,7 +18,7 @@ fn color_of(id: u32) -> u32 {
 }
 
 fn counts(w: f32, nearest: u32) -> bool {
-    return w <= DEPTH_TOLERANCE * bitcast<f32>(nearest);
+    return w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
 }
 
 // Count in 10 bits, red, green, blue in 18 each.

@@ -15,7 +15,7 @@ fn color_of(id: u32) -> u32 {
 }
 
 fn counts(w: f32, nearest: u32) -> bool {
-    return w <= DEPTH_TOLERANCE * bitcast<f32>(nearest);
+    return w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
 }
 
 fn add_wide_left(pixel: u32, color: u32) {

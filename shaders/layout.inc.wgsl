@@ -91,3 +91,9 @@ struct ResolveUniform {
     eye: u32,
     reserved: u32,
 }
+
+struct DilateUniform {
+    eye: u32,
+    radius_px: u32,
+    reserved: vec2<u32>,
+}

@@ -25,7 +25,8 @@ fn pixel_at(position: vec2<f32>) -> vec2<u32> {
     if ((hidden[y * words + x / 32u] >> (x % 32u)) & 1u) != 0u {
         return vec2<u32>(EMPTY_DEPTH, resolve.background);
     }
-    return image[y * resolve.size_px.x + x];
+    let pixel = image[y * resolve.size_px.x + x];
+    return select(pixel, vec2<u32>(EMPTY_DEPTH, resolve.background), pixel.x == EMPTY_DEPTH);
 }
 
 fn color_of(pixel: vec2<u32>) -> vec4<f32> {

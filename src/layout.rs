@@ -43,8 +43,8 @@ pub const HYSTERESIS: f32 = 0.95;
 pub const FADE_BEGIN: f32 = 0.840_896_4;
 /// Share of its threshold from which a node is drawn whole: 2^(1/4). The mean is the threshold.
 pub const FADE_END: f32 = 1.189_207_1;
-/// A point counts for its pixel's color if it is at most this much further than the nearest [2021 §3.5].
-pub const DEPTH_TOLERANCE: f32 = 1.01;
+/// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
+pub const SURFACE_TOLERANCE: f32 = 1.01;
 /// Pixels from a point's own to the edge of the square that `fill` draws, at most.
 pub const MAX_FILL_RADIUS: u32 = 15;
 /// How much wider than the points' mean distance the square is that `fill` draws: points lie irregularly.
@@ -54,10 +54,15 @@ pub const FILL_OVERLAP: f32 = 1.5;
 pub const PROTECTED_POINTS: u32 = 255;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;
-/// Edge of the square of pixels that a workgroup of the steps after `color` works on.
-pub const TILE_PX: u32 = 16;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
+/// Pixels that a workgroup of `resolve` works on, across and down, four a thread. With what reaches into them they
+/// take 15.2 of the 16 KiB of workgroup memory that every Vulkan device has.
+pub const TILE_PX: [u32; 2] = [32, 16];
+/// Pixels that `dilate` reaches at most, to each side: 7×7.
+pub const DILATE_REACH_PX: u32 = 3;
+/// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
+pub const DILATE_FALLOFF_BITS: u32 = 2;
 
 /// A batch on the GPU: a run of points and the box that their coordinates are relative to.
 ///
@@ -441,11 +446,24 @@ impl Variant {
     }
 }
 
+/// Which image `dilate` works on, and how far it reaches.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct DilateUniform {
+    /// The eye, 0 or 1.
+    pub eye: u32,
+    /// 0: by the pixel's ring; 1, 2, 3: that radius everywhere.
+    pub radius_px: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}
+
 /// WGSL text of every constant above; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
     let Variant { num_eyes, fill, sums, keys } = variant;
     let sums = sums as u32;
+    let [tile_width, tile_height] = TILE_PX;
     format!(
         "const NUM_EYES: u32 = {num_eyes}u;\n\
          const FILL: bool = {fill};\n\
@@ -470,14 +488,16 @@ pub fn prelude(variant: Variant) -> String {
          const HYSTERESIS: f32 = {HYSTERESIS:?};\n\
          const FADE_BEGIN: f32 = {FADE_BEGIN:?};\n\
          const FADE_END: f32 = {FADE_END:?};\n\
-         const DEPTH_TOLERANCE: f32 = {DEPTH_TOLERANCE:?};\n\
          const MAX_FILL_RADIUS: u32 = {MAX_FILL_RADIUS}u;\n\
          const FILL_OVERLAP: f32 = {FILL_OVERLAP:?};\n\
          const PROTECTED_POINTS: u32 = {PROTECTED_POINTS}u;\n\
          const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
-         const TILE_PX: u32 = {TILE_PX}u;\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\
-         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n",
+         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
+         const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\
+         const TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n\
+         const DILATE_REACH_PX: u32 = {DILATE_REACH_PX}u;\n\
+         const DILATE_FALLOFF_BITS: u32 = {DILATE_FALLOFF_BITS}u;\n",
         Sums::Packed as u32,
         Sums::Protected as u32,
         Sums::Wide as u32,

@@ -6,7 +6,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{Cloud, Order, build};
-use scanwalk::config::Quality;
+use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
 use scanwalk::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
 use scanwalk::look::Look;
@@ -58,8 +58,7 @@ fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
     for eye in 0..want.pixels.len() {
         let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
         assert_eq!(differing, 0, "{what}: eye {eye}: pixels that differ from the twin's");
-        let image: Vec<u32> = want.pixels[eye].iter().map(|p| p[1]).collect();
-        assert!(drawn.images[eye] == image, "{what}: eye {eye}: image");
+        assert!(drawn.images[eye] == want.images[eye], "{what}: eye {eye}: image");
     }
 }
 
@@ -76,8 +75,10 @@ fn layered_frames_equal_their_twin_in_every_tier() {
         ("fill", Detail { fade: true, fill_reach_px: Some(1.0), ..plain }),
     ];
     for (name, detail) in details {
-        for quality in [Quality::Closest, Quality::Hqs] {
-            let look = Look { quality, ..hqs(detail) };
+        for (quality, dilate) in
+            [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
+        {
+            let look = Look { quality, dilate, ..hqs(detail) };
             let want = twin::frame(&scene, &view, &look, None);
             assert!(want.visible.len() > 20 && want.visible.len() < scene.batches.len(), "some are culled");
             if name == "fade" {
@@ -88,7 +89,7 @@ fn layered_frames_equal_their_twin_in_every_tier() {
             }
             for tier in tiers() {
                 let drawn = Canvas::layered(octree, &view, look, tier, 0).draw(&view);
-                assert_same(&format!("{name}, {quality:?}, {tier:?}"), &drawn, &want);
+                assert_same(&format!("{name}, {quality:?}, {dilate:?}, {tier:?}"), &drawn, &want);
             }
         }
     }

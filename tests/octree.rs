@@ -349,7 +349,7 @@ fn all_batches_together_draw_the_whole_cloud() {
         let detail = Detail { forced_planes: 3, ..Detail::default() };
         let frame = twin::frame(&Scene::flat(cloud), &view, &Look { detail, ..Look::default() }, None);
         assert_eq!(frame.points_read(), cloud.num_points);
-        let colors = frame.pixels[0].iter().map(|p| p[1]).filter(|&c| c != 0xff00_0000);
+        let colors = frame.images[0].iter().copied().filter(|&c| c != 0xff00_0000);
         let mut colors: Vec<u32> = colors.collect();
         colors.sort_unstable();
         colors.dedup();

@@ -87,6 +87,7 @@ fn host_structs() -> Vec<HostStruct> {
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),
         host!(ResolveUniform: size_px, first_index, num_points, background, near, eye, reserved),
+        host!(DilateUniform: eye, radius_px, reserved),
     ]
 }
 

@@ -84,10 +84,16 @@ impl Stage {
     /// Records a dispatch of `num_groups` workgroups; in several rows, and up to a row more than asked for, where
     /// they are more than every GPU takes in one.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: u32) {
+        let num_rows = num_groups.div_ceil(MAX_ROW).max(1);
+        self.dispatch_2d(pass, group, [num_groups.div_ceil(num_rows), num_rows]);
+    }
+
+    /// Records a dispatch of `num_groups` workgroups across and down.
+    pub fn dispatch_2d(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: [u32; 2]) {
+        let [x, y] = num_groups;
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[]);
-        let num_rows = num_groups.div_ceil(MAX_ROW).max(1);
-        pass.dispatch_workgroups(num_groups.div_ceil(num_rows), num_rows, 1);
+        pass.dispatch_workgroups(x, y, 1);
     }
 
     /// Records a dispatch whose workgroup counts lie in `arguments` at `offset` bytes.

@@ -101,6 +101,7 @@ impl Renderer {
             view: &view,
             counters: &counters,
             quality: look.quality,
+            dilate: look.dilate,
             background: look.background_word(),
             near,
             hidden: &[],
@@ -232,7 +233,7 @@ impl Renderer {
     /// An eye's finished pixels, (depth, color), for pictures.
     #[must_use]
     pub fn pixels(&self, eye: usize) -> &wgpu::Buffer {
-        &self.targets.surface[eye]
+        &self.targets.finished(self.look.dilate)[eye]
     }
 
     /// Visible lists of each chunk, the counters and the nodes' states, for tests.
@@ -354,6 +355,9 @@ impl Renderer {
                 for group in &eye.surface {
                     surface.dispatch(&mut pass, group, eye.num_tiles);
                 }
+                if let Some(group) = &eye.dilate {
+                    self.pipelines.dilate.dispatch(&mut pass, group, eye.num_tiles);
+                }
             }
         }
         for (eye, image) in images.iter().enumerate() {
@@ -408,6 +412,7 @@ impl Renderer {
             view: &self.view,
             counters: &self.counters,
             quality: self.look.quality,
+            dilate: self.look.dilate,
             background: self.look.background_word(),
             near: self.near,
             hidden: &self.hidden,

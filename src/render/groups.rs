@@ -3,10 +3,10 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::pipelines::{Closest, Hqs, Pipelines};
 use super::targets::Targets;
-use crate::config::Quality;
+use crate::config::{Dilate, Quality};
 use crate::gpu::Gpu;
 use crate::layout::{
-    COUNTERS_STRIDE, ClearUniform, CullCounters, EMPTY_DEPTH, ResolveUniform, Sums, TILE_PX,
+    COUNTERS_STRIDE, ClearUniform, CullCounters, DilateUniform, EMPTY_DEPTH, ResolveUniform, Sums, TILE_PX,
 };
 use wgpu::util::DeviceExt;
 
@@ -20,6 +20,7 @@ pub(super) struct Parts<'a> {
     pub view: &'a wgpu::Buffer,
     pub counters: &'a wgpu::Buffer,
     pub quality: Quality,
+    pub dilate: Dilate,
     pub background: u32,
     pub near: f32,
     /// Bits of the pixels that the lenses hide, an eye each.
@@ -48,6 +49,7 @@ pub(super) struct EyeGroups {
     pub num_tiles: u32,
     /// `shade`, one a chunk, or `blend`, one.
     pub surface: Vec<wgpu::BindGroup>,
+    pub dilate: Option<wgpu::BindGroup>,
     pub image: wgpu::BindGroup,
 }
 
@@ -167,7 +169,7 @@ impl Parts<'_> {
         let hidden = self.hidden.get(eye).filter(|bits| bits.len() == num_mask_words(size_px));
         let nothing = vec![0u32; num_mask_words(size_px)];
         let hidden = hidden.unwrap_or(&nothing);
-        let tiles = visible_tiles(size_px, hidden);
+        let tiles = tiles(size_px, hidden);
         let tiles_buffer = self.storage("tiles", if tiles.is_empty() { &[0] } else { &tiles });
         let hidden_buffer = self.storage("hidden", hidden);
         let uniform = |first_index: u32, num_points: u32| {
@@ -182,6 +184,7 @@ impl Parts<'_> {
             })
         };
         let plain = uniform(0, 0);
+        let by_ring = self.uniform(&DilateUniform { eye: eye as u32, ..DilateUniform::default() });
         let shared = |resolve: &wgpu::Buffer,
                       colors: [&wgpu::Buffer; 2],
                       bind: &dyn Fn(&Resources) -> wgpu::BindGroup| {
@@ -200,7 +203,9 @@ impl Parts<'_> {
                 ("colors", colors[0].as_entire_binding()),
                 ("filtered_colors", colors[1].as_entire_binding()),
                 ("surface", targets.surface[eye].as_entire_binding()),
-                ("image", targets.surface[eye].as_entire_binding()),
+                ("dilate", by_ring.as_entire_binding()),
+                ("view", self.view.as_entire_binding()),
+                ("image", targets.finished(self.dilate)[eye].as_entire_binding()),
                 ("hidden", hidden_buffer.as_entire_binding()),
             ])
         };
@@ -215,8 +220,10 @@ impl Parts<'_> {
             Quality::Closest => self.chunks().iter().map(shade).collect(),
             Quality::Hqs => vec![shared(&plain, none, &|r| self.hqs().blend.bind(self.gpu, r))],
         };
+        let dilates = self.cloud.is_some() && self.dilate == Dilate::Rings;
+        let dilate = dilates.then(|| shared(&plain, none, &|r| self.pipelines.dilate.bind(self.gpu, r)));
         let image = shared(&plain, none, &|r| self.pipelines.image.bind(self.gpu, r));
-        EyeGroups { num_tiles: tiles.len() as u32, surface, image }
+        EyeGroups { num_tiles: tiles.len() as u32, surface, dilate, image }
     }
 
     fn uniform<T: bytemuck::Pod>(&self, value: &T) -> wgpu::Buffer {
@@ -245,16 +252,18 @@ fn num_mask_words([width, height]: [u32; 2]) -> usize {
     width.div_ceil(32) as usize * height as usize
 }
 
-/// Tiles of which at least one pixel is not hidden, x | y≪16.
-fn visible_tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
+/// Tiles of which at least one pixel is not hidden, x | y≪16; `hidden` has a bit a pixel, rows of whole words.
+#[must_use]
+pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
+    let [across, down] = TILE_PX;
     let words = width.div_ceil(32);
     let is_hidden = |x: u32, y: u32| hidden[(y * words + x / 32) as usize] >> (x % 32) & 1 == 1;
     let is_visible = |&(tx, ty): &(u32, u32)| {
-        let rows = ty * TILE_PX..((ty + 1) * TILE_PX).min(height);
-        let columns = tx * TILE_PX..((tx + 1) * TILE_PX).min(width);
-        rows.into_iter().any(|y| columns.clone().any(|x| !is_hidden(x, y)))
+        let mut rows = ty * down..((ty + 1) * down).min(height);
+        let columns = tx * across..((tx + 1) * across).min(width);
+        rows.any(|y| columns.clone().any(|x| !is_hidden(x, y)))
     };
-    let tiles = (0..height.div_ceil(TILE_PX)).flat_map(|y| (0..width.div_ceil(TILE_PX)).map(move |x| (x, y)));
+    let tiles = (0..height.div_ceil(down)).flat_map(|y| (0..width.div_ceil(across)).map(move |x| (x, y)));
     tiles.filter(is_visible).map(|(x, y)| x | y << 16).collect()
 }
 
@@ -264,14 +273,14 @@ mod tests {
 
     #[test]
     fn a_tile_is_left_out_only_when_all_of_it_is_hidden() {
-        let size = [40, 20];
+        let size = [80, 20];
         let none = vec![0; num_mask_words(size)];
-        assert_eq!(visible_tiles(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
-        // The left 16 columns of all rows, but for one pixel.
+        assert_eq!(tiles(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        // The left 32 columns of all rows, but for one pixel.
         let mut left = none.clone();
-        left.iter_mut().step_by(2).for_each(|word| *word = 0xffff);
-        assert_eq!(visible_tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
-        left[2 * 19] ^= 1 << 15;
-        assert_eq!(visible_tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        left.iter_mut().step_by(3).for_each(|word| *word = u32::MAX);
+        assert_eq!(tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
+        left[3 * 19] ^= 1 << 15;
+        assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
     }
 }

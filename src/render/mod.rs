@@ -11,5 +11,6 @@ mod tier;
 
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
 pub use frame::{EyeImage, FrameTimes, Renderer, Setup};
+pub use groups::tiles;
 pub use targets::{TargetTooLarge, Targets};
 pub use tier::{NoSuchTier, tier};

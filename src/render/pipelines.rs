@@ -14,6 +14,7 @@ pub(super) struct Pipelines {
     pub closest: Closest,
     /// Of each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
+    pub dilate: Stage,
     pub image: Image,
 }
 
@@ -80,6 +81,7 @@ impl Pipelines {
                 shade: stage("shade", variant),
             },
             hqs: forms.iter().map(|&sums| hqs(sums)).collect(),
+            dilate: stage("dilate", variant),
             image: Image::new(gpu, what, &shaders::source("resolve", variant)),
         }
     }

@@ -6,41 +6,42 @@ use crate::layout::{self, Variant};
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
 /// The geometry stages' loop over points.
 const POINTS: &str = include_str!("../../shaders/points.inc.wgsl");
+/// The tiles that the steps of `resolve` work on.
+const TILES: &str = include_str!("../../shaders/tiles.inc.wgsl");
+/// The rule of dilation.
+const DILATION: &str = include_str!("../../shaders/dilation.inc.wgsl");
 
 /// A shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shader {
     /// Its name, as the file's.
     pub name: &'static str,
+    /// What it shares with others.
+    shared: &'static [&'static str],
     /// Its own text.
     text: &'static str,
-    /// True for those that go through the points.
-    is_geometry: bool,
 }
 
 macro_rules! shader {
-    ($name:literal, $is_geometry:literal) => {
-        Shader {
-            name: $name,
-            text: include_str!(concat!("../../shaders/", $name, ".wgsl")),
-            is_geometry: $is_geometry,
-        }
+    ($name:literal, $shared:expr) => {
+        Shader { name: $name, shared: $shared, text: include_str!(concat!("../../shaders/", $name, ".wgsl")) }
     };
 }
 
 /// Every shader of the frame, in its order.
-pub const SHADERS: [Shader; 11] = [
-    shader!("clear", false),
-    shader!("lod", false),
-    shader!("cull", false),
-    shader!("depth", true),
-    shader!("depth32", true),
-    shader!("ids", true),
-    shader!("color", true),
-    shader!("color32", true),
-    shader!("shade", false),
-    shader!("blend", false),
-    shader!("resolve", false),
+pub const SHADERS: [Shader; 12] = [
+    shader!("clear", &[]),
+    shader!("lod", &[]),
+    shader!("cull", &[]),
+    shader!("depth", &[POINTS]),
+    shader!("depth32", &[POINTS]),
+    shader!("ids", &[POINTS]),
+    shader!("color", &[POINTS]),
+    shader!("color32", &[POINTS]),
+    shader!("shade", &[TILES]),
+    shader!("blend", &[TILES]),
+    shader!("dilate", &[TILES, DILATION]),
+    shader!("resolve", &[]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.
@@ -50,6 +51,5 @@ pub const SHADERS: [Shader; 11] = [
 #[must_use]
 pub fn source(name: &str, variant: Variant) -> String {
     let Some(shader) = SHADERS.iter().find(|s| s.name == name) else { panic!("no shader called {name}") };
-    let points = if shader.is_geometry { POINTS } else { "" };
-    format!("{}{LAYOUT}{points}{}", layout::prelude(variant), shader.text)
+    format!("{}{LAYOUT}{}{}", layout::prelude(variant), shader.shared.concat(), shader.text)
 }

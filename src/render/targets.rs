@@ -1,5 +1,6 @@
 //! What the stages draw into, an eye's buffers each, row by row of the image's drawn part.
 
+use crate::config::Dilate;
 use crate::gpu::Gpu;
 
 /// The eyes' pixels; made anew when an eye's size changes.
@@ -62,6 +63,15 @@ impl Targets {
             wide: pair(["wide left", "wide right"], if has_wide { 16 } else { 0 }),
             surface: pair(["surface left", "surface right"], 8),
         })
+    }
+
+    /// The eyes' finished pixels, (depth, color).
+    #[must_use]
+    pub fn finished(&self, dilate: Dilate) -> &[wgpu::Buffer; 2] {
+        match dilate {
+            Dilate::Off => &self.surface,
+            Dilate::Rings => &self.keys,
+        }
     }
 
     /// True if there is room for sums in four u32.

@@ -5,14 +5,15 @@ pub mod clear;
 pub mod color;
 pub mod cull;
 pub mod depth;
+pub mod dilate;
 pub mod lod;
 pub mod points;
 pub mod resolve;
 
 use crate::cloud::Cloud;
 use crate::cloud::octree::Octree;
-use crate::config::Quality;
-use crate::layout::{Batch, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch};
+use crate::config::{Dilate, Quality};
+use crate::layout::{Batch, DilateUniform, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch};
 use crate::look::Look;
 use crate::space::View;
 
@@ -74,6 +75,8 @@ pub struct Frame {
     pub surface: Vec<Vec<resolve::Pixel>>,
     /// The finished pixels.
     pub pixels: Vec<Vec<resolve::Pixel>>,
+    /// The images.
+    pub images: Vec<Vec<u32>>,
 }
 
 impl Frame {
@@ -97,13 +100,12 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
         let fill = look.detail.fill_reach_px.is_some();
         points::points(&uniform, num_eyes, &visible, [hi, mid, lo], fill, put);
     };
-    let background = look.background_word();
     let mut frame = Frame::default();
     match look.quality {
         Quality::Closest => {
             frame.keys = view.eyes.iter().map(|e| clear::pixels(e.size_px, clear::EMPTY)).collect();
             points(&mut |put| depth::key(&mut frame.keys, put));
-            let shade = |keys: &Vec<u64>| resolve::shade(keys, &|id| scene.color(id), background);
+            let shade = |keys: &Vec<u64>| resolve::shade(keys, &|id| scene.color(id));
             frame.surface = frame.keys.iter().map(shade).collect();
         }
         Quality::Hqs => {
@@ -112,9 +114,18 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
             points(&mut |put| depth::nearest(&mut frame.depth, put));
             points(&mut |put| color::add(&mut frame.sums, &frame.depth, put, scene.color(put.id)));
             let eyes = frame.depth.iter().zip(&frame.sums);
-            frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums, background)).collect();
+            frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums)).collect();
         }
     }
-    frame.pixels = frame.surface.clone();
+    let dilated = |(eye, surface): (usize, &Vec<resolve::Pixel>)| match look.dilate {
+        Dilate::Off => surface.clone(),
+        Dilate::Rings => {
+            let by_ring = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
+            dilate::dilate(&uniform, &by_ring, surface)
+        }
+    };
+    frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
+    let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, look.background_word());
+    frame.images = frame.pixels.iter().map(image).collect();
     Frame { visible, states, ..frame }
 }

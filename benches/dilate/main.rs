@@ -1,0 +1,186 @@
+//! `dilate`, by rows and columns through workgroup memory, against the same rule over the whole 7×7 window straight
+//! from global memory. Both fill the same surface in the same submission, as often as there are runs;
+//! `docs/bench/dilate` keeps a run. Before anything is timed, both must have found the same depths.
+
+mod scene;
+
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
+use scanwalk::gpu::stage::Stage;
+use scanwalk::gpu::timer::Timer;
+use scanwalk::gpu::{Gpu, readback};
+use scanwalk::layout::{self, DilateUniform, TILE_PX, Variant};
+use scanwalk::render::shaders;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use wgpu::BufferUsages;
+use wgpu::util::DeviceExt;
+
+/// Submissions that do not count.
+const WARM_UP_RUNS: usize = 2;
+/// Pixels of a workgroup of `direct.wgsl`.
+const DIRECT_TILE_PX: [u32; 2] = [16, 16];
+/// The contestants, in the order of their passes.
+const NAMES: [&str; 2] = ["separable", "direct"];
+
+/// Times the two ways to dilate an eye's image.
+#[derive(Debug, Parser)]
+struct Args {
+    /// Measured runs
+    #[arg(long, value_name = "N", default_value_t = 9)]
+    runs: usize,
+    /// Pixels of the image
+    #[arg(long, value_names = ["WIDTH", "HEIGHT"], num_args = 2, default_values_t = [1440, 1600])]
+    size: Vec<u32>,
+    /// Shares of pixels that no point has reached, percent
+    #[arg(long, value_name = "P,P,…", value_delimiter = ',', default_value = "0,35,70,95")]
+    empty: Vec<u32>,
+    /// A small image and few runs: shows that it works, not how fast
+    #[arg(long)]
+    quick: bool,
+    /// Also write every sample
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// GPU whose name contains this
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Given by `cargo bench`; without it (`cargo test --benches`) the run is quick
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() -> Result<()> {
+    let mut args = Args::parse();
+    if args.quick || !args.bench {
+        (args.size, args.runs) = (vec![143, 161], 3);
+    }
+    ensure!(args.runs > 0, "--runs 0: a median needs a run");
+    let gpu = Gpu::open(args.adapter.as_deref())?;
+    let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    ensure!(can_time, "{} cannot tell how long its work takes", gpu.name());
+
+    let mut out = io::stdout().lock();
+    let mut csv = args.csv.as_deref().map(create).transpose()?;
+    if let Some(csv) = &mut csv {
+        writeln!(csv, "empty_percent,run,{}_ms,{}_ms", NAMES[0], NAMES[1])?;
+    }
+    let size_px = [args.size[0], args.size[1]];
+    writeln!(
+        out,
+        "{}, {}; {}×{} pixels, {} runs",
+        gpu.name(),
+        gpu.driver(),
+        size_px[0],
+        size_px[1],
+        args.runs
+    )?;
+    for &empty_percent in &args.empty {
+        let samples = measure(&gpu, size_px, empty_percent, args.runs)?;
+        let of = |value: fn(&[f64; 2]) -> f64| spread(samples.iter().map(value).collect());
+        writeln!(
+            out,
+            "{empty_percent:>3} % empty: {} ms {}, {} ms {}, ratio {}",
+            NAMES[0],
+            of(|s| s[0]),
+            NAMES[1],
+            of(|s| s[1]),
+            of(|s| s[0] / s[1])
+        )?;
+        if let Some(csv) = &mut csv {
+            for (run, [separable, direct]) in samples.iter().enumerate() {
+                writeln!(csv, "{empty_percent},{run},{separable:.3},{direct:.3}")?;
+            }
+            csv.flush()?;
+        }
+    }
+    Ok(())
+}
+
+fn create(path: &Path) -> Result<BufWriter<File>> {
+    Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
+}
+
+/// Median (smallest–largest).
+fn spread(mut values: Vec<f64>) -> String {
+    values.sort_by(f64::total_cmp);
+    format!("{:.3} ({:.3}–{:.3})", values[values.len() / 2], values[0], values[values.len() - 1])
+}
+
+/// The direct form's text: what `dilate` has in front of it, then its own file.
+fn direct_source() -> String {
+    let shared =
+        [include_str!("../../shaders/layout.inc.wgsl"), include_str!("../../shaders/dilation.inc.wgsl")];
+    format!("{}{}{}", layout::prelude(Variant::eyes(1)), shared.concat(), include_str!("direct.wgsl"))
+}
+
+/// Milliseconds of each contestant, run by run.
+fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) -> Result<Vec<[f64; 2]>> {
+    let buffer = |label: &str, contents: &[u8], usage| {
+        let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        gpu.device.create_buffer_init(&contents)
+    };
+    let pixels = scene::two_layers(size_px, empty_percent);
+    let surface = buffer("surface", bytemuck::cast_slice(&pixels), BufferUsages::STORAGE);
+    let view = buffer("view", bytemuck::bytes_of(&scene::view(size_px)), BufferUsages::UNIFORM);
+    let dilate = buffer("dilate", bytemuck::bytes_of(&DilateUniform::default()), BufferUsages::UNIFORM);
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    let images = NAMES.map(|name| gpu.buffer(name, surface.size(), usage));
+    let stages = [
+        Stage::new(gpu, "dilate", &shaders::source("dilate", Variant::eyes(1))),
+        Stage::new(gpu, "direct", &direct_source()),
+    ];
+    let groups: Vec<wgpu::BindGroup> = stages
+        .iter()
+        .zip(&images)
+        .map(|(stage, image)| {
+            let resources = [("view", &view), ("dilate", &dilate), ("surface", &surface), ("image", image)];
+            stage.bind(gpu, &resources.map(|(name, buffer)| (name, buffer.as_entire_binding())))
+        })
+        .collect();
+
+    let num_groups =
+        [TILE_PX, DIRECT_TILE_PX].map(|tile| [0, 1].map(|axis| size_px[axis].div_ceil(tile[axis])));
+    let mut timer = Timer::new(gpu, NAMES.len(), 8);
+    let mut samples = Vec::new();
+    for run in 0..WARM_UP_RUNS + num_runs {
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        timer.begin(&mut encoder, run as u64);
+        for (number, (stage, group)) in stages.iter().zip(&groups).enumerate() {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(NAMES[number]),
+                timestamp_writes: timer.compute(number, true, true),
+            });
+            stage.dispatch_2d(&mut pass, group, num_groups[number]);
+        }
+        timer.end(&mut encoder, &images[0]);
+        gpu.queue.lock().submit([encoder.finish()]);
+        timer.submitted();
+        gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+        let times = timer.collect(gpu, |times| [0, 1].map(|stage| f64::from(times.stage_ms[stage])));
+        let times = times.context("the device gave no times")?;
+        if run == 0 {
+            check(gpu, &images, &pixels)?;
+        }
+        if run >= WARM_UP_RUNS {
+            samples.push(times);
+        }
+    }
+    Ok(samples)
+}
+
+/// Both fill the same pixels with the same depths, and some unless none was empty.
+fn check(gpu: &Gpu, images: &[wgpu::Buffer; 2], surface: &[[u32; 2]]) -> Result<()> {
+    let [separable, direct] = images.each_ref().map(|image| readback::read_buffer(gpu, image));
+    let (separable, direct) = (separable?, direct?);
+    let depths =
+        |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(bytes).iter().map(|p| p[0]).collect();
+    let [separable, direct]: [Vec<u32>; 2] = [depths(&separable), depths(&direct)];
+    ensure!(separable == direct, "the two forms found different depths");
+    let num_empty =
+        |depths: &mut dyn Iterator<Item = u32>| depths.filter(|&d| d == layout::EMPTY_DEPTH).count();
+    let before = num_empty(&mut surface.iter().map(|p| p[0]));
+    let after = num_empty(&mut separable.into_iter());
+    ensure!(after < before || before == 0, "nothing was filled: {before} pixels empty before, {after} after");
+    Ok(())
+}

@@ -1,0 +1,333 @@
+//! `dilate`: GPU against CPU twin, bit for bit; the twin against what dilation is for, and against a plain
+//! two-dimensional definition where the two must agree.
+
+mod support;
+
+use glam::{DQuat, DVec3};
+use scanwalk::gpu::readback;
+use scanwalk::gpu::stage::Stage;
+use scanwalk::layout::{Detail, DilateUniform, SURFACE_TOLERANCE, Variant, ViewUniform};
+use scanwalk::render::{shaders, tiles};
+use scanwalk::space::{Bounds, Eye, Fov, Pose, Split, View};
+use scanwalk::twin::dilate::{dilate, radius_px};
+use scanwalk::twin::resolve::{EMPTY, Pixel};
+use support::{Random, gpu};
+use wgpu::util::DeviceExt;
+
+/// Two eyes with asymmetric images of that size, canted, looking off the centre: all rings are in the picture.
+fn view(size_px: [u32; 2]) -> ViewUniform {
+    let eye = |sign: f64| Eye {
+        world_from_view: Pose {
+            position: DVec3::X * sign * 0.03,
+            orientation: DQuat::from_rotation_y(-0.1 * sign),
+        },
+        fov: Fov { left: -1.0 - 0.2 * sign, right: 1.1, up: 0.9, down: -1.3 },
+        size_px,
+        gaze_in_view: DVec3::new(0.3 * sign, 0.2, -1.0).normalize(),
+    };
+    let view = View { eyes: vec![eye(-1.0), eye(1.0)], near: 0.05 };
+    ViewUniform::new(&view, &Split::of(&Bounds::EMPTY), &Detail::default())
+}
+
+fn by_ring(eye: u32) -> DilateUniform {
+    DilateUniform { eye, ..DilateUniform::default() }
+}
+
+fn fixed(radius_px: u32) -> DilateUniform {
+    DilateUniform { radius_px, ..DilateUniform::default() }
+}
+
+fn pixel(depth: f32, [r, g, b]: [u8; 3]) -> Pixel {
+    [depth.to_bits(), u32::from_le_bytes([r, g, b, 255])]
+}
+
+fn depth_of(pixel: Pixel) -> f32 {
+    f32::from_bits(pixel[0])
+}
+
+/// Two smooth surfaces, one before the other, of which `percent` of the pixels are there; and single points anywhere.
+fn sparse([width, height]: [u32; 2], percent: u64, seed: u64) -> Vec<Pixel> {
+    let mut random = Random(seed);
+    let mut pixels = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let (u, v) = (x as f32 / 64.0, y as f32 / 64.0);
+            let near = (u * 3.0).sin() + (v * 2.0).cos() > 0.6;
+            let depth = if near { 2.0 + 0.05 * u } else { 5.0 + 0.3 * v };
+            let color = [random.next() as u8, (40.0 * u) as u8, (50.0 * v) as u8];
+            pixels.push(match random.next() % 1000 {
+                0 => pixel(0.1 + 10.0 * random.unit() as f32, color),
+                n if n < 10 * percent => pixel(depth, color),
+                _ => EMPTY,
+            });
+        }
+    }
+    pixels
+}
+
+/// The GPU's image. The buffer holds something else before, so that no pixel can be left out unseen.
+fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<Pixel> {
+    let gpu = gpu();
+    let stage = Stage::new(&gpu, "dilate", &shaders::source("dilate", Variant::eyes(2)));
+    let buffer = |label, contents: &[u8], usage| {
+        let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        gpu.device.create_buffer_init(&contents)
+    };
+    let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
+    let eye = &view.eyes[dilate.eye as usize];
+    let size_px = [eye.width, eye.height];
+    let tiles = tiles(size_px, &vec![0; (eye.width.div_ceil(32) * eye.height) as usize]);
+    let poison = vec![0xab; size_of_val(surface)];
+    let buffers = [
+        ("view", buffer("view", bytemuck::bytes_of(view), uniform)),
+        ("dilate", buffer("dilate", bytemuck::bytes_of(dilate), uniform)),
+        ("tiles", buffer("tiles", bytemuck::cast_slice(&tiles), storage)),
+        ("surface", buffer("surface", bytemuck::cast_slice(surface), storage)),
+        ("image", buffer("image", &poison, storage | wgpu::BufferUsages::COPY_SRC)),
+    ];
+    let resources = buffers.each_ref().map(|(name, buffer)| (*name, buffer.as_entire_binding()));
+    let group = stage.bind(&gpu, &resources);
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    stage.dispatch(&mut encoder.begin_compute_pass(&Default::default()), &group, tiles.len() as u32);
+    gpu.queue.lock().submit([encoder.finish()]);
+    let bytes = readback::read_buffer(&gpu, &buffers[4].1).expect("an image");
+    bytemuck::pod_collect_to_vec(&bytes)
+}
+
+/// Number of pixels that differ in any bit.
+fn num_differing(a: &[Pixel], b: &[Pixel]) -> usize {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
+}
+
+#[test]
+fn gpu_equals_its_twin() {
+    let sizes = [[333, 217], [5, 3], [16, 16], [1, 1], [32, 16], [33, 17], [1, 40], [40, 1], [128, 96]];
+    for (number, size) in sizes.into_iter().enumerate() {
+        let view = view(size);
+        for percent in [10, 40, 70, 97, 100] {
+            let surface = sparse(size, percent, number as u64);
+            for uniform in [by_ring(0), by_ring(1), fixed(1), fixed(2), fixed(3)] {
+                let differing =
+                    num_differing(&on_gpu(&view, &uniform, &surface), &dilate(&view, &uniform, &surface));
+                assert_eq!(differing, 0, "{size:?}, {percent} %, {uniform:?}: pixels that differ");
+            }
+        }
+    }
+}
+
+/// What is special in the shader: tiles that are skipped as whole, empty ones, and extreme depths and colours.
+#[test]
+fn gpu_equals_its_twin_where_tiles_are_whole_or_depths_extreme() {
+    let size = [100, 70];
+    let view = view(size);
+    let white = |depth: f32| pixel(depth, [255; 3]);
+    let with_hole = |mut surface: Vec<Pixel>| {
+        surface[35 * 100 + 50] = [EMPTY[0], 0x0012_3456];
+        surface
+    };
+    let surfaces = [
+        vec![white(3.0); 7000],
+        vec![EMPTY; 7000],
+        with_hole(vec![white(3.0); 7000]),
+        with_hole(vec![white(f32::MAX); 7000]),
+        with_hole(vec![white(1e-30); 7000]),
+        // Exactly at the tolerance, and one step beyond.
+        (0..7000).map(|i| white(if i % 3 == 0 { 2.0 } else { SURFACE_TOLERANCE * 2.0 })).collect(),
+        (0..7000)
+            .map(|i| white(if i % 3 == 0 { 2.0 } else { (SURFACE_TOLERANCE * 2.0).next_up() }))
+            .collect(),
+        // The nearest and the farthest of a tile lie in different windows.
+        (0..7000).map(|i| white(if i % 100 < 50 { 2.0 } else { 4.0 })).collect(),
+    ];
+    for (number, surface) in surfaces.iter().enumerate() {
+        let want = dilate(&view, &by_ring(1), surface);
+        assert_eq!(num_differing(&on_gpu(&view, &by_ring(1), surface), &want), 0, "surface {number}");
+    }
+}
+
+/// The comparisons above can fail: one bit of a colour or of a depth shows, and so does a wrong radius.
+#[test]
+fn the_comparison_notices_a_bit_and_a_radius() {
+    let size = [64, 48];
+    let view = view(size);
+    let surface = sparse(size, 50, 9);
+    let good = on_gpu(&view, &by_ring(0), &surface);
+    let index = surface.iter().position(|p| *p != EMPTY).expect("a point");
+    for bit in [[1, 0], [0, 1]] {
+        let mut wrong = surface.clone();
+        wrong[index] = [wrong[index][0] ^ bit[0], wrong[index][1] ^ bit[1]];
+        assert!(num_differing(&good, &dilate(&view, &by_ring(0), &wrong)) > 0);
+    }
+    for radius in 1..=3 {
+        assert!(num_differing(&good, &dilate(&view, &fixed(radius), &surface)) > 0, "radius {radius}");
+    }
+    assert!(num_differing(&good, &dilate(&view, &by_ring(1), &surface)) > 0, "the other eye's rings");
+}
+
+/// Radii by cosines without roots are those of the angles, except on the edge between two rings.
+#[test]
+fn rings_follow_the_angle_from_the_gaze() {
+    let size = [200, 150];
+    let detail = Detail::default();
+    let view = view(size);
+    for number in 0..2 {
+        let eye = &view.eyes[number as usize];
+        let gaze = DVec3::from_array(eye.gaze_in_view.map(f64::from));
+        let mut counts = [0; 4];
+        for (x, y) in (0..150).flat_map(|y| (0..200).map(move |x| (x, y))) {
+            let along = |axis: usize, at: usize| {
+                f64::from(eye.tangent_origin[axis]) + f64::from(eye.tangent_per_px[axis]) * (at as f64 + 0.5)
+            };
+            let angle = gaze.angle_between(DVec3::new(along(0, x), along(1, y), -1.0));
+            let want = 1 + detail.ring_rad.iter().filter(|&&end| angle > end).count();
+            let on_edge = detail.ring_rad.iter().any(|end| (angle - end).abs() < 1e-5);
+            let got = radius_px(&view, &by_ring(number), x, y);
+            assert!(got == want || on_edge, "pixel {x}, {y} at {angle} has radius {got}, not {want}");
+            counts[got] += 1;
+        }
+        assert!(counts[1..].iter().all(|&count| count > 500), "every ring is in the picture: {counts:?}");
+    }
+}
+
+#[test]
+fn one_surface_without_holes_stays() {
+    let view = view([40, 30]);
+    let mut random = Random(3);
+    let surface: Vec<Pixel> =
+        (0..1200).map(|_| pixel(2.5, [random.next() as u8, random.next() as u8, 7])).collect();
+    assert_eq!(dilate(&view, &by_ring(0), &surface), surface);
+}
+
+#[test]
+fn what_is_empty_stays_empty() {
+    let view = view([40, 30]);
+    assert_eq!(dilate(&view, &by_ring(0), &vec![EMPTY; 1200]), vec![EMPTY; 1200]);
+}
+
+/// Whatever is added behind the near surface, that surface and what it fills keep depth and colour.
+#[test]
+fn the_far_never_bleeds_over_the_near() {
+    let size = [120, 90];
+    let view = view(size);
+    for radius in 0..=3 {
+        let uniform = fixed(radius);
+        let mut near = sparse(size, 50, 4);
+        near.iter_mut().filter(|p| !(2.0..2.1).contains(&depth_of(**p))).for_each(|p| *p = EMPTY);
+        let mut both = near.clone();
+        let mut random = Random(5);
+        for p in both.iter_mut().filter(|p| **p == EMPTY) {
+            *p = pixel(2.3 + random.unit() as f32, [random.next() as u8; 3]);
+        }
+        let (alone, together) = (dilate(&view, &uniform, &near), dilate(&view, &uniform, &both));
+        for (i, p) in alone.iter().enumerate().filter(|(_, p)| **p != EMPTY) {
+            assert_eq!(together[i], *p, "pixel {i} of the near surface, radius {radius}");
+        }
+        for (i, p) in near.iter().enumerate().filter(|(_, p)| **p != EMPTY) {
+            assert_eq!(together[i], *p, "point {i}, radius {radius}");
+        }
+        assert!(alone.contains(&EMPTY) && near != alone);
+    }
+}
+
+/// A slit through which a wall shows, as wide as the radius, in a surface of two colours.
+#[test]
+fn a_hole_in_the_near_is_closed_from_the_near() {
+    let view = view([60, 50]);
+    for radius in 1..=3usize {
+        let is_hole = |x: usize| (30..30 + radius).contains(&x);
+        for behind in [EMPTY, pixel(8.0, [0, 0, 255])] {
+            let surface: Vec<Pixel> = (0..3000)
+                .map(|i| i % 60)
+                .map(
+                    |x| if is_hole(x) { behind } else { pixel(2.0, [if x < 30 { 100 } else { 200 }, 10, 0]) },
+                )
+                .collect();
+            let image = dilate(&view, &fixed(radius as u32), &surface);
+            for (i, got) in image.iter().enumerate() {
+                let [r, g, b, a] = got[1].to_le_bytes();
+                assert_eq!(depth_of(*got), 2.0, "pixel {i} belongs to the surface");
+                assert!(
+                    (100..=200).contains(&r) && g == 10 && b == 0 && a == 255,
+                    "{:?}",
+                    got[1].to_le_bytes()
+                );
+                assert!(is_hole(i % 60) || *got == surface[i], "pixel {i} was no hole");
+            }
+        }
+    }
+}
+
+/// A single point becomes a square of its radius, and no more; by ring, a square between the radii that meet there.
+#[test]
+fn edges_grow_by_the_radius_at_most() {
+    let size = [90usize, 70];
+    let view = view([90, 70]);
+    for (x, y) in [(0, 0), (45, 35), (89, 69), (20, 60), (70, 10), (33, 35)] {
+        for radius in 0..=3 {
+            let mut surface = vec![EMPTY; size[0] * size[1]];
+            surface[y * size[0] + x] = pixel(1.0, [1, 2, 3]);
+            let image = dilate(&view, &fixed(radius), &surface);
+            for (i, got) in image.iter().enumerate() {
+                let (column, row) = (i % size[0], i / size[0]);
+                let reach = match radius {
+                    0 => [radius_px(&view, &fixed(0), column, y), radius_px(&view, &fixed(0), column, row)],
+                    r => [r as usize; 2],
+                };
+                // Along the row the radius of the pixel in the point's row counts, along the column the pixel's own.
+                let reached = x.abs_diff(column) <= reach[0] && y.abs_diff(row) <= reach[1];
+                let want = if reached { pixel(1.0, [1, 2, 3]) } else { EMPTY };
+                assert_eq!(*got, want, "point {x}, {y}, radius {radius}: pixel {column}, {row}");
+            }
+        }
+    }
+}
+
+/// The rule over the whole window at once, in floats, without rows, columns or tolerance: for one constant depth.
+fn plain([width, height]: [usize; 2], radius: usize, surface: &[Pixel]) -> Vec<Option<[f64; 3]>> {
+    let weight = |distance: usize| 4f64.powi(-(distance as i32));
+    let mut image = Vec::new();
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        let (mut sums, mut weights) = ([0.0; 3], 0.0);
+        for row in y.saturating_sub(radius)..(y + radius + 1).min(height) {
+            for column in x.saturating_sub(radius)..(x + radius + 1).min(width) {
+                let from = surface[row * width + column];
+                if from != EMPTY {
+                    let w = weight(x.abs_diff(column)) * weight(y.abs_diff(row));
+                    let channels = from[1].to_le_bytes();
+                    (0..3).for_each(|c| sums[c] += w * f64::from(channels[c]));
+                    weights += w;
+                }
+            }
+        }
+        let own = surface[y * width + x];
+        image.push(match own {
+            EMPTY => (weights > 0.0).then(|| sums.map(|sum| sum / weights)),
+            _ => Some([0, 1, 2].map(|c: usize| f64::from(own[1].to_le_bytes()[c]))),
+        });
+    }
+    image
+}
+
+#[test]
+fn the_twin_equals_the_plain_definition_on_one_depth() {
+    let size = [70usize, 50];
+    let view = view([70, 50]);
+    for (radius, percent) in [(1, 30), (2, 10), (3, 3), (3, 60)] {
+        let mut surface = sparse([70, 50], percent, 11);
+        surface.iter_mut().filter(|p| **p != EMPTY).for_each(|p| p[0] = 3f32.to_bits());
+        let image = dilate(&view, &fixed(radius as u32), &surface);
+        let want = plain(size, radius, &surface);
+        for (i, (got, want)) in image.iter().zip(&want).enumerate() {
+            let Some(want) = want else {
+                assert_eq!(*got, EMPTY, "pixel {i}");
+                continue;
+            };
+            assert_eq!(depth_of(*got), 3.0, "pixel {i}");
+            for (channel, want) in got[1].to_le_bytes().into_iter().zip(want) {
+                assert!((f64::from(channel) - want).abs() <= 0.5 + 1e-9, "pixel {i}: {channel}, not {want}");
+            }
+        }
+        assert!(want.iter().any(Option::is_none) || percent > 10, "some pixels have no point near");
+    }
+}
