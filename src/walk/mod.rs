@@ -3,6 +3,7 @@
 //! The loop reads as the frame's contents list; what differs between an OpenXR runtime and the simulated
 //! headset stands behind [`Headset`].
 
+pub mod hidden_area;
 pub mod link;
 pub mod locomotion;
 pub mod pose_path;
