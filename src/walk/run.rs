@@ -3,7 +3,7 @@
 use super::link::{Command, WalkEnd};
 use super::locomotion::{Locomotion, Start, head_of};
 use super::pose_path::PosePath;
-use super::{Beat, Headset, StageEye};
+use super::{Beat, EyeImages, Headset, StageEye};
 use crate::config::Config;
 use crate::gpu::Gpu;
 use crate::progress::Stop;
@@ -201,9 +201,10 @@ impl Frames {
         let images = headset.acquire()?;
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        let views = [self.views.of(&images[0]), self.views.of(&images[1])];
+        let views = [self.views.of(&images.color[0]), self.views.of(&images.color[1])];
         self.renderer.record(&mut encoder, self.frame, &[&views[0], &views[1]]);
-        self.record_mirror(walk, headset, &mut encoder, &images);
+        self.record_depth(&mut encoder, &images);
+        self.record_mirror(walk, headset, &mut encoder, &images.color);
         let record_ms = ms(record_began.elapsed());
 
         let submit_began = Instant::now();
@@ -257,6 +258,23 @@ impl Frames {
         let Some(last) = self.last_display_ns.filter(|_| period_ns > 0) else { return 0 };
         let periods = (predicted_display_ns - last + period_ns / 2) / period_ns;
         u32::try_from(periods - 1).unwrap_or(0)
+    }
+
+    /// Everything is infinitely far away for now: the runtime must not be handed what an image held before.
+    fn record_depth(&mut self, encoder: &mut wgpu::CommandEncoder, images: &EyeImages) {
+        for image in images.depth.iter().flatten() {
+            let view = self.views.of(image);
+            let clear = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+            encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("depth image"),
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &view,
+                    depth_ops: Some(clear),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
+        }
     }
 
     /// A headset's images go back to the runtime at submit, so the mirror keeps a copy.

@@ -1,7 +1,7 @@
 //! The headset that stands in where there is none: the same stereo path with eye distance, field of view,
 //! resolution and refresh rate from the configuration.
 
-use super::{Beat, ControllerInput, Headset, StageEye};
+use super::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 use crate::config::SimulatedConfig;
 use crate::gpu::Gpu;
 use crate::space::{Fov, Pose};
@@ -116,8 +116,8 @@ impl Headset for SimulatedHeadset {
         Ok(ControllerInput::default())
     }
 
-    fn acquire(&mut self) -> anyhow::Result<[wgpu::Texture; 2]> {
-        Ok(self.images.clone())
+    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+        Ok(EyeImages { color: self.images.clone(), depth: None })
     }
 
     fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {

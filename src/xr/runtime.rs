@@ -48,6 +48,7 @@ impl Runtime {
         };
         let mut wanted = xr::ExtensionSet::default();
         wanted.khr_vulkan_enable2 = offered.khr_vulkan_enable2;
+        wanted.khr_composition_layer_depth = offers.depth_layer;
         wanted.khr_visibility_mask = offers.visibility_mask;
         wanted.fb_display_refresh_rate = offers.refresh_rate;
         wanted.ext_local_floor = offers.local_floor;

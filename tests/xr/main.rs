@@ -7,6 +7,7 @@
 #[path = "../support/xr/mod.rs"]
 mod support;
 
+mod extras;
 mod faults;
 mod picture;
 mod probe;
