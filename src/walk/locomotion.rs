@@ -168,7 +168,7 @@ impl Locomotion {
                 world_from_view: world_from_head.then(&head_from_view),
                 fov: eye.fov,
                 size_px,
-                gaze_in_view: Eye::AHEAD,
+                gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
             }
         };
         View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
@@ -193,7 +193,7 @@ impl Locomotion {
                 world_from_view: Pose { position, orientation },
                 fov: eye.fov,
                 size_px,
-                gaze_in_view: Eye::AHEAD,
+                gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
             }
         };
         View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
@@ -229,6 +229,7 @@ mod tests {
         let eye = |x| StageEye {
             stage_from_view: Pose { position: DVec3::new(x, 1.7, 0.0), orientation: DQuat::IDENTITY },
             fov: Fov::symmetric(1.5, 1.0),
+            gaze_in_view: None,
         };
         [eye(-0.03), eye(0.03)]
     }

@@ -14,6 +14,7 @@ pub mod start;
 pub use run::{Loaded, Walk, WalkSummary};
 
 use crate::space::{Fov, Pose};
+use glam::DVec3;
 use hidden_area::HiddenArea;
 use std::time::Duration;
 
@@ -42,6 +43,8 @@ pub struct StageEye {
     pub stage_from_view: Pose,
     /// Its field of view.
     pub fov: Fov,
+    /// Where it looks, in view space, unit length; `None`: nobody tracks it.
+    pub gaze_in_view: Option<DVec3>,
 }
 
 /// Controller input of one frame; the simulated headset leaves it at rest.

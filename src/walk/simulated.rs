@@ -60,6 +60,7 @@ impl SimulatedHeadset {
                 orientation: DQuat::from_rotation_y(-sign * config.cant_deg.to_radians()),
             },
             fov: if sign < 0.0 { left } else { left.mirrored() },
+            gaze_in_view: None,
         })
     }
 

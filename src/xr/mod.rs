@@ -2,12 +2,14 @@
 //!
 //! The runtime makes the Vulkan device and wgpu wraps it (`vulkan`); the session (`session`) follows the
 //! runtime's states (`lifecycle`) and hands the frame thread images (`swapchain`), poses (`eyes`), what the lenses
-//! hide (`mask`) and controllers (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
+//! hide (`mask`) and controllers
+//! (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
 //! [`crate::gpu::QueueGuard`], since the window presents on the same queue.
 
 mod depth_layer;
 mod eyes;
 mod frames;
+mod gaze;
 mod input;
 mod lifecycle;
 mod mask;

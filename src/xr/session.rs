@@ -70,7 +70,8 @@ impl XrSession {
             add_depth(&mut images, &session, &gpu.gpu, &offered);
         }
         let (stage, stage_kind) = stage_space(&session).map_err(refused("xrCreateReferenceSpace"))?;
-        let input = Input::new(&runtime.xr, &session).map_err(refused("xrAttachSessionActionSets"))?;
+        let input = Input::new(&runtime.xr, &session, runtime.offers.eye_gaze)
+            .map_err(refused("xrAttachSessionActionSets"))?;
         let told_hz =
             if runtime.offers.refresh_rate { session.get_display_refresh_rate().ok() } else { None };
         Ok(Self {
@@ -200,7 +201,8 @@ impl XrSession {
         let located = locate(&self.session, &self.stage, frame.display_time, &mut self.eyes);
         self.life.survive("xrLocateViews", located)?;
         frame.located = true;
-        Ok(self.eyes.in_stage())
+        let gaze_in_stage = self.input.gaze(&self.session, &self.stage, frame.display_time);
+        Ok(self.eyes.in_stage(gaze_in_stage))
     }
 
     /// Submits the commands, releases the images and ends the frame, under one lock of the queue.

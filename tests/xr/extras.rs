@@ -1,4 +1,5 @@
-//! What a runtime may offer beyond the frame: it takes depth beside the images, and tells what the lenses hide.
+//! What a runtime may offer beyond the frame: it takes depth beside the images, and tells what the lenses hide and where
+//! the user looks.
 
 use crate::probe::{Job, last};
 use crate::support::{Finished, Lab};
@@ -94,4 +95,28 @@ fn a_new_mask_is_told_once() {
         .filter_map(|line| last(std::slice::from_ref(line), "hidden_at_frame")?.as_u64())
         .collect();
     assert!(matches!(told[..], [1, second] if (15..30).contains(&second)), "{told:?}");
+}
+
+/// Both eyes' gaze in the last frame.
+fn gaze(done: &Finished) -> [Option<glam::DVec3>; 2] {
+    serde_json::from_value(last(&done.lines, "gaze").unwrap()).unwrap()
+}
+
+/// The test runtime knows the extension and has no eye tracker: the layer plays one.
+#[test]
+fn the_gaze_arrives_where_eyes_are_tracked() {
+    let Some(lab) = Lab::enter() else { return };
+    let run = |runtime: crate::support::Runtime| {
+        let done = Job { exit_after: 30, ..Job::default() }.run(&runtime);
+        done.assert_ok();
+        done.assert_valid();
+        gaze(&done)
+    };
+    assert_eq!(run(lab.runtime().validate()), [None; 2], "no tracker");
+    let turned = run(lab.runtime().validate().fault("gaze"));
+    let wanted = glam::DVec3::new(-(0.3_f64.sin()), 0.0, -(0.3_f64.cos()));
+    for eye in turned {
+        assert!(eye.is_some_and(|gaze| (gaze - wanted).length() < 1e-5), "{eye:?}");
+    }
+    assert_eq!(run(lab.runtime().validate().fault("nogaze")), [None; 2], "a tracker that fails");
 }

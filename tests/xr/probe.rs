@@ -212,6 +212,7 @@ impl Loop<'_> {
             "left_stick": input.left_stick,
             "right_stick": input.right_stick,
             "reset": input.reset,
+            "gaze": eyes.map(|eye| eye.gaze_in_view.map(|gaze| gaze.to_array())),
         }));
         if let Some([left, right]) = dump {
             let folder = PathBuf::from(std::env::var_os("XR_RUN").unwrap());
@@ -255,7 +256,7 @@ fn clear_depth(commands: &mut wgpu::CommandEncoder, image: &wgpu::Texture) {
 }
 
 fn eye_json(eye: StageEye) -> Value {
-    let StageEye { stage_from_view: pose, fov } = eye;
+    let StageEye { stage_from_view: pose, fov, .. } = eye;
     json!([pose.position.to_array(), pose.orientation.to_array(), [fov.left, fov.right, fov.up, fov.down]])
 }
 

@@ -15,7 +15,9 @@
 //! - `nosession`: xrCreateSession fails with ERROR_LIMIT_REACHED;
 //! - `noimages`: the second xrCreateSwapchain fails with ERROR_OUT_OF_MEMORY;
 //! - `nodepth`: xrCreateSwapchain fails for images of depth, with ERROR_FEATURE_UNSUPPORTED;
-//! - `nomask`: xrGetVisibilityMaskKHR fails with ERROR_RUNTIME_FAILURE.
+//! - `nomask`: xrGetVisibilityMaskKHR fails with ERROR_RUNTIME_FAILURE;
+//! - `gaze`: the one action space that a program creates is active, turned by [`GAZE_TURN`] in any base space;
+//! - `nogaze`: it is active, and xrLocateSpace fails for it with ERROR_RUNTIME_FAILURE.
 //!
 //! One instance and one session at a time, which is what a test has.
 
@@ -30,6 +32,9 @@ static NEXT: OnceLock<pfn::GetInstanceProcAddr> = OnceLock::new();
 static INSTANCE: AtomicU64 = AtomicU64::new(0);
 static SESSION: AtomicU64 = AtomicU64::new(0);
 static FRAMES: AtomicU64 = AtomicU64::new(0);
+static ACTION_SPACE: AtomicU64 = AtomicU64::new(0);
+/// To the left, radians.
+const GAZE_TURN: f32 = 0.3;
 static FIRED: AtomicBool = AtomicBool::new(false);
 
 /// What is to happen, and after how many frames.
@@ -122,6 +127,54 @@ unsafe extern "system" fn get_visibility_mask(
     }
     let below = unsafe { next::<pfn::GetVisibilityMaskKHR>(c"xrGetVisibilityMaskKHR") };
     unsafe { below(session, views, view, kind, mask) }
+}
+
+unsafe extern "system" fn create_action_space(
+    session: xr::Session,
+    info: *const xr::ActionSpaceCreateInfo,
+    space: *mut xr::Space,
+) -> xr::Result {
+    unsafe {
+        let result = next::<pfn::CreateActionSpace>(c"xrCreateActionSpace")(session, info, space);
+        if result.into_raw() >= 0 {
+            ACTION_SPACE.store((*space).into_raw(), Ordering::SeqCst);
+        }
+        result
+    }
+}
+
+unsafe extern "system" fn get_action_state_pose(
+    session: xr::Session,
+    info: *const xr::ActionStateGetInfo,
+    state: *mut xr::ActionStatePose,
+) -> xr::Result {
+    let result = unsafe { next::<pfn::GetActionStatePose>(c"xrGetActionStatePose")(session, info, state) };
+    if matches!(plan().0.as_str(), "gaze" | "nogaze") {
+        unsafe { (*state).is_active = xr::TRUE };
+    }
+    result
+}
+
+unsafe extern "system" fn locate_space(
+    space: xr::Space,
+    base: xr::Space,
+    time: xr::Time,
+    location: *mut xr::SpaceLocation,
+) -> xr::Result {
+    let is_gaze = space.into_raw() == ACTION_SPACE.load(Ordering::SeqCst);
+    if is_gaze && plan().0 == "nogaze" {
+        return xr::Result::ERROR_RUNTIME_FAILURE;
+    }
+    let result = unsafe { next::<pfn::LocateSpace>(c"xrLocateSpace")(space, base, time, location) };
+    if is_gaze && plan().0 == "gaze" {
+        let (sin, cos) = (0.5 * GAZE_TURN).sin_cos();
+        unsafe {
+            (*location).location_flags =
+                xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::ORIENTATION_TRACKED;
+            (*location).pose.orientation = xr::Quaternionf { x: 0.0, y: sin, z: 0.0, w: cos };
+        }
+    }
+    result
 }
 
 /// Writes a line for each view of each projection layer: `view` and the size of its image, and if depth is chained to
@@ -237,6 +290,13 @@ unsafe extern "system" fn get_instance_proc_addr(
             b"xrGetVisibilityMaskKHR" => {
                 Some(transmute::<pfn::GetVisibilityMaskKHR, pfn::VoidFunction>(get_visibility_mask))
             }
+            b"xrCreateActionSpace" => {
+                Some(transmute::<pfn::CreateActionSpace, pfn::VoidFunction>(create_action_space))
+            }
+            b"xrGetActionStatePose" => {
+                Some(transmute::<pfn::GetActionStatePose, pfn::VoidFunction>(get_action_state_pose))
+            }
+            b"xrLocateSpace" => Some(transmute::<pfn::LocateSpace, pfn::VoidFunction>(locate_space)),
             b"xrWaitFrame" => Some(transmute::<pfn::WaitFrame, pfn::VoidFunction>(wait_frame)),
             b"xrEndFrame" => Some(transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame)),
             b"xrPollEvent" => Some(transmute::<pfn::PollEvent, pfn::VoidFunction>(poll_event)),
