@@ -251,6 +251,20 @@ mod tests {
     }
 
     #[test]
+    fn eyes_look_where_they_are_seen_to_look_or_ahead() {
+        let [mut left, right] = eyes();
+        let aside = DVec3::new(0.6, 0.0, -0.8);
+        left.gaze_in_view = Some(aside);
+        let walk = walk();
+        for view in [
+            walk.view(&[left, right], SIZES, 0.05),
+            walk.view_at(&Pose::IDENTITY, &[left, right], SIZES, 0.05),
+        ] {
+            assert_eq!([0, 1].map(|i| view.eyes[i].gaze_in_view), [aside, Eye::AHEAD]);
+        }
+    }
+
+    #[test]
     fn units_scale_the_viewer_not_the_scan() {
         let mut walk = walk();
         walk.restart(Start { units_per_m: 1.0 / 0.3048, ..start() });

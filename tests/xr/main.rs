@@ -14,3 +14,5 @@ mod probe;
 mod session;
 mod tracking;
 mod validation;
+#[path = "../support/xwd.rs"]
+mod xwd;
