@@ -87,9 +87,9 @@ struct ResolveUniform {
     first_index: u32,
     num_points: u32,
     background: u32,
-    near: f32,
-    eye: u32,
-    reserved: u32,
+    reserved_a: u32,
+    reserved_b: u32,
+    reserved_c: u32,
 }
 
 struct DilateUniform {

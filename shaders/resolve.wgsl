@@ -7,6 +7,7 @@
 @group(0) @binding(1) var<storage, read> image: array<vec2<u32>>;
 // A bit a pixel, rows of whole words: 1 where the lenses hide it.
 @group(0) @binding(2) var<storage, read> hidden: array<u32>;
+@group(0) @binding(3) var<uniform> view: ViewUniform;
 
 @vertex
 fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
@@ -47,6 +48,6 @@ struct ColorAndDepth {
 @fragment
 fn fragment_with_depth(@builtin(position) position: vec4<f32>) -> ColorAndDepth {
     let pixel = pixel_at(position.xy);
-    let depth = select(resolve.near / bitcast<f32>(pixel.x), 0.0, pixel.x == EMPTY_DEPTH);
+    let depth = select(view.near / bitcast<f32>(pixel.x), 0.0, pixel.x == EMPTY_DEPTH);
     return ColorAndDepth(color_of(pixel), depth);
 }

@@ -360,12 +360,12 @@ pub struct ResolveUniform {
     pub num_points: u32,
     /// Color where no point is, as stored: r | g≪8 | b≪16 | 255≪24.
     pub background: u32,
-    /// Depth to write is `near` / w.
-    pub near: f32,
-    /// The eye: 0 left, 1 right.
-    pub eye: u32,
     /// Always 0.
-    pub reserved: u32,
+    pub reserved_a: u32,
+    /// Always 0.
+    pub reserved_b: u32,
+    /// Always 0.
+    pub reserved_c: u32,
 }
 
 /// What `cull` tells `depth` about a batch that is seen.

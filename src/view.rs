@@ -203,6 +203,8 @@ fn load(
             Err(error @ UploadError::OutOfMemory { .. }) => {
                 eprintln!("scanwalk: warning: without level of detail, every point is drawn always: {error}");
             }
+            // The walk ended before the octree stood: nobody misses it.
+            Err(UploadError::Stopped) => return Ok(()),
             Err(error) => return Err(error.into()),
         }
     }

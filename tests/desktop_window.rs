@@ -5,6 +5,8 @@
 //! main thread): this program again, with a role in the environment.
 
 mod desktop_support;
+#[path = "support/xwd.rs"]
+mod xwd;
 
 use desktop_support::child::{ROLE, Window};
 use desktop_support::screen::{Picture, Screen, wait_for};

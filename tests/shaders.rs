@@ -8,9 +8,11 @@ use std::mem::offset_of;
 
 /// What each tier's adapters offer beyond plain WGSL.
 fn capabilities(atomics: Atomics) -> Capabilities {
-    let minmax = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
+    // Vulkan has always had these.
+    let plain = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+    let minmax = plain | Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
     match atomics {
-        Atomics::Int32 => Capabilities::empty(),
+        Atomics::Int32 => plain,
         Atomics::Int64Minmax => minmax,
         Atomics::Int64 => minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS,
     }
@@ -86,7 +88,8 @@ fn host_structs() -> Vec<HostStruct> {
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),
-        host!(ResolveUniform: size_px, first_index, num_points, background, near, eye, reserved),
+        host!(ResolveUniform: size_px, first_index, num_points, background, reserved_a, reserved_b,
+            reserved_c),
         host!(DilateUniform: eye, radius_px, reserved),
     ]
 }

@@ -2,6 +2,7 @@
 
 use super::Gpu;
 use wgpu::naga;
+use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Workgroups of a dispatch along one dimension: Vulkan promises as many.
 const MAX_ROW: u32 = 65_535;
@@ -19,18 +20,26 @@ pub struct Stage {
 pub struct Bindings(Vec<(String, u32)>);
 
 impl Bindings {
-    /// Reads them from WGSL text.
+    /// Reads from WGSL text what its entry point `entry` uses.
     ///
     /// # Panics
-    /// If the text does not parse: shaders are ours, and a test parses each.
+    /// If the text is not valid: shaders are ours, and a test validates each.
     #[must_use]
-    pub fn of(name: &str, wgsl: &str) -> Self {
+    pub fn of(name: &str, wgsl: &str, entry: &str) -> Self {
         let module = naga::front::wgsl::parse_str(wgsl)
             .unwrap_or_else(|e| panic!("shader {name}: {}", e.emit_to_string(wgsl)));
-        let named = module.global_variables.iter().filter_map(|(_, v)| {
+        let mut validator = Validator::new(ValidationFlags::default(), Capabilities::all());
+        let info = validator
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("shader {name}: {}", e.emit_to_string(wgsl)));
+        let number = module.entry_points.iter().position(|e| e.name == entry);
+        let number = number.unwrap_or_else(|| panic!("shader {name} has no entry point {entry}"));
+        let uses = info.get_entry_point(number);
+        let named = module.global_variables.iter().filter(|(handle, _)| !uses[*handle].is_empty());
+        let numbered = named.filter_map(|(_, v)| {
             Some((v.name.clone()?, v.binding.as_ref().filter(|b| b.group == 0)?.binding))
         });
-        Self(named.collect())
+        Self(numbered.collect())
     }
 
     /// A bind group of these resources. Every name of the shader must be given; others are ignored, so
@@ -72,7 +81,7 @@ impl Stage {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Self { name, pipeline, bindings: Bindings::of(name, wgsl) }
+        Self { name, pipeline, bindings: Bindings::of(name, wgsl, "main") }
     }
 
     /// A bind group for this stage; see [`Bindings::bind`].

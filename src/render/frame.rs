@@ -55,7 +55,7 @@ pub struct Setup {
 pub struct EyeImage<'a> {
     /// Where the colours go.
     pub color: &'a wgpu::TextureView,
-    /// Where near / depth goes; given if [`Setup::depth_format`] is.
+    /// Where [`View::near`] / w goes, 0 where nothing is; given if [`Setup::depth_format`] is.
     pub depth: Option<&'a wgpu::TextureView>,
 }
 
@@ -68,8 +68,6 @@ pub struct Renderer {
     look: Look,
     /// Factor on the thresholds of level of detail.
     lod_scale: f32,
-    /// Depth images hold this / w.
-    near: f32,
     pipelines: Pipelines,
     view: wgpu::Buffer,
     cloud: Option<CloudBuffers>,
@@ -92,7 +90,6 @@ impl Renderer {
         let has_wide = needs_wide(&pipelines, None, look.quality);
         let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
         let counters = counters_buffer(gpu, 1);
-        let near = 1.0;
         let parts = Parts {
             gpu,
             pipelines: &pipelines,
@@ -103,7 +100,6 @@ impl Renderer {
             quality: look.quality,
             dilate: look.dilate,
             background: look.background_word(),
-            near,
             hidden: &[],
         };
         let groups = parts.groups();
@@ -113,7 +109,6 @@ impl Renderer {
             setup,
             look,
             lod_scale: 1.0,
-            near,
             pipelines,
             view,
             cloud: None,
@@ -414,7 +409,6 @@ impl Renderer {
             quality: self.look.quality,
             dilate: self.look.dilate,
             background: self.look.background_word(),
-            near: self.near,
             hidden: &self.hidden,
         };
         self.groups = parts.groups();

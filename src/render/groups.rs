@@ -22,7 +22,6 @@ pub(super) struct Parts<'a> {
     pub quality: Quality,
     pub dilate: Dilate,
     pub background: u32,
-    pub near: f32,
     /// Bits of the pixels that the lenses hide, an eye each.
     pub hidden: &'a [Vec<u32>],
 }
@@ -178,9 +177,9 @@ impl Parts<'_> {
                 first_index,
                 num_points,
                 background: self.background,
-                near: self.near,
-                eye: eye as u32,
-                reserved: 0,
+                reserved_a: 0,
+                reserved_b: 0,
+                reserved_c: 0,
             })
         };
         let plain = uniform(0, 0);

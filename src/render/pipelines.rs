@@ -118,7 +118,7 @@ impl Image {
             multiview_mask: None,
             cache: None,
         });
-        Self { pipeline, bindings: Bindings::of("resolve", wgsl) }
+        Self { pipeline, bindings: Bindings::of("resolve", wgsl, entry) }
     }
 
     /// A bind group for the pass.

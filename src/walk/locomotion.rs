@@ -168,7 +168,7 @@ impl Locomotion {
                 world_from_view: world_from_head.then(&head_from_view),
                 fov: eye.fov,
                 size_px,
-                gaze_in_view: Eye::AHEAD,
+                gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
             }
         };
         View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
@@ -193,7 +193,7 @@ impl Locomotion {
                 world_from_view: Pose { position, orientation },
                 fov: eye.fov,
                 size_px,
-                gaze_in_view: Eye::AHEAD,
+                gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
             }
         };
         View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
@@ -229,6 +229,7 @@ mod tests {
         let eye = |x| StageEye {
             stage_from_view: Pose { position: DVec3::new(x, 1.7, 0.0), orientation: DQuat::IDENTITY },
             fov: Fov::symmetric(1.5, 1.0),
+            gaze_in_view: None,
         };
         [eye(-0.03), eye(0.03)]
     }
@@ -247,6 +248,20 @@ mod tests {
         assert!((right.position - DVec3::new(5e5 + 0.03, 4e6, 101.7)).length() < 1e-9);
         assert!((left.orientation * DVec3::NEG_Z - DVec3::Y).length() < 1e-12);
         assert!((left.orientation * DVec3::Y - DVec3::Z).length() < 1e-12);
+    }
+
+    #[test]
+    fn eyes_look_where_they_are_seen_to_look_or_ahead() {
+        let [mut left, right] = eyes();
+        let aside = DVec3::new(0.6, 0.0, -0.8);
+        left.gaze_in_view = Some(aside);
+        let walk = walk();
+        for view in [
+            walk.view(&[left, right], SIZES, 0.05),
+            walk.view_at(&Pose::IDENTITY, &[left, right], SIZES, 0.05),
+        ] {
+            assert_eq!([0, 1].map(|i| view.eyes[i].gaze_in_view), [aside, Eye::AHEAD]);
+        }
     }
 
     #[test]

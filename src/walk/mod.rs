@@ -4,8 +4,10 @@
 //! headset stands behind [`Headset`].
 
 pub mod governor;
+pub mod hidden_area;
 pub mod link;
 pub mod locomotion;
+mod masks;
 pub mod pose_path;
 mod run;
 pub mod simulated;
@@ -14,6 +16,8 @@ pub mod start;
 pub use run::{Loaded, Walk, WalkSummary};
 
 use crate::space::{Fov, Pose};
+use glam::DVec3;
+use hidden_area::HiddenArea;
 use std::time::Duration;
 
 /// What the headset wants next.
@@ -41,6 +45,8 @@ pub struct StageEye {
     pub stage_from_view: Pose,
     /// Its field of view.
     pub fov: Fov,
+    /// Where it looks, in view space, unit length; `None`: nobody tracks it.
+    pub gaze_in_view: Option<DVec3>,
 }
 
 /// Controller input of one frame; the simulated headset leaves it at rest.
@@ -54,6 +60,17 @@ pub struct ControllerInput {
     pub reset: bool,
 }
 
+/// The images of one frame, left then right; the frame fills both kinds.
+#[derive(Clone, Debug)]
+pub struct EyeImages {
+    /// What the eyes see.
+    pub color: [wgpu::Texture; 2],
+    /// How far away it is, where the headset takes that: as large as `color`, to be rendered to. A pixel holds
+    /// near ÷ depth, where depth is the linear one (w) and near that of the settings (`frame.near_m`), both in
+    /// one unit: 1 at the near plane, 0 infinitely far away and where nothing is.
+    pub depth: Option<[wgpu::Texture; 2]>,
+}
+
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
 pub trait Headset: Send {
@@ -65,6 +82,15 @@ pub trait Headset: Send {
     fn refresh_hz(&self) -> f64;
     /// Texture format of the images.
     fn image_format(&self) -> wgpu::TextureFormat;
+    /// Texture format of the depth images; `None`: the headset takes none, and [`EyeImages::depth`] is `None`.
+    fn depth_format(&self) -> Option<wgpu::TextureFormat> {
+        None
+    }
+    /// What the lenses hide, left then right, when that is new: with the first frame, and after a change. `None`
+    /// for ever if the headset does not tell, or is not to be asked.
+    fn hidden_area(&mut self) -> Option<[HiddenArea; 2]> {
+        None
+    }
     /// True for the simulated one: its images outlast `submit`, so the mirror needs no copy, and the mouse may
     /// pitch its head, which would make people sick in a real one.
     fn is_simulated(&self) -> bool {
@@ -78,7 +104,7 @@ pub trait Headset: Send {
     /// Controllers, as of now.
     fn input(&mut self) -> anyhow::Result<ControllerInput>;
     /// The eyes' images to draw into; valid until `submit`.
-    fn acquire(&mut self) -> anyhow::Result<[wgpu::Texture; 2]>;
+    fn acquire(&mut self) -> anyhow::Result<EyeImages>;
     /// The eyes at the frame's predicted display time. Called as late as possible.
     fn locate(&mut self) -> anyhow::Result<[StageEye; 2]>;
     /// Hands the recorded commands to the GPU and the images to the display. `None`: nothing was drawn

@@ -3,6 +3,7 @@
 use super::governor::{Governor, Settings};
 use super::link::{Command, MirrorImages, WalkEnd};
 use super::locomotion::{Locomotion, Start, head_of};
+use super::masks::Masks;
 use super::pose_path::PosePath;
 use super::{Beat, Headset, StageEye};
 use crate::config::Config;
@@ -118,6 +119,8 @@ struct Frames {
     locomotion: Option<Locomotion>,
     mirror: Option<[wgpu::Texture; 2]>,
     views: Views,
+    /// None until the headset tells of something to hide.
+    masks: Option<Masks>,
     governor: Governor,
     /// In force for the frame being recorded.
     settings: Settings,
@@ -145,7 +148,7 @@ impl Frames {
         let setup = Setup {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
-            depth_format: None,
+            depth_format: headset.depth_format(),
             atomics: tier(&walk.gpu, walk.config.gpu.tier)?,
         };
         let governor = Governor::new(walk.config);
@@ -156,6 +159,7 @@ impl Frames {
             locomotion: None,
             mirror: None,
             views: Views::default(),
+            masks: None,
             governor,
             settings,
             sizes_px,
@@ -226,15 +230,20 @@ impl Frames {
         let images = headset.acquire()?;
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        let views = [self.views.of(&images[0]), self.views.of(&images[1])];
-        let eyes = views.each_ref().map(|color| EyeImage { color, depth: None });
+        let color = images.color.each_ref().map(|image| self.views.of(image));
+        let depth = images.depth.as_ref().map(|images| images.each_ref().map(|image| self.views.of(image)));
+        let eyes = [0, 1].map(|eye: usize| EyeImage {
+            color: &color[eye],
+            depth: depth.as_ref().map(|views| &views[eye]),
+        });
         self.renderer.record(&mut encoder, self.frame, &eyes);
-        self.record_mirror(walk, headset, &mut encoder, &images);
+        self.record_mirror(walk, headset, &mut encoder, &images.color);
         let record_ms = ms(record_began.elapsed());
 
         let submit_began = Instant::now();
         let eyes = headset.locate()?;
         self.stage_from_head = head_of(&eyes);
+        self.mask(headset, &eyes);
         if let Some(view) = self.view(walk, &eyes) {
             self.renderer.set_view(&walk.gpu.queue.lock(), &view);
             self.last_view = Some(view);
@@ -305,6 +314,19 @@ impl Frames {
         let Some(last) = self.last_display_ns.filter(|_| period_ns > 0) else { return 0 };
         let periods = (predicted_display_ns - last + period_ns / 2) / period_ns;
         u32::try_from(periods - 1).unwrap_or(0)
+    }
+
+    /// Skips the pixels that the lenses hide, as soon as it is known which.
+    fn mask(&mut self, headset: &mut dyn Headset, eyes: &[StageEye; 2]) {
+        if let Some(areas) = headset.hidden_area() {
+            self.masks.get_or_insert_default().set_areas(areas);
+        }
+        if let Some(masks) = &mut self.masks {
+            masks.ask([eyes[0].fov, eyes[1].fov], self.drawn_px);
+            if let Some(hidden) = masks.take(self.drawn_px) {
+                self.renderer.set_hidden(hidden.to_vec());
+            }
+        }
     }
 
     /// A headset's images go back to the runtime at submit, so the mirror keeps a copy.

@@ -1,7 +1,7 @@
 //! The headset that stands in where there is none: the same stereo path with eye distance, field of view,
 //! resolution and refresh rate from the configuration.
 
-use super::{Beat, ControllerInput, Headset, StageEye};
+use super::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 use crate::config::SimulatedConfig;
 use crate::gpu::Gpu;
 use crate::space::{Fov, Pose};
@@ -60,6 +60,7 @@ impl SimulatedHeadset {
                 orientation: DQuat::from_rotation_y(-sign * config.cant_deg.to_radians()),
             },
             fov: if sign < 0.0 { left } else { left.mirrored() },
+            gaze_in_view: None,
         })
     }
 
@@ -116,8 +117,8 @@ impl Headset for SimulatedHeadset {
         Ok(ControllerInput::default())
     }
 
-    fn acquire(&mut self) -> anyhow::Result<[wgpu::Texture; 2]> {
-        Ok(self.images.clone())
+    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+        Ok(EyeImages { color: self.images.clone(), depth: None })
     }
 
     fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {

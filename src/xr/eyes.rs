@@ -64,15 +64,19 @@ impl Eyes {
         &self.0
     }
 
-    /// As the walk wants them, in the space that they were located in.
-    pub fn in_stage(&self) -> [StageEye; 2] {
+    /// As the walk wants them, in the space that they were located in, looking in a direction of that space.
+    ///
+    /// Both look the same way: what they lack in convergence is small against the fovea's rings.
+    pub fn in_stage(&self, gaze_in_stage: Option<DVec3>) -> [StageEye; 2] {
         self.0.map(|view| {
             let (q, p, fov) = (view.pose.orientation, view.pose.position, view.fov);
+            let orientation = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into()).normalize();
             StageEye {
                 stage_from_view: Pose {
                     position: DVec3::new(p.x.into(), p.y.into(), p.z.into()),
-                    orientation: DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into()).normalize(),
+                    orientation,
                 },
+                gaze_in_view: gaze_in_stage.map(|gaze| orientation.inverse() * gaze),
                 fov: Fov::from_angles(
                     fov.angle_left.into(),
                     fov.angle_right.into(),
@@ -117,7 +121,7 @@ mod tests {
     fn signs_and_order_survive() {
         let mut eyes = Eyes::standing();
         eyes.update(tracked(), &[turned(), Eyes::standing().0[1]]);
-        let [left, right] = eyes.in_stage();
+        let [left, right] = eyes.in_stage(None);
         assert_eq!(left.stage_from_view.position, DVec3::new(1.0, 2.0, 3.0));
         // Turned left about y: looking along −x.
         let forward = left.stage_from_view.orientation * DVec3::NEG_Z;
@@ -125,6 +129,16 @@ mod tests {
         assert!((left.fov.left - f64::from(-0.9_f32).tan()).abs() < 1e-12);
         assert!((left.fov.down - f64::from(-0.85_f32).tan()).abs() < 1e-12);
         assert_eq!(right.stage_from_view.position.x, f64::from(0.032_f32));
+    }
+
+    #[test]
+    fn the_gaze_turns_with_the_eye() {
+        let mut eyes = Eyes::standing();
+        eyes.update(tracked(), &[turned(), Eyes::standing().0[1]]);
+        // Where the left eye's view points, and to the left of the right eye's.
+        let [left, right] = eyes.in_stage(Some(DVec3::NEG_X)).map(|eye| eye.gaze_in_view.unwrap());
+        assert!((left - DVec3::NEG_Z).length() < 1e-6, "{left}");
+        assert!((right - DVec3::NEG_X).length() < 1e-6, "{right}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The frame calls, two of which use the Vulkan queue and so take its guard.
 
+use super::depth_layer::DepthInfo;
 use super::eyes::Eyes;
 use super::runtime::STEREO;
 use super::swapchain::EyeSwapchains;
@@ -37,7 +38,8 @@ impl Frames {
         self.stream.end(display_time, self.blend_mode, &[])
     }
 
-    /// The frame is finished and shows the images last released, drawn for `eyes` in `stage`.
+    /// The frame is finished and shows the images last released, drawn for `eyes` in `stage`; depth images, if
+    /// there are any, hold `near_m` ÷ w.
     pub fn end(
         &mut self,
         _queue: &QueueGuard<'_>,
@@ -45,13 +47,19 @@ impl Frames {
         stage: &xr::Space,
         eyes: &Eyes,
         images: &EyeSwapchains,
+        near_m: f32,
     ) -> xr::Result<()> {
+        let depth = [0, 1].map(|eye| Some(DepthInfo::new(images.depth_sub_image(eye)?, near_m)));
         let views: [_; 2] = std::array::from_fn(|eye| {
-            let view = eyes.views()[eye];
-            xr::CompositionLayerProjectionView::new()
-                .pose(view.pose)
-                .fov(view.fov)
-                .sub_image(images.sub_image(eye))
+            let located = eyes.views()[eye];
+            let view = xr::CompositionLayerProjectionView::new()
+                .pose(located.pose)
+                .fov(located.fov)
+                .sub_image(images.sub_image(eye));
+            match &depth[eye] {
+                Some(depth) => depth.chain(view),
+                None => view,
+            }
         });
         let layer = xr::CompositionLayerProjection::new().space(stage).views(&views);
         self.stream.end(display_time, self.blend_mode, &[&layer])

@@ -1,6 +1,8 @@
-//! Controllers: two sticks and a reset button, on every kind of controller that OpenXR names.
+//! Controllers: two sticks and a reset button, on every kind of controller that OpenXR names; and the eyes' gaze.
 
+use super::gaze::Gaze;
 use crate::walk::ControllerInput;
+use glam::DVec3;
 use openxr as xr;
 
 /// Bindings of one kind of controller. Empty: it has nothing of the kind.
@@ -54,19 +56,22 @@ pub(super) struct Input {
     left_stick: xr::Action<xr::Vector2f>,
     right_stick: xr::Action<xr::Vector2f>,
     reset: xr::Action<bool>,
+    gaze: Option<Gaze>,
 }
 
 impl Input {
-    /// Creates the actions, suggests bindings for every kind of controller, attaches them to the session.
+    /// Creates the actions, suggests bindings for every kind of controller, and with `eye_gaze` for the eyes, and
+    /// attaches them to the session.
     ///
     /// # Errors
     /// What the runtime says; a kind of controller that it does not know is no error.
-    pub fn new(xr: &xr::Instance, session: &xr::Session<xr::Vulkan>) -> xr::Result<Self> {
+    pub fn new(xr: &xr::Instance, session: &xr::Session<xr::Vulkan>, eye_gaze: bool) -> xr::Result<Self> {
         let set = xr.create_action_set("walk", "Walk", 0)?;
         let input = Self {
             left_stick: set.create_action("fly", "Fly", &[])?,
             right_stick: set.create_action("turn", "Turn", &[])?,
             reset: set.create_action("reset", "Back to the start", &[])?,
+            gaze: if eye_gaze { without_on_failure(Gaze::new(xr, session, &set)) } else { None },
             set,
         };
         for profile in &PROFILES {
@@ -95,6 +100,20 @@ impl Input {
         xr.suggest_interaction_profile_bindings(xr.string_to_path(profile.name)?, &bindings)
     }
 
+    /// Direction of the gaze in `stage`, unit length, if it is tracked.
+    pub fn gaze(
+        &mut self,
+        session: &xr::Session<xr::Vulkan>,
+        stage: &xr::Space,
+        display_time: xr::Time,
+    ) -> Option<DVec3> {
+        let located = self.gaze.as_ref()?.in_stage(session, stage, display_time);
+        if located.is_err() {
+            self.gaze = None;
+        }
+        without_on_failure(located)?
+    }
+
     /// Reads the controllers as of now; at rest while the session is not in focus or a hand is away.
     ///
     /// # Errors
@@ -112,6 +131,11 @@ impl Input {
             reset: reset.is_active && reset.current_state && reset.changed_since_last_sync,
         })
     }
+}
+
+/// Eyes that are not tracked are no failure: the gaze is straight ahead then.
+fn without_on_failure<T>(result: xr::Result<T>) -> Option<T> {
+    result.inspect_err(|result| tracing::info!("the eyes are not tracked: {result:?}")).ok()
 }
 
 /// A stick's axes within −1 to 1; a controller that reports nonsense rests.

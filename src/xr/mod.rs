@@ -1,14 +1,18 @@
 //! OpenXR: a real headset behind [`crate::walk::Headset`].
 //!
 //! The runtime makes the Vulkan device and wgpu wraps it (`vulkan`); the session (`session`) follows the
-//! runtime's states (`lifecycle`) and hands the frame thread images (`swapchain`), poses (`eyes`) and
-//! controllers (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
+//! runtime's states (`lifecycle`) and hands the frame thread images (`swapchain`), poses (`eyes`), what the lenses
+//! hide (`mask`) and controllers
+//! (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
 //! [`crate::gpu::QueueGuard`], since the window presents on the same queue.
 
+mod depth_layer;
 mod eyes;
 mod frames;
+mod gaze;
 mod input;
 mod lifecycle;
+mod mask;
 mod missing;
 mod runtime;
 mod session;
@@ -21,7 +25,8 @@ pub use runtime::Offers;
 
 use crate::config::Config;
 use crate::gpu::Gpu;
-use crate::walk::{Beat, ControllerInput, Headset, StageEye};
+use crate::walk::hidden_area::HiddenArea;
+use crate::walk::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 use runtime::Runtime;
 use session::XrSession;
 use std::sync::Arc;
@@ -40,7 +45,7 @@ const DRAIN_TIME: Duration = Duration::from_secs(5);
 pub fn open(config: &Config) -> Result<(Arc<Gpu>, XrHeadset), XrMissing> {
     let runtime = Runtime::connect()?;
     let gpu = RuntimeGpu::open(&runtime.xr, runtime.system)?;
-    let session = XrSession::open(&runtime, &gpu, config.headset.resolution_scale)?;
+    let session = XrSession::open(&runtime, &gpu, config)?;
     tracing::info!("headset '{}' on {}, GPU {}", runtime.headset, runtime.name, gpu.gpu.name());
     let gpu = gpu.gpu;
     let headset = XrHeadset {
@@ -129,6 +134,14 @@ impl Headset for XrHeadset {
         self.session_mut().set_drawn_px(drawn_px);
     }
 
+    fn depth_format(&self) -> Option<wgpu::TextureFormat> {
+        self.session().depth_format()
+    }
+
+    fn hidden_area(&mut self) -> Option<[HiddenArea; 2]> {
+        self.session_mut().hidden_area()
+    }
+
     fn wait(&mut self) -> anyhow::Result<Beat> {
         self.session_mut().wait()
     }
@@ -137,7 +150,7 @@ impl Headset for XrHeadset {
         self.session_mut().input()
     }
 
-    fn acquire(&mut self) -> anyhow::Result<[wgpu::Texture; 2]> {
+    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
         self.session_mut().acquire()
     }
 

@@ -14,6 +14,8 @@ pub struct Offers {
     pub depth_layer: bool,
     /// Tells which pixels the lenses hide.
     pub visibility_mask: bool,
+    /// Knows eye trackers; whether one is there shows only in use.
+    pub eye_gaze: bool,
     /// Tells the display's refresh rate.
     pub refresh_rate: bool,
     /// Has a reference space at the user's place with its floor at 0.
@@ -43,12 +45,15 @@ impl Runtime {
         let offers = Offers {
             depth_layer: offered.khr_composition_layer_depth,
             visibility_mask: offered.khr_visibility_mask,
+            eye_gaze: offered.ext_eye_gaze_interaction,
             refresh_rate: offered.fb_display_refresh_rate,
             local_floor: offered.ext_local_floor,
         };
         let mut wanted = xr::ExtensionSet::default();
         wanted.khr_vulkan_enable2 = offered.khr_vulkan_enable2;
+        wanted.khr_composition_layer_depth = offers.depth_layer;
         wanted.khr_visibility_mask = offers.visibility_mask;
+        wanted.ext_eye_gaze_interaction = offers.eye_gaze;
         wanted.fb_display_refresh_rate = offers.refresh_rate;
         wanted.ext_local_floor = offers.local_floor;
         wanted.ext_debug_utils = offered.ext_debug_utils;

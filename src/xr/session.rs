@@ -4,12 +4,15 @@ use super::eyes::{EYE_HEIGHT_M, Eyes};
 use super::frames::{Frames, locate};
 use super::input::Input;
 use super::lifecycle::{Lifecycle, Task, ended};
+use super::mask::VisibilityMask;
 use super::missing::XrMissing;
 use super::runtime::{Runtime, STEREO, scaled_size};
 use super::swapchain::{EyeSwapchains, ImageFormat};
 use super::vulkan::RuntimeGpu;
+use crate::config::Config;
 use crate::gpu::Gpu;
-use crate::walk::{Beat, ControllerInput, StageEye};
+use crate::walk::hidden_area::HiddenArea;
+use crate::walk::{Beat, ControllerInput, EyeImages, StageEye};
 use openxr as xr;
 use std::sync::Arc;
 use std::time::Instant;
@@ -36,31 +39,39 @@ pub(super) struct XrSession {
     pub format: wgpu::TextureFormat,
     pub refresh_hz: f64,
     pub life: Lifecycle,
+    mask: Option<VisibilityMask>,
+    /// What depth images are relative to.
+    near_m: f32,
     eyes: Eyes,
     frame: Option<OpenFrame>,
 }
 
 impl XrSession {
-    /// Opens a session with images of the recommended size × `resolution_scale`.
+    /// Opens a session, with what the runtime offers and the settings want.
     ///
     /// # Errors
     /// The runtime refuses.
-    pub fn open(runtime: &Runtime, gpu: &RuntimeGpu, resolution_scale: f64) -> Result<Self, XrMissing> {
+    pub fn open(runtime: &Runtime, gpu: &RuntimeGpu, config: &Config) -> Result<Self, XrMissing> {
         let refused = |call: &'static str| {
             let runtime = runtime.name.clone();
             move |result| XrMissing::SessionRefused { runtime, call, result }
         };
         let blend_mode = runtime.blend_mode()?;
-        let sizes_px = runtime.eye_images()?.map(|view| scaled_size(&view, resolution_scale));
+        let scale = config.headset.resolution_scale;
+        let sizes_px = runtime.eye_images()?.map(|view| scaled_size(&view, scale));
         let (session, waiter, stream) = gpu.create_session().map_err(refused("xrCreateSession"))?;
         let offered =
             session.enumerate_swapchain_formats().map_err(refused("xrEnumerateSwapchainFormats"))?;
-        let format = ImageFormat::choose(&offered)
+        let format = ImageFormat::color(&offered)
             .ok_or_else(|| XrMissing::NoImageFormat { runtime: runtime.name.clone() })?;
-        let images =
+        let mut images =
             EyeSwapchains::new(&session, &gpu.gpu, format, sizes_px).map_err(refused("xrCreateSwapchain"))?;
+        if runtime.offers.depth_layer && config.headset.depth_layer {
+            add_depth(&mut images, &session, &gpu.gpu, &offered);
+        }
         let (stage, stage_kind) = stage_space(&session).map_err(refused("xrCreateReferenceSpace"))?;
-        let input = Input::new(&runtime.xr, &session).map_err(refused("xrAttachSessionActionSets"))?;
+        let input = Input::new(&runtime.xr, &session, runtime.offers.eye_gaze)
+            .map_err(refused("xrAttachSessionActionSets"))?;
         let told_hz =
             if runtime.offers.refresh_rate { session.get_display_refresh_rate().ok() } else { None };
         Ok(Self {
@@ -75,6 +86,9 @@ impl XrSession {
             format: format.wgpu,
             refresh_hz: told_hz.map(f64::from).filter(|hz| *hz > 0.0).unwrap_or(DEFAULT_REFRESH_HZ),
             life: Lifecycle::new(),
+            mask: (runtime.offers.visibility_mask && config.headset.visibility_mask)
+                .then(VisibilityMask::default),
+            near_m: config.frame.near_m as f32,
             eyes: Eyes::standing(),
             frame: None,
         })
@@ -87,6 +101,15 @@ impl XrSession {
     /// The part of each eye's image that the next layers show.
     pub fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
         self.images.set_drawn_px(drawn_px);
+    }
+
+    pub fn depth_format(&self) -> Option<wgpu::TextureFormat> {
+        self.images.depth_format()
+    }
+
+    /// What the lenses hide, if that is new.
+    pub fn hidden_area(&mut self) -> Option<[HiddenArea; 2]> {
+        self.mask.as_mut()?.take_new(&self.session)
     }
 
     /// Handles events, then waits for the next frame's time and begins it.
@@ -139,6 +162,11 @@ impl XrSession {
                     self.refresh_hz = event.to_display_refresh_rate().into();
                     tracing::info!("the headset now shows {} images a second", self.refresh_hz);
                 }
+                xr::Event::VisibilityMaskChangedKHR(_) => {
+                    if let Some(mask) = &mut self.mask {
+                        mask.changed();
+                    }
+                }
                 xr::Event::EventsLost(event) => {
                     tracing::warn!("the headset's runtime dropped {} events", event.lost_event_count());
                 }
@@ -166,7 +194,7 @@ impl XrSession {
     }
 
     /// The images to draw into.
-    pub fn acquire(&mut self) -> anyhow::Result<[wgpu::Texture; 2]> {
+    pub fn acquire(&mut self) -> anyhow::Result<EyeImages> {
         let acquired = self.images.acquire(&self.gpu.queue);
         self.life.survive("xrAcquireSwapchainImage", acquired)?;
         Ok(self.images.images())
@@ -178,7 +206,8 @@ impl XrSession {
         let located = locate(&self.session, &self.stage, frame.display_time, &mut self.eyes);
         self.life.survive("xrLocateViews", located)?;
         frame.located = true;
-        Ok(self.eyes.in_stage())
+        let gaze_in_stage = self.input.gaze(&self.session, &self.stage, frame.display_time);
+        Ok(self.eyes.in_stage(gaze_in_stage))
     }
 
     /// Submits the commands, releases the images and ends the frame, under one lock of the queue.
@@ -197,7 +226,7 @@ impl XrSession {
             return Ok(());
         }
         let finished = if shows {
-            self.frames.end(&queue, frame.display_time, &self.stage, &self.eyes, &self.images)
+            self.frames.end(&queue, frame.display_time, &self.stage, &self.eyes, &self.images, self.near_m)
         } else {
             self.frames.end_empty(&queue, frame.display_time)
         };
@@ -214,6 +243,19 @@ impl XrSession {
             tracing::warn!("xrRequestExitSession: {result:?}");
             self.life.end(ended::BY_US);
         }
+    }
+}
+
+/// Depth images, where the runtime has a format that fits; without them all goes on as well.
+fn add_depth(images: &mut EyeSwapchains, session: &xr::Session<xr::Vulkan>, gpu: &Gpu, offered: &[u32]) {
+    match ImageFormat::depth(offered).map(|format| images.add_depth(session, gpu, format)) {
+        Some(Ok(())) => {
+            tracing::info!("the headset takes depth: {:?}", images.depth_format());
+        }
+        Some(Err(result)) => {
+            tracing::warn!("the headset takes no depth images: xrCreateSwapchain: {result:?}")
+        }
+        None => tracing::info!("the headset takes depth, but in no format that we have"),
     }
 }
 

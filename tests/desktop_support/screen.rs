@@ -124,21 +124,12 @@ impl Screen {
         connection.set_input_focus(InputFocus::NONE, nobody, x11rb::CURRENT_TIME).unwrap().check().unwrap();
     }
 
-    /// The pixels of a window. Xvfb keeps its screen in a file in XWD format: a header of big-endian
-    /// words, a colour table, rows of 4-byte pixels (blue, green, red, unused).
+    /// The pixels of a window.
     pub fn picture(&self, window: &str) -> Picture {
         let g = self.geometry(window);
-        let file = std::fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
-        let word = |i: usize| u32::from_be_bytes(file[4 * i..4 * i + 4].try_into().unwrap()) as usize;
-        let (header_bytes, bits_per_pixel, row_bytes, num_colors) = (word(0), word(11), word(12), word(19));
-        assert_eq!(bits_per_pixel, 32);
-        let rows = &file[header_bytes + 12 * num_colors..];
-        let pixel = |x: usize, y: usize| {
-            let at = y * row_bytes + 4 * x;
-            [rows[at + 2], rows[at + 1], rows[at]]
-        };
-        let pixels = (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y)));
-        let pixels = pixels.map(|(x, y)| pixel(g.x + x, g.y + y)).collect();
+        let screen = crate::xwd::read(&self.folder.path().join("Xvfb_screen0")).unwrap();
+        let rows = screen.pixels.chunks_exact(screen.size[0]).skip(g.y).take(g.height);
+        let pixels = rows.flat_map(|row| &row[g.x..g.x + g.width]).copied().collect();
         Picture { width: g.width, height: g.height, pixels }
     }
 }

@@ -172,7 +172,7 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
     let rows = std::fs::read_to_string(scene.file("frames.csv")).expect("the log");
     let with_scan = rows.lines().filter(|l| !l.starts_with(['#', 'f'])).filter(|l| {
         let columns: Vec<&str> = l.split(',').collect();
-        columns.get(16).is_some_and(|resident| *resident == "400000")
+        columns.get(18).is_some_and(|resident| *resident == "400000")
     });
     assert!(with_scan.count() >= 60, "{rows}");
 }

@@ -11,3 +11,5 @@ mod headset;
 mod offscreen;
 mod scene;
 mod window;
+#[path = "../support/xwd.rs"]
+mod xwd;

@@ -35,13 +35,13 @@ fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
     for (number, row) in rows.iter().enumerate() {
         assert_eq!(row[0], number.to_string(), "rows are in order and none is missing");
     }
-    let shown: Vec<_> = rows.iter().filter(|row| row[16] == "400000").collect();
+    let shown: Vec<_> = rows.iter().filter(|row| row[18] == "400000").collect();
     assert!(shown.len() >= 30);
     for row in shown {
-        let stages: f64 = row[6..10].iter().map(|v| v.parse::<f64>().expect("GPU time of a stage")).sum();
-        let whole: f64 = row[10].parse().expect("GPU time");
+        let stages: f64 = row[6..12].iter().map(|v| v.parse::<f64>().expect("GPU time of a stage")).sum();
+        let whole: f64 = row[12].parse().expect("GPU time");
         assert!(stages > 0.0 && stages <= whole * 1.01 + 0.01, "{row:?}");
-        assert!(row[15].parse::<u64>().expect("points read") > 1000, "{row:?}");
+        assert!(row[17].parse::<u64>().expect("points read") > 1000, "{row:?}");
     }
     let report =
         Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("report").arg(&log).output().expect("report");

@@ -7,9 +7,12 @@
 #[path = "../support/xr/mod.rs"]
 mod support;
 
+mod extras;
 mod faults;
 mod picture;
 mod probe;
 mod session;
 mod tracking;
 mod validation;
+#[path = "../support/xwd.rs"]
+mod xwd;

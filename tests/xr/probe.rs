@@ -3,7 +3,8 @@
 use crate::support::{Finished, Running, Runtime};
 use scanwalk::config::Config;
 use scanwalk::gpu::Gpu;
-use scanwalk::walk::{Beat, Headset, StageEye};
+use scanwalk::walk::hidden_area::HiddenArea;
+use scanwalk::walk::{Beat, EyeImages, Headset, StageEye};
 use scanwalk::xr::{self, XrHeadset};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -24,6 +25,13 @@ pub struct Job {
     pub resolution_scale: f64,
     /// Another thread submits as fast as it can.
     pub busy_thread: bool,
+    /// Nearest depth; 0: as the settings have it.
+    pub near_m: f64,
+    /// Uses neither depth layer nor visibility mask.
+    pub plain: bool,
+    /// Writes the pixels that the left eye's lens hides to `$XR_RUN/hidden.bits` when it is told, as
+    /// [`HiddenArea::rasterize`] makes them.
+    pub dump_hidden: bool,
     /// A deliberate error: see `validation.rs`.
     pub misuse: String,
 }
@@ -91,6 +99,10 @@ fn probe() {
     if job.resolution_scale > 0.0 {
         config.headset.resolution_scale = job.resolution_scale;
     }
+    if job.near_m > 0.0 {
+        config.frame.near_m = job.near_m;
+    }
+    (config.headset.depth_layer, config.headset.visibility_mask) = (!job.plain, !job.plain);
     let (gpu, headset) = match xr::open(&config) {
         Ok(opened) => opened,
         Err(missing) => return report(&json!({ "missing": missing.to_string() })),
@@ -104,7 +116,9 @@ fn probe() {
         "sizes": headset.eye_sizes(),
         "hz": headset.refresh_hz(),
         "format": format!("{:?}", headset.image_format()),
-        "depth_layer": headset.offers().depth_layer,
+        "offers_depth": headset.offers().depth_layer,
+        "offers_mask": headset.offers().visibility_mask,
+        "depth_format": headset.depth_format().map(|format| format!("{format:?}")),
     }));
     let mut looper =
         Loop { pattern: Pattern::new(&gpu, headset.image_format()), gpu: &gpu, headset, drawn: 0, job };
@@ -179,12 +193,17 @@ impl Loop<'_> {
             return self.headset.submit(None);
         }
         let images = self.headset.acquire()?;
+        let EyeImages { color, depth } = &images;
         self.drawn += 1;
         let mut commands = self.gpu.device.create_command_encoder(&Default::default());
-        self.pattern.draw(&mut commands, &images);
+        self.pattern.draw(&mut commands, color);
+        depth.iter().flatten().for_each(|image| clear_depth(&mut commands, image));
         let dump = (self.drawn == self.job.dump_frame)
-            .then(|| images.each_ref().map(|image| Readback::record(self.gpu, &mut commands, image)));
+            .then(|| color.each_ref().map(|image| Readback::record(self.gpu, &mut commands, image)));
         let eyes = self.headset.locate()?;
+        if let Some(areas) = self.headset.hidden_area() {
+            self.report_hidden(&areas, &eyes)?;
+        }
         self.headset.submit(Some(commands))?;
         report(&json!({
             "frame": self.drawn,
@@ -193,6 +212,7 @@ impl Loop<'_> {
             "left_stick": input.left_stick,
             "right_stick": input.right_stick,
             "reset": input.reset,
+            "gaze": eyes.map(|eye| eye.gaze_in_view.map(|gaze| gaze.to_array())),
         }));
         if let Some([left, right]) = dump {
             let folder = PathBuf::from(std::env::var_os("XR_RUN").unwrap());
@@ -205,10 +225,38 @@ impl Loop<'_> {
         }
         Ok(())
     }
+
+    fn report_hidden(&self, areas: &[HiddenArea; 2], eyes: &[StageEye; 2]) -> anyhow::Result<()> {
+        if self.job.dump_hidden {
+            let pixels = areas[0].rasterize(&eyes[0].fov, self.headset.eye_sizes()[0]);
+            let folder = PathBuf::from(std::env::var_os("XR_RUN").unwrap());
+            std::fs::write(folder.join("hidden.bits"), bytemuck::cast_slice(&pixels))?;
+        }
+        let triangles = areas.each_ref().map(|area| area.triangles.len());
+        report(&json!({
+            "hidden_triangles": triangles,
+            "hidden_at_frame": self.drawn,
+        }));
+        Ok(())
+    }
+}
+
+/// Everything is at the same depth.
+fn clear_depth(commands: &mut wgpu::CommandEncoder, image: &wgpu::Texture) {
+    let clear = wgpu::Operations { load: wgpu::LoadOp::Clear(0.25), store: wgpu::StoreOp::Store };
+    commands.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("depth"),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &image.create_view(&Default::default()),
+            depth_ops: Some(clear),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    });
 }
 
 fn eye_json(eye: StageEye) -> Value {
-    let StageEye { stage_from_view: pose, fov } = eye;
+    let StageEye { stage_from_view: pose, fov, .. } = eye;
     json!([pose.position.to_array(), pose.orientation.to_array(), [fov.left, fov.right, fov.up, fov.down]])
 }
 

@@ -1,4 +1,5 @@
-//! An OpenXR API layer for tests: it stands between the loader and the runtime and makes things go wrong.
+//! An OpenXR API layer for tests: it stands between the loader and the runtime, makes things go wrong, and tells what
+//! passes.
 //!
 //! `XRFAULT=WHAT:N` chooses what happens after N calls of xrEndFrame:
 //! - `exit`: the runtime ends the session (as if the user had closed it in the headset's menu);
@@ -6,11 +7,17 @@
 //! - `instloss`: an event that the instance will be lost;
 //! - `sessionlost`, `instancelost`: every later xrWaitFrame fails with that error;
 //! - `badend`: one xrEndFrame fails with ERROR_LAYER_INVALID;
+//! - `watch`: one xrEndFrame's views are written to stderr (see [`tell_views`]);
+//! - `newmask`: an event that an eye's visibility mask has changed;
 //!
 //! and without waiting for frames:
 //! - `noheadset`: xrGetSystem finds none;
 //! - `nosession`: xrCreateSession fails with ERROR_LIMIT_REACHED;
-//! - `noimages`: the second xrCreateSwapchain fails with ERROR_OUT_OF_MEMORY.
+//! - `noimages`: the second xrCreateSwapchain fails with ERROR_OUT_OF_MEMORY;
+//! - `nodepth`: xrCreateSwapchain fails for images of depth, with ERROR_FEATURE_UNSUPPORTED;
+//! - `nomask`: xrGetVisibilityMaskKHR fails with ERROR_RUNTIME_FAILURE;
+//! - `gaze`: the one action space that a program creates is active, turned by [`GAZE_TURN`] in any base space;
+//! - `nogaze`: it is active, and xrLocateSpace fails for it with ERROR_RUNTIME_FAILURE.
 //!
 //! One instance and one session at a time, which is what a test has.
 
@@ -25,6 +32,9 @@ static NEXT: OnceLock<pfn::GetInstanceProcAddr> = OnceLock::new();
 static INSTANCE: AtomicU64 = AtomicU64::new(0);
 static SESSION: AtomicU64 = AtomicU64::new(0);
 static FRAMES: AtomicU64 = AtomicU64::new(0);
+static ACTION_SPACE: AtomicU64 = AtomicU64::new(0);
+/// To the left, radians.
+const GAZE_TURN: f32 = 0.3;
 static FIRED: AtomicBool = AtomicBool::new(false);
 
 /// What is to happen, and after how many frames.
@@ -97,7 +107,103 @@ unsafe extern "system" fn create_swapchain(
     if plan().0 == "noimages" && CREATED.fetch_add(1, Ordering::SeqCst) == 1 {
         return xr::Result::ERROR_OUT_OF_MEMORY;
     }
+    let is_depth =
+        |usage: xr::SwapchainUsageFlags| usage.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+    if plan().0 == "nodepth" && is_depth(unsafe { (*info).usage_flags }) {
+        return xr::Result::ERROR_FEATURE_UNSUPPORTED;
+    }
     unsafe { next::<pfn::CreateSwapchain>(c"xrCreateSwapchain")(session, info, swapchain) }
+}
+
+unsafe extern "system" fn get_visibility_mask(
+    session: xr::Session,
+    views: xr::ViewConfigurationType,
+    view: u32,
+    kind: xr::VisibilityMaskTypeKHR,
+    mask: *mut xr::VisibilityMaskKHR,
+) -> xr::Result {
+    if plan().0 == "nomask" {
+        return xr::Result::ERROR_RUNTIME_FAILURE;
+    }
+    let below = unsafe { next::<pfn::GetVisibilityMaskKHR>(c"xrGetVisibilityMaskKHR") };
+    unsafe { below(session, views, view, kind, mask) }
+}
+
+unsafe extern "system" fn create_action_space(
+    session: xr::Session,
+    info: *const xr::ActionSpaceCreateInfo,
+    space: *mut xr::Space,
+) -> xr::Result {
+    unsafe {
+        let result = next::<pfn::CreateActionSpace>(c"xrCreateActionSpace")(session, info, space);
+        if result.into_raw() >= 0 {
+            ACTION_SPACE.store((*space).into_raw(), Ordering::SeqCst);
+        }
+        result
+    }
+}
+
+unsafe extern "system" fn get_action_state_pose(
+    session: xr::Session,
+    info: *const xr::ActionStateGetInfo,
+    state: *mut xr::ActionStatePose,
+) -> xr::Result {
+    let result = unsafe { next::<pfn::GetActionStatePose>(c"xrGetActionStatePose")(session, info, state) };
+    if matches!(plan().0.as_str(), "gaze" | "nogaze") {
+        unsafe { (*state).is_active = xr::TRUE };
+    }
+    result
+}
+
+unsafe extern "system" fn locate_space(
+    space: xr::Space,
+    base: xr::Space,
+    time: xr::Time,
+    location: *mut xr::SpaceLocation,
+) -> xr::Result {
+    let is_gaze = space.into_raw() == ACTION_SPACE.load(Ordering::SeqCst);
+    if is_gaze && plan().0 == "nogaze" {
+        return xr::Result::ERROR_RUNTIME_FAILURE;
+    }
+    let result = unsafe { next::<pfn::LocateSpace>(c"xrLocateSpace")(space, base, time, location) };
+    if is_gaze && plan().0 == "gaze" {
+        let (sin, cos) = (0.5 * GAZE_TURN).sin_cos();
+        unsafe {
+            (*location).location_flags =
+                xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::ORIENTATION_TRACKED;
+            (*location).pose.orientation = xr::Quaternionf { x: 0.0, y: sin, z: 0.0, w: cos };
+        }
+    }
+    result
+}
+
+/// Writes a line for each view of each projection layer: `view` and the size of its image, and if depth is chained to
+/// it `depth`, the size, and minDepth, maxDepth, nearZ, farZ.
+///
+/// # Safety
+/// `info` keeps to the specification.
+unsafe fn tell_views(info: &xr::FrameEndInfo) {
+    let size = |image: &xr::SwapchainSubImage| {
+        let xr::Extent2Di { width, height } = image.image_rect.extent;
+        format!("{width}x{height}")
+    };
+    for layer in unsafe { std::slice::from_raw_parts(info.layers, info.layer_count as usize) } {
+        if unsafe { (**layer).ty } != xr::CompositionLayerProjection::TYPE {
+            continue;
+        }
+        let layer = unsafe { &*layer.cast::<xr::CompositionLayerProjection>() };
+        for view in unsafe { std::slice::from_raw_parts(layer.views, layer.view_count as usize) } {
+            let mut line = format!("faultlayer: view {}", size(&view.sub_image));
+            let depth = view.next.cast::<xr::CompositionLayerDepthInfoKHR>();
+            // All chained structs begin with their type.
+            if !depth.is_null() && unsafe { (*depth).ty } == xr::CompositionLayerDepthInfoKHR::TYPE {
+                let d = unsafe { &*depth };
+                let size = size(&d.sub_image);
+                line += &format!(" depth {size} {} {} {:e} {}", d.min_depth, d.max_depth, d.near_z, d.far_z);
+            }
+            eprintln!("{line}");
+        }
+    }
 }
 
 unsafe extern "system" fn wait_frame(
@@ -118,6 +224,10 @@ unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::Frame
     SESSION.store(session.into_raw(), Ordering::SeqCst);
     if fires("badend") {
         return xr::Result::ERROR_LAYER_INVALID;
+    }
+    // Not one without an image.
+    if unsafe { (*info).layer_count } > 0 && fires("watch") {
+        unsafe { tell_views(&*info) };
     }
     let result = unsafe { next::<pfn::EndFrame>(c"xrEndFrame")(session, info) };
     FRAMES.fetch_add(1, Ordering::SeqCst);
@@ -148,6 +258,17 @@ unsafe extern "system" fn poll_event(instance: xr::Instance, event: *mut xr::Eve
         unsafe { event.cast::<xr::EventDataInstanceLossPending>().write(lost) };
         return xr::Result::SUCCESS;
     }
+    if fires("newmask") {
+        let changed = xr::EventDataVisibilityMaskChangedKHR {
+            ty: xr::EventDataVisibilityMaskChangedKHR::TYPE,
+            next: std::ptr::null(),
+            session: xr::Session::from_raw(SESSION.load(Ordering::SeqCst)),
+            view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
+            view_index: 1,
+        };
+        unsafe { event.cast::<xr::EventDataVisibilityMaskChangedKHR>().write(changed) };
+        return xr::Result::SUCCESS;
+    }
     unsafe { next::<pfn::PollEvent>(c"xrPollEvent")(instance, event) }
 }
 
@@ -166,6 +287,16 @@ unsafe extern "system" fn get_instance_proc_addr(
             b"xrCreateSwapchain" => {
                 Some(transmute::<pfn::CreateSwapchain, pfn::VoidFunction>(create_swapchain))
             }
+            b"xrGetVisibilityMaskKHR" => {
+                Some(transmute::<pfn::GetVisibilityMaskKHR, pfn::VoidFunction>(get_visibility_mask))
+            }
+            b"xrCreateActionSpace" => {
+                Some(transmute::<pfn::CreateActionSpace, pfn::VoidFunction>(create_action_space))
+            }
+            b"xrGetActionStatePose" => {
+                Some(transmute::<pfn::GetActionStatePose, pfn::VoidFunction>(get_action_state_pose))
+            }
+            b"xrLocateSpace" => Some(transmute::<pfn::LocateSpace, pfn::VoidFunction>(locate_space)),
             b"xrWaitFrame" => Some(transmute::<pfn::WaitFrame, pfn::VoidFunction>(wait_frame)),
             b"xrEndFrame" => Some(transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame)),
             b"xrPollEvent" => Some(transmute::<pfn::PollEvent, pfn::VoidFunction>(poll_event)),

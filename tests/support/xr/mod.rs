@@ -9,7 +9,7 @@
 //! let done = run.finish();
 //! ```
 //!
-//! Include it with `#[path = "support/xr/mod.rs"] mod xr_support;`.
+//! Include it with `#[path = "support/xr/mod.rs"] mod xr_support;`, and beside it `#[path = "support/xwd.rs"] mod xwd;`.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub mod poses;

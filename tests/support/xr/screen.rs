@@ -22,25 +22,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// Reads an XWD file of 32 bits a pixel, blue first, as Xvfb keeps its screen.
+    /// Reads an XWD file, as Xvfb keeps its screen.
     pub fn read_xwd(path: &Path) -> io::Result<Self> {
-        let bytes = std::fs::read(path)?;
-        let field = |index: usize| -> io::Result<usize> {
-            let at = bytes.get(4 * index..4 * index + 4).ok_or(io::ErrorKind::UnexpectedEof)?;
-            Ok(u32::from_be_bytes([at[0], at[1], at[2], at[3]]) as usize)
-        };
-        let (header, width, height) = (field(0)?, field(4)?, field(5)?);
-        let (bits, row_bytes, num_colors) = (field(11)?, field(12)?, field(19)?);
-        assert_eq!(bits, 32, "bits a pixel");
-        let data = bytes.get(header + 12 * num_colors..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        let mut pixels = Vec::with_capacity(width * height);
-        for row in data.chunks_exact(row_bytes).take(height) {
-            pixels.extend(row[..4 * width].chunks_exact(4).map(|bgra| [bgra[2], bgra[1], bgra[0]]));
-        }
-        if pixels.len() != width * height {
-            return Err(io::ErrorKind::UnexpectedEof.into());
-        }
-        Ok(Self { size: [width, height], pixels })
+        let crate::xwd::Xwd { size, pixels } = crate::xwd::read(path)?;
+        Ok(Self { size, pixels })
     }
 
     /// Makes one from tightly packed red, green, blue, alpha; alpha is dropped.
