@@ -1,0 +1,55 @@
+//! From pictures to a table.
+
+use super::figures::*;
+use super::metrics_tests::slope;
+use super::motion::{tremor, walk};
+use super::motion_tests::view;
+use super::picture::Picture;
+use glam::DVec3;
+use scanwalk::space::View;
+use std::convert::Infallible;
+
+/// `slope`, brighter by `steps` a frame.
+fn brightening(steps: u8) -> impl FnMut(&View) -> Result<Picture, Infallible> {
+    let mut brighter = 0;
+    move |_| {
+        let mut picture = slope();
+        picture.rgb.as_flattened_mut().iter_mut().for_each(|value| *value += brighter);
+        brighter += steps;
+        Ok(picture)
+    }
+}
+
+fn recording(steps: u8) -> Recording {
+    let (tremor, walk) = (tremor(&view(), 3), walk(&view(), DVec3::ZERO, 4));
+    Recording::new(&tremor, &walk, brightening(steps)).unwrap()
+}
+
+#[test]
+fn frames_are_compared_with_the_one_before() {
+    let recorded = recording(2);
+    assert_eq!(recorded.still, slope());
+    assert_eq!(recorded.flicker, 2.0);
+    // The walk starts at the first picture, and two frames of tremor were drawn in between.
+    assert_eq!(recorded.pops, [6.0, 2.0, 2.0]);
+    let still = recording(0);
+    assert_eq!((still.flicker, &still.pops[..]), (0.0, &[0.0; 3][..]));
+}
+
+#[test]
+fn a_row_has_the_columns_of_the_header() {
+    let figures = Figures::new(&view(), &recording(2), &slope());
+    assert_eq!((figures.largest_pop, figures.median_pop), (6.0, 2.0));
+    assert_eq!(figures.psnr_db, f64::INFINITY);
+    let rows = vec![("truth", figures), ("point-list", figures)];
+    let table = Table { scan: "yard", viewpoint: "hall", num_points: 1, num_true_points: 8, rows };
+    let mut csv = Vec::new();
+    Table::csv_header(&mut csv).unwrap();
+    table.csv_rows(&mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let num_columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!(num_columns, [14; 3], "{csv}");
+    let mut text = Vec::new();
+    table.print(&mut text).unwrap();
+    assert!(String::from_utf8(text).unwrap().contains("2.000 (×1.00)"));
+}
