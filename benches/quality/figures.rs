@@ -1,6 +1,6 @@
 //! From pictures to figures, a table and CSV rows.
 
-use super::metrics::{Holes, largest_patch_change, mean_change, psnr_db, ssim, within_ring};
+use super::metrics::{Holes, largest_patch_change, mean_change, mean_own_change, psnr_db, ssim, within_ring};
 use super::picture::{Picture, only_eye};
 use scanwalk::space::View;
 use std::io::{self, Write};
@@ -11,10 +11,8 @@ const CENTER_DEG: f64 = 20.0;
 /// What is kept of all pictures that one contestant drew from one viewpoint.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// The first picture.
-    pub still: Picture,
-    /// Mean change from frame to frame under the tremor, 0 to 255.
-    pub flicker: f64,
+    /// All frames of the tremor; the first one is the picture that is looked at.
+    pub tremor: Vec<Picture>,
     /// Of each step of the walk: the change of the patch that changes most, 0 to 255.
     pub pops: Vec<f64>,
 }
@@ -29,36 +27,42 @@ impl Recording {
         walk: &[View],
         mut draw: impl FnMut(&View) -> Result<Picture, E>,
     ) -> Result<Self, E> {
-        let still = draw(&tremor[0])?;
-        let mut steps = |views: &[View], change: fn(&Picture, &Picture) -> f64| {
-            let mut before = still.clone();
-            let mut changes = Vec::new();
-            for view in &views[1..] {
-                let now = draw(view)?;
-                changes.push(change(&before, &now));
-                before = now;
-            }
-            Ok(changes)
-        };
-        let changes = steps(tremor, mean_change)?;
-        let pops = steps(walk, largest_patch_change)?;
-        Ok(Self { flicker: changes.iter().sum::<f64>() / changes.len() as f64, pops, still })
+        let tremor = tremor.iter().map(&mut draw).collect::<Result<Vec<Picture>, E>>()?;
+        let (mut before, mut pops) = (tremor[0].clone(), Vec::new());
+        for view in &walk[1..] {
+            let now = draw(view)?;
+            pops.push(largest_patch_change(&before, &now));
+            before = now;
+        }
+        Ok(Self { tremor, pops })
+    }
+
+    /// The picture that is looked at.
+    pub fn still(&self) -> &Picture {
+        &self.tremor[0]
+    }
+
+    /// Pairs of consecutive frames of the tremor.
+    fn steps(&self) -> impl Iterator<Item = [&Picture; 2]> {
+        self.tremor.windows(2).map(|pair| [&pair[0], &pair[1]])
     }
 }
 
 /// Figures of one contestant from one viewpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Against the truth, the whole picture.
+    /// Over the pixels that the truth covers.
     pub psnr_db: f64,
-    /// Against the truth, the centre ring.
+    /// The same, in the centre ring.
     pub center_psnr_db: f64,
-    /// Against the truth.
+    /// Of the whole picture.
     pub ssim: f64,
-    /// Against the truth.
+    /// Pixels that lack a surface.
     pub holes: Holes,
-    /// See [`Recording`].
+    /// Mean change from frame to frame under the tremor, 0 to 255.
     pub flicker: f64,
+    /// The part of it that the truth does not have: see [`mean_own_change`].
+    pub own_flicker: f64,
     /// Of [`Recording::pops`] the largest.
     pub largest_pop: f64,
     /// Of [`Recording::pops`] the median.
@@ -66,22 +70,31 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Of a contestant beside the truth of the same view.
-    pub fn new(view: &View, recording: &Recording, truth: &Picture) -> Self {
-        let still = &recording.still;
+    /// Of a contestant beside the truth of the same views, of which `view` is the first.
+    pub fn new(view: &View, drawn: &Recording, truth: &Recording) -> Self {
+        let (still, true_still) = (drawn.still(), truth.still());
         let center = within_ring(only_eye(view), CENTER_DEG);
-        let mut pops = recording.pops.clone();
+        let covered = |pixel: usize| true_still.depth[pixel].is_finite();
+        let mut pops = drawn.pops.clone();
         pops.sort_unstable_by(f64::total_cmp);
+        let own_changes =
+            drawn.steps().zip(truth.steps()).map(|(drawn, truth)| mean_own_change(drawn, truth));
         Self {
-            psnr_db: psnr_db(still, truth, |_| true),
-            center_psnr_db: psnr_db(still, truth, |pixel| center[pixel]),
-            ssim: ssim(still, truth),
-            holes: Holes::of(still, truth),
-            flicker: recording.flicker,
+            psnr_db: psnr_db(still, true_still, covered),
+            center_psnr_db: psnr_db(still, true_still, |pixel| covered(pixel) && center[pixel]),
+            ssim: ssim(still, true_still),
+            holes: Holes::of(still, true_still),
+            flicker: mean(drawn.steps().map(|[before, now]| mean_change(before, now))),
+            own_flicker: mean(own_changes),
             largest_pop: pops[pops.len() - 1],
             median_pop: pops[pops.len() / 2],
         }
     }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count)
 }
 
 /// All figures from one viewpoint.
@@ -104,7 +117,7 @@ impl Table {
         writeln!(
             out,
             "scan,viewpoint,points,true_points,method,psnr_db,center_psnr_db,ssim,empty_px,behind_px,judged_px,\
-             flicker,largest_pop,median_pop"
+             flicker,own_flicker,largest_pop,median_pop"
         )
     }
 
@@ -115,12 +128,12 @@ impl Table {
             write!(out, "{scan},{viewpoint},{num_points},{num_true_points},{name},")?;
             write!(out, "{:.3},{:.3},{:.5},", f.psnr_db, f.center_psnr_db, f.ssim)?;
             write!(out, "{},{},{},", f.holes.empty, f.holes.behind, f.holes.judged)?;
-            writeln!(out, "{:.4},{:.3},{:.3}", f.flicker, f.largest_pop, f.median_pop)?;
+            writeln!(out, "{:.4},{:.4},{:.3},{:.3}", f.flicker, f.own_flicker, f.largest_pop, f.median_pop)?;
         }
         Ok(())
     }
 
-    /// For people; behind the shares of holes and the flicker stands their ratio to the first contestant's.
+    /// For people; behind holes and flicker stands the ratio to the first contestant's.
     pub fn print(&self, out: &mut impl Write) -> io::Result<()> {
         let [points, true_points] = [self.num_points, self.num_true_points].map(|n| n as f64 / 1e6);
         writeln!(
@@ -128,38 +141,19 @@ impl Table {
             "{} {}: {points:.2} M points, truth from {true_points:.2} M",
             self.scan, self.viewpoint
         )?;
-        writeln!(
-            out,
-            "  {:<18} {:>7} {:>9} {:>6} {:>15} {:>8} {:>8} {:>15} {:>11} {:>10}",
-            "",
-            "PSNR dB",
-            "centre dB",
-            "SSIM",
-            "holes",
-            "empty",
-            "behind",
-            "flicker",
-            "largest pop",
-            "median pop"
-        )?;
+        let titles = ["PSNR dB", "centre dB", "SSIM"].map(|title| format!("{title:>11}")).concat();
+        let ratios = ["holes %", "flicker", "own flicker"].map(|title| format!("{title:>16}")).concat();
+        writeln!(out, "  {:<18}{titles}{ratios}{:>14}", "", "pop (median)")?;
         // The truth stands first.
         let first = self.rows[1].1;
         for (name, f) in &self.rows {
             let ratio = |value: f64, of: f64, digits: usize| format!("{value:.digits$} (×{:.2})", value / of);
-            let percent = |count: usize| 100.0 * count as f64 / f.holes.judged as f64;
-            writeln!(
-                out,
-                "  {name:<18} {:>7.2} {:>9.2} {:>6.4} {:>15} {:>6.2} % {:>6.2} % {:>15} {:>11.2} {:>10.2}",
-                f.psnr_db,
-                f.center_psnr_db,
-                f.ssim,
-                ratio(100.0 * f.holes.share(), 100.0 * first.holes.share(), 2),
-                percent(f.holes.empty),
-                percent(f.holes.behind),
-                ratio(f.flicker, first.flicker, 3),
-                f.largest_pop,
-                f.median_pop
-            )?;
+            write!(out, "  {name:<18}{:>11.2}{:>11.2}{:>11.4}", f.psnr_db, f.center_psnr_db, f.ssim)?;
+            write!(out, "{:>16}", ratio(100.0 * f.holes.share(), 100.0 * first.holes.share(), 2))?;
+            write!(out, "{:>16}", ratio(f.flicker, first.flicker, 2))?;
+            write!(out, "{:>16}", ratio(f.own_flicker, first.own_flicker, 2))?;
+            let pop = format!("{:.1} ({:.1})", f.largest_pop, f.median_pop);
+            writeln!(out, "{pop:>14}")?;
         }
         Ok(())
     }

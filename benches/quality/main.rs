@@ -124,8 +124,8 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     let scene = Scene::new(source.scan(points)?)?;
     let mut tables = Vec::new();
     for (stand, truth) in stands.iter().zip(&truths) {
-        let figures = Figures::new(&stand.tremor[0], truth, &truth.still);
-        keep(args, source, stand, "truth", &truth.still)?;
+        let figures = Figures::new(&stand.tremor[0], truth, truth);
+        keep(args, source, stand, "truth", truth.still())?;
         tables.push(Table {
             scan: source.name(),
             viewpoint: stand.place.name,
@@ -137,8 +137,8 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     for (name, make) in CONTESTANTS {
         let drawn = recordings(make(gpu, &scene, size_px)?.as_mut(), &stands)?;
         for (((table, stand), drawn), truth) in tables.iter_mut().zip(&stands).zip(&drawn).zip(&truths) {
-            table.rows.push((name, Figures::new(&stand.tremor[0], drawn, &truth.still)));
-            keep(args, source, stand, name, &drawn.still)?;
+            table.rows.push((name, Figures::new(&stand.tremor[0], drawn, truth)));
+            keep(args, source, stand, name, drawn.still())?;
         }
     }
     Ok(tables)

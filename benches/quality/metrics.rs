@@ -134,6 +134,23 @@ pub fn mean_change(a: &Picture, b: &Picture) -> f64 {
     changes.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / (3 * a.rgb.len()) as f64
 }
 
+/// Mean absolute difference, over channels and the pixels that the truth covers in both frames, between a
+/// contestant's change from frame to frame and the truth's: the part of the flicker that is its own. 0 to 255; NaN
+/// where the truth covers nothing.
+pub fn mean_own_change(picture: [&Picture; 2], truth: [&Picture; 2]) -> f64 {
+    let (mut sum, mut num_values) = (0u64, 0u64);
+    for pixel in (0..truth[0].rgb.len()).filter(|&pixel| truth.iter().all(|t| t.depth[pixel].is_finite())) {
+        for channel in 0..3 {
+            let change = |of: [&Picture; 2]| {
+                i32::from(of[1].rgb[pixel][channel]) - i32::from(of[0].rgb[pixel][channel])
+            };
+            sum += u64::from(change(picture).abs_diff(change(truth)));
+            num_values += 1;
+        }
+    }
+    sum as f64 / num_values as f64
+}
+
 /// Side of the patches that may pop.
 const PATCH_PX: usize = 16;
 

@@ -154,6 +154,17 @@ fn edges_and_sky_are_no_holes() {
 }
 
 #[test]
+fn own_change_is_what_the_truth_does_not_do() {
+    let (a, b) = (slope(), noisy(&slope(), 4));
+    assert_eq!(mean_own_change([&a, &b], [&a, &b]), 0.0);
+    assert_eq!(mean_own_change([&a, &b], [&a, &a]), 4.0);
+    assert_eq!(mean_own_change([&a, &a], [&a, &b]), 4.0, "standing still where the truth moves is wrong too");
+    assert_eq!(mean_own_change([&b, &a], [&a, &b]), 8.0);
+    let nothing = Picture { depth: vec![f32::INFINITY; a.depth.len()], ..a.clone() };
+    assert!(mean_own_change([&a, &b], [&a, &nothing]).is_nan());
+}
+
+#[test]
 fn a_patch_that_pops_is_found_where_the_mean_hides_it() {
     let a = slope();
     let mut b = a.clone();
