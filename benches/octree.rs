@@ -91,7 +91,7 @@ fn run_step(step: &str, path: &Path) -> Result<()> {
     match step {
         "read" => drop(black_box(scan)),
         "sort" => drop(black_box(sort(&scan))),
-        "flat" => drop(black_box(build(scan, Order::Morton, &Progress::hidden())?)),
+        "flat" => drop(black_box(build(&scan, Order::Morton, &Progress::hidden())?)),
         _ => drop(black_box(octree(&scan)?)),
     }
     let (seconds, cores) = (start.elapsed().as_secs_f64(), core_seconds() - core_start);

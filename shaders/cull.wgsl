@@ -1,5 +1,5 @@
-// cull: which batches does either eye see, at which precision, and where are they in head space?
-// One thread a batch. [2022 §3.2, 3.3]; frame.md sections 2 to 4.
+// cull: which batches of the nodes that `lod` chose does either eye see, at which precision, and where are they
+// in head space? One thread a batch. [2022 §3.2, 3.3]; frame.md sections 2 to 4.
 
 struct Counters {
     num_visible: atomic<u32>,
@@ -10,8 +10,10 @@ struct Counters {
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<storage, read> batches: array<Batch>;
-@group(0) @binding(2) var<storage, read_write> visible: array<VisibleBatch>;
-@group(0) @binding(3) var<storage, read_write> counters: Counters;
+@group(0) @binding(2) var<storage, read> nodes: array<Node>;
+@group(0) @binding(3) var<storage, read> states: array<u32>;
+@group(0) @binding(4) var<storage, read_write> visible: array<VisibleBatch>;
+@group(0) @binding(5) var<storage, read_write> counters: Counters;
 
 /// Half as many cells as a box edge has.
 const HALF_CELLS: f32 = 536870912.0;
@@ -36,17 +38,42 @@ fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool 
         && in_front(eye.row_w * eye.size_px.y - eye.row_y, center, half_edge);
 }
 
-// Planes that the batch's projected size asks for: 1 below the threshold, 2 below 1024 times that, else 3.
-fn planes_needed(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> u32 {
+// Squared distance of the box from the eye. Nothing nearer than the near clip is drawn, so no point is magnified
+// more than there.
+fn distance_sq(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> f32 {
     let gap = max(abs(center - eye.eye_in_head) - half_edge, vec3<f32>(0.0));
-    // Nothing nearer than the near clip is drawn, so no point is magnified more than there.
-    let distance_sq = max(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z, view.near * view.near);
-    let edge = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z)) * eye.pixels_per_radian;
+    return max(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z, view.near * view.near);
+}
+
+// Planes that a box of this edge asks for: 1 below the threshold, 2 below 1024 times that, else 3.
+fn planes_needed(edge: f32, distance_sq: f32) -> u32 {
     let fine = PRECISION_THRESHOLD_PX * 1024.0;
     if edge * edge < PRECISION_THRESHOLD_PX * PRECISION_THRESHOLD_PX * distance_sq {
         return 1u;
     }
     return select(3u, 2u, edge * edge < fine * fine * distance_sq);
+}
+
+// The largest of a node's eight shares.
+fn widest(spacing: vec4<u32>) -> f32 {
+    let a = max(unpack2x16float(spacing.x), unpack2x16float(spacing.y));
+    let b = max(unpack2x16float(spacing.z), unpack2x16float(spacing.w));
+    let widest = max(a, b);
+    return max(widest.x, widest.y);
+}
+
+// State of the child in each octant, in 8 bits; 255 where there is none.
+fn own_colors(node: Node) -> vec2<u32> {
+    var own = vec2<u32>(0xffffffffu);
+    var child = node.first_child;
+    for (var octant = 0u; octant < 8u; octant += 1u) {
+        if (node.child_mask & (1u << octant)) != 0u {
+            let missing = 255u - (states[child] >> 24u);
+            own[octant >> 2u] ^= missing << (8u * (octant & 3u));
+            child += 1u;
+        }
+    }
+    return own;
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -55,18 +82,31 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let batch = batches[id.x];
+    let drawn = states[batch.node];
+    if drawn == 0u {
+        return;
+    }
+    let node = nodes[batch.node];
     let half_edge = batch.cell * HALF_CELLS;
     let head_hi = view.head_hi - batch.min_hi;
     let head_lo = view.head_lo - batch.min_lo;
     let center = half_edge - head_hi - head_lo;
 
+    let longest = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z));
+    let diameter = FILL_OVERLAP * longest * widest(node.spacing);
     var flags = 0u;
     var planes = max(view.forced_planes, 1u);
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         if in_frustum(view.eyes[eye], center, half_edge) {
             flags |= 16u << eye;
+            let distance_sq = distance_sq(view.eyes[eye], center, half_edge);
+            let pixels_per_radian = view.eyes[eye].pixels_per_radian;
             if view.forced_planes == 0u {
-                planes = max(planes, planes_needed(view.eyes[eye], center, half_edge));
+                planes = max(planes, planes_needed(longest * pixels_per_radian, distance_sq));
+            }
+            let diameter_px = diameter * pixels_per_radian;
+            if diameter_px * diameter_px > view.fill_reach_px * view.fill_reach_px * distance_sq {
+                flags |= VISIBLE_FILL;
             }
         }
     }
@@ -85,6 +125,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 
     let slot = atomicAdd(&counters.num_visible, 1u);
     atomicAdd(&counters.num_points, batch.num_points);
-    visible[slot] =
-        VisibleBatch(head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes);
+    visible[slot] = VisibleBatch(
+        head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes,
+        node.spacing, own_colors(node), drawn, id.x,
+    );
 }

@@ -6,9 +6,21 @@ struct Batch {
     min_lo: vec3<f32>,
     num_points: u32,
     cell: vec3<f32>,
-    reserved_a: u32,
+    node: u32,
     steps_per_unit: vec3<f32>,
-    reserved_b: u32,
+    reserved: u32,
+}
+
+struct Node {
+    min_hi: vec3<f32>,
+    edge: f32,
+    min_lo: vec3<f32>,
+    first_child: u32,
+    spacing: vec4<u32>,
+    child_mask: u32,
+    flags: u32,
+    level: u32,
+    reserved: u32,
 }
 
 struct EyeUniform {
@@ -37,6 +49,10 @@ struct ViewUniform {
     lod_flags: u32,
     ring_cos: vec2<f32>,
     ring_sin: vec2<f32>,
+    fill_reach_px: f32,
+    reserved_a: u32,
+    reserved_b: u32,
+    reserved_c: u32,
     eyes: array<EyeUniform, 2>,
 }
 
@@ -47,6 +63,10 @@ struct VisibleBatch {
     num_points: u32,
     cell: vec3<f32>,
     flags: u32,
+    spacing: vec4<u32>,
+    own: vec2<u32>,
+    drawn: u32,
+    batch: u32,
 }
 
 struct ChunkUniform {
@@ -55,9 +75,19 @@ struct ChunkUniform {
     reserved: vec2<u32>,
 }
 
+struct ClearUniform {
+    value: u32,
+    num_left: u32,
+    num_right: u32,
+    reserved: u32,
+}
+
 struct ResolveUniform {
-    width: u32,
+    size_px: vec2<u32>,
     first_index: u32,
     num_points: u32,
+    background: u32,
+    near: f32,
+    eye: u32,
     reserved: u32,
 }

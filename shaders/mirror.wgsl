@@ -4,8 +4,16 @@
 
 override ENCODE_SRGB: bool;
 
+// The part of the image that is drawn, from its top left corner, in uv.
+struct Drawn {
+    size: vec2f,
+    // Centre of the last texel: beyond it, filtering would mix in what is not drawn.
+    last: vec2f,
+}
+
 @group(0) @binding(0) var image: texture_2d<f32>;
 @group(0) @binding(1) var image_sampler: sampler;
+@group(0) @binding(2) var<uniform> drawn: Drawn;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -26,7 +34,7 @@ fn srgb_from_linear(linear: vec3f) -> vec3f {
 
 @fragment
 fn pixel(in: Corner) -> @location(0) vec4f {
-    let linear = textureSample(image, image_sampler, in.uv).rgb;
+    let linear = textureSample(image, image_sampler, min(in.uv * drawn.size, drawn.last)).rgb;
     if ENCODE_SRGB {
         return vec4f(srgb_from_linear(linear), 1.0);
     }

@@ -1,11 +1,12 @@
-// resolve: point indices to colours, one eye, one chunk of the pool a pass. [2022 §3.3]
+// resolve, last step: an eye's colors to its image, and depth for the runtime's reprojection.
 //
-// Colours are stored sRGB-encoded and the target encodes what it is given, so they are decoded here: the
-// image ends up with the stored bytes. A pixel without a point of this chunk stays as it is.
+// Colors are stored sRGB-encoded and the target encodes what it is given, so they are decoded here: the image
+// ends up with the stored bytes. Storage textures cannot be sRGB, hence a pass that draws.
 
 @group(0) @binding(0) var<uniform> resolve: ResolveUniform;
-@group(0) @binding(1) var<storage, read> depth: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> colors: array<u32>;
+@group(0) @binding(1) var<storage, read> image: array<vec2<u32>>;
+// A bit a pixel, rows of whole words: 1 where the lenses hide it.
+@group(0) @binding(2) var<storage, read> hidden: array<u32>;
 
 @vertex
 fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
@@ -17,13 +18,34 @@ fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3<f32>(2.4)), c / 12.92, c <= vec3<f32>(0.04045));
 }
 
+fn pixel_at(position: vec2<f32>) -> vec2<u32> {
+    let x = u32(position.x);
+    let y = u32(position.y);
+    let words = (resolve.size_px.x + 31u) / 32u;
+    if ((hidden[y * words + x / 32u] >> (x % 32u)) & 1u) != 0u {
+        return vec2<u32>(EMPTY_DEPTH, resolve.background);
+    }
+    return image[y * resolve.size_px.x + x];
+}
+
+fn color_of(pixel: vec2<u32>) -> vec4<f32> {
+    return vec4<f32>(linear_from_srgb(unpack4x8unorm(pixel.y).rgb), 1.0);
+}
+
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = depth[u32(position.y) * resolve.width + u32(position.x)];
-    // Index in the low word, depth in the high one. An empty pixel's index is beyond every chunk.
-    let index = pixel.x - resolve.first_index;
-    if pixel.y == EMPTY_DEPTH || index >= resolve.num_points {
-        discard;
-    }
-    return vec4<f32>(linear_from_srgb(unpack4x8unorm(colors[index]).rgb), 1.0);
+    return color_of(pixel_at(position.xy));
+}
+
+struct ColorAndDepth {
+    @location(0) color: vec4<f32>,
+    @builtin(frag_depth) depth: f32,
+}
+
+// Depth is near / w, 0 where nothing is: infinitely far.
+@fragment
+fn fragment_with_depth(@builtin(position) position: vec4<f32>) -> ColorAndDepth {
+    let pixel = pixel_at(position.xy);
+    let depth = select(resolve.near / bitcast<f32>(pixel.x), 0.0, pixel.x == EMPTY_DEPTH);
+    return ColorAndDepth(color_of(pixel), depth);
 }

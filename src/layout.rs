@@ -1,6 +1,7 @@
 //! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
 //! generated [`prelude`]; struct offsets are compared with naga's in `tests/shaders.rs`.
 
+use crate::cloud::{self, octree};
 use crate::space::{Eye, Fov, Split, View};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -29,6 +30,32 @@ pub const EMPTY_DEPTH: u32 = u32::MAX;
 pub const LOD_FADE: u32 = 1;
 /// [`ViewUniform::lod_flags`]: thresholds grow smoothly from ring to ring.
 pub const LOD_SMOOTH: u32 = 2;
+/// [`Node::flags`]: drawn whole, always.
+pub const NODE_WHOLE: u32 = 1;
+/// [`Node::flags`]: drawn always, though with fewer points when it is small.
+pub const NODE_ROOT: u32 = 2;
+/// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
+/// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
+pub const DRAWN_WHOLE: u32 = u32::MAX;
+/// A node that was drawn stays until it is this much below its threshold.
+pub const HYSTERESIS: f32 = 0.95;
+/// Share of its threshold at which a node begins to fade in: 2^(−1/4).
+pub const FADE_BEGIN: f32 = 0.840_896_4;
+/// Share of its threshold from which a node is drawn whole: 2^(1/4). The mean is the threshold.
+pub const FADE_END: f32 = 1.189_207_1;
+/// A point counts for its pixel's color if it is at most this much further than the nearest [2021 §3.5].
+pub const DEPTH_TOLERANCE: f32 = 1.01;
+/// Pixels from a point's own to the edge of the square that `fill` draws, at most.
+pub const MAX_FILL_RADIUS: u32 = 15;
+/// How much wider than the points' mean distance the square is that `fill` draws: points lie irregularly.
+pub const FILL_OVERLAP: f32 = 1.5;
+/// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
+/// room above 255 is for threads that add at the same time [2021 §3.5.1].
+pub const PROTECTED_POINTS: u32 = 255;
+/// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
+pub const VISIBLE_FILL: u32 = 64;
+/// Edge of the square of pixels that a workgroup of the steps after `color` works on.
+pub const TILE_PX: u32 = 16;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 
@@ -49,28 +76,90 @@ pub struct Batch {
     pub num_points: u32,
     /// Edge of a 30-bit cell an axis, world units, ≤ 12 bits of mantissa; 0 on a flat axis.
     pub cell: [f32; 3],
-    /// Always 0.
-    pub reserved_a: u32,
+    /// Its node in the cloud's list.
+    pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
     /// Always 0.
-    pub reserved_b: u32,
+    pub reserved: u32,
 }
 
 impl Batch {
-    /// The GPU's form of a batch whose points begin at `first_point` of its chunk.
+    /// The GPU's form of a batch of node number `node` whose points begin at `first_point` of its chunk.
     #[must_use]
-    pub fn new(
-        split: &Split,
-        min_in_world: DVec3,
-        cell: [f32; 3],
-        first_point: u32,
-        num_points: u32,
-    ) -> Self {
-        let (hi, lo) = split.pair(min_in_world);
+    pub fn new(split: &Split, batch: &cloud::Batch, node: u32, first_point: u32) -> Self {
+        let (hi, lo) = split.pair(batch.min);
+        let (cell, num_points) = (batch.cell, batch.num_points);
         let steps_per_unit = cell.map(|c| if c > 0.0 { 1.0 / (c * HEAD_CELL_STEP as f32) } else { 0.0 });
         let (min_hi, min_lo) = (hi.to_array(), lo.to_array());
-        Self { min_hi, first_point, min_lo, num_points, cell, reserved_a: 0, steps_per_unit, reserved_b: 0 }
+        Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved: 0 }
+    }
+}
+
+/// A node of the octree on the GPU. A flat cloud is one node that is always drawn whole.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Node {
+    /// Smallest corner of its cube, coarse part, as [`Batch::min_hi`].
+    pub min_hi: [f32; 3],
+    /// Edge of its cube, world units.
+    pub edge: f32,
+    /// Smallest corner, fine part.
+    pub min_lo: [f32; 3],
+    /// Its first child's number; children follow one another in Morton order.
+    pub first_child: u32,
+    /// How far apart the finest points in each octant lie, as a share of `edge`: eight f16.
+    pub spacing: [u32; 4],
+    /// Bit o: there is a child in octant o = x | y≪1 | z≪2.
+    pub child_mask: u32,
+    /// [`NODE_WHOLE`], [`NODE_ROOT`].
+    pub flags: u32,
+    /// Halvings from the root's cube.
+    pub level: u32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+impl Node {
+    /// The one node of a flat cloud.
+    pub const FLAT: Self = Self {
+        min_hi: [0.0; 3],
+        edge: 0.0,
+        min_lo: [0.0; 3],
+        first_child: 0,
+        spacing: [0; 4],
+        child_mask: 0,
+        flags: NODE_WHOLE,
+        level: 0,
+        reserved: 0,
+    };
+
+    /// The GPU's form of node `number` of an octree.
+    #[must_use]
+    pub fn new(octree: &octree::Octree, number: usize) -> Self {
+        let node = &octree.nodes[number];
+        let (hi, lo) = octree.cloud.split.pair(node.min);
+        let children = &octree.nodes[node.children.start as usize..node.children.end as usize];
+        let is_root = node.parent.is_none();
+        let flags = match (is_root, children.is_empty()) {
+            (true, true) => NODE_WHOLE,
+            (true, false) => NODE_ROOT,
+            _ => 0,
+        };
+        Self {
+            min_hi: hi.to_array(),
+            edge: node.edge as f32,
+            min_lo: lo.to_array(),
+            first_child: node.children.start,
+            spacing: std::array::from_fn(|pair| {
+                let share = |octant: usize| half::f16::from_f32(node.octant_spacing[octant]).to_bits();
+                u32::from(share(2 * pair)) | u32::from(share(2 * pair + 1)) << 16
+            }),
+            child_mask: children.iter().map(|child| 1 << node.octant_of(child)).sum(),
+            flags,
+            level: node.level,
+            reserved: 0,
+        }
     }
 }
 
@@ -150,6 +239,8 @@ pub struct Detail {
     pub smooth: bool,
     /// Points of a node appear one by one.
     pub fade: bool,
+    /// Pixels between points that need no filling; `None`: points are one pixel large always.
+    pub fill_reach_px: Option<f32>,
 }
 
 impl Default for Detail {
@@ -161,6 +252,7 @@ impl Default for Detail {
             ring_rad: [20f64.to_radians(), 38f64.to_radians()],
             smooth: false,
             fade: false,
+            fill_reach_px: None,
         }
     }
 }
@@ -185,6 +277,14 @@ pub struct ViewUniform {
     pub ring_cos: [f32; 2],
     /// Their sines.
     pub ring_sin: [f32; 2],
+    /// Pixels between points that need no filling.
+    pub fill_reach_px: f32,
+    /// Always 0.
+    pub reserved_a: u32,
+    /// Always 0.
+    pub reserved_b: u32,
+    /// Always 0.
+    pub reserved_c: u32,
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
 }
@@ -208,6 +308,10 @@ impl ViewUniform {
             lod_flags: if detail.fade { LOD_FADE } else { 0 } | if detail.smooth { LOD_SMOOTH } else { 0 },
             ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
+            fill_reach_px: detail.fill_reach_px.unwrap_or(f32::MAX),
+            reserved_a: 0,
+            reserved_b: 0,
+            reserved_c: 0,
             eyes: [eye(0), eye(1)],
         }
     }
@@ -225,16 +329,36 @@ pub struct ChunkUniform {
     pub reserved: [u32; 2],
 }
 
-/// What `resolve` needs to turn point indices into colours.
+/// What `clear` writes into a pair of targets.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct ClearUniform {
+    /// Every word's new value.
+    pub value: u32,
+    /// 16-byte words of the left eye that are in use.
+    pub num_left: u32,
+    /// Of the right.
+    pub num_right: u32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+/// What the steps of `resolve` need: one for each eye and chunk.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ResolveUniform {
-    /// Image width in pixels.
-    pub width: u32,
+    /// Width, height in pixels.
+    pub size_px: [u32; 2],
     /// Index of the chunk's first point in the whole pool.
     pub first_index: u32,
     /// Points in the chunk's planes.
     pub num_points: u32,
+    /// Color where no point is, as stored: r | g≪8 | b≪16 | 255≪24.
+    pub background: u32,
+    /// Depth to write is `near` / w.
+    pub near: f32,
+    /// The eye: 0 left, 1 right.
+    pub eye: u32,
     /// Always 0.
     pub reserved: u32,
 }
@@ -256,8 +380,17 @@ pub struct VisibleBatch {
     pub num_points: u32,
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
-    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right.
+    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`].
     pub flags: u32,
+    /// [`Node::spacing`].
+    pub spacing: [u32; 4],
+    /// State of the child in each octant in 8 bits, 255 where there is none: a point whose child is drawn has
+    /// its own color, else the filtered one, point by point as the child fades in.
+    pub own: [u32; 2],
+    /// State of the node, not 0; see [`DRAWN_WHOLE`].
+    pub drawn: u32,
+    /// The batch.
+    pub batch: u32,
 }
 
 /// Dispatch arguments of `depth` and the frame's counters, written by `cull`.
@@ -274,11 +407,50 @@ pub struct CullCounters {
     pub num_points: u32,
 }
 
+/// How a pixel's colors are added up. All forms give the same sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Sums {
+    /// One u64: count in 10 bits, red, green, blue in 18 each: exact up to 1023 points, which a layered cloud
+    /// stays below [2022 §3.6].
+    Packed = 0,
+    /// One u64 of four times 16 bits, and what comes after [`PROTECTED_POINTS`] in four u32 [2021 §3.5.1].
+    Protected = 1,
+    /// Four u32, for GPUs that cannot add 64 bits.
+    Wide = 2,
+}
+
+/// What a shader's text is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Eyes of the frame, one or two.
+    pub num_eyes: u32,
+    /// Points may be larger than a pixel.
+    pub fill: bool,
+    /// How a pixel's colors are added up.
+    pub sums: Sums,
+    /// Depth and id are the two words of one u64; else each has a buffer of its own.
+    pub keys: bool,
+}
+
+impl Variant {
+    /// The plainest for so many eyes.
+    #[must_use]
+    pub fn eyes(num_eyes: u32) -> Self {
+        Self { num_eyes, fill: false, sums: Sums::Packed, keys: true }
+    }
+}
+
 /// WGSL text of every constant above; put in front of each shader.
 #[must_use]
-pub fn prelude(num_eyes: u32) -> String {
+pub fn prelude(variant: Variant) -> String {
+    let Variant { num_eyes, fill, sums, keys } = variant;
+    let sums = sums as u32;
     format!(
         "const NUM_EYES: u32 = {num_eyes}u;\n\
+         const FILL: bool = {fill};\n\
+         const SUMS: u32 = {sums}u;\n\
+         const KEYS: bool = {keys};\n\
          const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
          const BATCH_POINTS: u32 = {BATCH_POINTS}u;\n\
          const POINTS_PER_LOAD: u32 = {POINTS_PER_LOAD}u;\n\
@@ -289,7 +461,25 @@ pub fn prelude(num_eyes: u32) -> String {
          const EMPTY_DEPTH: u32 = {EMPTY_DEPTH}u;\n\
          const HEAD_CELL_STEP: i32 = {HEAD_CELL_STEP};\n\
          const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n\
+         const PACKED: u32 = {}u;\n\
+         const PROTECTED: u32 = {}u;\n\
+         const WIDE: u32 = {}u;\n\
+         const NODE_WHOLE: u32 = {NODE_WHOLE}u;\n\
+         const NODE_ROOT: u32 = {NODE_ROOT}u;\n\
+         const DRAWN_WHOLE: u32 = {DRAWN_WHOLE}u;\n\
+         const HYSTERESIS: f32 = {HYSTERESIS:?};\n\
+         const FADE_BEGIN: f32 = {FADE_BEGIN:?};\n\
+         const FADE_END: f32 = {FADE_END:?};\n\
+         const DEPTH_TOLERANCE: f32 = {DEPTH_TOLERANCE:?};\n\
+         const MAX_FILL_RADIUS: u32 = {MAX_FILL_RADIUS}u;\n\
+         const FILL_OVERLAP: f32 = {FILL_OVERLAP:?};\n\
+         const PROTECTED_POINTS: u32 = {PROTECTED_POINTS}u;\n\
+         const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
+         const TILE_PX: u32 = {TILE_PX}u;\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\
-         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n"
+         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n",
+        Sums::Packed as u32,
+        Sums::Protected as u32,
+        Sums::Wide as u32,
     )
 }

@@ -4,7 +4,7 @@
 //!  files ──scan──▶ Scan ──cloud──▶ Cloud ──render──▶ CloudBuffers (GPU)
 //!                (columns)   (Morton batches,             │
 //!                             quantised planes)           ▼
-//!  Headset (xr | simulated) ──eyes──▶ Renderer: clear · cull · depth · resolve
+//!  Headset (xr | simulated) ──eyes──▶ Renderer: clear · lod · cull · depth · color · resolve
 //!        ▲                                   │ timings          │ images
 //!        └────────── walk (frame thread) ◀───┴──────────────────┘
 //!                      │ rows                     │ mirror
@@ -20,6 +20,7 @@ pub mod config;
 pub mod desktop;
 pub mod gpu;
 pub mod layout;
+pub mod look;
 pub mod progress;
 pub mod render;
 pub mod scan;

@@ -62,13 +62,19 @@ impl Progress {
     /// One that shows nothing and never stops; for tests and short work.
     #[must_use]
     pub fn hidden() -> Self {
+        Self::silent(&Stop::default())
+    }
+
+    /// One that shows nothing; for work whose progress another shows.
+    #[must_use]
+    pub fn silent(stop: &Stop) -> Self {
         Self {
             what: "",
             done: AtomicU64::new(0),
             total: AtomicU64::new(u64::MAX),
             bar: None,
             last_line: Mutex::new(Instant::now() + Duration::from_secs(1 << 30)),
-            stop: Stop::default(),
+            stop: stop.clone(),
         }
     }
 

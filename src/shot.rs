@@ -1,15 +1,17 @@
 //! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
 //! point falls on.
 
+use crate::cloud::octree::build_octree;
 use crate::cloud::{self, Order};
-use crate::config::{Config, Precision};
+use crate::config::Config;
 use crate::gpu::{Gpu, readback};
+use crate::look::Look;
 use crate::progress::{Progress, Stop};
-use crate::render::{CloudBuffers, FrameTimes, Renderer};
-use crate::scan;
+use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
+use crate::scan::{self, Scan};
 use crate::space::{Bounds, Eye, Fov, Pose, View};
 use crate::timing::STAGES;
-use crate::twin::depth::depth_of;
+use crate::twin::resolve::{Pixel, depth_of};
 use anyhow::Context;
 use glam::DVec3;
 use std::fs::File;
@@ -84,20 +86,13 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
-    // The files' order: "the smaller index at equal depths" is then something that anyone can check.
-    let sorting = Progress::new("batching", "points", scan.num_points() as u64, stop);
-    let cloud = cloud::build(scan, Order::Original, &sorting)?;
-    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
-    let sending = Progress::new("sending", "bytes", 16 * cloud.num_points, stop);
-    let buffers = CloudBuffers::upload(&gpu, &cloud, chunk_limit, &sending)?;
-    drop((sorting, sending));
+    let (buffers, body) = upload(&gpu, scan, config, stop)?;
+    let num_points = buffers.num_points;
     let load_s = load_began.elapsed().as_secs_f64();
 
-    let view = view(options, &cloud.body(), config.frame.near_m)?;
-    let mut shot = Shot::new(&gpu, &view)?;
-    shot.renderer.set_cloud(buffers);
-    shot.renderer.set_background(config.frame.background);
-    shot.renderer.set_full_precision(config.frame.precision == Precision::Full);
+    let view = view(options, &body, config.frame.near_m)?;
+    let mut shot = Shot::new(&gpu, &view, config)?;
+    shot.renderer.set_cloud(buffers)?;
     let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
     let times: Vec<FrameTimes> =
         (0..num_frames).map(|frame| shot.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
@@ -109,9 +104,30 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
         }
     }
     if let Some(path) = &options.metrics {
-        write_metrics(path, &mut shot, &times, cloud.num_points, load_s)?;
+        write_metrics(path, &mut shot, &times, num_points, load_s)?;
     }
     Ok(())
+}
+
+/// The scan on the GPU, as a layered or a flat cloud, and the box of its body.
+fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Bounds)> {
+    let num_points = scan.num_points() as u64;
+    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let sending = || Progress::new("sending", "bytes", 16 * num_points, stop);
+    if config.lod.enabled {
+        let building = Progress::new("building the octree", "points", 2 * num_points, stop);
+        let octree = build_octree(&scan, &building, &mut |_, _| ())?;
+        drop((scan, building));
+        return Ok((
+            CloudBuffers::upload_layered(gpu, &octree, chunk_limit, &sending())?,
+            octree.cloud.body(),
+        ));
+    }
+    // The files' order: "the smaller index at equal depths" is then something that anyone can check.
+    let sorting = Progress::new("batching", "points", num_points, stop);
+    let cloud = cloud::build(&scan, Order::Original, &sorting)?;
+    drop((scan, sorting));
+    Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.body()))
 }
 
 /// The eyes of the picture.
@@ -161,7 +177,7 @@ struct Shot {
 }
 
 impl Shot {
-    fn new(gpu: &Arc<Gpu>, view: &View) -> anyhow::Result<Self> {
+    fn new(gpu: &Arc<Gpu>, view: &View, config: &Config) -> anyhow::Result<Self> {
         let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|e| e.size_px).collect();
         let max = gpu.device.limits().max_texture_dimension_2d;
         for [width, height] in &sizes_px {
@@ -173,14 +189,18 @@ impl Shot {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
-        Ok(Self { gpu: Arc::clone(gpu), renderer: Renderer::new(gpu, &sizes_px, FORMAT)?, images })
+        let atomics = tier(gpu, config.gpu.tier)?;
+        let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
+        let renderer = Renderer::new(gpu, setup, Look::of(config))?;
+        Ok(Self { gpu: Arc::clone(gpu), renderer, images })
     }
 
     /// Draws one frame and waits for it.
     fn draw(&mut self, frame: u64, view: &View) -> anyhow::Result<FrameTimes> {
         let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.renderer.record(&mut encoder, frame, &views.iter().collect::<Vec<_>>());
+        let images: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
+        self.renderer.record(&mut encoder, frame, &images);
         let commands = encoder.finish();
         {
             let queue = self.gpu.queue.lock();
@@ -192,12 +212,11 @@ impl Shot {
         self.renderer.collect_times().context("the GPU gave no frame back")
     }
 
-    /// The pixels of an eye: depth ≪ 32 | point index.
-    fn pixels(&self, eye: usize) -> anyhow::Result<Vec<u64>> {
-        let targets = self.renderer.targets();
-        let [width, height] = targets.sizes_px[eye];
-        let bytes = readback::read_buffer(&self.gpu, &targets.depth[eye])?;
-        let mut pixels: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+    /// The pixels of an eye: bits of the depth, color.
+    fn pixels(&self, eye: usize) -> anyhow::Result<Vec<Pixel>> {
+        let [width, height] = self.renderer.targets().sizes_px[eye];
+        let bytes = readback::read_buffer(&self.gpu, self.renderer.pixels(eye))?;
+        let mut pixels: Vec<Pixel> = bytemuck::pod_collect_to_vec(&bytes);
         pixels.truncate(width as usize * height as usize);
         Ok(pixels)
     }
@@ -235,7 +254,7 @@ pub fn write_png(path: &Path, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Resul
 }
 
 /// Writes linear depths as a NumPy array of float32, shape (H, W).
-fn write_npy(path: &Path, [width, height]: [u32; 2], pixels: &[u64]) -> anyhow::Result<()> {
+fn write_npy(path: &Path, [width, height]: [u32; 2], pixels: &[Pixel]) -> anyhow::Result<()> {
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
     // NumPy's format 1.0: magic, version, length, dictionary; the whole head padded to 64 bytes, ending in a newline.
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;

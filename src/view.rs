@@ -3,12 +3,13 @@
 //! Three threads: the loader reads the scan and sends it to the GPU; the frame thread draws ([`crate::walk`]);
 //! the main thread runs the window, if there is one.
 
-use crate::cloud;
+use crate::cloud::octree::build_octree;
+use crate::cloud::{self, BuildError};
 use crate::config::Config;
 use crate::desktop;
 use crate::gpu::Gpu;
 use crate::progress::{Progress, Stop};
-use crate::render::CloudBuffers;
+use crate::render::{CloudBuffers, CloudUpload, UploadError};
 use crate::scan;
 use crate::timing::RunFacts;
 use crate::timing::log::FrameLog;
@@ -21,7 +22,7 @@ use crate::xr;
 use anyhow::Context;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{Receiver, Sender};
 use std::time::Duration;
 
 /// Use of something that may be absent.
@@ -72,12 +73,14 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
         Wish::Auto => desktop::display_available(),
     };
     let (loaded_sender, loaded) = std::sync::mpsc::channel();
+    let (retired, retired_receiver) = std::sync::mpsc::channel();
 
     let (summary, load, window) = std::thread::scope(|scope| {
         let loader = scope.spawn({
             let (gpu, link) = (Arc::clone(&gpu), link.clone());
             move || {
-                let result = load(options, config, &gpu, &link, stop, &loaded_sender);
+                let shelf = Shelf { loaded: loaded_sender, retired: retired_receiver };
+                let result = load(options, config, &gpu, &link, stop, &shelf);
                 if let Err(error) = &result {
                     link.update_load(|load| load.error = Some(format!("{error:#}")));
                     stop.request();
@@ -89,6 +92,7 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
             gpu: Arc::clone(&gpu),
             config,
             loaded,
+            retired,
             commands,
             link,
             mirrored: windowed,
@@ -143,14 +147,21 @@ fn facts(options: &ViewOptions, config: &Config, gpu: &Gpu, headset: &dyn Headse
     }
 }
 
-/// The loader's thread: files to points, points to batches, batches to the GPU.
+/// Where the loader puts clouds for the frame thread, and takes those back that it shows no more.
+struct Shelf {
+    loaded: Sender<Loaded>,
+    retired: Receiver<CloudBuffers>,
+}
+
+/// The loader's thread: files to points, points to a flat cloud, which is shown at once, and to an octree, which
+/// takes its place.
 fn load(
     options: &ViewOptions,
     config: &Config,
     gpu: &Gpu,
     link: &WalkEnd,
     stop: &Stop,
-    loaded: &Sender<Loaded>,
+    shelf: &Shelf,
 ) -> anyhow::Result<()> {
     let step = |name: &str, fraction: f32| {
         link.update_load(|load| (load.step, load.fraction) = (name.to_string(), fraction));
@@ -165,21 +176,58 @@ fn load(
         load.facts = scan_facts(&scan);
         load.warnings.clone_from(&scan.warnings);
     });
-    step("sorting", 0.4);
-    let sorting = Progress::new("sorting", "points", scan.num_points() as u64, stop);
-    let cloud = cloud::build(scan, config.cloud.order, &sorting)?;
+    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let num_points = scan.num_points() as u64;
+    step("sorting", 0.2);
+    let sorting = Progress::new("sorting", "points", num_points, stop);
+    let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
     drop(sorting);
-    step("sending to the GPU", 0.8);
-    let sending = Progress::new("sending", "bytes", 16 * cloud.num_points, stop);
-    let buffers = CloudBuffers::upload(gpu, &cloud, u64::from(config.gpu.chunk_mib) << 20, &sending)?;
-    let bytes = buffers.bytes;
+    step("sending to the GPU", 0.35);
+    let sending = Progress::new("sending", "bytes", 16 * num_points, stop);
+    let buffers = CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending)?;
+    drop(sending);
+    let flat_bytes = buffers.bytes;
     // The walk may have ended meanwhile: then nobody waits for the cloud.
-    let _ = loaded.send(Loaded { cloud: buffers, start: start(&cloud, unit_m) });
+    let _ = shelf.loaded.send(Loaded { cloud: buffers, start: Some(start(&cloud, unit_m)) });
+    drop(cloud);
+    let mut bytes = flat_bytes;
+    if config.lod.enabled {
+        step("building the octree", 0.4);
+        match layered(gpu, scan, chunk_limit, stop) {
+            Ok(buffers) => {
+                bytes = buffers.bytes;
+                let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
+                // Once it is shown, the flat cloud comes back and is freed here; an error means that the walk ended.
+                let _ = shelf.retired.recv();
+            }
+            Err(error @ UploadError::OutOfMemory { .. }) => {
+                eprintln!("scanwalk: warning: without level of detail, every point is drawn always: {error}");
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
     link.update_load(|load| {
         load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
         (load.step, load.fraction) = (String::new(), 1.0);
     });
     Ok(())
+}
+
+/// Builds the octree of a scan and sends its nodes to the GPU as they come.
+fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, stop: &Stop) -> Result<CloudBuffers, UploadError> {
+    let building = Progress::new("building the octree", "points", 2 * scan.num_points() as u64, stop);
+    let sending = Progress::silent(stop);
+    let mut upload: Option<Result<CloudUpload, UploadError>> = None;
+    let built = build_octree(&scan, &building, &mut |octree, nodes| {
+        let begun = upload.take().unwrap_or_else(|| CloudUpload::layered(gpu, octree, chunk_limit, &sending));
+        upload = Some(begun.and_then(|mut upload| upload.write_nodes(octree, nodes).map(|()| upload)));
+    });
+    match (built, upload) {
+        (Err(BuildError::Stopped), _) => Err(UploadError::Stopped),
+        // Whatever else is wrong with a scan, the flat cloud would have told before.
+        (_, Some(upload)) => Ok(upload?.finish()),
+        (_, None) => Err(UploadError::Stopped),
+    }
 }
 
 /// What the window's panel says of the scan.

@@ -49,7 +49,8 @@ fn help_names_every_command_and_shared_option() {
 
 #[test]
 fn every_command_explains_its_options() {
-    let view = ["--headset", "--window", "--log", "--frames", "--seconds", "--pose-path", "Examples:"];
+    let view =
+        ["--headset", "--window", "--log", "--frames", "--seconds", "--pose-path", "--preset", "Examples:"];
     let render = [
         "--eye",
         "--target",
@@ -58,6 +59,7 @@ fn every_command_explains_its_options() {
         "--size",
         "--stereo",
         "--ipd",
+        "--preset",
         "--quality",
         "--lod",
         "--dilate",
@@ -82,6 +84,16 @@ fn every_command_explains_its_options() {
         let help = String::from_utf8(output.stdout).unwrap();
         for option in options.iter().chain(&["--config", "--set", "--adapter"]) {
             assert!(help.contains(option), "{option} is not in\n{help}");
+        }
+    }
+}
+
+#[test]
+fn help_names_every_preset() {
+    for command in ["view", "render"] {
+        let help = String::from_utf8(output(&[command, "--help"]).stdout).unwrap();
+        for preset in scanwalk::config::PRESETS {
+            assert!(help.contains(preset.name), "{} is not in\n{help}", preset.name);
         }
     }
 }
@@ -118,6 +130,7 @@ fn what_does_not_exist_yet_is_refused_in_one_sentence() {
         (&["render", "a.laz", "-o", "a.png", "--quality", "hqs"][..], "--quality closest"),
         (&["render", "a.laz", "-o", "a.png", "--lod", "on"], "--lod off"),
         (&["render", "a.laz", "-o", "a.png", "--dilate", "rings"], "--dilate off"),
+        (&["render", "a.laz", "-o", "a.png", "--preset", "balanced"], "--quality closest"),
         (&["convert", "a.laz", "-o", "a.copc.laz"], "convert does not exist yet"),
         (&["bench"], "bench does not exist yet"),
         (&["report", "a.csv", "-o", "a.html"], "-o does not exist yet"),
@@ -141,6 +154,8 @@ fn wrong_settings_exit_2_and_name_the_way_out() {
         (&["doctor", "--set", "frame.near_m=-1"], "must be from"),
         (&["doctor", "--set", "frame.near_m"], "KEY=VALUE"),
         (&["doctor", "--config", config], "walk.toml, line 2"),
+        (&["view", "a.laz", "--preset", "ultra"], "choose one of plain, quality, balanced, performance"),
+        (&["render", "a.laz", "-o", "a.png", "--preset", "ultra"], "choose one of plain"),
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");

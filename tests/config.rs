@@ -1,12 +1,12 @@
 //! Settings: the default file is the defaults, and every mistake is named with its place and the way out.
 
-use scanwalk::config::{Config, ConfigError, Mirror, Precision, load};
+use scanwalk::config::{Config, ConfigError, Mirror, PRESETS, Precision, Preset, load};
 use std::path::PathBuf;
 
 const DEFAULT_TOML: &str = include_str!("../config/default.toml");
 
 fn sets(sets: &[&str]) -> Result<Config, ConfigError> {
-    load(None, &sets.iter().map(|set| (*set).to_owned()).collect::<Vec<_>>())
+    load(&[], None, &sets.iter().map(|set| (*set).to_owned()).collect::<Vec<_>>())
 }
 
 /// Loads `text` as the file `walk.toml`; the complaint has the folder cut off.
@@ -14,7 +14,7 @@ fn complaint(text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.toml");
     std::fs::write(&path, text).unwrap();
-    let error = load(Some(&path), &[]).expect_err("this must be refused").to_string();
+    let error = load(&[], Some(&path), &[]).expect_err("this must be refused").to_string();
     error.replace(&format!("{}/", folder.path().display()), "")
 }
 
@@ -43,12 +43,83 @@ fn the_default_file_is_the_defaults() {
     assert_ne!(other, Config::default());
 }
 
+/// Lines that assign something and have no comment above.
+fn without_comment(text: &str) -> Vec<&str> {
+    let lines: Vec<&str> = text.lines().collect();
+    let pairs = lines.iter().zip(&lines[1..]);
+    let bare = pairs
+        .filter(|(above, line)| line.contains(" = ") && !line.starts_with('#') && !above.starts_with("# "));
+    bare.map(|(_, line)| *line).collect()
+}
+
 #[test]
-fn every_default_has_a_comment() {
-    let lines: Vec<&str> = DEFAULT_TOML.lines().collect();
-    for (above, line) in lines.iter().zip(&lines[1..]) {
-        assert!(!line.contains(" = ") || line.starts_with('#') || above.starts_with("# "), "{line}");
+fn every_key_has_a_comment() {
+    assert_eq!(without_comment(DEFAULT_TOML), [""; 0]);
+    for Preset { name, text } in PRESETS {
+        assert_eq!(without_comment(text), [""; 0], "{name}");
     }
+    assert_eq!(without_comment("[a]\n# yes\nb = 1\nc = 2"), ["c = 2"]);
+}
+
+fn preset(names: &[&str]) -> Result<Config, ConfigError> {
+    load(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>(), None, &[])
+}
+
+#[test]
+fn every_preset_is_a_configuration() {
+    for Preset { name, text } in PRESETS {
+        let config = preset(&[name]).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let keys = keys_in(text);
+        assert!(keys.iter().all(|key| Config::keys().contains(key)), "{name}: {keys:?}");
+        // What it says is what it does, and it does nothing else.
+        let (default, table) = (Config::default().to_table(), config.to_table());
+        let said: toml::Table = text.parse().unwrap();
+        for key in Config::keys() {
+            let (section, word) = key.split_once('.').unwrap();
+            let expected = said.get(section).and_then(|section| section.get(word));
+            assert_eq!(&table[section][word], expected.unwrap_or(&default[section][word]), "{name}: {key}");
+        }
+        let file = format!("{}/config/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        assert_eq!(std::fs::read_to_string(file).unwrap(), text, "{name}");
+    }
+}
+
+/// Presets of one kind set the same keys, so that the last one given is the one that counts.
+#[test]
+fn presets_of_a_kind_set_the_same_keys() {
+    let keys = |name: &str| keys_in(PRESETS.iter().find(|preset| preset.name == name).unwrap().text);
+    for name in ["balanced", "performance"] {
+        assert_eq!(keys(name), keys("quality"));
+    }
+    for name in ["meta-quest-3", "bigscreen-beyond-2"] {
+        assert_eq!(keys(name), keys("valve-index"));
+    }
+    assert_ne!(keys("valve-index"), keys("quality"));
+}
+
+#[test]
+fn presets_are_applied_in_order_before_the_file_and_the_command_line() {
+    let both = preset(&["performance", "valve-index"]).unwrap();
+    assert_eq!((both.headset.resolution_scale, both.simulated.size_px), (0.8, [2468, 2740]));
+    assert_eq!(both, preset(&["valve-index", "performance"]).unwrap());
+    assert_eq!(preset(&["performance", "quality"]).unwrap(), preset(&["quality"]).unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("walk.toml");
+    std::fs::write(&path, "governor.budget = 0.5\nlod.fade = false\n").unwrap();
+    let config = load(&["performance".into()], Some(&path), &["lod.fade=true".into()]).unwrap();
+    assert_eq!((config.governor.budget, config.lod.fade), (0.5, true));
+    assert_eq!(config.headset.resolution_scale, 0.8);
+}
+
+#[test]
+fn unknown_presets_are_told_the_names() {
+    let error = preset(&["balanced", "ultra"]).unwrap_err();
+    assert!(error.is_usage());
+    assert_eq!(
+        error.to_string(),
+        "--preset ultra: there is no such preset; choose one of plain, quality, balanced, performance, \
+         valve-index, meta-quest-3, bigscreen-beyond-2"
+    );
 }
 
 #[test]
@@ -56,7 +127,7 @@ fn the_command_line_wins_over_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.toml");
     std::fs::write(&path, "frame.near_m = 0.2\n[window]\nmirror = \"both\"\n").unwrap();
-    let config = load(Some(&path), &["frame.near_m=0.3".into(), "frame.near_m=0.4".into()]).unwrap();
+    let config = load(&[], Some(&path), &["frame.near_m=0.3".into(), "frame.near_m=0.4".into()]).unwrap();
     assert_eq!((config.frame.near_m, config.window.mirror), (0.4, Mirror::Both));
     assert_eq!(config.simulated, Config::default().simulated, "the rest stays");
 }
@@ -179,7 +250,7 @@ fn files_that_are_no_configuration() {
     assert!(complaint(&"[".repeat(100_000)).contains("this is not TOML"));
     assert!(complaint(&format!("x = {}", "[".repeat(100_000))).contains("this is not TOML"));
     for path in ["no/such/file.toml", ".", "/dev/zero"] {
-        let error = load(Some(&PathBuf::from(path)), &[]).expect_err(path);
+        let error = load(&[], Some(&PathBuf::from(path)), &[]).expect_err(path);
         assert!(!error.is_usage(), "{path}: it could not be read, which is no misuse");
         assert!(error.to_string().contains(path), "{error}");
     }

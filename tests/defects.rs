@@ -21,8 +21,8 @@ fn draw_points(xyz: &[[i32; 3]], view: &View) -> Drawn {
 
 /// Pixels that hold a point, as (x, y, index).
 fn hits(drawn: &Drawn, eye: usize, width: u32) -> Vec<(u32, u32, u32)> {
-    let filled = drawn.depth[eye].iter().enumerate().filter(|(_, p)| **p != EMPTY);
-    filled.map(|(i, p)| (i as u32 % width, i as u32 / width, *p as u32)).collect()
+    let filled = drawn.keys[eye].iter().enumerate().filter(|(_, p)| **p != EMPTY);
+    filled.map(|(i, p)| (i as u32 % width, i as u32 / width, *p as u32 >> 1)).collect()
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn odd_sizes_are_painted_to_the_last_row_and_column() {
         (-550..=550).flat_map(|x| (-550..=550).map(move |z| [x * 2, 1000, z * 2])).collect();
     for size in [[333, 217], [17, 9], [1, 1], [129, 1]] {
         let drawn = draw_points(&wall, &look_north(size, 1.0));
-        let empty = drawn.depth[0].iter().filter(|&&p| p == EMPTY).count();
+        let empty = drawn.keys[0].iter().filter(|&&p| p == EMPTY).count();
         assert_eq!(empty, 0, "{size:?}: every pixel shows the wall");
         assert!(drawn.images[0].iter().all(|&c| c != u32::from_le_bytes([1, 2, 3, 255])), "{size:?}");
     }
@@ -73,7 +73,7 @@ fn flat_clouds_lines_and_single_points_are_drawn() {
 fn point_zero_is_a_point_and_not_the_background() {
     let drawn = draw_points(&[[0, 1000, 0], [10, 1000, 0]], &look_north([99, 99], 1.0));
     let center = 49 * 99 + 49;
-    assert_eq!(drawn.depth[0][center] as u32, 0);
+    assert_eq!(drawn.keys[0][center] as u32, 0);
     assert_eq!(drawn.images[0][center], u32::from_le_bytes([0, 0, 0, 255]), "point 0's own color");
     assert_eq!(drawn.images[0][0], u32::from_le_bytes([1, 2, 3, 255]), "the background");
 }
@@ -110,7 +110,7 @@ fn every_stored_color_comes_out_as_it_went_in() {
         .map(|i| [[i % 256, 0, 255], [0, i % 256, 7], [i % 256; 3]][usize::from(i / 256)])
         .collect();
     let want: Vec<[u16; 3]> = scan.files[0].points.rgb.clone();
-    let cloud = scanwalk::cloud::build(scan, Order::Original, &scanwalk::progress::Progress::hidden())
+    let cloud = scanwalk::cloud::build(&scan, Order::Original, &scanwalk::progress::Progress::hidden())
         .expect("cloud");
     let view = look_north([320, 320], 1.0);
     let drawn = draw(&cloud, &view, true, 0);

@@ -2,48 +2,32 @@
 
 mod support;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use scanwalk::cloud::{Cloud, Order, build};
-use scanwalk::layout::{Batch, CullCounters, Detail, ViewUniform, VisibleBatch};
+use scanwalk::layout::{Batch, DRAWN_WHOLE, Detail, Node, ViewUniform, VisibleBatch};
 use scanwalk::progress::{Progress, Stop};
+use scanwalk::render::CloudBuffers;
 use scanwalk::scan;
-use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::space::View;
 use scanwalk::synth::{self, Kind, SynthOptions};
-use scanwalk::twin;
+use scanwalk::twin::{self, Scene};
 use std::path::Path;
-use support::{Drawn, cloud_of, draw, random_points};
-
-/// A stereo view with asymmetric, canted eyes of odd size.
-fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
-    let head = Pose::look_at(eye, target, DVec3::Z);
-    let side = |sign: f64| {
-        let cant = Pose {
-            position: DVec3::X * sign * 0.0315,
-            orientation: DQuat::from_rotation_y(-sign * 5f64.to_radians()),
-        };
-        let (outer, inner) = (1.1, 0.8);
-        let fov = if sign < 0.0 {
-            Fov { left: -outer, right: inner, up: 1.0, down: -1.2 }
-        } else {
-            Fov { left: -inner, right: outer, up: 1.0, down: -1.2 }
-        };
-        Eye { world_from_view: head.then(&cant), fov, size_px, gaze_in_view: Eye::AHEAD }
-    };
-    View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
-}
+use support::{Drawn, cloud_of, draw, gpu, plain, random_points, stereo};
 
 fn assert_twin(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
     let drawn = draw(cloud, view, full_precision, chunk_limit);
-    let want = twin::frame(cloud, view, if full_precision { 3 } else { 0 }, [1, 2, 3]);
+    let want = twin::frame(&Scene::flat(cloud), view, &plain(full_precision), None);
     for eye in 0..view.eyes.len() {
-        let num_pixels = want.depth[eye].len();
-        let differing = (0..num_pixels).filter(|&i| drawn.depth[eye][i] != want.depth[eye][i]).count();
-        assert_eq!(differing, 0, "eye {eye}: pixels whose depth or index differ from the twin");
-        assert_eq!(drawn.images[eye], want.images[eye], "eye {eye}: image");
-        assert!(want.depth[eye].iter().any(|&p| p != twin::clear::EMPTY), "eye {eye} sees something");
+        let num_pixels = want.keys[eye].len();
+        let differing = (0..num_pixels).filter(|&i| drawn.keys[eye][i] != want.keys[eye][i]).count();
+        assert_eq!(differing, 0, "eye {eye}: pixels whose depth or id differ from the twin");
+        assert!(drawn.pixels[eye] == want.pixels[eye], "eye {eye}: pixels");
+        let image: Vec<u32> = want.pixels[eye].iter().map(|p| p[1]).collect();
+        assert!(drawn.images[eye] == image, "eye {eye}: image");
+        assert!(want.keys[eye].iter().any(|&p| p != twin::clear::EMPTY), "eye {eye} sees something");
     }
-    assert_eq!(drawn.times.visible_nodes, want.num_visible);
-    assert_eq!(drawn.times.points_read, want.points_read);
+    assert_eq!(drawn.times.visible_nodes as usize, want.visible.len());
+    assert_eq!(drawn.times.points_read, want.points_read());
     // Each stage lasts from the end of the one before to its own; NaN where the device cannot time.
     let (sum, whole) = (drawn.times.stage_ms.iter().sum::<f32>(), drawn.times.gpu_ms);
     assert!(whole.is_nan() || (sum - whole).abs() <= 1e-3 * whole, "stages {sum} ms, frame {whole} ms");
@@ -57,7 +41,7 @@ fn stereo_frame_equals_its_twin() {
     for (distance, full) in [(30.0, false), (30.0, true), (0.3, false), (3000.0, false)] {
         let view = stereo(center - DVec3::new(distance, 0.4, 0.2), center, [333, 217]);
         let drawn = assert_twin(&cloud, &view, full, 0);
-        assert_ne!(drawn.depth[0], drawn.depth[1], "the eyes see different pictures");
+        assert_ne!(drawn.keys[0], drawn.keys[1], "the eyes see different pictures");
     }
 }
 
@@ -84,7 +68,7 @@ fn whole_scans_equal_their_twin() {
 
 fn cloud_from(path: &Path) -> Cloud {
     let scan = scan::read(&[path.to_path_buf()], &Stop::default()).expect("a scan");
-    build(scan, Order::Morton, &Progress::hidden()).expect("a cloud")
+    build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud")
 }
 
 #[test]
@@ -103,8 +87,9 @@ fn chunks_change_nothing() {
     let view = stereo(center - DVec3::X * 15.0, center, [257, 129]);
     let whole = assert_twin(&cloud, &view, false, 0);
     let cut = assert_twin(&cloud, &view, false, 4 * 25_000);
-    assert!(cut.num_chunks > 3 && whole.num_chunks == 1);
-    assert_eq!(whole.depth, cut.depth);
+    let buffers = |limit| CloudBuffers::upload(&gpu(), &cloud, limit, &Progress::hidden()).expect("upload");
+    assert!(buffers(4 * 25_000).num_chunks() > 3 && buffers(0).num_chunks() == 1);
+    assert!(whole.keys == cut.keys);
 }
 
 #[test]
@@ -114,14 +99,11 @@ fn cull_equals_its_twin() {
     let view = stereo(center + DVec3::new(20.0, 5.0, 1.0), center + DVec3::new(60.0, 40.0, 3.0), [640, 480]);
     let drawn = draw(&cloud, &view, false, 0);
     let uniform = ViewUniform::new(&view, &cloud.split, &Detail::default());
-    let batches: Vec<Batch> = twin::batches(&cloud);
-    let want = twin::cull::cull(&uniform, 2, &batches);
-    let counters: CullCounters = bytemuck::pod_read_unaligned(&drawn.counters[..16]);
-    assert_eq!(counters.num_visible as usize, want.len());
-    let mut got: Vec<VisibleBatch> =
-        bytemuck::cast_slice::<u8, VisibleBatch>(&drawn.visible)[..want.len()].to_vec();
-    got.sort_by_key(|v| v.first_point);
-    assert_eq!(got, want, "visible batches, bit for bit");
+    let scene = Scene::flat(&cloud);
+    let batches = &scene.batches;
+    let cull = |view: &ViewUniform| twin::cull::cull(view, 2, batches, &scene.nodes, &[DRAWN_WHOLE]);
+    let want = cull(&uniform);
+    assert_eq!(drawn.visible, want, "visible batches, bit for bit");
     assert!(
         want.len() > 1 && want.len() < batches.len(),
         "some are culled: {} of {}",
@@ -132,13 +114,14 @@ fn cull_equals_its_twin() {
     assert!(precisions.contains(&1) && precisions.contains(&2), "both precisions occur");
     // A batch that neither eye sees holds no point that would be drawn.
     let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();
-    let mut all = vec![twin::clear::pixels([640, 480]), twin::clear::pixels([640, 480])];
-    let mut culled = all.clone();
-    let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
     let full = ViewUniform { forced_planes: 3, ..uniform };
-    twin::depth::depth(&full, &everything, planes, &mut all);
-    twin::depth::depth(&full, &twin::cull::cull(&full, 2, &batches), planes, &mut culled);
-    assert_eq!(all, culled);
+    let keys = |visible: &[VisibleBatch]| {
+        let mut keys = vec![twin::clear::pixels([640, 480], twin::clear::EMPTY); 2];
+        let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
+        twin::points::points(&full, 2, visible, planes, false, &mut |put| twin::depth::key(&mut keys, put));
+        keys
+    };
+    assert!(keys(&everything) == keys(&cull(&full)));
 }
 
 /// The batch as cull would hand it over if both eyes saw it: by a view that looks everywhere.
@@ -149,7 +132,7 @@ fn forced_visible(view: &ViewUniform, batch: &Batch) -> VisibleBatch {
         eye.row_y = [0.0, 0.0, 0.0, 1.0];
         eye.row_w = [0.0, 0.0, 0.0, 1.0];
     }
-    twin::cull::cull(&everywhere, 2, std::slice::from_ref(batch))[0]
+    twin::cull::cull(&everywhere, 2, std::slice::from_ref(batch), &[Node::FLAT], &[DRAWN_WHOLE])[0]
 }
 
 /// The comparison above can fail: one point moved by one cell in the deepest plane shows.
@@ -160,11 +143,11 @@ fn the_comparison_notices_a_wrong_point() {
     let view = stereo(center - DVec3::Y * 6.0, center, [128, 128]);
     let good = draw(&cloud, &view, true, 0);
     let mut wrong = cloud.clone();
-    let index = good.depth[0].iter().find(|&&p| p != twin::clear::EMPTY).map(|&p| p as u32 as usize);
+    let index = good.keys[0].iter().find(|&&p| p != twin::clear::EMPTY).map(|&p| (p as u32 >> 1) as usize);
     let index = index.expect("something is drawn");
     wrong.planes[0][index] ^= 1 << 9;
     wrong.colors[index] ^= 1;
-    let want = twin::frame(&wrong, &view, 3, [1, 2, 3]);
-    assert_ne!(good.depth[0], want.depth[0]);
-    assert_ne!(good.images[0], want.images[0]);
+    let want = twin::frame(&Scene::flat(&wrong), &view, &plain(true), None);
+    assert_ne!(good.keys[0], want.keys[0]);
+    assert_ne!(good.pixels[0], want.pixels[0]);
 }

@@ -4,11 +4,13 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use scanwalk::cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_octree};
-use scanwalk::cloud::{BuildError, quantize};
-use scanwalk::layout::{BATCH_POINTS, POINTS_PER_LOAD};
+use scanwalk::cloud::{BuildError, Cloud, quantize};
+use scanwalk::layout::{BATCH_POINTS, Detail, POINTS_PER_LOAD};
+use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
+use scanwalk::twin::{self, Scene};
 use std::ops::Range;
 
 /// splitmix64: reproducible numbers without a dependency.
@@ -343,10 +345,12 @@ fn all_batches_together_draw_the_whole_cloud() {
     let fov = Fov::symmetric(std::f64::consts::FRAC_PI_2, 1.0);
     let eyes = vec![Eye { world_from_view: eye, fov, size_px: [2400, 2400], gaze_in_view: Eye::AHEAD }];
     let view = View { eyes, near: 0.05 };
-    let num_drawn = |cloud| {
-        let frame = scanwalk::twin::frame(cloud, &view, 3, [0, 0, 0]);
-        assert_eq!(frame.points_read, cloud.num_points);
-        let mut colors: Vec<u32> = frame.images[0].iter().copied().filter(|&c| c != 0xff00_0000).collect();
+    let num_drawn = |cloud: &Cloud| {
+        let detail = Detail { forced_planes: 3, ..Detail::default() };
+        let frame = twin::frame(&Scene::flat(cloud), &view, &Look { detail, ..Look::default() }, None);
+        assert_eq!(frame.points_read(), cloud.num_points);
+        let colors = frame.pixels[0].iter().map(|p| p[1]).filter(|&c| c != 0xff00_0000);
+        let mut colors: Vec<u32> = colors.collect();
         colors.sort_unstable();
         colors.dedup();
         colors.len()

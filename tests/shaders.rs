@@ -1,13 +1,41 @@
 //! Shaders without a GPU: naga parses and validates each, and the host's structs have the shaders' offsets.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use scanwalk::layout;
-use scanwalk::render::shaders::{SHADERS, source};
+use scanwalk::gpu::Atomics;
+use scanwalk::layout::{self, Sums, Variant};
+use scanwalk::render::shaders::{SHADERS, Shader, source};
 use std::mem::offset_of;
 
-/// What the frame's adapters offer beyond plain WGSL.
-fn capabilities() -> Capabilities {
-    Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
+/// What each tier's adapters offer beyond plain WGSL.
+fn capabilities(atomics: Atomics) -> Capabilities {
+    let minmax = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
+    match atomics {
+        Atomics::Int32 => Capabilities::empty(),
+        Atomics::Int64Minmax => minmax,
+        Atomics::Int64 => minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS,
+    }
+}
+
+/// Every text that a tier's renderers hand to the driver.
+fn texts(atomics: Atomics) -> Vec<(String, String)> {
+    let keys = atomics >= Atomics::Int64Minmax;
+    let forms: &[Sums] =
+        if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected] } else { &[Sums::Wide] };
+    let unused = match atomics {
+        Atomics::Int32 => vec!["depth", "color"],
+        Atomics::Int64Minmax => vec!["ids", "color"],
+        Atomics::Int64 => vec!["ids", "color32"],
+    };
+    let mut texts = Vec::new();
+    for Shader { name, .. } in SHADERS.iter().filter(|s| !unused.contains(&s.name)) {
+        for (&sums, num_eyes, fill) in
+            forms.iter().flat_map(|s| [(s, 1, false), (s, 2, false), (s, 1, true), (s, 2, true)])
+        {
+            let variant = Variant { num_eyes, fill, sums, keys };
+            texts.push((format!("{name} {variant:?}"), source(name, variant)));
+        }
+    }
+    texts
 }
 
 fn parse(name: &str, wgsl: &str) -> naga::Module {
@@ -15,14 +43,13 @@ fn parse(name: &str, wgsl: &str) -> naga::Module {
 }
 
 #[test]
-fn every_shader_is_valid_for_one_eye_and_two() {
-    for (name, _) in SHADERS {
-        for num_eyes in [1, 2] {
-            let wgsl = source(name, num_eyes);
-            let module = parse(name, &wgsl);
-            let mut validator = Validator::new(ValidationFlags::all(), capabilities());
+fn every_shader_is_valid_in_every_tier() {
+    for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
+        for (name, wgsl) in texts(atomics) {
+            let module = parse(&name, &wgsl);
+            let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
             if let Err(e) = validator.validate(&module) {
-                panic!("{name}: {}", e.emit_to_string(&wgsl));
+                panic!("{atomics:?} {name}: {}", e.emit_to_string(&wgsl));
             }
             assert!(!module.entry_points.is_empty(), "{name} has an entry point");
         }
@@ -31,9 +58,11 @@ fn every_shader_is_valid_for_one_eye_and_two() {
 
 #[test]
 fn the_validator_refuses_what_the_tier_lacks() {
-    let wgsl = source("depth", 2).replace("atomicMin(", "atomicAdd(");
-    let mut validator = Validator::new(ValidationFlags::all(), capabilities());
-    assert!(validator.validate(&parse("broken depth", &wgsl)).is_err());
+    for (name, lacking) in [("color", Atomics::Int64Minmax), ("depth", Atomics::Int32)] {
+        let wgsl = source(name, Variant::eyes(2));
+        let mut validator = Validator::new(ValidationFlags::all(), capabilities(lacking));
+        assert!(validator.validate(&parse(name, &wgsl)).is_err(), "{name} in {lacking:?}");
+    }
 }
 
 /// Name, size and (field, offset) of a host struct.
@@ -48,13 +77,16 @@ macro_rules! host {
 
 fn host_structs() -> Vec<HostStruct> {
     vec![
-        host!(Batch: min_hi, first_point, min_lo, num_points, cell, reserved_a, steps_per_unit, reserved_b),
+        host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved),
+        host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level, reserved),
         host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, reserved_a, gaze_in_view,
             reserved_b, tangent_origin, tangent_per_px, size_px, width, height),
-        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, lod_flags, ring_cos, ring_sin, eyes),
-        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags),
+        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, lod_flags, ring_cos, ring_sin,
+            fill_reach_px, reserved_a, reserved_b, reserved_c, eyes),
+        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
         host!(ChunkUniform: first_index, num_points, reserved),
-        host!(ResolveUniform: width, first_index, num_points, reserved),
+        host!(ClearUniform: value, num_left, num_right, reserved),
+        host!(ResolveUniform: size_px, first_index, num_points, background, near, eye, reserved),
     ]
 }
 
@@ -74,11 +106,11 @@ fn difference(module: &naga::Module, (name, size, fields): &HostStruct) -> Optio
 
 #[test]
 fn host_structs_have_the_shaders_offsets() {
-    let module = parse("layout", &source("depth", 2));
+    let module = parse("layout", &source("depth", Variant::eyes(2)));
     for host in host_structs() {
         assert_eq!(difference(&module, &host), None);
     }
-    let counters = parse("cull", &source("cull", 2));
+    let counters = parse("cull", &source("cull", Variant::eyes(2)));
     let mut host = host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points);
     host.0 = "Counters";
     assert_eq!(difference(&counters, &host), None);
@@ -86,14 +118,14 @@ fn host_structs_have_the_shaders_offsets() {
 
 #[test]
 fn the_offset_comparison_can_fail() {
-    let wgsl = source("depth", 2)
+    let wgsl = source("depth", Variant::eyes(2))
         .replace("min_lo: vec3<f32>,\n    num_points: u32,", "num_points: u32,\n    min_lo: vec3<f32>,");
     assert!(difference(&parse("swapped", &wgsl), &host_structs()[0]).is_some());
 }
 
 #[test]
 fn the_prelude_states_every_constant_once() {
-    let prelude = layout::prelude(2);
+    let prelude = layout::prelude(Variant::eyes(2));
     for line in prelude.lines() {
         let name = line.split_whitespace().nth(1).expect("const NAME: …").trim_end_matches(':');
         assert_eq!(prelude.matches(&format!("const {name}:")).count(), 1, "{name}");

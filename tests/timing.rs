@@ -14,7 +14,7 @@ fn row(frame: u64) -> FrameRow {
         wait_ms: 2.0,
         record_ms: 0.5,
         submit_ms: 0.25,
-        stage_ms: [0.5, 0.5, if slow { 12.0 } else { 3.0 }, 1.0],
+        stage_ms: [0.5, 0.25, 0.25, if slow { 12.0 } else { 3.0 }, 0.5, 0.5],
         gpu_ms: if slow { 15.0 } else { 5.0 },
         budget_ms: 11.111,
         missed_periods: u32::from(slow),
@@ -100,7 +100,7 @@ fn times_that_the_device_did_not_give() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
     let log = FrameLog::start(&path, &facts()).unwrap();
-    log.push(FrameRow { stage_ms: [f32::NAN; 4], gpu_ms: f32::NAN, ..row(1) });
+    log.push(FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, ..row(1) });
     assert_eq!(log.finish().num_rows, 1);
     let report = Report::of(&read(&path).unwrap());
     assert_eq!(report.gpu_ms.percentile(500), None);

@@ -102,7 +102,7 @@ fn cloud(millions: f64) -> Result<Cloud> {
     let points = (1e6 * millions).round() as u64;
     let stop = Stop::default();
     synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, &stop)?;
-    Ok(cloud::build(scanwalk::scan::read(&[out], &stop)?, Order::Morton, &Progress::hidden())?)
+    Ok(cloud::build(&scanwalk::scan::read(&[out], &stop)?, Order::Morton, &Progress::hidden())?)
 }
 
 /// The figures of a cloud from each viewpoint.

@@ -3,7 +3,7 @@
 use super::{
     Cli, Command, HeadsetChoice, RenderArgs, ReportArgs, SynthArgs, Usage, ViewArgs, WindowChoice, doctor,
 };
-use crate::config::{self, Config};
+use crate::config::{self, Config, ConfigError};
 use crate::progress::Stop;
 use crate::scan;
 use crate::shot::{self, ShotFov, ShotOptions};
@@ -15,17 +15,10 @@ use std::io::{self, Write};
 
 /// Runs the command that was asked for.
 pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
-    let mut config = config::load(cli.shared.config.as_deref(), &cli.shared.set)?;
-    if let Some(adapter) = &cli.shared.adapter {
-        config.gpu.adapter.clone_from(adapter);
-    }
+    let config = settings(cli)?;
     match &cli.command {
         Command::View(args) => view(args, &config, stop),
-        Command::Render(args) => {
-            args.check()?;
-            args.apply_to(&mut config);
-            render(args, &config, stop)
-        }
+        Command::Render(args) => render(args, &config, stop),
         Command::Info(args) => scan::info::print(&args.scans, args.json, stop),
         Command::Synth(args) => synth(args, stop),
         Command::Report(args) => report(args),
@@ -33,6 +26,23 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
         Command::Convert(_) => Err(not_there_yet("convert", "LAS and LAZ files can be viewed as they are")),
         Command::Bench(_) => Err(not_there_yet("bench", "`scanwalk view --log` measures a walk")),
     }
+}
+
+/// All settings: afterwards nobody looks at the options again that they come from.
+pub(super) fn settings(cli: &Cli) -> Result<Config, ConfigError> {
+    let presets: &[String] = match &cli.command {
+        Command::View(args) => &args.preset,
+        Command::Render(args) => &args.preset,
+        _ => &[],
+    };
+    let mut config = config::load(presets, cli.shared.config.as_deref(), &cli.shared.set)?;
+    if let Some(adapter) = &cli.shared.adapter {
+        config.gpu.adapter.clone_from(adapter);
+    }
+    if let Command::Render(args) = &cli.command {
+        args.apply_to(&mut config);
+    }
+    Ok(config)
 }
 
 /// A command that the contract names and nobody has built: wrong usage, said kindly.

@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn exit_codes_follow_the_cause() {
         let misuse = || failed(Usage("no".into()));
-        let config = || crate::config::load(None, &["frame.x=1".into()]).unwrap_err();
+        let config = || crate::config::load(&[], None, &["frame.x=1".into()]).unwrap_err();
         assert!(is_usage(&misuse()) && is_usage(&failed(config())));
         assert!(!is_usage(&failed(io::Error::other("x"))));
         assert!(is_closed_pipe(&failed(io::Error::from(io::ErrorKind::BrokenPipe))));

@@ -1,10 +1,13 @@
 //! Arguments of `scanwalk render`.
 
-use super::{Usage, parse};
+use super::parse;
 use crate::config::{Config, Dilate, Precision, Quality};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::path::PathBuf;
+
+/// The preset of pictures unless another is asked for.
+const PLAIN: &str = "plain";
 
 /// Draw a picture without a window.
 #[derive(Clone, Debug, Args)]
@@ -40,15 +43,19 @@ pub struct RenderArgs {
     /// Distance of the eyes for --stereo, in metres
     #[arg(long, value_name = "M", default_value = "0.063", value_parser = parse::eye_distance)]
     pub ipd: f64,
-    /// closest: the nearest point's color; hqs: blended (not there yet)
-    #[arg(long, value_name = "HOW", default_value = "closest")]
-    pub quality: Quality,
-    /// Level of detail (not there yet)
-    #[arg(long, value_name = "WHEN", default_value = "off")]
-    pub lod: Switch,
-    /// Fill the gaps between points (rings: not there yet)
-    #[arg(long, value_name = "HOW", default_value = "off")]
-    pub dilate: Dilate,
+    /// Settings that belong together; may be repeated. plain: every point, one a pixel; quality, balanced,
+    /// performance: as the headset would draw; valve-index, meta-quest-3, bigscreen-beyond-2: headsets to simulate
+    #[arg(long, value_name = "NAME", default_value = PLAIN)]
+    pub preset: Vec<String>,
+    /// closest: the nearest point's color; hqs: the blend of the nearest points [default: the preset's]
+    #[arg(long, value_name = "HOW")]
+    pub quality: Option<Quality>,
+    /// Level of detail: the nodes of an octree that matter [default: the preset's]
+    #[arg(long, value_name = "WHEN")]
+    pub lod: Option<Switch>,
+    /// Fill the gaps between points: rings, by kernels that grow outwards [default: the preset's]
+    #[arg(long, value_name = "HOW")]
+    pub dilate: Option<Dilate>,
     /// Coordinate bits that are read: auto by the projected size, or full [default: frame.precision]
     #[arg(long, value_name = "HOW")]
     pub precision: Option<Precision>,
@@ -66,6 +73,7 @@ pub struct RenderArgs {
 const EXAMPLES: &str = "Examples:
   scanwalk render castle.laz -o castle.png
   scanwalk render castle.laz -o gate.png --eye 12,-4,1.7 --target 0,0,2 --fov-y 75
+  scanwalk render castle.laz -o castle.png --preset balanced
   scanwalk render castle.laz -o castle.png --stereo --ipd 0.065 --depth castle.npy";
 
 /// On or off.
@@ -79,26 +87,56 @@ pub enum Switch {
 }
 
 impl RenderArgs {
-    /// Refuses what does not exist yet.
-    ///
-    /// # Errors
-    /// A sentence that says what to use instead.
-    pub fn check(&self) -> Result<(), Usage> {
-        let refuse = |option: &str, instead: &str| {
-            Err(Usage(format!("render: {option} does not exist yet; use {instead}, which is the default")))
-        };
-        match self {
-            Self { quality: Quality::Hqs, .. } => refuse("--quality hqs", "--quality closest"),
-            Self { lod: Switch::On, .. } => refuse("--lod on", "--lod off"),
-            Self { dilate: Dilate::Rings, .. } => refuse("--dilate rings", "--dilate off"),
-            _ => Ok(()),
-        }
-    }
-
     /// Settings that the command's own options win over: afterwards the configuration is the one place to
     /// look for them.
     pub fn apply_to(&self, config: &mut Config) {
-        config.frame.precision = self.precision.unwrap_or(config.frame.precision);
-        config.frame.background = self.background.unwrap_or(config.frame.background);
+        let Config { frame, lod, .. } = config;
+        frame.quality = self.quality.unwrap_or(frame.quality);
+        frame.dilate = self.dilate.unwrap_or(frame.dilate);
+        frame.precision = self.precision.unwrap_or(frame.precision);
+        frame.background = self.background.unwrap_or(frame.background);
+        lod.enabled = self.lod.map_or(lod.enabled, |lod| lod == Switch::On);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Cli, commands};
+    use super::*;
+    use clap::Parser;
+
+    fn settings(options: &[&str]) -> Config {
+        let words = ["scanwalk", "render", "a.laz", "-o", "a.png"].iter().chain(options);
+        commands::settings(&Cli::try_parse_from(words).unwrap()).unwrap()
+    }
+
+    /// Quality, level of detail, dilation, fill, fade.
+    fn stages(config: &Config) -> (Quality, bool, Dilate, bool, bool) {
+        let Config { frame, lod, .. } = config;
+        (frame.quality, lod.enabled, frame.dilate, frame.fill, lod.fade)
+    }
+
+    #[test]
+    fn pictures_are_plain_unless_a_preset_is_given() {
+        let plain = (Quality::Closest, false, Dilate::Off, false, false);
+        assert_eq!(stages(&settings(&[])), plain);
+        assert_eq!(stages(&settings(&["--preset", "plain"])), plain);
+        let headset = (Quality::Hqs, true, Dilate::Rings, true, true);
+        assert_eq!(stages(&Config::default()), headset);
+        for preset in ["quality", "balanced", "valve-index"] {
+            assert_eq!(stages(&settings(&["--preset", preset])), headset, "{preset}");
+        }
+    }
+
+    #[test]
+    fn options_win_over_settings_and_settings_over_presets() {
+        let asked = ["--quality", "hqs", "--lod", "on", "--dilate", "rings"];
+        assert_eq!(stages(&settings(&asked)), (Quality::Hqs, true, Dilate::Rings, false, false));
+        let refused = ["--preset", "quality", "--quality", "closest", "--lod", "off", "--dilate", "off"];
+        assert_eq!(stages(&settings(&refused)), (Quality::Closest, false, Dilate::Off, true, true));
+        let set = settings(&["--set", "frame.quality=hqs", "--set", "lod.enabled=true"]);
+        assert_eq!(stages(&set), (Quality::Hqs, true, Dilate::Off, false, false));
+        let over = settings(&["--set", "frame.quality=hqs", "--quality", "closest"]);
+        assert_eq!(over.frame.quality, Quality::Closest);
     }
 }

@@ -26,6 +26,10 @@ pub struct ViewArgs {
     /// Stop by itself after S seconds
     #[arg(long, value_name = "S", value_parser = parse::seconds)]
     pub seconds: Option<f64>,
+    /// Settings that belong together; may be repeated. How to draw: quality, balanced, performance, plain; what
+    /// the simulated headset is like: valve-index, meta-quest-3, bigscreen-beyond-2
+    #[arg(long, value_name = "NAME")]
+    pub preset: Vec<String>,
     /// Replay a recorded path of the head
     #[arg(long, value_name = "FILE")]
     pub pose_path: Option<PathBuf>,
@@ -35,6 +39,7 @@ const EXAMPLES: &str = "Examples:
   scanwalk view castle.laz
   scanwalk view north.laz south.laz --headset require --log frames.csv
   scanwalk view castle.laz --headset off --set simulated.refresh_hz=72
+  scanwalk view castle.laz --headset off --preset performance --preset valve-index
   scanwalk view castle.laz --window off --frames 600 --log frames.csv
 
 In the headset: left stick flies where you look, right stick turns, a press resets.

@@ -61,7 +61,7 @@ mod tests {
         let (path, format) = ("made-up".into(), "made up".into());
         let file = ScanFile { path, format, lattice, points, color: ColorSource::Rgb8, bounds };
         let scan = Scan { files: vec![file], ..Scan::default() };
-        let cloud = build(scan, Order::Morton, &Progress::hidden()).expect("a cloud");
+        let cloud = build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud");
         (cloud.body(), bounds)
     }
 

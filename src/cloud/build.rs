@@ -16,9 +16,9 @@ pub enum BuildError {
     /// Nothing to draw.
     #[error("the scan holds no points")]
     Empty,
-    /// Point indices are 32 bits.
+    /// Points have 32-bit ids, two each.
     #[error(
-        "the scan has {0} points; more than 4 294 950 000 do not fit one cloud: open fewer files at once"
+        "the scan has {0} points; more than 2 147 000 000 do not fit one cloud: open fewer files at once"
     )]
     TooMany(usize),
     /// Coordinates beyond what f32 spans.
@@ -29,19 +29,20 @@ pub enum BuildError {
     Stopped,
 }
 
+/// Ids of 32 bits, two for each point, and room for the gaps between batches.
+const MAX_POINTS: usize = 2_147_000_000;
 /// Largest box edge: far more than any planet, far less than f32 holds.
 const MAX_EDGE: f64 = 1e15;
 
 /// Orders the points of a scan, cuts them into batches and quantises them.
 ///
-/// The scan is consumed: its columns are dropped as soon as the planes stand. Peak memory above the scan:
-/// 16 B a point to sort, 16 B for the planes.
+/// Peak memory above the scan: 16 B a point to sort, 16 B for the planes.
 ///
 /// # Errors
 /// See [`BuildError`].
-pub fn build(scan: Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
-    let (num_points, bounds) = check(&scan)?;
-    let index = Index::new(&scan);
+pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
+    let (num_points, bounds) = check(scan)?;
+    let index = Index::new(scan);
     let sorted = match order {
         Order::Original => None,
         Order::Morton => Some(sort(&index, &bounds)),
@@ -95,7 +96,7 @@ pub(super) fn check(scan: &Scan) -> Result<(usize, Bounds), BuildError> {
     if num_points == 0 {
         return Err(BuildError::Empty);
     }
-    if num_points > (u32::MAX - 2 * BATCH_POINTS) as usize {
+    if num_points > MAX_POINTS {
         return Err(BuildError::TooMany(num_points));
     }
     let edge = bounds.size().max_element();

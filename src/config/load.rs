@@ -1,7 +1,8 @@
-//! Reading configuration: a file's and the command line's assignments, one after the other, on top of the
+//! Reading configuration: assignments of presets, a file and the command line, one after the other, on top of the
 //! defaults. Each is checked when it is made, so that every complaint names the line it stems from.
 
 use super::assign::{Assignment, Place, in_file, in_set};
+use super::presets::in_preset;
 use super::{Config, check};
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -35,6 +36,14 @@ pub enum ConfigError {
     /// A `--set` without an equals sign.
     #[error("--set {0}: write it as KEY=VALUE, for example --set frame.near_m=0.1")]
     NoAssignment(String),
+    /// A preset that does not exist.
+    #[error("--preset {name}: there is no such preset; choose one of {names}")]
+    UnknownPreset {
+        /// As written.
+        name: String,
+        /// All that there are.
+        names: String,
+    },
     /// A key that does not exist.
     #[error("{place}: there is no setting '{key}'; did you mean '{nearest}'?")]
     UnknownKey {
@@ -77,15 +86,18 @@ impl ConfigError {
     }
 }
 
-/// Resolves the configuration: the defaults, then `file`, then each `KEY=VALUE` of `sets`.
+/// Resolves the configuration: the defaults, then each of `presets`, then `file`, then each `KEY=VALUE` of `sets`.
 ///
 /// # Errors
-/// An unreadable file, bad TOML, an unknown key, a wrong type, a value out of its range.
-pub fn load(file: Option<&Path>, sets: &[String]) -> Result<Config, ConfigError> {
-    let mut assignments = match file {
-        Some(path) => in_file(path, &read(path)?)?,
-        None => Vec::new(),
-    };
+/// An unknown preset, an unreadable file, bad TOML, an unknown key, a wrong type, a value out of its range.
+pub fn load(presets: &[String], file: Option<&Path>, sets: &[String]) -> Result<Config, ConfigError> {
+    let mut assignments = Vec::new();
+    for name in presets {
+        assignments.extend(in_preset(name)?);
+    }
+    if let Some(path) = file {
+        assignments.extend(in_file(path, &read(path)?)?);
+    }
     for set in sets {
         assignments.push(in_set(set)?);
     }

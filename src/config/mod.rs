@@ -1,4 +1,5 @@
-//! Settings: the defaults here, then `--config FILE`, then `--set KEY=VALUE`, then the command's own options.
+//! Settings: the defaults here, then `--preset NAME`, then `--config FILE`, then `--set KEY=VALUE`, then the
+//! command's own options.
 //!
 //! `config/default.toml` shows every key with its default and a comment; a test says that it equals
 //! [`Config::default`]. Unknown keys and wrong types are refused with the line and the nearest valid key.
@@ -6,9 +7,11 @@
 mod assign;
 mod check;
 mod load;
+mod presets;
 
 pub use assign::Place;
 pub use load::{ConfigError, load};
+pub use presets::{PRESETS, Preset};
 
 use crate::cloud::Order;
 use serde::{Deserialize, Serialize};
@@ -142,6 +145,17 @@ pub enum Quality {
     Closest,
     /// High-quality shading: the blend of the nearest points.
     Hqs,
+}
+
+impl Quality {
+    /// As the configuration and the frame log write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Closest => "closest",
+            Self::Hqs => "hqs",
+        }
+    }
 }
 
 /// How gaps between points are filled.

@@ -3,6 +3,7 @@
 use super::placement::{Area, panes};
 use crate::config;
 use crate::walk::link::MirrorImages;
+use wgpu::util::DeviceExt;
 
 const SHADER: &str = include_str!("../../shaders/mirror.wgsl");
 
@@ -71,11 +72,10 @@ impl MirrorPipeline {
         images: &MirrorImages,
         mirror: config::Mirror,
     ) {
-        let sizes_px = [0, 1].map(|eye: usize| [images[eye].width(), images[eye].height()]);
         let longest_px = self.longest_px;
         let groups = self.groups(device, images).clone();
         pass.set_pipeline(&self.pipeline);
-        for pane in panes(mirror, sizes_px, size_px, longest_px) {
+        for pane in panes(mirror, images.drawn_px, size_px, longest_px) {
             let Area { x, y, width, height } = pane.image;
             pass.set_viewport(x, y, width, height, 0.0, 1.0);
             let clip = pane.clip;
@@ -90,13 +90,28 @@ impl MirrorPipeline {
 
     fn groups(&mut self, device: &wgpu::Device, images: &MirrorImages) -> &[wgpu::BindGroup; 2] {
         let bound = self.bound.take().filter(|bound| bound.images == *images).unwrap_or_else(|| Bound {
-            groups: [0, 1].map(|eye: usize| self.group(device, &images[eye])),
+            groups: [0, 1].map(|eye: usize| self.group(device, &images.textures[eye], images.drawn_px[eye])),
             images: images.clone(),
         });
         &self.bound.insert(bound).groups
     }
 
-    fn group(&self, device: &wgpu::Device, image: &wgpu::Texture) -> wgpu::BindGroup {
+    fn group(
+        &self,
+        device: &wgpu::Device,
+        image: &wgpu::Texture,
+        [width, height]: [u32; 2],
+    ) -> wgpu::BindGroup {
+        let [across, down] = [width as f32, height as f32];
+        let [full_across, full_down] = [image.width() as f32, image.height() as f32];
+        // As `Drawn` in the shader.
+        let drawn: [f32; 4] =
+            [across / full_across, down / full_down, (across - 0.5) / full_across, (down - 0.5) / full_down];
+        let drawn = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("mirror"),
+            contents: bytemuck::bytes_of(&drawn),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("mirror"),
             layout: &self.pipeline.get_bind_group_layout(0),
@@ -106,6 +121,7 @@ impl MirrorPipeline {
                     resource: wgpu::BindingResource::TextureView(&image.create_view(&Default::default())),
                 },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+                wgpu::BindGroupEntry { binding: 2, resource: drawn.as_entire_binding() },
             ],
         })
     }

@@ -20,14 +20,14 @@ fn texture(gpu: &Gpu, format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu
 
 fn ramps(gpu: &Gpu) -> MirrorImages {
     let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    [0u8, 255].map(|flip| {
+    MirrorImages::whole([0u8, 255].map(|flip| {
         let image = texture(gpu, TextureFormat::Rgba8UnormSrgb, usage);
         let pixels: Vec<u8> = (0..=255u8).flat_map(|v| [v ^ flip, v ^ flip, v ^ flip, 255]).collect();
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * EDGE), rows_per_image: None };
         gpu.queue.lock().for_uploads().write_texture(image.as_image_copy(), &pixels, layout, image.size());
         image
-    })
+    }))
 }
 
 /// The first channel of each pixel after mirroring `images` into a picture of their own size.
@@ -73,6 +73,24 @@ fn the_mirror_keeps_every_8_bit_value() {
     }
     // The comparison can fail: side by side each eye has half of the pixels.
     assert_ne!(mirrored(&gpu, &images, Mirror::Both, TextureFormat::Bgra8Unorm), ramp);
+}
+
+#[test]
+fn the_mirror_shows_only_what_is_drawn() {
+    let gpu = Gpu::open(None).unwrap();
+    let whole = ramps(&gpu);
+    let (across, down) = (8, 4);
+    let part = MirrorImages { drawn_px: [[across, down]; 2], ..whole.clone() };
+    let corners = |images: &MirrorImages| {
+        let shown = mirrored(&gpu, images, Mirror::Left, TextureFormat::Rgba8Unorm);
+        [shown[0], shown[shown.len() - 1]]
+    };
+    // Twice as wide as high: it covers the square window and loses a quarter on either side; at the bottom
+    // nothing is mixed in from the row below.
+    let [first, last] = corners(&part);
+    assert!((1..4).contains(&first), "{first}");
+    assert!((EDGE * (down - 1) + 4..EDGE * (down - 1) + 7).contains(&u32::from(last)), "{last}");
+    assert_eq!(corners(&whole), [0, 255]);
 }
 
 /// Every word that one egui pass paints.
@@ -159,7 +177,7 @@ fn the_panel_bears_having_nothing_to_tell() {
     assert!(words.contains("No frame yet") && !words.contains("Warnings"), "{words}");
     let mut silent = History::default();
     silent.push(
-        FrameRow { stage_ms: [f32::NAN; 4], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
+        FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
         Instant::now(),
     );
     let words = panel_words(&silent, &LoadState::default());

@@ -20,8 +20,10 @@ const EDGE: Color32 = Color32::from_rgba_premultiplied(26, 27, 29, 30);
 /// A colour a stage, told apart by colour-blind people too.
 pub(super) const STAGE_COLORS: [Color32; STAGES.len()] = [
     Color32::from_rgb(150, 156, 168),
+    Color32::from_rgb(0, 158, 115),
     Color32::from_rgb(204, 121, 167),
     Color32::from_rgb(86, 180, 233),
+    Color32::from_rgb(213, 94, 0),
     Color32::from_rgb(230, 170, 50),
 ];
 

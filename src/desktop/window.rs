@@ -229,7 +229,7 @@ impl App {
             facts: &self.facts,
             history: &self.history,
             load: &self.load,
-            eye_px: images.as_ref().map(|[left, _]| [left.width(), left.height()]),
+            eye_px: images.as_ref().map(|images| images.drawn_px[0]),
             now,
         };
         let dragging = self.controls.dragging();

@@ -7,7 +7,7 @@ pub mod readback;
 pub mod stage;
 pub mod timer;
 
-pub use open::{GpuError, required_features};
+pub use open::{Atomics, GpuError, required_features};
 pub(crate) use open::{block_on, instance_flags};
 pub use queue::{Queue, QueueGuard};
 

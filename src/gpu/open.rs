@@ -36,22 +36,53 @@ pub enum GpuError {
     },
 }
 
-/// Features that every frame needs.
-const NEEDED: wgpu::Features =
-    wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
 /// Features that are used where they exist.
-const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY;
+const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
+    .union(wgpu::Features::SHADER_INT64)
+    .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX)
+    .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+/// Storage buffers that the largest stage binds.
+const NUM_STORAGE_BUFFERS: u32 = 12;
 
-/// The features to open an adapter with, or what it lacks.
+/// What a GPU's atomics can do, from the least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Atomics {
+    /// 32-bit minimum and addition.
+    Int32,
+    /// 64-bit minimum besides.
+    Int64Minmax,
+    /// 64-bit addition besides.
+    Int64,
+}
+
+impl Atomics {
+    fn of(features: wgpu::Features) -> Self {
+        let minmax = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
+        if !features.contains(minmax) {
+            Self::Int32
+        } else if features.contains(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS) {
+            Self::Int64
+        } else {
+            Self::Int64Minmax
+        }
+    }
+}
+
+/// The features to open an adapter with.
 ///
 /// # Errors
-/// [`GpuError::Lacking`] if the adapter has no 64-bit atomic minimum.
-pub fn required_features(name: &str, offered: wgpu::Features) -> Result<wgpu::Features, GpuError> {
-    if offered.contains(NEEDED) {
-        return Ok(NEEDED | (WANTED & offered));
+/// [`GpuError::Lacking`] if the adapter cannot run the frame.
+pub fn required_features(
+    name: &str,
+    offered: wgpu::Features,
+    limits: &wgpu::Limits,
+) -> Result<wgpu::Features, GpuError> {
+    let num_buffers = limits.max_storage_buffers_per_shader_stage;
+    if num_buffers < NUM_STORAGE_BUFFERS {
+        let missing = format!("{NUM_STORAGE_BUFFERS} storage buffers a shader: it has {num_buffers}");
+        return Err(GpuError::Lacking { name: name.to_string(), missing });
     }
-    let missing = "64-bit integers and their atomic minimum in shaders (VK_KHR_shader_atomic_int64)";
-    Err(GpuError::Lacking { name: name.to_string(), missing: missing.to_string() })
+    Ok(WANTED & offered)
 }
 
 /// Nothing between us and the driver, unless `WGPU_VALIDATION=1` asks for the validation layer.
@@ -61,6 +92,12 @@ pub(crate) fn instance_flags() -> wgpu::InstanceFlags {
 }
 
 impl Gpu {
+    /// What its atomics can do.
+    #[must_use]
+    pub fn atomics(&self) -> Atomics {
+        Atomics::of(self.device.features())
+    }
+
     /// Opens a Vulkan GPU: the one whose name contains `wanted` (any case), else the fastest kind there is.
     ///
     /// # Errors
@@ -90,7 +127,7 @@ impl Gpu {
         let name = adapter.get_info().name;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("scanwalk"),
-            required_features: required_features(&name, adapter.features())?,
+            required_features: required_features(&name, adapter.features(), &adapter.limits())?,
             required_limits: adapter.limits(),
             ..Default::default()
         };

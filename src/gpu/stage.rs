@@ -3,6 +3,9 @@
 use super::Gpu;
 use wgpu::naga;
 
+/// Workgroups of a dispatch along one dimension: Vulkan promises as many.
+const MAX_ROW: u32 = 65_535;
+
 /// A compiled compute stage.
 #[derive(Debug)]
 pub struct Stage {
@@ -78,11 +81,13 @@ impl Stage {
         self.bindings.bind(&gpu.device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
     }
 
-    /// Records a dispatch of `num_groups` workgroups.
+    /// Records a dispatch of `num_groups` workgroups; in several rows, and up to a row more than asked for, where
+    /// they are more than every GPU takes in one.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: u32) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(num_groups, 1, 1);
+        let num_rows = num_groups.div_ceil(MAX_ROW).max(1);
+        pass.dispatch_workgroups(num_groups.div_ceil(num_rows), num_rows, 1);
     }
 
     /// Records a dispatch whose workgroup counts lie in `arguments` at `offset` bytes.

@@ -2,10 +2,12 @@
 //! several on a software driver.
 
 use crate::cloud::Cloud;
+use crate::cloud::octree::Octree;
 use crate::gpu::Gpu;
-use crate::layout::{BATCH_POINTS, Batch, ChunkUniform, VisibleBatch};
+use crate::layout::{BATCH_POINTS, Batch, ChunkUniform, Node, VisibleBatch};
 use crate::progress::Progress;
 use crate::space::Split;
+use std::ops::Range;
 
 /// Bytes handed to the queue at once. Small, so that the frame thread never waits long for the queue lock.
 const PIECE_BYTES: usize = 2 << 20;
@@ -42,6 +44,11 @@ pub struct CloudBuffers {
     pub num_points: u64,
     /// Bytes in all buffers.
     pub bytes: u64,
+    /// A pixel may get more points than the packed sums hold; see [`crate::layout::Sums`].
+    pub(super) is_crowded: bool,
+    pub(super) num_nodes: u32,
+    pub(super) nodes: wgpu::Buffer,
+    pub(super) states: wgpu::Buffer,
     pub(super) chunks: Vec<Chunk>,
 }
 
@@ -55,11 +62,13 @@ pub(super) struct Chunk {
     pub(super) visible: wgpu::Buffer,
     pub(super) planes: [wgpu::Buffer; 3],
     pub(super) colors: wgpu::Buffer,
+    /// In a flat cloud the same buffer as `colors`.
+    pub(super) filtered_colors: wgpu::Buffer,
 }
 
 impl CloudBuffers {
-    /// Sends a cloud to the GPU; `chunk_limit` caps the bytes of a plane in one chunk (0: what the GPU allows).
-    /// Meant for a thread of its own: it shares the queue with the frame thread piece by piece.
+    /// Sends a flat cloud to the GPU; `chunk_limit` caps the bytes of a plane in one chunk (0: what the GPU
+    /// allows). Meant for a thread of its own: it shares the queue with the frame thread piece by piece.
     ///
     /// # Errors
     /// See [`UploadError`].
@@ -69,18 +78,24 @@ impl CloudBuffers {
         chunk_limit: u64,
         progress: &Progress,
     ) -> Result<Self, UploadError> {
-        let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
-        let max_batches = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
-        let mut uploader = Uploader { gpu, progress, pending: 0, bytes: 0 };
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let chunks: Result<Vec<Chunk>, UploadError> =
-            chunk_ranges(cloud, limit, max_batches).into_iter().map(|r| uploader.chunk(cloud, r)).collect();
-        // Vulkan reports at once: the scope's future is ready.
-        if let Some(source) = crate::gpu::block_on(scope.pop()) {
-            return Err(UploadError::OutOfMemory { points: cloud.num_points, bytes: uploader.bytes, source });
-        }
-        let chunks = chunks?;
-        Ok(Self { split: cloud.split, num_points: cloud.num_points, bytes: uploader.bytes, chunks })
+        let mut upload = CloudUpload::flat(gpu, cloud, chunk_limit, progress)?;
+        upload.write(cloud, None, 0..cloud.planes[0].len())?;
+        Ok(upload.finish())
+    }
+
+    /// Sends a layered cloud to the GPU, all at once; see [`Self::upload`].
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn upload_layered(
+        gpu: &Gpu,
+        octree: &Octree,
+        chunk_limit: u64,
+        progress: &Progress,
+    ) -> Result<Self, UploadError> {
+        let mut upload = CloudUpload::layered(gpu, octree, chunk_limit, progress)?;
+        upload.write_nodes(octree, 0..octree.nodes.len())?;
+        Ok(upload.finish())
     }
 
     /// How many chunks the points fill; 1 on an ordinary GPU.
@@ -90,8 +105,176 @@ impl CloudBuffers {
     }
 }
 
+/// A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come.
+#[derive(Debug)]
+pub struct CloudUpload<'a> {
+    gpu: &'a Gpu,
+    progress: &'a Progress,
+    cloud: CloudBuffers,
+    /// Bytes since the GPU was last waited for.
+    pending: usize,
+}
+
+impl<'a> CloudUpload<'a> {
+    /// Takes room for a flat cloud.
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn flat(
+        gpu: &'a Gpu,
+        cloud: &Cloud,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        Self::begin(gpu, cloud, &[Node::FLAT], &vec![0; cloud.batches.len()], false, chunk_limit, progress)
+    }
+
+    /// Takes room for a layered cloud, whose nodes and batches stand; its points may follow.
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn layered(
+        gpu: &'a Gpu,
+        octree: &Octree,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        let nodes: Vec<Node> = (0..octree.nodes.len()).map(|number| Node::new(octree, number)).collect();
+        let mut node_of = vec![0; octree.cloud.batches.len()];
+        for (number, node) in octree.nodes.iter().enumerate() {
+            node_of[node.batches.start as usize..node.batches.end as usize].fill(number as u32);
+        }
+        let mut upload = Self::begin(gpu, &octree.cloud, &nodes, &node_of, true, chunk_limit, progress)?;
+        upload.cloud.is_crowded = octree.is_crowded();
+        Ok(upload)
+    }
+
+    fn begin(
+        gpu: &'a Gpu,
+        cloud: &Cloud,
+        nodes: &[Node],
+        node_of: &[u32],
+        is_layered: bool,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
+        let max_batches = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let mut room = Room { gpu, bytes: 0 };
+        let storage = wgpu::BufferUsages::STORAGE;
+        let nodes_buffer = room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
+        let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
+        let ranges = chunk_ranges(cloud, limit, max_batches);
+        let chunks: Vec<Chunk> = ranges.iter().map(|r| room.chunk(cloud, r.clone(), is_layered)).collect();
+        let bytes = room.bytes;
+        // Vulkan reports at once: the scope's future is ready.
+        if let Some(source) = crate::gpu::block_on(scope.pop()) {
+            return Err(UploadError::OutOfMemory { points: cloud.num_points, bytes, source });
+        }
+        let cloud_buffers = CloudBuffers {
+            split: cloud.split,
+            num_points: cloud.num_points,
+            bytes,
+            is_crowded: true,
+            num_nodes: nodes.len() as u32,
+            nodes: nodes_buffer.clone(),
+            states,
+            chunks,
+        };
+        let mut upload = Self { gpu, progress, cloud: cloud_buffers, pending: 0 };
+        upload.send(&nodes_buffer, 0, bytemuck::cast_slice(nodes))?;
+        for (number, range) in ranges.into_iter().enumerate() {
+            let chunk = &upload.cloud.chunks[number];
+            let (first, uniform) = (chunk.uniform.first_index, chunk.uniform);
+            let (uniform_buffer, batches_buffer) = (chunk.chunk.clone(), chunk.batches.clone());
+            let batch = |i: usize| {
+                let batch = &cloud.batches[i];
+                Batch::new(&cloud.split, batch, node_of[i], batch.first_point - first)
+            };
+            let batches: Vec<Batch> = range.map(batch).collect();
+            upload.send(&uniform_buffer, 0, bytemuck::bytes_of(&uniform))?;
+            upload.send(&batches_buffer, 0, bytemuck::cast_slice(&batches))?;
+        }
+        Ok(upload)
+    }
+
+    /// Sends the points of a run of nodes.
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn write_nodes(&mut self, octree: &Octree, nodes: Range<usize>) -> Result<(), UploadError> {
+        let start = |number: usize| {
+            octree.nodes.get(number).map_or(octree.cloud.planes[0].len(), |n| n.first_point as usize)
+        };
+        let words = start(nodes.start)..start(nodes.end);
+        self.write(&octree.cloud, Some(&octree.filtered_colors), words)
+    }
+
+    /// Sends a range of the planes, and of the filtered colours of a layered cloud.
+    fn write(
+        &mut self,
+        cloud: &Cloud,
+        filtered_colors: Option<&[u32]>,
+        words: Range<usize>,
+    ) -> Result<(), UploadError> {
+        for number in 0..self.cloud.chunks.len() {
+            let chunk = &self.cloud.chunks[number];
+            let first = chunk.uniform.first_index as usize;
+            let part = words.start.max(first)..words.end.min(first + chunk.uniform.num_points as usize);
+            if part.is_empty() {
+                continue;
+            }
+            let [hi, mid, lo] = chunk.planes.clone();
+            let columns = [
+                (hi, Some(&cloud.planes[0][..])),
+                (mid, Some(&cloud.planes[1][..])),
+                (lo, Some(&cloud.planes[2][..])),
+                (chunk.colors.clone(), Some(&cloud.colors[..])),
+                (chunk.filtered_colors.clone(), filtered_colors),
+            ];
+            for (buffer, column) in columns.iter().filter_map(|(b, c)| Some((b, (*c)?))) {
+                self.send(
+                    buffer,
+                    4 * (part.start - first) as u64,
+                    bytemuck::cast_slice(&column[part.clone()]),
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The cloud, to be shown.
+    #[must_use]
+    pub fn finish(self) -> CloudBuffers {
+        self.cloud
+    }
+
+    /// Writes bytes piece by piece, waiting for the GPU now and then.
+    fn send(&mut self, buffer: &wgpu::Buffer, offset: u64, contents: &[u8]) -> Result<(), UploadError> {
+        for (number, piece) in contents.chunks(PIECE_BYTES).enumerate() {
+            if self.progress.stopped() {
+                return Err(UploadError::Stopped);
+            }
+            let submission = {
+                let queue = self.gpu.queue.lock();
+                queue.write_buffer(buffer, offset + (number * PIECE_BYTES) as u64, piece);
+                queue.submit([])
+            };
+            self.pending += piece.len();
+            if self.pending > PENDING_BYTES {
+                let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
+                self.gpu.device.poll(wait)?;
+                self.pending = 0;
+            }
+            self.progress.add(piece.len() as u64);
+        }
+        Ok(())
+    }
+}
+
 /// Consecutive batches whose planes fit `limit` bytes and one dispatch.
-fn chunk_ranges(cloud: &Cloud, limit: u64, max_batches: usize) -> Vec<std::ops::Range<usize>> {
+fn chunk_ranges(cloud: &Cloud, limit: u64, max_batches: usize) -> Vec<Range<usize>> {
     // At least one batch fits: no adapter binds less than 128 MiB, and a lower wish is raised to a batch.
     let max_points = (limit / 4).max(u64::from(BATCH_POINTS));
     let end =
@@ -109,74 +292,43 @@ fn chunk_ranges(cloud: &Cloud, limit: u64, max_batches: usize) -> Vec<std::ops::
     ranges
 }
 
-struct Uploader<'a> {
+/// Makes buffers and counts their bytes.
+struct Room<'a> {
     gpu: &'a Gpu,
-    progress: &'a Progress,
-    pending: usize,
     bytes: u64,
 }
 
-impl Uploader<'_> {
-    fn chunk(&mut self, cloud: &Cloud, range: std::ops::Range<usize>) -> Result<Chunk, UploadError> {
-        let batches = &cloud.batches[range.clone()];
-        let first = batches[0].first_point as usize;
+impl Room<'_> {
+    fn take(&mut self, label: &'static str, usage: wgpu::BufferUsages, size: usize) -> wgpu::Buffer {
+        self.bytes += size as u64;
+        self.gpu.buffer(label, size as u64, usage)
+    }
+
+    fn chunk(&mut self, cloud: &Cloud, range: Range<usize>, is_layered: bool) -> Chunk {
+        let first = cloud.batches[range.start].first_point as usize;
         let end = cloud.batches.get(range.end).map_or(cloud.planes[0].len(), |b| b.first_point as usize);
-        let gpu_batches: Vec<Batch> = batches
-            .iter()
-            .map(|b| Batch::new(&cloud.split, b.min, b.cell, b.first_point - first as u32, b.num_points))
-            .collect();
         let uniform =
             ChunkUniform { first_index: first as u32, num_points: (end - first) as u32, reserved: [0; 2] };
         let storage = wgpu::BufferUsages::STORAGE;
-        let visible_bytes = size_of_val(batches) / size_of_val(&batches[0]) * size_of::<VisibleBatch>();
-        Ok(Chunk {
+        let written = storage | wgpu::BufferUsages::COPY_DST;
+        let uniform_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let mut words = |label| self.take(label, written, 4 * (end - first));
+        let planes = [words("plane_hi"), words("plane_mid"), words("plane_lo")];
+        let colors = words("colors");
+        let filtered_colors = if is_layered { words("filtered_colors") } else { colors.clone() };
+        Chunk {
             uniform,
-            num_batches: batches.len() as u32,
-            chunk: self.buffer("chunk", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&uniform))?,
-            batches: self.buffer("batches", storage, bytemuck::cast_slice(&gpu_batches))?,
-            visible: self.empty("visible", storage | wgpu::BufferUsages::COPY_SRC, visible_bytes as u64),
-            planes: [
-                self.words("plane_hi", &cloud.planes[0][first..end])?,
-                self.words("plane_mid", &cloud.planes[1][first..end])?,
-                self.words("plane_lo", &cloud.planes[2][first..end])?,
-            ],
-            colors: self.words("colors", &cloud.colors[first..end])?,
-        })
-    }
-
-    fn words(&mut self, label: &'static str, words: &[u32]) -> Result<wgpu::Buffer, UploadError> {
-        self.buffer(label, wgpu::BufferUsages::STORAGE, bytemuck::cast_slice(words))
-    }
-
-    fn empty(&mut self, label: &'static str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
-        self.bytes += size;
-        self.gpu.buffer(label, size, usage)
-    }
-
-    fn buffer(
-        &mut self,
-        label: &'static str,
-        usage: wgpu::BufferUsages,
-        contents: &[u8],
-    ) -> Result<wgpu::Buffer, UploadError> {
-        let buffer = self.empty(label, usage | wgpu::BufferUsages::COPY_DST, contents.len() as u64);
-        for (number, piece) in contents.chunks(PIECE_BYTES).enumerate() {
-            if self.progress.stopped() {
-                return Err(UploadError::Stopped);
-            }
-            let submission = {
-                let queue = self.gpu.queue.lock();
-                queue.write_buffer(&buffer, (number * PIECE_BYTES) as u64, piece);
-                queue.submit([])
-            };
-            self.pending += piece.len();
-            if self.pending > PENDING_BYTES {
-                let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
-                self.gpu.device.poll(wait)?;
-                self.pending = 0;
-            }
-            self.progress.add(piece.len() as u64);
+            num_batches: range.len() as u32,
+            chunk: self.take("chunk", uniform_usage, size_of::<ChunkUniform>()),
+            batches: self.take("batches", written, range.len() * size_of::<Batch>()),
+            visible: self.take(
+                "visible",
+                storage | wgpu::BufferUsages::COPY_SRC,
+                range.len() * size_of::<VisibleBatch>(),
+            ),
+            planes,
+            colors,
+            filtered_colors,
         }
-        Ok(buffer)
     }
 }

@@ -1,22 +1,26 @@
 //! The frame as a contents list, and what it needs from one frame to the next.
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
-use super::shaders;
+use super::groups::{self, Groups, Parts};
+use super::pipelines::{For, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
-use crate::gpu::stage::{Bindings, Stage, shader_module};
+use crate::config::Quality;
+use crate::gpu::stage::Stage;
 use crate::gpu::timer::Timer;
-use crate::gpu::{Gpu, QueueGuard};
-use crate::layout::{COUNTERS_STRIDE, CullCounters, Detail, ResolveUniform, ViewUniform, WORKGROUP_SIZE};
+use crate::gpu::{Atomics, Gpu, QueueGuard};
+use crate::layout::{COUNTERS_STRIDE, CullCounters, Detail, Sums, ViewUniform, WORKGROUP_SIZE};
+use crate::look::Look;
 use crate::space::{Split, View};
 use crate::timing::{STAGES, StageMs};
 use std::sync::Arc;
-use wgpu::util::DeviceExt;
 
 /// Where each stage's times stand in [`STAGES`].
 const CLEAR: usize = 0;
-const CULL: usize = 1;
-const DEPTH: usize = 2;
-const RESOLVE: usize = 3;
+const LOD: usize = 1;
+const CULL: usize = 2;
+const DEPTH: usize = 3;
+const COLOR: usize = 4;
+const RESOLVE: usize = 5;
 
 /// What the GPU tells of a frame, some frames late.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,85 +37,104 @@ pub struct FrameTimes {
     pub points_read: u64,
 }
 
-/// Draws frames of one or two eyes. Create once, give it a cloud and sizes, then for every frame:
-/// [`Renderer::record`], [`Renderer::set_view`] as late as possible, submit, [`Renderer::submitted`].
+/// What a renderer draws to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setup {
+    /// Width, height of each eye's image; one or two.
+    pub sizes_px: Vec<[u32; 2]>,
+    /// Format of the images, sRGB.
+    pub color_format: wgpu::TextureFormat,
+    /// Format of the depth images, if there are any.
+    pub depth_format: Option<wgpu::TextureFormat>,
+    /// The tier; see [`super::tier`].
+    pub atomics: Atomics,
+}
+
+/// An eye's image to draw to.
+#[derive(Clone, Copy, Debug)]
+pub struct EyeImage<'a> {
+    /// Where the colours go.
+    pub color: &'a wgpu::TextureView,
+    /// Where near / depth goes; given if [`Setup::depth_format`] is.
+    pub depth: Option<&'a wgpu::TextureView>,
+}
+
+/// Draws frames of one or two eyes. Create once, give it a cloud, then for every frame: [`Renderer::record`],
+/// [`Renderer::set_view`] as late as possible, submit, [`Renderer::submitted`].
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Arc<Gpu>,
-    num_eyes: u32,
-    clear: Stage,
-    cull: Stage,
-    depth: Stage,
-    resolve: wgpu::RenderPipeline,
-    resolve_bindings: Bindings,
+    setup: Setup,
+    look: Look,
+    /// Factor on the thresholds of level of detail.
+    lod_scale: f32,
+    /// Depth images hold this / w.
+    near: f32,
+    pipelines: Pipelines,
     view: wgpu::Buffer,
     cloud: Option<CloudBuffers>,
     counters: wgpu::Buffer,
     targets: Targets,
+    hidden: Vec<Vec<u32>>,
     groups: Groups,
     timer: Timer,
-    forced_planes: u32,
-    background: wgpu::Color,
-}
-
-/// Bind groups: of the cloud's chunks and the targets at hand.
-#[derive(Debug)]
-struct Groups {
-    clear: wgpu::BindGroup,
-    /// One a chunk.
-    cull: Vec<wgpu::BindGroup>,
-    depth: Vec<wgpu::BindGroup>,
-    /// Of each eye, one a chunk.
-    resolve: Vec<Vec<wgpu::BindGroup>>,
 }
 
 impl Renderer {
-    /// A renderer without a cloud, for `sizes_px.len()` eyes (one or two) and images of `format` (sRGB).
+    /// A renderer without a cloud.
     ///
     /// # Errors
     /// If the sizes do not fit the device.
-    pub fn new(
-        gpu: &Arc<Gpu>,
-        sizes_px: &[[u32; 2]],
-        format: wgpu::TextureFormat,
-    ) -> Result<Self, TargetTooLarge> {
-        let num_eyes = sizes_px.len() as u32;
-        let stage = |name| Stage::new(gpu, name, &shaders::source(name, num_eyes));
-        let (clear, cull, depth) = (stage(STAGES[CLEAR]), stage(STAGES[CULL]), stage(STAGES[DEPTH]));
-        let (resolve, resolve_bindings) = resolve_pipeline(gpu, num_eyes, format);
+    pub fn new(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
+        let pipelines = Pipelines::new(gpu, what(&setup, &look));
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
-        let targets = Targets::new(gpu, sizes_px)?;
+        let has_wide = needs_wide(&pipelines, None, look.quality);
+        let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
         let counters = counters_buffer(gpu, 1);
-        let clear_group = clear.bind(gpu, &clear_resources(&targets, &counters));
-        let groups =
-            Groups { clear: clear_group, cull: vec![], depth: vec![], resolve: vec![vec![]; sizes_px.len()] };
+        let near = 1.0;
+        let parts = Parts {
+            gpu,
+            pipelines: &pipelines,
+            targets: &targets,
+            cloud: None,
+            view: &view,
+            counters: &counters,
+            quality: look.quality,
+            background: look.background_word(),
+            near,
+            hidden: &[],
+        };
+        let groups = parts.groups();
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
         Ok(Self {
             gpu: Arc::clone(gpu),
-            num_eyes,
-            clear,
-            cull,
-            depth,
-            resolve,
-            resolve_bindings,
+            setup,
+            look,
+            lod_scale: 1.0,
+            near,
+            pipelines,
             view,
             cloud: None,
             counters,
             targets,
+            hidden: vec![],
             groups,
             timer,
-            forced_planes: 0,
-            background: wgpu::Color::BLACK,
         })
     }
 
-    /// Shows this cloud from the next frame on; the one before is freed when the GPU is done with it.
-    pub fn set_cloud(&mut self, cloud: CloudBuffers) {
+    /// Shows this cloud from the next frame on, and gives back the one before: dropping it may take a while.
+    ///
+    /// # Errors
+    /// If what the cloud's sums need does not fit the device; then nothing has changed.
+    pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
         self.counters = counters_buffer(&self.gpu, cloud.chunks.len().max(1) as u64);
         self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
-        self.cloud = Some(cloud);
+        let before = self.cloud.replace(cloud);
         self.rebind();
+        Ok(before)
     }
 
     /// New image sizes, one an eye.
@@ -119,22 +142,73 @@ impl Renderer {
     /// # Errors
     /// If they do not fit the device.
     pub fn resize(&mut self, sizes_px: &[[u32; 2]]) -> Result<(), TargetTooLarge> {
-        if self.targets.sizes_px != sizes_px {
-            self.targets = Targets::new(&self.gpu, sizes_px)?;
+        if self.setup.sizes_px != sizes_px {
+            self.targets = Targets::new(&self.gpu, sizes_px, self.targets.has_wide())?;
+            self.setup.sizes_px = sizes_px.to_vec();
+            self.hidden.clear();
             self.rebind();
         }
         Ok(())
     }
 
-    /// Reads all 30 coordinate bits always (true) or as many as the projected size asks for.
-    pub fn set_full_precision(&mut self, full: bool) {
-        self.forced_planes = if full { 3 } else { 0 };
+    /// Draws only this much of each image, from its top left corner on: no larger than the image. The views'
+    /// eyes must have these sizes.
+    pub fn set_drawn(&mut self, drawn_px: &[[u32; 2]]) {
+        if self.targets.drawn_px != drawn_px {
+            self.targets.drawn_px = drawn_px.to_vec();
+            self.hidden.clear();
+            self.rebind();
+        }
     }
 
-    /// Colour where no point is, as stored in the image.
-    pub fn set_background(&mut self, rgb: [u8; 3]) {
-        let [r, g, b] = rgb.map(linear_from_srgb);
-        self.background = wgpu::Color { r, g, b, a: 1.0 };
+    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, rows of whole words.
+    pub fn set_hidden(&mut self, hidden: Vec<Vec<u32>>) {
+        self.hidden = hidden;
+        self.rebind();
+    }
+
+    /// How frames look from the next one on. A change of [`Detail::fill_reach_px`] from or to `None` compiles
+    /// pipelines; all else is quick.
+    ///
+    /// # Errors
+    /// If what the quality needs does not fit the device; then nothing has changed.
+    pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
+        if what(&self.setup, &look) != what(&self.setup, &self.look) {
+            self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look));
+        }
+        self.look = look;
+        self.rebind();
+        Ok(())
+    }
+
+    /// What a pixel shows from the next frame on.
+    ///
+    /// # Errors
+    /// See [`Self::set_look`].
+    pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
+        if quality == self.look.quality { Ok(()) } else { self.set_look(Look { quality, ..self.look }) }
+    }
+
+    /// Makes room for four-word sums where there is none.
+    fn fit_targets(&mut self, needs_wide: bool) -> Result<(), TargetTooLarge> {
+        if needs_wide && !self.targets.has_wide() {
+            let targets = Targets::new(&self.gpu, &self.setup.sizes_px, true)?;
+            let drawn_px = std::mem::take(&mut self.targets.drawn_px);
+            self.targets = Targets { drawn_px, ..targets };
+        }
+        Ok(())
+    }
+
+    /// How frames look.
+    #[must_use]
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Factor on the thresholds of level of detail, 1 or more.
+    pub fn set_lod_scale(&mut self, scale: f32) {
+        self.lod_scale = scale;
     }
 
     /// Points and bytes on the GPU.
@@ -155,27 +229,36 @@ impl Renderer {
         &self.targets
     }
 
-    /// Visible lists of each chunk and the counters, for tests.
+    /// An eye's finished pixels, (depth, color), for pictures.
     #[must_use]
-    pub fn cull_results(&self) -> (Vec<&wgpu::Buffer>, &wgpu::Buffer) {
-        let chunks = self.cloud.iter().flat_map(|c| &c.chunks);
-        (chunks.map(|c| &c.visible).collect(), &self.counters)
+    pub fn pixels(&self, eye: usize) -> &wgpu::Buffer {
+        &self.targets.surface[eye]
+    }
+
+    /// Visible lists of each chunk, the counters and the nodes' states, for tests.
+    #[must_use]
+    pub fn cull_results(&self) -> (Vec<&wgpu::Buffer>, &wgpu::Buffer, Option<&wgpu::Buffer>) {
+        let visible = self.chunks().iter().map(|c| &c.visible).collect();
+        (visible, &self.counters, self.cloud.as_ref().map(|c| &c.states))
     }
 
     /// Records frame number `frame` into `images`, one an eye. Poses are not needed yet: see [`Self::set_view`].
-    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[&wgpu::TextureView]) {
+    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[EyeImage]) {
         self.timer.begin(encoder, frame);
         self.record_clear(encoder);
+        self.record_lod(encoder);
         self.record_cull(encoder);
         self.record_depth(encoder);
+        self.record_color(encoder);
         self.record_resolve(encoder, images);
         self.timer.end(encoder, &self.counters);
     }
 
     /// Sets the eyes of the frame that is submitted next through the same guard.
-    pub fn set_view(&self, queue: &QueueGuard, view: &View) {
+    pub fn set_view(&mut self, queue: &QueueGuard, view: &View) {
         if let Some(cloud) = &self.cloud {
-            let detail = Detail { forced_planes: self.forced_planes, ..Detail::default() };
+            let threshold_px = self.look.detail.threshold_px.map(|px| px * self.lod_scale);
+            let detail = Detail { threshold_px, ..self.look.detail };
             let uniform = ViewUniform::new(view, &cloud.split, &detail);
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         }
@@ -209,48 +292,102 @@ impl Renderer {
 
     fn record_clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = self.compute_pass(encoder, CLEAR);
-        let sixteen_bytes = self.targets.depth.iter().map(|b| b.size() / 16).max().unwrap_or(0);
         let limit = self.gpu.device.limits().max_compute_workgroups_per_dimension;
-        let num_groups = sixteen_bytes.div_ceil(u64::from(WORKGROUP_SIZE)).min(u64::from(limit));
-        self.clear.dispatch(&mut pass, &self.groups.clear, num_groups as u32);
+        for (group, num_words) in &self.groups.clear {
+            let num_groups = num_words.div_ceil(WORKGROUP_SIZE).min(limit);
+            self.pipelines.clear.dispatch(&mut pass, group, num_groups);
+        }
+    }
+
+    fn record_lod(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = self.compute_pass(encoder, LOD);
+        if let (Some(cloud), Some(group)) = (&self.cloud, &self.groups.lod) {
+            self.pipelines.lod.dispatch(&mut pass, group, cloud.num_nodes.div_ceil(WORKGROUP_SIZE));
+        }
     }
 
     fn record_cull(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = self.compute_pass(encoder, CULL);
         for (chunk, group) in self.chunks().iter().zip(&self.groups.cull) {
-            self.cull.dispatch(&mut pass, group, chunk.num_batches.div_ceil(WORKGROUP_SIZE));
+            self.pipelines.cull.dispatch(&mut pass, group, chunk.num_batches.div_ceil(WORKGROUP_SIZE));
         }
     }
 
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = self.compute_pass(encoder, DEPTH);
-        for (number, group) in self.groups.depth.iter().enumerate() {
-            let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
-            self.depth.dispatch_indirect(&mut pass, group, &self.counters, arguments);
+        let depth = match self.look.quality {
+            Quality::Closest => &self.pipelines.closest.depth,
+            Quality::Hqs => &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth,
+        };
+        self.dispatch_visible(&mut pass, depth, &self.groups.depth);
+        if let Some(ids) = &self.pipelines.closest.ids {
+            self.dispatch_visible(&mut pass, ids, &self.groups.ids);
         }
     }
 
-    fn record_resolve(&self, encoder: &mut wgpu::CommandEncoder, images: &[&wgpu::TextureView]) {
-        for (eye, image) in images.iter().enumerate() {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(STAGES[RESOLVE]),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: image,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(self.background),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                timestamp_writes: self.timer.render(RESOLVE, eye == 0, eye + 1 == images.len()),
-                ..Default::default()
+    fn record_color(&self, encoder: &mut wgpu::CommandEncoder) {
+        // wgpu puts a barrier between passes that write and read the same buffer.
+        let mut pass = self.compute_pass(encoder, COLOR);
+        let color = &groups::hqs(&self.pipelines, self.cloud.as_ref()).color;
+        self.dispatch_visible(&mut pass, color, &self.groups.color);
+    }
+
+    /// One dispatch a chunk, a workgroup a visible batch.
+    fn dispatch_visible(&self, pass: &mut wgpu::ComputePass, stage: &Stage, groups: &[wgpu::BindGroup]) {
+        for (number, group) in groups.iter().enumerate() {
+            let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
+            stage.dispatch_indirect(pass, group, &self.counters, arguments);
+        }
+    }
+
+    fn record_resolve(&self, encoder: &mut wgpu::CommandEncoder, images: &[EyeImage]) {
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("surface"),
+                timestamp_writes: self.timer.compute(RESOLVE, true, false),
             });
-            pass.set_pipeline(&self.resolve);
-            for group in &self.groups.resolve[eye] {
-                pass.set_bind_group(0, group, &[]);
-                pass.draw(0..3, 0..1);
+            let surface = match self.look.quality {
+                Quality::Closest => &self.pipelines.closest.shade,
+                Quality::Hqs => &groups::hqs(&self.pipelines, self.cloud.as_ref()).blend,
+            };
+            for eye in &self.groups.eyes {
+                for group in &eye.surface {
+                    surface.dispatch(&mut pass, group, eye.num_tiles);
+                }
             }
+        }
+        for (eye, image) in images.iter().enumerate() {
+            self.record_image(encoder, eye, image, eye + 1 == images.len());
+        }
+    }
+
+    fn record_image(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage, is_last: bool) {
+        let [r, g, b] = self.look.background.map(linear_from_srgb);
+        let store = wgpu::StoreOp::Store;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(STAGES[RESOLVE]),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: image.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }), store },
+            })],
+            depth_stencil_attachment: image.depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: self.timer.render(RESOLVE, false, is_last),
+            ..Default::default()
+        });
+        // Before there is a cloud, the background is all there is to see.
+        if self.cloud.is_some() {
+            let [width, height] = self.targets.drawn_px[eye];
+            pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+            pass.set_scissor_rect(0, 0, width, height);
+            pass.set_pipeline(&self.pipelines.image.pipeline);
+            pass.set_bind_group(0, &self.groups.eyes[eye].image, &[]);
+            pass.draw(0..3, 0..1);
         }
     }
 
@@ -261,115 +398,42 @@ impl Renderer {
         })
     }
 
-    /// Makes every bind group anew; after a change of cloud or sizes.
+    /// Makes every bind group anew; after a change of cloud, sizes or look.
     fn rebind(&mut self) {
-        let gpu = &self.gpu;
-        let clear = self.clear.bind(gpu, &clear_resources(&self.targets, &self.counters));
-        let (mut cull, mut depth, mut resolve) = (vec![], vec![], vec![vec![]; self.num_eyes as usize]);
-        for (number, chunk) in self.chunks().iter().enumerate() {
-            let resources = self.resources(number as u64, chunk);
-            cull.push(self.cull.bind(gpu, &resources));
-            depth.push(self.depth.bind(gpu, &resources));
-            for (eye, groups) in resolve.iter_mut().enumerate() {
-                groups.push(self.bind_resolve(eye, chunk));
-            }
-        }
-        self.groups = Groups { clear, cull, depth, resolve };
-    }
-
-    /// Everything that `cull` and `depth` may bind, by the shaders' names.
-    fn resources<'a>(
-        &'a self,
-        number: u64,
-        chunk: &'a Chunk,
-    ) -> [(&'static str, wgpu::BindingResource<'a>); 10] {
-        let counters = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &self.counters,
-            offset: number * u64::from(COUNTERS_STRIDE),
-            size: std::num::NonZeroU64::new(size_of::<CullCounters>() as u64),
-        });
-        [
-            ("view", self.view.as_entire_binding()),
-            ("chunk", chunk.chunk.as_entire_binding()),
-            ("batches", chunk.batches.as_entire_binding()),
-            ("visible", chunk.visible.as_entire_binding()),
-            ("counters", counters),
-            ("plane_hi", chunk.planes[0].as_entire_binding()),
-            ("plane_mid", chunk.planes[1].as_entire_binding()),
-            ("plane_lo", chunk.planes[2].as_entire_binding()),
-            ("depth_left", self.targets.depth[0].as_entire_binding()),
-            ("depth_right", self.targets.depth[1].as_entire_binding()),
-        ]
-    }
-
-    fn bind_resolve(&self, eye: usize, chunk: &Chunk) -> wgpu::BindGroup {
-        let uniform = ResolveUniform {
-            width: self.targets.sizes_px[eye][0],
-            first_index: chunk.uniform.first_index,
-            num_points: chunk.uniform.num_points,
-            reserved: 0,
+        let parts = Parts {
+            gpu: &self.gpu,
+            pipelines: &self.pipelines,
+            targets: &self.targets,
+            cloud: self.cloud.as_ref(),
+            view: &self.view,
+            counters: &self.counters,
+            quality: self.look.quality,
+            background: self.look.background_word(),
+            near: self.near,
+            hidden: &self.hidden,
         };
-        let uniform = self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("resolve"),
-            contents: bytemuck::bytes_of(&uniform),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
-        let resources = [
-            ("resolve", uniform.as_entire_binding()),
-            ("depth", self.targets.depth[eye].as_entire_binding()),
-            ("colors", chunk.colors.as_entire_binding()),
-        ];
-        let layout = self.resolve.get_bind_group_layout(0);
-        self.resolve_bindings.bind(&self.gpu.device, STAGES[RESOLVE], &layout, &resources)
+        self.groups = parts.groups();
     }
 }
 
-fn clear_resources<'a>(
-    targets: &'a Targets,
-    counters: &'a wgpu::Buffer,
-) -> [(&'static str, wgpu::BindingResource<'a>); 3] {
-    [
-        ("depth_left", targets.depth[0].as_entire_binding()),
-        ("depth_right", targets.depth[1].as_entire_binding()),
-        ("counters", counters.as_entire_binding()),
-    ]
+fn what(setup: &Setup, look: &Look) -> For {
+    For {
+        num_eyes: setup.sizes_px.len() as u32,
+        fill: look.detail.fill_reach_px.is_some(),
+        atomics: setup.atomics,
+        color_format: setup.color_format,
+        depth_format: setup.depth_format,
+    }
+}
+
+/// True if a frame of this cloud and quality adds up in four u32.
+fn needs_wide(pipelines: &Pipelines, cloud: Option<&CloudBuffers>, quality: Quality) -> bool {
+    quality == Quality::Hqs && groups::hqs(pipelines, cloud).sums != Sums::Packed
 }
 
 fn counters_buffer(gpu: &Gpu, num_chunks: u64) -> wgpu::Buffer {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
     gpu.buffer("counters", num_chunks * u64::from(COUNTERS_STRIDE), usage)
-}
-
-fn resolve_pipeline(
-    gpu: &Gpu,
-    num_eyes: u32,
-    format: wgpu::TextureFormat,
-) -> (wgpu::RenderPipeline, Bindings) {
-    let name = STAGES[RESOLVE];
-    let wgsl = shaders::source(name, num_eyes);
-    let module = shader_module(&gpu.device, name, &wgsl);
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(name),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
-        }),
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        multiview_mask: None,
-        cache: None,
-    });
-    (pipeline, Bindings::of(name, &wgsl))
 }
 
 /// The value that an sRGB image encodes back to `c`.

@@ -3,9 +3,13 @@
 
 mod cloud_buffers;
 mod frame;
+mod groups;
+mod pipelines;
 pub mod shaders;
 mod targets;
+mod tier;
 
-pub use cloud_buffers::{CloudBuffers, UploadError};
-pub use frame::{FrameTimes, Renderer};
-pub use targets::Targets;
+pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
+pub use frame::{EyeImage, FrameTimes, Renderer, Setup};
+pub use targets::{TargetTooLarge, Targets};
+pub use tier::{NoSuchTier, tier};

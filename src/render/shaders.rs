@@ -1,24 +1,55 @@
-//! The shaders' final texts: prelude of host constants, shared structs, the stage's own file.
+//! The shaders' final texts: prelude of host constants, shared structs, the file itself.
 
-use crate::layout;
+use crate::layout::{self, Variant};
 
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
+/// The geometry stages' loop over points.
+const POINTS: &str = include_str!("../../shaders/points.inc.wgsl");
 
-/// Every stage's shader, in the frame's order: name and text.
-pub const SHADERS: [(&str, &str); 4] = [
-    ("clear", include_str!("../../shaders/clear.wgsl")),
-    ("cull", include_str!("../../shaders/cull.wgsl")),
-    ("depth", include_str!("../../shaders/depth.wgsl")),
-    ("resolve", include_str!("../../shaders/resolve.wgsl")),
+/// A shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shader {
+    /// Its name, as the file's.
+    pub name: &'static str,
+    /// Its own text.
+    text: &'static str,
+    /// True for those that go through the points.
+    is_geometry: bool,
+}
+
+macro_rules! shader {
+    ($name:literal, $is_geometry:literal) => {
+        Shader {
+            name: $name,
+            text: include_str!(concat!("../../shaders/", $name, ".wgsl")),
+            is_geometry: $is_geometry,
+        }
+    };
+}
+
+/// Every shader of the frame, in its order.
+pub const SHADERS: [Shader; 11] = [
+    shader!("clear", false),
+    shader!("lod", false),
+    shader!("cull", false),
+    shader!("depth", true),
+    shader!("depth32", true),
+    shader!("ids", true),
+    shader!("color", true),
+    shader!("color32", true),
+    shader!("shade", false),
+    shader!("blend", false),
+    shader!("resolve", false),
 ];
 
-/// The WGSL of stage `name` for frames of `num_eyes` eyes, as the driver gets it.
+/// The WGSL of shader `name`, as the driver gets it.
 ///
 /// # Panics
-/// If there is no such stage: names are written in our own code only.
+/// If there is no such shader: names are written in our own code only.
 #[must_use]
-pub fn source(name: &str, num_eyes: u32) -> String {
-    let Some((_, text)) = SHADERS.iter().find(|(n, _)| *n == name) else { panic!("no shader called {name}") };
-    format!("{}{LAYOUT}{text}", layout::prelude(num_eyes))
+pub fn source(name: &str, variant: Variant) -> String {
+    let Some(shader) = SHADERS.iter().find(|s| s.name == name) else { panic!("no shader called {name}") };
+    let points = if shader.is_geometry { POINTS } else { "" };
+    format!("{}{LAYOUT}{points}{}", layout::prelude(variant), shader.text)
 }

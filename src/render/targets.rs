@@ -1,14 +1,23 @@
-//! What the stages draw into: per eye, a u64 a pixel (depth ≪ 32 | point index).
+//! What the stages draw into, an eye's buffers each, row by row of the image's drawn part.
 
 use crate::gpu::Gpu;
 
 /// The eyes' pixels; made anew when an eye's size changes.
 #[derive(Debug)]
 pub struct Targets {
-    /// Width, height of each eye.
+    /// Width, height of each eye's image.
     pub sizes_px: Vec<[u32; 2]>,
-    /// One buffer an eye. A one-eyed frame has a second, tiny one, since shaders bind two.
+    /// Width, height of the part that is drawn, from the top left corner.
+    pub drawn_px: Vec<[u32; 2]>,
+    /// 8 bytes a pixel: `closest`: depth ≪ 32 | id; `hqs`: sums. Once these are read, the image with its gaps
+    /// filled: (depth, color).
+    pub keys: [wgpu::Buffer; 2],
+    /// 4 bytes a pixel: the nearest depth, where it is not part of a key.
     pub depth: [wgpu::Buffer; 2],
+    /// 16 bytes a pixel: sums in four u32, where the packed ones do not do; else next to nothing.
+    pub wide: [wgpu::Buffer; 2],
+    /// 8 bytes a pixel: (depth, color) before gaps are filled.
+    pub surface: [wgpu::Buffer; 2],
 }
 
 /// Why targets could not be made.
@@ -24,28 +33,51 @@ pub struct TargetTooLarge {
 }
 
 impl Targets {
-    /// Targets for one or two eyes.
+    /// Targets for one or two eyes. A one-eyed frame has tiny ones for the other, since shaders bind two.
     ///
     /// # Errors
     /// If an eye's image does not fit the device's largest binding.
-    pub fn new(gpu: &Gpu, sizes_px: &[[u32; 2]]) -> Result<Self, TargetTooLarge> {
+    pub fn new(gpu: &Gpu, sizes_px: &[[u32; 2]], has_wide: bool) -> Result<Self, TargetTooLarge> {
         let limit = gpu.binding_limit();
+        let bytes_per_px = if has_wide { 16 } else { 8 };
         for &[width, height] in sizes_px {
-            let bytes = depth_bytes([width, height]);
+            let bytes = bytes_of([width, height], bytes_per_px);
             if bytes > limit {
                 return Err(TargetTooLarge { width, height, bytes, limit });
             }
         }
-        let depth = |eye: usize| {
-            let label = if eye == 0 { "depth_left" } else { "depth_right" };
-            let size = depth_bytes(sizes_px.get(eye).copied().unwrap_or([1, 1]));
-            gpu.buffer(label, size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
+        let pair = |labels: [&'static str; 2], bytes_per_px: u64| {
+            [0, 1].map(|eye: usize| {
+                let size_px = sizes_px.get(eye).copied().unwrap_or([1, 1]);
+                let size_px = if bytes_per_px == 0 { [1, 1] } else { size_px };
+                let size = bytes_of(size_px, bytes_per_px.max(4));
+                gpu.buffer(labels[eye], size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
+            })
         };
-        Ok(Self { sizes_px: sizes_px.to_vec(), depth: [depth(0), depth(1)] })
+        Ok(Self {
+            sizes_px: sizes_px.to_vec(),
+            drawn_px: sizes_px.to_vec(),
+            keys: pair(["keys left", "keys right"], 8),
+            depth: pair(["depth left", "depth right"], 4),
+            wide: pair(["wide left", "wide right"], if has_wide { 16 } else { 0 }),
+            surface: pair(["surface left", "surface right"], 8),
+        })
+    }
+
+    /// True if there is room for sums in four u32.
+    #[must_use]
+    pub fn has_wide(&self) -> bool {
+        self.wide[0].size() == bytes_of(self.sizes_px[0], 16)
+    }
+
+    /// 16-byte words that an eye's drawn part takes in a target of so many bytes a pixel.
+    #[must_use]
+    pub(super) fn num_words(&self, eye: usize, bytes_per_px: u64) -> u32 {
+        (bytes_of(self.drawn_px.get(eye).copied().unwrap_or([1, 1]), bytes_per_px) / 16) as u32
     }
 }
 
 /// Bytes of an eye's pixels, rounded up to the 16 that `clear` writes at once.
-fn depth_bytes([width, height]: [u32; 2]) -> u64 {
-    (u64::from(width) * u64::from(height) * 8).next_multiple_of(16)
+fn bytes_of([width, height]: [u32; 2], bytes_per_px: u64) -> u64 {
+    (u64::from(width) * u64::from(height) * bytes_per_px).next_multiple_of(16)
 }

@@ -11,7 +11,7 @@ pub use read::{FrameLogFile, LoggedFrame, ReadError, read};
 pub use report::Report;
 
 /// The stages of a frame, in order. One name everywhere: shader, host, twin, timer row, log column, test.
-pub const STAGES: [&str; 4] = ["clear", "cull", "depth", "resolve"];
+pub const STAGES: [&str; 6] = ["clear", "lod", "cull", "depth", "color", "resolve"];
 
 /// GPU milliseconds of each of [`STAGES`]; NaN where the device gave no time.
 pub type StageMs = [f32; STAGES.len()];

@@ -1,7 +1,8 @@
 //! Twin of `cull`: frustum, precision, and the head in each batch's cells.
 
 use crate::layout::{
-    Batch, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, PRECISION_THRESHOLD_PX, ViewUniform, VisibleBatch,
+    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, Node, PRECISION_THRESHOLD_PX,
+    VISIBLE_FILL, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -9,26 +10,60 @@ const HALF_CELLS: f32 = 536_870_912.0;
 /// Share of a plane's terms that rounding may cost.
 const SLACK: f32 = 1e-5;
 
-/// The visible batches, in batch order (the GPU's order is any).
+/// The visible batches, in batch order (the GPU's order is any); `states` as `lod` left them.
 #[must_use]
-pub fn cull(view: &ViewUniform, num_eyes: usize, batches: &[Batch]) -> Vec<VisibleBatch> {
-    batches.iter().filter_map(|batch| cull_batch(view, num_eyes, batch)).collect()
+pub fn cull(
+    view: &ViewUniform,
+    num_eyes: usize,
+    batches: &[Batch],
+    nodes: &[Node],
+    states: &[u32],
+) -> Vec<VisibleBatch> {
+    let one = |(number, batch): (usize, &Batch)| {
+        let node = &nodes[batch.node as usize];
+        let drawn = states[batch.node as usize];
+        if drawn == 0 {
+            return None;
+        }
+        let visible = cull_batch(view, num_eyes, batch, node)?;
+        Some(VisibleBatch { own: own_colors(node, states), drawn, batch: number as u32, ..visible })
+    };
+    batches.iter().enumerate().filter_map(one).collect()
 }
 
-fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch) -> Option<VisibleBatch> {
+/// State of the child in each octant, in 8 bits; 255 where there is none.
+fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
+    let mut own = [u32::MAX; 2];
+    let mut child = node.first_child as usize;
+    for octant in (0..8).filter(|octant| node.child_mask & 1 << octant != 0) {
+        own[octant / 4] ^= (255 - (states[child] >> 24)) << (8 * (octant % 4));
+        child += 1;
+    }
+    own
+}
+
+fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -> Option<VisibleBatch> {
     let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let half_edge = batch.cell.map(|c| c * HALF_CELLS);
     let head_hi = axes(&|i| view.head_hi[i] - batch.min_hi[i]);
     let head_lo = axes(&|i| view.head_lo[i] - batch.min_lo[i]);
     let center = axes(&|i| half_edge[i] - head_hi[i] - head_lo[i]);
 
+    let longest = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2]));
+    let widest = shares(node.spacing).into_iter().fold(0.0, f32::max);
+    let diameter = FILL_OVERLAP * longest * widest;
     let mut flags = 0;
     let mut planes = view.forced_planes.max(1);
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
         if in_frustum(eye, view.near, center, half_edge) {
             flags |= 16 << number;
+            let distance_sq = distance_sq(eye, view.near, center, half_edge);
             if view.forced_planes == 0 {
-                planes = planes.max(planes_needed(eye, view.near, center, half_edge));
+                planes = planes.max(planes_needed(longest * eye.pixels_per_radian, distance_sq));
+            }
+            let diameter_px = diameter * eye.pixels_per_radian;
+            if diameter_px * diameter_px > view.fill_reach_px * view.fill_reach_px * distance_sq {
+                flags |= VISIBLE_FILL;
             }
         }
     }
@@ -50,6 +85,10 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch) -> Option<Visi
         num_points: batch.num_points,
         cell: batch.cell,
         flags: flags | planes,
+        spacing: node.spacing,
+        own: [0; 2],
+        drawn: 0,
+        batch: 0,
     })
 }
 
@@ -72,11 +111,13 @@ fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
     distance + radius + SLACK * magnitude >= 0.0
 }
 
-fn planes_needed(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> u32 {
+fn distance_sq(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> f32 {
     let gap: [f32; 3] =
         std::array::from_fn(|i| ((center[i] - eye.eye_in_head[i]).abs() - half_edge[i]).max(0.0));
-    let distance_sq = (gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]).max(near * near);
-    let edge = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2])) * eye.pixels_per_radian;
+    (gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]).max(near * near)
+}
+
+fn planes_needed(edge: f32, distance_sq: f32) -> u32 {
     let fine = PRECISION_THRESHOLD_PX * 1024.0;
     if edge * edge < PRECISION_THRESHOLD_PX * PRECISION_THRESHOLD_PX * distance_sq {
         1
@@ -85,4 +126,13 @@ fn planes_needed(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32;
     } else {
         3
     }
+}
+
+/// The eight f16 of [`Node::spacing`].
+#[must_use]
+pub fn shares(spacing: [u32; 4]) -> [f32; 8] {
+    std::array::from_fn(|octant| {
+        let bits = spacing[octant / 2] >> (16 * (octant % 2)) & 0xffff;
+        half::f16::from_bits(bits as u16).to_f32()
+    })
 }

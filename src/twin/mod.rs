@@ -2,49 +2,119 @@
 //! f32 operations in the same order, so that integer buffers match bit for bit. Knows no GPU API.
 
 pub mod clear;
+pub mod color;
 pub mod cull;
 pub mod depth;
+pub mod lod;
+pub mod points;
 pub mod resolve;
 
 use crate::cloud::Cloud;
-use crate::layout::{Batch, Detail, ViewUniform};
+use crate::cloud::octree::Octree;
+use crate::config::Quality;
+use crate::layout::{Batch, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch};
+use crate::look::Look;
 use crate::space::View;
 
-/// The frame of a flat cloud: a pixel buffer an eye, and its image as r | g≪8 | b≪16 | a≪24 a pixel.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Frame {
-    /// depth ≪ 32 | point index, an eye.
-    pub depth: Vec<Vec<u64>>,
-    /// The images.
-    pub images: Vec<Vec<u32>>,
-    /// Batches drawn.
-    pub num_visible: u32,
-    /// Points in them.
-    pub points_read: u64,
+/// A cloud as the stages see it, in one chunk.
+#[derive(Clone, Debug)]
+pub struct Scene<'a> {
+    cloud: &'a Cloud,
+    filtered_colors: &'a [u32],
+    /// Its nodes.
+    pub nodes: Vec<Node>,
+    /// Its batches.
+    pub batches: Vec<Batch>,
 }
 
-/// Draws `cloud` as the GPU does; `forced_planes` as in [`ViewUniform`].
-#[must_use]
-pub fn frame(cloud: &Cloud, view: &View, forced_planes: u32, background: [u8; 3]) -> Frame {
-    let uniform = ViewUniform::new(view, &cloud.split, &Detail { forced_planes, ..Detail::default() });
-    let num_eyes = view.eyes.len();
-    let batches = batches(cloud);
-    let visible = cull::cull(&uniform, num_eyes, &batches);
-    let mut depth: Vec<Vec<u64>> = view.eyes.iter().map(|e| clear::pixels(e.size_px)).collect();
-    depth::depth(&uniform, &visible, [&cloud.planes[0], &cloud.planes[1], &cloud.planes[2]], &mut depth);
-    let images = depth.iter().map(|d| resolve::resolve(d, &cloud.colors, background)).collect();
-    Frame {
-        depth,
-        images,
-        num_visible: visible.len() as u32,
-        points_read: visible.iter().map(|v| u64::from(v.num_points)).sum(),
+impl<'a> Scene<'a> {
+    /// A flat cloud: one node, always drawn whole.
+    #[must_use]
+    pub fn flat(cloud: &'a Cloud) -> Self {
+        let batch = |b: &crate::cloud::Batch| Batch::new(&cloud.split, b, 0, b.first_point);
+        let batches = cloud.batches.iter().map(batch).collect();
+        Self { cloud, filtered_colors: &cloud.colors, nodes: vec![Node::FLAT], batches }
+    }
+
+    /// A layered cloud.
+    #[must_use]
+    pub fn layered(octree: &'a Octree) -> Self {
+        let cloud = &octree.cloud;
+        let nodes = (0..octree.nodes.len()).map(|number| Node::new(octree, number)).collect();
+        let batches = octree.nodes.iter().enumerate().flat_map(|(number, node)| {
+            cloud.batches[node.batches.start as usize..node.batches.end as usize]
+                .iter()
+                .map(move |b| Batch::new(&cloud.split, b, number as u32, b.first_point))
+        });
+        Self { cloud, filtered_colors: &octree.filtered_colors, nodes, batches: batches.collect() }
+    }
+
+    /// The colour that an id stands for.
+    #[must_use]
+    pub fn color(&self, id: u32) -> u32 {
+        let colors = if id & 1 == 1 { self.filtered_colors } else { &self.cloud.colors };
+        colors[(id >> 1) as usize]
     }
 }
 
-/// The batches as one chunk holds them.
+/// What a frame leaves, an entry an eye where it is of pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Batches drawn.
+    pub visible: Vec<VisibleBatch>,
+    /// Nodes' states.
+    pub states: Vec<u32>,
+    /// `closest`: depth ≪ 32 | id.
+    pub keys: Vec<Vec<u64>>,
+    /// `hqs`: bits of the nearest depth.
+    pub depth: Vec<Vec<u32>>,
+    /// `hqs`: sums of colours.
+    pub sums: Vec<Vec<color::Sum>>,
+    /// What the pixels show before gaps are filled.
+    pub surface: Vec<Vec<resolve::Pixel>>,
+    /// The finished pixels.
+    pub pixels: Vec<Vec<resolve::Pixel>>,
+}
+
+impl Frame {
+    /// Points in the batches drawn.
+    #[must_use]
+    pub fn points_read(&self) -> u64 {
+        self.visible.iter().map(|v| u64::from(v.num_points)).sum()
+    }
+}
+
+/// Draws `scene` as the GPU does; `states` are its nodes' of the frame before, `None` in its first.
 #[must_use]
-pub fn batches(cloud: &Cloud) -> Vec<Batch> {
-    let batch =
-        |b: &crate::cloud::Batch| Batch::new(&cloud.split, b.min, b.cell, b.first_point, b.num_points);
-    cloud.batches.iter().map(batch).collect()
+pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
+    let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
+    let num_eyes = view.eyes.len();
+    let mut states = states.map_or_else(|| vec![0; scene.nodes.len()], <[u32]>::to_vec);
+    lod::lod(&uniform, num_eyes, &scene.nodes, &mut states);
+    let visible = cull::cull(&uniform, num_eyes, &scene.batches, &scene.nodes, &states);
+    let [hi, mid, lo] = &scene.cloud.planes;
+    let points = |put: &mut dyn FnMut(points::Put)| {
+        let fill = look.detail.fill_reach_px.is_some();
+        points::points(&uniform, num_eyes, &visible, [hi, mid, lo], fill, put);
+    };
+    let background = look.background_word();
+    let mut frame = Frame::default();
+    match look.quality {
+        Quality::Closest => {
+            frame.keys = view.eyes.iter().map(|e| clear::pixels(e.size_px, clear::EMPTY)).collect();
+            points(&mut |put| depth::key(&mut frame.keys, put));
+            let shade = |keys: &Vec<u64>| resolve::shade(keys, &|id| scene.color(id), background);
+            frame.surface = frame.keys.iter().map(shade).collect();
+        }
+        Quality::Hqs => {
+            frame.depth = view.eyes.iter().map(|e| clear::pixels(e.size_px, EMPTY_DEPTH)).collect();
+            frame.sums = view.eyes.iter().map(|e| clear::pixels(e.size_px, [0; 4])).collect();
+            points(&mut |put| depth::nearest(&mut frame.depth, put));
+            points(&mut |put| color::add(&mut frame.sums, &frame.depth, put, scene.color(put.id)));
+            let eyes = frame.depth.iter().zip(&frame.sums);
+            frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums, background)).collect();
+        }
+    }
+    frame.pixels = frame.surface.clone();
+    Frame { visible, states, ..frame }
 }

@@ -1,12 +1,36 @@
-//! Twin of `resolve`: point indices to stored colours.
+//! Twin of `resolve`: what each pixel shows, before gaps are filled.
 
-use super::clear::EMPTY;
+use super::color::Sum;
+use crate::layout::EMPTY_DEPTH;
 
-/// The image of an eye, r | g≪8 | b≪16 | 255≪24 a pixel, as the sRGB target holds it.
+/// Bits of linear depth, and colour r | g≪8 | b≪16 | 255≪24 as stored.
+pub type Pixel = [u32; 2];
+
+/// `closest` quality: an eye's keys to colours; `color_of` tells the colour of an id.
 #[must_use]
-pub fn resolve(pixels: &[u64], colors: &[u32], background: [u8; 3]) -> Vec<u32> {
-    let [r, g, b] = background;
-    let background = u32::from_le_bytes([r, g, b, 255]);
-    let color = |&pixel: &u64| if pixel == EMPTY { background } else { colors[pixel as u32 as usize] };
-    pixels.iter().map(color).collect()
+pub fn shade(keys: &[u64], color_of: &dyn Fn(u32) -> u32, background: u32) -> Vec<Pixel> {
+    let pixel = |&key: &u64| match (key >> 32) as u32 {
+        EMPTY_DEPTH => [EMPTY_DEPTH, background],
+        depth => [depth, color_of(key as u32)],
+    };
+    keys.iter().map(pixel).collect()
+}
+
+/// `hqs` quality: an eye's sums to colours.
+#[must_use]
+pub fn blend(depth: &[u32], sums: &[Sum], background: u32) -> Vec<Pixel> {
+    let pixel = |(&depth, &[r, g, b, count]): (&u32, &Sum)| {
+        if depth == EMPTY_DEPTH {
+            return [EMPTY_DEPTH, background];
+        }
+        let mean = |sum: u32| (sum + count / 2) / count;
+        [depth, mean(r) | mean(g) << 8 | mean(b) << 16 | 255 << 24]
+    };
+    depth.iter().zip(sums).map(pixel).collect()
+}
+
+/// Linear depth of a pixel; infinite where no point is.
+#[must_use]
+pub fn depth_of([depth, _]: Pixel) -> f32 {
+    if depth == EMPTY_DEPTH { f32::INFINITY } else { f32::from_bits(depth) }
 }

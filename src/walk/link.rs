@@ -48,8 +48,23 @@ pub struct LoadState {
     pub warnings: Vec<String>,
 }
 
-/// The textures that show what the headset shows, left and right; same format and size as the eyes' images.
-pub type MirrorImages = [wgpu::Texture; 2];
+/// What the headset shows, for the window. (Textures are reference-counted: a clone is cheap.)
+#[derive(Clone, Debug, PartialEq)]
+pub struct MirrorImages {
+    /// Left and right; same format and size as the eyes' images.
+    pub textures: [wgpu::Texture; 2],
+    /// Pixels of each that are drawn, from the top left corner: width, height. The rest is stale.
+    pub drawn_px: [[u32; 2]; 2],
+}
+
+impl MirrorImages {
+    /// Textures that are drawn from edge to edge.
+    #[must_use]
+    pub fn whole(textures: [wgpu::Texture; 2]) -> Self {
+        let drawn_px = [0, 1].map(|eye: usize| [textures[eye].width(), textures[eye].height()]);
+        Self { textures, drawn_px }
+    }
+}
 
 /// State that changes rarely, read by the window once a frame of its own.
 #[derive(Debug, Default)]
@@ -91,7 +106,7 @@ impl WalkEnd {
         let _ = self.rows.try_send(row);
     }
 
-    /// New mirror textures: at start and when the eyes' sizes change.
+    /// New mirror textures, or another part of them: at start and when the eyes' sizes change.
     pub fn set_mirror(&self, images: MirrorImages) {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror = Some(images);
     }
@@ -103,7 +118,7 @@ impl WalkEnd {
 }
 
 impl ViewerEnd {
-    /// The mirror textures, once there are any. (Textures are reference-counted: a clone is cheap.)
+    /// The mirror textures, once there are any.
     #[must_use]
     pub fn mirror(&self) -> Option<MirrorImages> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror.clone()

@@ -3,6 +3,7 @@
 //! The loop reads as the frame's contents list; what differs between an OpenXR runtime and the simulated
 //! headset stands behind [`Headset`].
 
+pub mod governor;
 pub mod link;
 pub mod locomotion;
 pub mod pose_path;
@@ -69,6 +70,9 @@ pub trait Headset: Send {
     fn is_simulated(&self) -> bool {
         false
     }
+    /// From the next `submit` on, only so many pixels of each image are drawn, from the top left corner, and the
+    /// display stretches them over the whole view. At first it is all of them.
+    fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
     /// Handles events, then blocks until the next frame should begin.
     fn wait(&mut self) -> anyhow::Result<Beat>;
     /// Controllers, as of now.

@@ -1,19 +1,21 @@
 //! The frame thread's loop.
 
-use super::link::{Command, WalkEnd};
+use super::governor::{Governor, Settings};
+use super::link::{Command, MirrorImages, WalkEnd};
 use super::locomotion::{Locomotion, Start, head_of};
 use super::pose_path::PosePath;
 use super::{Beat, Headset, StageEye};
 use crate::config::Config;
 use crate::gpu::Gpu;
+use crate::look::Look;
 use crate::progress::Stop;
-use crate::render::{CloudBuffers, FrameTimes, Renderer};
+use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use crate::space::{Pose, View};
 use crate::timing::log::FrameLog;
 use crate::timing::{FrameRow, STAGES};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
 /// Rows that wait for their GPU times; a frame's times come back a few frames late.
@@ -27,8 +29,8 @@ const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
 pub struct Loaded {
     /// On the GPU.
     pub cloud: CloudBuffers,
-    /// Where to stand.
-    pub start: Start,
+    /// Where to stand; `None` if it is the scan that is shown already, in a better form.
+    pub start: Option<Start>,
 }
 
 /// What the loop needs besides the headset.
@@ -40,6 +42,8 @@ pub struct Walk<'a> {
     pub config: &'a Config,
     /// Scans as they become ready.
     pub loaded: Receiver<Loaded>,
+    /// Takes clouds that are shown no more, since freeing them may take a while.
+    pub retired: Sender<CloudBuffers>,
     /// From the desktop.
     pub commands: Receiver<Command>,
     /// To the desktop.
@@ -84,7 +88,7 @@ impl Walk<'_> {
                 headset.request_exit();
                 exit_requested = true;
             }
-            frames.take_loaded(&self.loaded);
+            frames.take_loaded(&self)?;
             if frames.take_commands(&self.commands) {
                 self.stop.request();
             }
@@ -114,7 +118,13 @@ struct Frames {
     locomotion: Option<Locomotion>,
     mirror: Option<[wgpu::Texture; 2]>,
     views: Views,
+    governor: Governor,
+    /// In force for the frame being recorded.
+    settings: Settings,
+    /// Width, height of each eye's image.
     sizes_px: [[u32; 2]; 2],
+    /// Pixels of them that are drawn, from the top left corner.
+    drawn_px: [[u32; 2]; 2],
     locomotion_config: crate::config::LocomotionConfig,
     may_pitch: bool,
     frame: u64,
@@ -132,15 +142,24 @@ struct Frames {
 impl Frames {
     fn new(walk: &Walk, headset: &dyn Headset) -> anyhow::Result<Self> {
         let sizes_px = headset.eye_sizes();
-        let mut renderer = Renderer::new(&walk.gpu, &sizes_px, headset.image_format())?;
-        renderer.set_background(walk.config.frame.background);
-        renderer.set_full_precision(walk.config.frame.precision == crate::config::Precision::Full);
+        let setup = Setup {
+            sizes_px: sizes_px.to_vec(),
+            color_format: headset.image_format(),
+            depth_format: None,
+            atomics: tier(&walk.gpu, walk.config.gpu.tier)?,
+        };
+        let governor = Governor::new(walk.config);
+        let settings = governor.settings();
+        let renderer = Renderer::new(&walk.gpu, setup, Look::of(walk.config))?;
         Ok(Self {
             renderer,
             locomotion: None,
             mirror: None,
             views: Views::default(),
+            governor,
+            settings,
             sizes_px,
+            drawn_px: sizes_px,
             locomotion_config: walk.config.locomotion.clone(),
             may_pitch: headset.is_simulated(),
             frame: 0,
@@ -156,16 +175,21 @@ impl Frames {
     }
 
     /// The newest scan that has become ready, if any.
-    fn take_loaded(&mut self, loaded: &Receiver<Loaded>) {
-        while let Ok(Loaded { cloud, start }) = loaded.try_recv() {
-            self.renderer.set_cloud(cloud);
-            match &mut self.locomotion {
-                Some(locomotion) => locomotion.restart(start),
-                None => {
-                    self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch))
+    fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
+        while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
+            if let Some(before) = self.renderer.set_cloud(cloud)? {
+                // If nobody takes it, it is freed here.
+                let _ = walk.retired.send(before);
+            }
+            match (&mut self.locomotion, start) {
+                (_, None) => {}
+                (Some(locomotion), Some(start)) => locomotion.restart(start),
+                (None, Some(start)) => {
+                    self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch));
                 }
             }
         }
+        Ok(())
     }
 
     /// Applies what the desktop asked for; true if that is to end the walk.
@@ -198,11 +222,13 @@ impl Frames {
         if let Some(locomotion) = &mut self.locomotion {
             locomotion.advance(seconds, &input, &self.stage_from_head);
         }
+        self.settle(walk, headset)?;
         let images = headset.acquire()?;
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         let views = [self.views.of(&images[0]), self.views.of(&images[1])];
-        self.renderer.record(&mut encoder, self.frame, &[&views[0], &views[1]]);
+        let eyes = views.each_ref().map(|color| EyeImage { color, depth: None });
+        self.renderer.record(&mut encoder, self.frame, &eyes);
         self.record_mirror(walk, headset, &mut encoder, &images);
         let record_ms = ms(record_began.elapsed());
 
@@ -231,9 +257,9 @@ impl Frames {
             visible_nodes: 0,
             points_read: 0,
             points_resident: self.renderer.resident().0,
-            lod_scale: 1.0,
-            resolution_scale: 1.0,
-            quality: "closest",
+            lod_scale: self.settings.lod_scale,
+            resolution_scale: self.settings.resolution_scale,
+            quality: self.settings.quality.name(),
             upload_bytes: written_bytes - self.written_bytes,
         });
         self.written_bytes = written_bytes;
@@ -241,13 +267,35 @@ impl Frames {
         Ok(())
     }
 
+    /// Draws from now on with what the governor wants.
+    fn settle(&mut self, walk: &Walk, headset: &mut dyn Headset) -> anyhow::Result<()> {
+        let settings = self.governor.begin(self.frame);
+        if settings == self.settings {
+            return Ok(());
+        }
+        self.settings = settings;
+        self.renderer.set_lod_scale(settings.lod_scale);
+        self.renderer.set_quality(settings.quality)?;
+        let drawn_px = self.sizes_px.map(|full_px| settings.drawn_px(full_px));
+        if drawn_px != self.drawn_px {
+            self.drawn_px = drawn_px;
+            self.renderer.set_drawn(&drawn_px);
+            headset.set_drawn_px(drawn_px);
+            // The window may show the frame before by the new measure: once, and only on the desktop.
+            if let Some(textures) = self.mirror.clone() {
+                walk.link.set_mirror(MirrorImages { textures, drawn_px });
+            }
+        }
+        Ok(())
+    }
+
     fn view(&self, walk: &Walk, eyes: &[StageEye; 2]) -> Option<View> {
         let (locomotion, near_m) = (self.locomotion.as_ref()?, walk.config.frame.near_m);
         Some(match walk.pose_path {
-            None => locomotion.view(eyes, self.sizes_px, near_m),
+            None => locomotion.view(eyes, self.drawn_px, near_m),
             Some(path) => {
                 let time_s = self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64());
-                locomotion.view_at(&path.at(time_s), eyes, self.sizes_px, near_m)
+                locomotion.view_at(&path.at(time_s), eyes, self.drawn_px, near_m)
             }
         })
     }
@@ -270,20 +318,22 @@ impl Frames {
         if !walk.mirrored {
             return;
         }
+        let drawn_px = self.drawn_px;
+        let mirror = self.mirror.get_or_insert_with(|| {
+            let textures = if headset.is_simulated() {
+                images.clone()
+            } else {
+                [0, 1].map(|eye: usize| mirror_texture(&walk.gpu, &images[eye]))
+            };
+            walk.link.set_mirror(MirrorImages { textures: textures.clone(), drawn_px });
+            textures
+        });
         if headset.is_simulated() {
-            if self.mirror.is_none() {
-                walk.link.set_mirror(images.clone());
-                self.mirror = Some(images.clone());
-            }
             return;
         }
-        let mirror = self.mirror.get_or_insert_with(|| {
-            let mirror = [0, 1].map(|eye: usize| mirror_texture(&walk.gpu, &images[eye]));
-            walk.link.set_mirror(mirror.clone());
-            mirror
-        });
-        for (image, copy) in images.iter().zip(mirror) {
-            encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), image.size());
+        for ((image, copy), [width, height]) in images.iter().zip(mirror).zip(drawn_px) {
+            let drawn = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+            encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), drawn);
         }
     }
 
@@ -300,7 +350,11 @@ impl Frames {
     fn collect(&mut self, walk: &Walk) {
         while let Some(times) = self.renderer.collect_times() {
             while let Some(row) = self.pending.pop_front_if(|row| row.frame <= times.frame) {
-                pass_on(walk, if row.frame == times.frame { with_times(row, &times) } else { row });
+                let row = if row.frame == times.frame { with_times(row, &times) } else { row };
+                if let Some(step) = self.governor.observe(row.frame, row.gpu_ms, row.budget_ms) {
+                    tracing::info!("frame {}: {step}", self.frame);
+                }
+                pass_on(walk, row);
             }
         }
         while self.pending.len() > MAX_PENDING_ROWS {

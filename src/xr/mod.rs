@@ -125,6 +125,10 @@ impl Headset for XrHeadset {
         self.session().format
     }
 
+    fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
+        self.session_mut().set_drawn_px(drawn_px);
+    }
+
     fn wait(&mut self) -> anyhow::Result<Beat> {
         self.session_mut().wait()
     }

@@ -84,6 +84,11 @@ impl XrSession {
         self.images.sizes_px()
     }
 
+    /// The part of each eye's image that the next layers show.
+    pub fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
+        self.images.set_drawn_px(drawn_px);
+    }
+
     /// Handles events, then waits for the next frame's time and begins it.
     pub fn wait(&mut self) -> anyhow::Result<Beat> {
         anyhow::ensure!(self.frame.is_none(), "the frame before this one was not submitted");

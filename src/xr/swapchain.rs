@@ -44,6 +44,8 @@ struct EyeSwapchain {
     images: Vec<wgpu::Texture>,
     swapchain: xr::Swapchain<xr::Vulkan>,
     size_px: [u32; 2],
+    /// The part that layers show, from the top left corner.
+    drawn_px: [u32; 2],
     /// Image that is ours to draw into.
     acquired: Option<usize>,
 }
@@ -70,6 +72,14 @@ impl EyeSwapchains {
     /// Width, height of each eye's image.
     pub fn sizes_px(&self) -> [[u32; 2]; 2] {
         [self.eyes[0].size_px, self.eyes[1].size_px]
+    }
+
+    /// Layers show only so many pixels of each image from now on, from the top left corner.
+    pub fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
+        for (eye, drawn_px) in self.eyes.iter_mut().zip(drawn_px) {
+            // Beyond the image, runtimes refuse the frame.
+            eye.drawn_px = [0, 1].map(|axis: usize| drawn_px[axis].clamp(1, eye.size_px[axis]));
+        }
     }
 
     /// Acquires an image of each eye and waits until the compositor has finished reading it; the lock is not
@@ -122,9 +132,9 @@ impl EyeSwapchains {
         Ok(())
     }
 
-    /// The whole of an eye's image, for a layer.
+    /// The drawn part of an eye's image, for a layer.
     pub fn sub_image(&self, eye: usize) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
-        let EyeSwapchain { swapchain, size_px: [width, height], .. } = &self.eyes[eye];
+        let EyeSwapchain { swapchain, drawn_px: [width, height], .. } = &self.eyes[eye];
         let extent = xr::Extent2Di { width: *width as i32, height: *height as i32 };
         xr::SwapchainSubImage::new()
             .swapchain(swapchain)
@@ -161,7 +171,7 @@ impl EyeSwapchain {
             .into_iter()
             .map(|image| wrap_image(gpu, vk::Image::from_raw(image), format, size_px, name))
             .collect();
-        Ok(Self { images, swapchain, size_px, acquired: None })
+        Ok(Self { images, swapchain, size_px, drawn_px: size_px, acquired: None })
     }
 
     fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<usize> {

@@ -97,7 +97,7 @@ impl RuntimeGpu {
             .ok_or("its Vulkan is too old")
             .map_err(XrMissing::gpu_unusable("unknown"))?;
         let name = exposed.info.name.clone();
-        let features = required_features(&name, exposed.features)
+        let features = required_features(&name, exposed.features, &exposed.capabilities.limits)
             .map_err(|error| XrMissing::gpu_lacking(&name, error))?;
         let limits = exposed.capabilities.limits.clone();
         let queue_family_index = graphics_family(&instance.raw, physical_device)

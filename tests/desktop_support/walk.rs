@@ -95,7 +95,7 @@ fn prepare(role: &str, walk: &WalkEnd) {
 }
 
 fn images(gpu: &Gpu) -> MirrorImages {
-    [0, 1].map(|_: usize| {
+    MirrorImages::whole([0, 1].map(|_: usize| {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("mirror image"),
             size: wgpu::Extent3d { width: EYE_PX[0], height: EYE_PX[1], depth_or_array_layers: 1 },
@@ -106,14 +106,14 @@ fn images(gpu: &Gpu) -> MirrorImages {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         })
-    })
+    }))
 }
 
 /// Paints the pattern once more, in a submit of its own, as the frame thread does.
 fn paint(gpu: &Gpu, images: &MirrorImages) {
     let [width, height] = EYE_PX;
     let queue = gpu.queue.lock();
-    for (image, quarters) in images.iter().zip(QUARTERS) {
+    for (image, quarters) in images.textures.iter().zip(QUARTERS) {
         let pixels: Vec<u8> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (2 * (2 * y / height) + 2 * x / width) as usize))
             .flat_map(|quarter| {
@@ -133,7 +133,7 @@ fn row(frame: u64, time_s: f64) -> FrameRow {
     let wave = (frame as f32 * 0.13).sin() + 0.4 * (frame as f32 * 0.71).sin();
     let late = frame % 41 == 40;
     let depth_ms = 5.2 + 0.8 * wave + if late { 6.0 } else { 0.0 };
-    let stage_ms = [0.31, 0.42 + 0.1 * wave, depth_ms, 1.3 + 0.1 * wave];
+    let stage_ms = [0.31, 0.05, 0.42 + 0.1 * wave, 0.6 * depth_ms, 0.4 * depth_ms, 1.3 + 0.1 * wave];
     FrameRow {
         frame,
         time_s,

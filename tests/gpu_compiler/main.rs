@@ -7,6 +7,7 @@
 mod radv;
 mod wgsl;
 
+use scanwalk::layout::{Sums, Variant};
 use scanwalk::render::shaders::{SHADERS, source};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -64,13 +65,28 @@ impl Executable {
     }
 }
 
-/// The project's shaders for pictures (one eye) and headsets (two).
+/// The project's shaders for pictures (one eye) and headsets (two), in the forms that matter.
 fn our_shaders() -> Vec<Shader> {
-    let stages = SHADERS.iter().flat_map(|(name, _)| [1, 2].map(|num_eyes| (*name, num_eyes)));
-    let shader =
-        |(name, num_eyes)| Shader { name: format!("{name}-{num_eyes}"), text: source(name, num_eyes) };
-    let mirror = Shader { name: "mirror".into(), text: include_str!("../../shaders/mirror.wgsl").into() };
-    stages.map(shader).chain([mirror]).collect()
+    let mut shaders =
+        vec![Shader { name: "mirror".into(), text: include_str!("../../shaders/mirror.wgsl").into() }];
+    let mut add = |name: String, shader: &str, variant: Variant| {
+        shaders.push(Shader { name, text: source(shader, variant) });
+    };
+    for shader in SHADERS {
+        for num_eyes in [1, 2] {
+            let plain = Variant::eyes(num_eyes);
+            let plain = Variant { keys: shader.name != "ids", ..plain };
+            add(format!("{}-{num_eyes}", shader.name), shader.name, plain);
+            if ["depth", "depth32", "color"].contains(&shader.name) {
+                add(format!("{}-{num_eyes}-fill", shader.name), shader.name, Variant { fill: true, ..plain });
+            }
+            if ["color", "blend"].contains(&shader.name) {
+                let protected = Variant { sums: Sums::Protected, ..plain };
+                add(format!("{}-{num_eyes}-protected", shader.name), shader.name, protected);
+            }
+        }
+    }
+    shaders
 }
 
 /// Shaders of this test's own, whose fate is known.

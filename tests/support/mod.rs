@@ -1,13 +1,17 @@
 //! What several tests share: clouds made of nothing, and a frame drawn on the GPU and read back.
 #![allow(dead_code, reason = "each test file uses a part")]
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+use scanwalk::cloud::octree::Octree;
 use scanwalk::cloud::{Cloud, Order, build};
-use scanwalk::gpu::{Gpu, readback};
+use scanwalk::gpu::{Atomics, Gpu, readback};
+use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
+use scanwalk::look::Look;
 use scanwalk::progress::Progress;
-use scanwalk::render::{CloudBuffers, FrameTimes, Renderer};
+use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, Targets};
 use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
-use scanwalk::space::{Bounds, View};
+use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
+use scanwalk::twin::resolve::Pixel;
 use std::sync::{Arc, OnceLock};
 
 /// The GPU, opened once a test program.
@@ -59,58 +63,144 @@ pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
 }
 
 pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cloud {
-    build(scan_of(xyz, scale, offset), order, &Progress::hidden()).expect("a cloud")
+    build(&scan_of(xyz, scale, offset), order, &Progress::hidden()).expect("a cloud")
 }
 
-/// A frame, read back.
+/// `closest`, one pixel a point, background (1, 2, 3).
+pub fn plain(full_precision: bool) -> Look {
+    let detail = Detail { forced_planes: if full_precision { 3 } else { 0 }, ..Detail::default() };
+    Look { background: [1, 2, 3], detail, ..Look::default() }
+}
+
+/// A frame, read back; entries an eye where it is of pixels.
 pub struct Drawn {
-    pub depth: Vec<Vec<u64>>,
+    pub keys: Vec<Vec<u64>>,
+    pub depth: Vec<Vec<u32>>,
+    pub wide: Vec<Vec<[u32; 4]>>,
+    pub surface: Vec<Vec<Pixel>>,
+    pub pixels: Vec<Vec<Pixel>>,
     pub images: Vec<Vec<u32>>,
     pub times: FrameTimes,
-    pub visible: Vec<u8>,
-    pub counters: Vec<u8>,
-    pub num_chunks: usize,
+    /// Of the first chunk, in batch order.
+    pub visible: Vec<VisibleBatch>,
+    pub states: Vec<u32>,
 }
 
-/// Draws one frame of `cloud` on the GPU, background (1, 2, 3).
-pub fn draw(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
-    let gpu = gpu();
-    let buffers = CloudBuffers::upload(&gpu, cloud, chunk_limit, &Progress::hidden()).expect("upload");
-    let num_chunks = buffers.num_chunks();
-    let sizes: Vec<[u32; 2]> = view.eyes.iter().map(|e| e.size_px).collect();
-    let format = wgpu::TextureFormat::Rgba8UnormSrgb;
-    let mut renderer = Renderer::new(&gpu, &sizes, format).expect("renderer");
-    renderer.set_cloud(buffers);
-    renderer.set_full_precision(full_precision);
-    renderer.set_background([1, 2, 3]);
-    let images: Vec<wgpu::Texture> = sizes.iter().map(|&s| image(&gpu, s, format)).collect();
-    let views: Vec<_> = images.iter().map(|i| i.create_view(&Default::default())).collect();
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    renderer.record(&mut encoder, 7, &views.iter().collect::<Vec<_>>());
-    {
-        let queue = gpu.queue.lock();
-        renderer.set_view(&queue, view);
-        queue.submit([encoder.finish()]);
+/// A renderer with images of its own.
+pub struct Canvas {
+    pub gpu: Arc<Gpu>,
+    pub renderer: Renderer,
+    images: Vec<wgpu::Texture>,
+    frame: u64,
+}
+
+impl Canvas {
+    pub fn new(sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
+        let gpu = gpu();
+        let color_format = wgpu::TextureFormat::Rgba8UnormSrgb;
+        let setup = Setup { sizes_px: sizes_px.to_vec(), color_format, depth_format: None, atomics };
+        let renderer = Renderer::new(&gpu, setup, look).expect("renderer");
+        let images = sizes_px.iter().map(|&s| image(&gpu, s, color_format)).collect();
+        Self { gpu, renderer, images, frame: 0 }
     }
-    renderer.submitted();
-    let read = |b: &wgpu::Buffer| readback::read_buffer(&gpu, b).expect("readback");
-    let words = |bytes: Vec<u8>| -> Vec<u64> { bytemuck::pod_collect_to_vec(&bytes) };
-    let depth = sizes.iter().enumerate().map(|(eye, s)| {
-        let mut pixels = words(read(&renderer.targets().depth[eye]));
-        pixels.truncate((s[0] * s[1]) as usize);
-        pixels
-    });
-    let depth = depth.collect();
-    let pixels =
-        |t: &wgpu::Texture| bytemuck::pod_collect_to_vec(&readback::read_texture(&gpu, t).expect("image"));
-    let images = images.iter().map(pixels).collect();
-    let (visible, counters) = renderer.cull_results();
-    let (visible, counters) = (read(visible[0]), read(counters));
-    let times = renderer.collect_times().expect("the frame is done: everything was read back");
-    Drawn { depth, images, times, visible, counters, num_chunks }
+
+    /// For a view, with a flat cloud.
+    pub fn flat(cloud: &Cloud, view: &View, look: Look, chunk_limit: u64) -> Self {
+        let mut canvas = Self::new(&sizes(view), look, gpu().atomics());
+        let buffers = CloudBuffers::upload(&canvas.gpu, cloud, chunk_limit, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        canvas
+    }
+
+    /// For a view, with a layered cloud.
+    pub fn layered(octree: &Octree, view: &View, look: Look, atomics: Atomics, chunk_limit: u64) -> Self {
+        let mut canvas = Self::new(&sizes(view), look, atomics);
+        let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        canvas
+    }
+
+    /// Draws a frame and reads everything back.
+    pub fn draw(&mut self, view: &View) -> Drawn {
+        let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
+        let eyes: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.renderer.record(&mut encoder, self.frame, &eyes);
+        self.frame += 1;
+        {
+            let queue = self.gpu.queue.lock();
+            self.renderer.set_view(&queue, view);
+            queue.submit([encoder.finish()]);
+        }
+        self.renderer.submitted();
+        let gpu = &self.gpu;
+        let read = |b: &wgpu::Buffer| readback::read_buffer(gpu, b).expect("readback");
+        let image = |t| bytemuck::pod_collect_to_vec(&readback::read_texture(gpu, t).expect("image"));
+        let (visible, counters, states) = self.renderer.cull_results();
+        let counters: CullCounters = bytemuck::pod_read_unaligned(&read(counters)[..16]);
+        let mut visible: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&read(visible[0]));
+        visible.truncate(counters.num_visible as usize);
+        visible.sort_by_key(|v| v.batch);
+        let targets = self.renderer.targets();
+        let finished =
+            (0..view.eyes.len()).map(|eye| of_eye(&read(self.renderer.pixels(eye)), targets.drawn_px[eye]));
+        Drawn {
+            keys: of_eyes(targets, &targets.keys, &read),
+            depth: of_eyes(targets, &targets.depth, &read),
+            wide: if targets.has_wide() { of_eyes(targets, &targets.wide, &read) } else { vec![] },
+            surface: of_eyes(targets, &targets.surface, &read),
+            pixels: finished.collect(),
+            images: self.images.iter().map(image).collect(),
+            states: bytemuck::pod_collect_to_vec(&read(states.expect("a cloud"))),
+            visible,
+            times: self.renderer.collect_times().expect("the frame is done: everything was read back"),
+        }
+    }
+}
+
+/// Both eyes' pixels of a target.
+fn of_eyes<T: bytemuck::Pod>(
+    targets: &Targets,
+    pair: &[wgpu::Buffer; 2],
+    read: &dyn Fn(&wgpu::Buffer) -> Vec<u8>,
+) -> Vec<Vec<T>> {
+    targets.drawn_px.iter().zip(pair).map(|(&size, buffer)| of_eye(&read(buffer), size)).collect()
+}
+
+fn of_eye<T: bytemuck::Pod>(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<T> {
+    let num_bytes = (width * height) as usize * size_of::<T>();
+    bytemuck::pod_collect_to_vec(&bytes[..num_bytes.min(bytes.len())])
+}
+
+pub fn sizes(view: &View) -> Vec<[u32; 2]> {
+    view.eyes.iter().map(|e| e.size_px).collect()
+}
+
+/// Draws one frame of a flat cloud, [`plain`].
+pub fn draw(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
+    Canvas::flat(cloud, view, plain(full_precision), chunk_limit).draw(view)
 }
 
 pub fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
     gpu.texture("image", size_px, format, usage)
+}
+
+/// A stereo view with asymmetric, canted eyes.
+pub fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
+    let head = Pose::look_at(eye, target, DVec3::Z);
+    let side = |sign: f64| {
+        let cant = Pose {
+            position: DVec3::X * sign * 0.0315,
+            orientation: DQuat::from_rotation_y(-sign * 5f64.to_radians()),
+        };
+        let (outer, inner) = (1.1, 0.8);
+        let fov = if sign < 0.0 {
+            Fov { left: -outer, right: inner, up: 1.0, down: -1.2 }
+        } else {
+            Fov { left: -inner, right: outer, up: 1.0, down: -1.2 }
+        };
+        Eye { world_from_view: head.then(&cant), fov, size_px, gaze_in_view: Eye::AHEAD }
+    };
+    View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
 }

@@ -49,6 +49,40 @@ fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
     assert!(report.contains("costliest") && report.contains("99.9 %"), "{report}");
 }
 
+/// A display that no software driver keeps up with: the governor gives up all it may, in its order, and each row
+/// has what its frame was drawn with.
+#[test]
+fn the_governors_steps_are_in_the_log() {
+    let scene = Scene::get();
+    let drawn_with = |name: &str, governor: &str| -> Vec<(f64, f64, String)> {
+        let log = scene.file(name);
+        let log_path = log.to_str().expect("UTF-8");
+        let settings = ["--set", "simulated.refresh_hz=1000", "--set", governor, "--frames", "200"];
+        let output = run(&scene.courtyard, &[&settings[..], &["--log", log_path]].concat());
+        assert!(output.status.success(), "{}", said(&output));
+        let text = std::fs::read_to_string(&log).expect("a log");
+        let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+        let names: Vec<&str> = rows.next().expect("column names").split(',').collect();
+        let column = |name| names.iter().position(|n| *n == name).expect("a column");
+        let [lod, resolution, quality] = ["lod_scale", "resolution_scale", "quality"].map(column);
+        rows.map(|row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            let number = |at: usize| cells[at].parse::<f64>().expect("a number");
+            (number(lod), number(resolution), cells[quality].to_string())
+        })
+        .collect()
+    };
+    let governed = drawn_with("governed.csv", "governor.budget=0.1");
+    assert_eq!(governed[0], (1.0, 1.0, "hqs".to_string()));
+    assert_eq!(governed.last(), Some(&(3.0, 0.6, "closest".to_string())));
+    for (lod_scale, resolution_scale, quality) in &governed {
+        assert!(*resolution_scale == 1.0 || *lod_scale == 3.0);
+        assert!(quality == "hqs" || *resolution_scale == 0.6);
+    }
+    let free = drawn_with("free.csv", "governor.enabled=false");
+    assert!(free.iter().all(|row| *row == governed[0]));
+}
+
 #[test]
 fn a_log_on_a_full_disk_is_reported_once_and_stops_nothing() {
     let output = run(&Scene::get().courtyard, &["--frames", "20", "--log", "/dev/full"]);

@@ -50,7 +50,7 @@ impl Plan {
                 let children = first_child + next.len()..first_child + next.len() + draft.children.len();
                 let node = node(root, &draft, parent, children, end as u32);
                 end += u64::from(draft.num_points.next_multiple_of(POINTS_PER_LOAD));
-                if end > u64::from(u32::MAX - BATCH_POINTS) {
+                if end > u64::from(u32::MAX / 2) {
                     return Err(BuildError::TooMany(num_points));
                 }
                 plan.push(node, draft.cube, draft.keys.clone(), root);
@@ -95,6 +95,8 @@ fn node(root: &Root, draft: &Draft, parent: Option<u32>, children: Range<usize>,
         first_point,
         num_points: draft.num_points,
         num_points_within: draft.keys.len() as u32,
+        octant_spacing: draft.octant_spacing.map(|s| if edge > 0.0 { (s / edge) as f32 } else { 0.0 }),
+        crowd: draft.crowd,
     }
 }
 

@@ -20,12 +20,13 @@
 //! - **Filter**: its points' filtered colours average all points of its cube, each counted once: a cell's points
 //!   count for the cell's sample, and where that one is dropped for closeness, for the nearest that was kept.
 //!
-//! Leaves keep whatever is left, at most [`LEAF_POINTS`] unless the points cannot be told apart by
-//! [`MAX_LEVEL`] halvings (duplicates): then as many batches as are needed.
+//! Leaves keep whatever is left, at most [`LEAF_POINTS`], and at most [`MAX_CROWD`] in a cell of a grid of 128³,
+//! unless the points cannot be told apart by [`MAX_LEVEL`] halvings (duplicates): then as many batches as are needed.
 
 mod fill;
 mod keys;
 mod sample;
+mod spacing;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -44,6 +45,9 @@ pub const MAX_LEVEL: u32 = 21;
 pub const LEAF_POINTS: usize = 30_000;
 /// An inner node takes no more points than this.
 pub const MAX_NODE_POINTS: usize = 50_000;
+/// Points of a leaf that may share a cell of its grid: at 50 pixels an edge, a pixel and the depth tolerance
+/// reach over some tens of cells, and a pixel's packed sums hold 1023 points.
+pub const MAX_CROWD: u32 = 16;
 /// Bits an axis of a node's sampling grid, unless that takes too many points: 128³ cells.
 const GRID_BITS: u32 = 7;
 
@@ -74,6 +78,25 @@ pub struct Node {
     pub num_points: u32,
     /// Points of the cloud in its cube: its own, those of all nodes below, and those that nodes above took.
     pub num_points_within: u32,
+    /// Mean distance of neighbours among all points in each octant of its cube, estimated, as a share of `edge`;
+    /// 0 where no points are. Octant number: x | y≪1 | z≪2.
+    pub octant_spacing: [f32; 8],
+    /// Most of its points that share a cell of a grid of 128³; 1 if inner.
+    pub crowd: u32,
+}
+
+impl Node {
+    /// Octant of this node's cube that a node below lies in.
+    #[must_use]
+    pub fn octant_of(&self, below: &Node) -> usize {
+        octant_of(self.level, below.level, below.cube)
+    }
+}
+
+/// Octant of a cube at `level` that a cube of a deeper level lies in.
+fn octant_of(level: u32, below: u32, cube: [u32; 3]) -> usize {
+    let bit = |axis: usize| (cube[axis] >> (below - level - 1) & 1) as usize;
+    bit(0) | bit(1) << 1 | bit(2) << 2
 }
 
 /// A layered point cloud.
@@ -88,6 +111,15 @@ pub struct Octree {
     /// Breadth first: the root, its children, their children; siblings follow one another in Morton order.
     /// Parents stand before children, so that any prefix of the nodes (and of the planes) can be drawn.
     pub nodes: Vec<Node>,
+}
+
+impl Octree {
+    /// True if points lie so close in some leaf, or in the only node, that a pixel may get more of them than
+    /// [`crate::layout::Sums::Packed`] holds.
+    #[must_use]
+    pub fn is_crowded(&self) -> bool {
+        self.nodes.len() == 1 || self.nodes.iter().any(|node| node.crowd > MAX_CROWD)
+    }
 }
 
 /// Builds the octree of a scan, on all cores.

@@ -1,8 +1,10 @@
 //! From sorted keys to a tree: down by bisection, up by sampling.
 
 use super::keys::{Cube, Frame, Key, Root, recode};
+use super::octant_of;
 use super::sample::{Sample, Sampler};
-use super::{GRID_BITS, LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS};
+use super::spacing::{Spacing, spacing};
+use super::{GRID_BITS, LEAF_POINTS, MAX_CROWD, MAX_LEVEL, MAX_NODE_POINTS};
 use crate::cloud::index::Index;
 use crate::progress::Progress;
 use rayon::prelude::*;
@@ -26,6 +28,10 @@ pub(super) struct Draft {
     pub num_points: u32,
     /// Bits an axis of its sampling grid.
     pub grid_bits: u32,
+    /// Mean distance of neighbours among all points in each octant, world units; 0 where there are none.
+    pub octant_spacing: [f64; 8],
+    /// Most of its points in a cell of its grid.
+    pub crowd: u32,
     /// In Morton order.
     pub children: Vec<Draft>,
 }
@@ -98,7 +104,12 @@ impl Builder<'_> {
     }
 
     fn subtree(&self, frame: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
-        if part.keys.len() <= LEAF_POINTS || level == MAX_LEVEL || self.progress.stopped() {
+        if level == MAX_LEVEL || self.progress.stopped() {
+            return self.leaf(frame, level, part);
+        }
+        // A leaf that is dense in one place would be drawn whole wherever it is drawn at all.
+        let is_leaf = || spacing(part.keys, frame.bits_below(level)).crowd <= MAX_CROWD;
+        if part.keys.len() <= LEAF_POINTS && is_leaf() {
             return self.leaf(frame, level, part);
         }
         if !frame.serves(level) {
@@ -123,11 +134,14 @@ impl Builder<'_> {
     fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
         self.progress.add(part.keys.len() as u64);
         part.levels.fill(level as u8);
+        let Spacing { share, crowd } = spacing(part.keys, frame.bits_below(level));
         let draft = Draft {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: part.keys.len() as u32,
             grid_bits: GRID_BITS,
+            octant_spacing: [share * self.root.edge(level); 8],
+            crowd,
             children: Vec::new(),
         };
         (draft, Offer::All)
@@ -168,6 +182,7 @@ impl Builder<'_> {
             part.levels[at] = level as u8;
             part.keys[at].color = sample.color();
         }
+        let octant_spacing = octant_spacing(level, &below);
         let mut children: Vec<Draft> = below.into_iter().map(|(child, _)| child).collect();
         for (child, taken) in children.iter_mut().zip(sampled.num_taken) {
             child.num_points -= taken;
@@ -179,8 +194,31 @@ impl Builder<'_> {
             keys: part.range(),
             num_points: sampled.samples.len() as u32,
             grid_bits,
+            octant_spacing,
+            crowd: 1,
             children,
         };
         (draft, Offer::Samples(sampled.samples))
     }
+}
+
+impl Draft {
+    /// Mean distance of neighbours among all its points, world units.
+    fn spacing(&self) -> f64 {
+        let (sum, count) = self
+            .octant_spacing
+            .iter()
+            .filter(|&&spacing| spacing > 0.0)
+            .fold((0.0, 0), |(sum, count), spacing| (sum + spacing, count + 1));
+        sum / f64::from(count.max(1))
+    }
+}
+
+/// What each octant's part tells; a node at `level` has at most one in each.
+fn octant_spacing(level: u32, below: &[(Draft, Offer)]) -> [f64; 8] {
+    let mut octants = [0.0; 8];
+    for (part, _) in below {
+        octants[octant_of(level, part.cube.level, part.cube.number)] = part.spacing();
+    }
+    octants
 }

@@ -1,0 +1,80 @@
+// lod: which nodes are large enough, in either eye, for where the eye looks, and how much of each is drawn?
+// One thread a node. [2022 §3.7]; frame.md section 4.
+//
+// Size and ring are judged by the cube's nearest point and by its sphere, so a node is never judged smaller or
+// further out than a node within it: what is drawn is a tree.
+
+@group(0) @binding(0) var<uniform> view: ViewUniform;
+@group(0) @binding(1) var<storage, read> nodes: array<Node>;
+@group(0) @binding(2) var<storage, read_write> states: array<u32>;
+
+/// Half a cube's diagonal, as a share of its edge.
+const RADIUS: f32 = 0.8660254;
+
+// Pixels that the edge of a cube needs round `center` (from the eye), by its distance from the gaze.
+fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
+    let along = center.x * gaze.x + center.y * gaze.y + center.z * gaze.z;
+    let distance_sq = center.x * center.x + center.y * center.y + center.z * center.z;
+    let across = sqrt(max(distance_sq - along * along, 0.0));
+    // How far the sphere's centre lies outside the rings' cones.
+    let outside_inner = across * view.ring_cos.x - along * view.ring_sin.x;
+    let outside_middle = across * view.ring_cos.y - along * view.ring_sin.y;
+    if outside_inner <= radius {
+        return view.threshold_px.x;
+    }
+    if outside_middle > radius {
+        return view.threshold_px.z;
+    }
+    if (view.lod_flags & LOD_SMOOTH) == 0u {
+        return view.threshold_px.y;
+    }
+    // From the first threshold to the third. Both differences are positive here, the second the larger.
+    let share = (outside_inner - radius) / (outside_inner - outside_middle);
+    return view.threshold_px.x + (view.threshold_px.z - view.threshold_px.x) * min(share, 1.0);
+}
+
+// Projected edge in thresholds.
+fn importance(eye: EyeUniform, center: vec3<f32>, edge: f32) -> f32 {
+    let from_eye = center - eye.eye_in_head;
+    let gap = max(abs(from_eye) - vec3<f32>(0.5 * edge), vec3<f32>(0.0));
+    let distance = max(sqrt(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z), view.near);
+    let edge_px = edge * eye.pixels_per_radian / distance;
+    return edge_px / threshold_px(eye.gaze_in_head, from_eye, RADIUS * edge);
+}
+
+// A share, 0 to 1, of all points as a node's state; at least one point.
+fn state_of(share: f32) -> u32 {
+    if share >= 1.0 {
+        return DRAWN_WHOLE;
+    }
+    return (min(u32(share * 16777216.0), 16777215u) << 8u) | 255u;
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&nodes) {
+        return;
+    }
+    let node = nodes[id.x];
+    if (node.flags & NODE_WHOLE) != 0u {
+        states[id.x] = DRAWN_WHOLE;
+        return;
+    }
+    let center = vec3<f32>(0.5 * node.edge) - (view.head_hi - node.min_hi) - (view.head_lo - node.min_lo);
+    var largest = importance(view.eyes[0], center, node.edge);
+    if NUM_EYES == 2u {
+        largest = max(largest, importance(view.eyes[1], center, node.edge));
+    }
+    var state = 0u;
+    if (node.flags & NODE_ROOT) != 0u {
+        // Always drawn; with points by its area once it is small, or a pixel would get too many.
+        state = state_of(largest * largest);
+    } else if (view.lod_flags & LOD_FADE) != 0u {
+        if largest > FADE_BEGIN {
+            state = state_of((largest - FADE_BEGIN) / (FADE_END - FADE_BEGIN));
+        }
+    } else if largest >= select(1.0, HYSTERESIS, states[id.x] != 0u) {
+        state = DRAWN_WHOLE;
+    }
+    states[id.x] = state;
+}

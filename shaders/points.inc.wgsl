@@ -1,0 +1,152 @@
+// What the geometry stages share: a workgroup a visible batch, a thread POINTS_PER_LOAD points at a time, each
+// point read and decoded once and put into both eyes' pixels. [2022 §3.2 to 3.4]
+//
+// A stage adds its targets from binding 5 on, and what it does with a point in a pixel:
+//   fn put_left(pixel: u32, w: f32, id: u32), fn put_right(pixel: u32, w: f32, id: u32)
+// `w` is linear depth, whose IEEE bits order like the number itself; `id` is twice the point's number in the chunk,
+// and one more if its filtered color counts.
+
+@group(0) @binding(0) var<uniform> view: ViewUniform;
+@group(0) @binding(1) var<storage, read> visible: array<VisibleBatch>;
+@group(0) @binding(2) var<storage, read> plane_hi: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> plane_mid: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> plane_lo: array<vec4<u32>>;
+
+const MASK: u32 = (1u << PLANE_BITS) - 1u;
+
+// Points inside the eye's image have a pixel number; the others NO_PIXEL.
+const NO_PIXEL: u32 = 0xffffffffu;
+
+/// Cells that a box edge has.
+const CELLS: f32 = 1073741824.0;
+
+struct Projected {
+    pixel: vec4<u32>,
+    w: vec4<f32>,
+}
+
+fn row(r: vec4<f32>, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<f32> {
+    return r.x * x + r.y * y + r.z * z + r.w;
+}
+
+fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool>) -> Projected {
+    let w = row(view.eyes[eye].row_w, x, y, z);
+    let per_w = 1.0 / w;
+    let u = row(view.eyes[eye].row_x, x, y, z) * per_w;
+    let v = row(view.eyes[eye].row_y, x, y, z) * per_w;
+    let size = view.eyes[eye].size_px;
+    let inside = exists & (w > vec4<f32>(view.near)) & (u >= vec4<f32>(0.0)) & (u < vec4<f32>(size.x))
+        & (v >= vec4<f32>(0.0)) & (v < vec4<f32>(size.y));
+    let pixel = vec4<u32>(v) * view.eyes[eye].width + vec4<u32>(u);
+    return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), w);
+}
+
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    if eye == 0u {
+        put_left(pixel, w, id);
+    } else {
+        put_right(pixel, w, id);
+    }
+}
+
+// A point that is `diameter` world units wide, as a square of pixels round its own.
+fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32) {
+    if pixel == NO_PIXEL {
+        return;
+    }
+    let side = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
+    let radius = u32(ceil(clamp(0.5 * (side - view.fill_reach_px), 0.0, f32(MAX_FILL_RADIUS))));
+    let width = view.eyes[eye].width;
+    let x = pixel % width;
+    let y = pixel / width;
+    let end = vec2<u32>(min(x + radius + 1u, width), min(y + radius + 1u, view.eyes[eye].height));
+    for (var v = y - min(y, radius); v < end.y; v += 1u) {
+        for (var u = x - min(x, radius); u < end.x; u += 1u) {
+            put(eye, v * width + u, w, id);
+        }
+    }
+}
+
+fn draw(eye: u32, p: Projected, id: vec4<u32>, diameter: vec4<f32>, is_wide: bool) {
+    if FILL && is_wide {
+        for (var i = 0u; i < POINTS_PER_LOAD; i += 1u) {
+            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i]);
+        }
+        return;
+    }
+    if p.pixel.x != NO_PIXEL {
+        put(eye, p.pixel.x, p.w.x, id.x);
+    }
+    if p.pixel.y != NO_PIXEL {
+        put(eye, p.pixel.y, p.w.y, id.y);
+    }
+    if p.pixel.z != NO_PIXEL {
+        put(eye, p.pixel.z, p.w.z, id.z);
+    }
+    if p.pixel.w != NO_PIXEL {
+        put(eye, p.pixel.w, p.w.w, id.w);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let batch = visible[group.x];
+    let planes = batch.flags & 3u;
+    let is_wide = (batch.flags & VISIBLE_FILL) != 0u;
+    let first_load = batch.first_point / POINTS_PER_LOAD;
+    let num_loads = (batch.num_points + POINTS_PER_LOAD - 1u) / POINTS_PER_LOAD;
+
+    for (var load = thread; load < num_loads; load += WORKGROUP_SIZE) {
+        let hi = plane_hi[first_load + load];
+        // Bits that are not read stand at half: the centre of the coarser cell.
+        var x = ((hi & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+        var y = (((hi >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+        var z = ((hi >> vec4<u32>(20u)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+        if planes >= 2u {
+            let mid = plane_mid[first_load + load];
+            x = (x & vec4<u32>(0xfff00000u)) | ((mid & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+            y = (y & vec4<u32>(0xfff00000u)) | (((mid >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+            z = (z & vec4<u32>(0xfff00000u)) | ((mid >> vec4<u32>(20u)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+        }
+        if planes == 3u {
+            let lo = plane_lo[first_load + load];
+            x = (x & vec4<u32>(0xfffffc00u)) | (lo & vec4<u32>(MASK));
+            y = (y & vec4<u32>(0xfffffc00u)) | ((lo >> vec4<u32>(10u)) & vec4<u32>(MASK));
+            z = (z & vec4<u32>(0xfffffc00u)) | (lo >> vec4<u32>(20u));
+        }
+        // The integer difference is exact: see VisibleBatch.
+        let px = vec4<f32>(vec4<i32>(x) - batch.head_cell.x) * batch.cell.x + batch.offset.x;
+        let py = vec4<f32>(vec4<i32>(y) - batch.head_cell.y) * batch.cell.y + batch.offset.y;
+        let pz = vec4<f32>(vec4<i32>(z) - batch.head_cell.z) * batch.cell.z + batch.offset.z;
+
+        let number = vec4<u32>(load * POINTS_PER_LOAD) + vec4<u32>(0u, 1u, 2u, 3u);
+        let rank = reverseBits(number);
+        var exists = number < vec4<u32>(batch.num_points);
+        if batch.drawn != DRAWN_WHOLE {
+            exists = exists & (rank < vec4<u32>(batch.drawn));
+        }
+        // The octant says of which child the color and the spacing depend.
+        let octant = (x >> vec4<u32>(29u)) | ((y >> vec4<u32>(29u)) << vec4<u32>(1u)) | ((z >> vec4<u32>(29u)) << vec4<u32>(2u));
+        var id = (vec4<u32>(batch.first_point) + number) << vec4<u32>(1u);
+        if (batch.own.x & batch.own.y) != 0xffffffffu {
+            let word = select(vec4<u32>(batch.own.x), vec4<u32>(batch.own.y), octant >= vec4<u32>(4u));
+            let own = (word >> ((octant & vec4<u32>(3u)) << vec4<u32>(3u))) & vec4<u32>(255u);
+            let is_filtered = (own != vec4<u32>(255u)) & ((rank >> vec4<u32>(24u)) >= own);
+            id |= select(vec4<u32>(0u), vec4<u32>(1u), is_filtered);
+        }
+        var diameter = vec4<f32>(0.0);
+        if FILL && is_wide {
+            let edge = FILL_OVERLAP * (CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z)));
+            for (var i = 0u; i < POINTS_PER_LOAD; i += 1u) {
+                let pair = unpack2x16float(batch.spacing[octant[i] >> 1u]);
+                diameter[i] = edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u);
+            }
+        }
+        if (batch.flags & 16u) != 0u {
+            draw(0u, project(0u, px, py, pz, exists), id, diameter, is_wide);
+        }
+        if NUM_EYES == 2u && (batch.flags & 32u) != 0u {
+            draw(1u, project(1u, px, py, pz, exists), id, diameter, is_wide);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Presets: configurations that come with the program, by name. Files below `config/`, like those that users write.
+
+use super::ConfigError;
+use super::assign::{Assignment, in_file};
+use std::path::Path;
+
+/// Settings under a name.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// What `--preset` calls it.
+    pub name: &'static str,
+    /// TOML.
+    pub text: &'static str,
+}
+
+/// All presets: how to draw, then which headset to simulate.
+pub const PRESETS: [Preset; 7] = [
+    Preset { name: "plain", text: include_str!("../../config/plain.toml") },
+    Preset { name: "quality", text: include_str!("../../config/quality.toml") },
+    Preset { name: "balanced", text: include_str!("../../config/balanced.toml") },
+    Preset { name: "performance", text: include_str!("../../config/performance.toml") },
+    Preset { name: "valve-index", text: include_str!("../../config/valve-index.toml") },
+    Preset { name: "meta-quest-3", text: include_str!("../../config/meta-quest-3.toml") },
+    Preset { name: "bigscreen-beyond-2", text: include_str!("../../config/bigscreen-beyond-2.toml") },
+];
+
+/// All assignments of the preset called `name`.
+pub(super) fn in_preset(name: &str) -> Result<Vec<Assignment>, ConfigError> {
+    match PRESETS.iter().find(|preset| preset.name == name) {
+        Some(preset) => in_file(Path::new(&format!("preset {name}")), preset.text),
+        None => {
+            let names = PRESETS.map(|preset| preset.name).join(", ");
+            Err(ConfigError::UnknownPreset { name: name.to_owned(), names })
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What a frame is to look like: the settings that the stages, on the GPU and as twins, go by.
+
+use crate::config::{Config, Dilate, Precision, Quality};
+use crate::layout::Detail;
+
+/// What a frame is to look like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// What a pixel shows of the points in it.
+    pub quality: Quality,
+    /// How gaps between points are filled.
+    pub dilate: Dilate,
+    /// Colour where no point is, as stored.
+    pub background: [u8; 3],
+    /// How much of the cloud is drawn.
+    pub detail: Detail,
+}
+
+impl Look {
+    /// As the settings say.
+    #[must_use]
+    pub fn of(config: &Config) -> Self {
+        let frame = &config.frame;
+        // The smallest kernel bridges two empty pixels.
+        let reach_px = if frame.dilate == Dilate::Rings { 3.0 } else { 1.0 };
+        let detail = Detail {
+            forced_planes: if frame.precision == Precision::Full { 3 } else { 0 },
+            threshold_px: config.lod.threshold_px.map(|px| px as f32),
+            ring_rad: config.fovea.ring_deg.map(f64::to_radians),
+            smooth: config.fovea.smooth,
+            fade: config.lod.fade,
+            fill_reach_px: frame.fill.then_some(reach_px),
+        };
+        Self { quality: frame.quality, dilate: frame.dilate, background: frame.background, detail }
+    }
+
+    /// The background as the stages have it: r | g≪8 | b≪16 | 255≪24.
+    #[must_use]
+    pub fn background_word(&self) -> u32 {
+        let [r, g, b] = self.background;
+        u32::from_le_bytes([r, g, b, 255])
+    }
+}

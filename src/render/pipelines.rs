@@ -1,0 +1,126 @@
+//! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
+
+use super::shaders;
+use crate::gpu::stage::{Bindings, Stage, shader_module};
+use crate::gpu::{Atomics, Gpu};
+use crate::layout::{Sums, Variant};
+
+/// Every pipeline that a renderer may need.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pub clear: Stage,
+    pub lod: Stage,
+    pub cull: Stage,
+    pub closest: Closest,
+    /// Of each form of sums that the GPU can do.
+    pub hqs: Vec<Hqs>,
+    pub image: Image,
+}
+
+/// The point stages of `closest` quality.
+#[derive(Debug)]
+pub(super) struct Closest {
+    pub depth: Stage,
+    /// Where depth and id do not fit one atomic.
+    pub ids: Option<Stage>,
+    pub shade: Stage,
+}
+
+/// The point stages of `hqs` quality.
+#[derive(Debug)]
+pub(super) struct Hqs {
+    pub sums: Sums,
+    pub depth: Stage,
+    pub color: Stage,
+    pub blend: Stage,
+}
+
+/// The pass that writes an eye's image.
+#[derive(Debug)]
+pub(super) struct Image {
+    pub pipeline: wgpu::RenderPipeline,
+    pub bindings: Bindings,
+}
+
+/// What the pipelines are made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct For {
+    pub num_eyes: u32,
+    pub fill: bool,
+    pub atomics: Atomics,
+    pub color_format: wgpu::TextureFormat,
+    pub depth_format: Option<wgpu::TextureFormat>,
+}
+
+impl Pipelines {
+    pub fn new(gpu: &Gpu, what: For) -> Self {
+        let For { num_eyes, fill, atomics, .. } = what;
+        let keys = atomics >= Atomics::Int64Minmax;
+        let variant = Variant { num_eyes, fill, sums: Sums::Packed, keys };
+        let stage = |name, variant| Stage::new(gpu, name, &shaders::source(name, variant));
+        let hqs = |sums| {
+            let variant = Variant { sums, ..variant };
+            let color = if sums == Sums::Wide { "color32" } else { "color" };
+            Hqs {
+                sums,
+                depth: stage("depth32", variant),
+                color: stage(color, variant),
+                blend: stage("blend", variant),
+            }
+        };
+        let forms: &[Sums] =
+            if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected] } else { &[Sums::Wide] };
+        Self {
+            clear: stage("clear", variant),
+            lod: stage("lod", variant),
+            cull: stage("cull", variant),
+            closest: Closest {
+                depth: stage(if keys { "depth" } else { "depth32" }, variant),
+                ids: (!keys).then(|| stage("ids", variant)),
+                shade: stage("shade", variant),
+            },
+            hqs: forms.iter().map(|&sums| hqs(sums)).collect(),
+            image: Image::new(gpu, what, &shaders::source("resolve", variant)),
+        }
+    }
+}
+
+impl Image {
+    fn new(gpu: &Gpu, what: For, wgsl: &str) -> Self {
+        let module = shader_module(&gpu.device, "resolve", wgsl);
+        let entry = if what.depth_format.is_some() { "fragment_with_depth" } else { "fragment" };
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("resolve"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(what.color_format.into())],
+            }),
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: what.depth_format.map(|format| wgpu::DepthStencilState {
+                format,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Always),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            multiview_mask: None,
+            cache: None,
+        });
+        Self { pipeline, bindings: Bindings::of("resolve", wgsl) }
+    }
+
+    /// A bind group for the pass.
+    pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource)]) -> wgpu::BindGroup {
+        self.bindings.bind(&gpu.device, "resolve", &self.pipeline.get_bind_group_layout(0), resources)
+    }
+}

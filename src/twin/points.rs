@@ -1,0 +1,110 @@
+//! Twin of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
+
+use super::cull::shares;
+use crate::layout::{
+    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, VISIBLE_FILL, ViewUniform,
+    VisibleBatch,
+};
+
+/// Cells that a box edge has.
+const CELLS: f32 = 1_073_741_824.0;
+
+/// A point in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Put {
+    /// 0 left, 1 right.
+    pub eye: usize,
+    /// Number of the pixel, row by row.
+    pub pixel: usize,
+    /// Linear depth.
+    pub w: f32,
+    /// Twice the point's number, and one more if its filtered colour counts.
+    pub id: u32,
+}
+
+/// Hands every point in every pixel to `put`. `planes` are the chunk's; with `fill`, points may cover several.
+pub fn points(
+    view: &ViewUniform,
+    num_eyes: usize,
+    visible: &[VisibleBatch],
+    planes: [&[u32]; 3],
+    fill: bool,
+    put: &mut dyn FnMut(Put),
+) {
+    for batch in visible {
+        for i in 0..batch.num_points {
+            let rank = i.reverse_bits();
+            if batch.drawn != DRAWN_WHOLE && rank >= batch.drawn {
+                continue;
+            }
+            let index = batch.first_point + i;
+            let words = planes.map(|p| p[index as usize]);
+            let cells = cells(batch.flags & 3, words);
+            let p_in_head = p_in_head(batch, cells);
+            let octant = (cells[0] >> 29 | cells[1] >> 29 << 1 | cells[2] >> 29 << 2) as usize;
+            let own = batch.own[octant / 4] >> (8 * (octant % 4)) & 255;
+            let is_filtered = own != 255 && rank >> 24 >= own;
+            let id = index << 1 | u32::from(is_filtered);
+            let edge = FILL_OVERLAP * (CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2])));
+            let diameter = edge * shares(batch.spacing)[octant];
+            for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
+                if batch.flags & 16 << eye == 0 {
+                    continue;
+                }
+                let Some((pixel, w)) = project(uniform, view.near, p_in_head) else { continue };
+                if fill && batch.flags & VISIBLE_FILL != 0 {
+                    let side = diameter * uniform.pixels_per_radian * (1.0 / w);
+                    let radius = (0.5 * (side - view.fill_reach_px)).clamp(0.0, MAX_FILL_RADIUS as f32);
+                    square(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
+                        put(Put { eye, pixel, w, id });
+                    });
+                } else {
+                    put(Put { eye, pixel, w, id });
+                }
+            }
+        }
+    }
+}
+
+/// The pixels of a square round a pixel, cut at the image's edges.
+fn square(eye: &EyeUniform, pixel: usize, radius: usize, each: &mut dyn FnMut(usize)) {
+    let (width, height) = (eye.width as usize, eye.height as usize);
+    let (x, y) = (pixel % width, pixel / width);
+    for v in y.saturating_sub(radius)..(y + radius + 1).min(height) {
+        for u in x.saturating_sub(radius)..(x + radius + 1).min(width) {
+            each(v * width + u);
+        }
+    }
+}
+
+/// Cell numbers from the planes that are read; bits that are not read stand at half.
+#[must_use]
+pub fn cells(num_planes: u32, [hi, mid, lo]: [u32; 3]) -> [i32; 3] {
+    let mask = (1 << PLANE_BITS) - 1;
+    std::array::from_fn(|axis| {
+        let part = |plane: u32| plane >> (PLANE_BITS * axis as u32) & mask;
+        let cell = match num_planes {
+            1 => part(hi) << 20 | 0x80000,
+            2 => part(hi) << 20 | part(mid) << 10 | 0x200,
+            _ => part(hi) << 20 | part(mid) << 10 | part(lo),
+        };
+        cell as i32
+    })
+}
+
+/// Position of a cell in head space.
+#[must_use]
+pub fn p_in_head(batch: &VisibleBatch, cells: [i32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| (cells[i] - batch.head_cell[i]) as f32 * batch.cell[i] + batch.offset[i])
+}
+
+/// Pixel number and linear depth of a point, if the eye sees it.
+#[must_use]
+pub fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<(usize, f32)> {
+    let row = |r: [f32; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
+    let w = row(eye.row_w);
+    let per_w = 1.0 / w;
+    let (u, v) = (row(eye.row_x) * per_w, row(eye.row_y) * per_w);
+    let inside = w > near && u >= 0.0 && u < eye.size_px[0] && v >= 0.0 && v < eye.size_px[1];
+    inside.then(|| (v as usize * eye.width as usize + u as usize, w))
+}

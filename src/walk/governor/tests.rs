@@ -1,0 +1,370 @@
+//! The governor against scripted loads: frames that take as long as a model says, with noise, whose times come
+//! back three frames late.
+
+use super::*;
+use std::collections::VecDeque;
+
+const PERIOD_MS: f32 = 1000.0 / 90.0;
+const TARGET_MS: f32 = 0.8 * PERIOD_MS;
+/// Frames until a frame's time is known.
+const LATENCY: usize = 3;
+
+/// What a frame costs: milliseconds at full quality.
+#[derive(Clone, Copy, Debug)]
+struct Load {
+    base: f32,
+    points: f32,
+    pixels: f32,
+    /// Of points and pixels, what `hqs` adds.
+    hqs: f32,
+}
+
+impl Load {
+    /// The usual shares, `times` the target.
+    fn of(times: f32) -> Self {
+        let whole = times * TARGET_MS;
+        Self { base: 0.1 * whole, points: 0.4 * whole, pixels: 0.2 * whole, hqs: 0.5 }
+    }
+
+    fn ms(&self, settings: &Settings) -> f32 {
+        let points = self.points / settings.lod_scale.powi(2);
+        let pixels = self.pixels * settings.resolution_scale.powi(2);
+        let shading = if settings.quality == Quality::Hqs { 1.0 + self.hqs } else { 1.0 };
+        self.base + (points + pixels) * shading
+    }
+}
+
+/// Whoever decides about settings.
+trait Decides {
+    fn begin(&mut self, frame: u64) -> Settings;
+    fn observe(&mut self, frame: u64, gpu_ms: f32, budget_ms: f32) -> Option<Step>;
+}
+
+impl Decides for Governor {
+    fn begin(&mut self, frame: u64) -> Settings {
+        self.begin(frame)
+    }
+    fn observe(&mut self, frame: u64, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
+        self.observe(frame, gpu_ms, budget_ms)
+    }
+}
+
+/// No dead band, no patience, no memory: down a rung when too slow, up when not.
+struct Naive(Governor);
+
+impl Decides for Naive {
+    fn begin(&mut self, _frame: u64) -> Settings {
+        self.0.settings()
+    }
+    fn observe(&mut self, _frame: u64, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
+        let Self(Governor { at, ladder, budget, .. }) = self;
+        let target_ms = *budget * budget_ms;
+        let from = ladder[*at].settings;
+        *at = if gpu_ms > target_ms { (*at + 1).min(ladder.len() - 1) } else { at.saturating_sub(1) };
+        let to = ladder[*at].settings;
+        (from != to).then_some(Step { from, to, gpu_ms, target_ms })
+    }
+}
+
+/// A walk: frames go by, their times come back late.
+struct Run<D> {
+    governor: D,
+    frame: u64,
+    in_flight: VecDeque<(u64, f32)>,
+    /// Frame at which it happened, and the step.
+    steps: Vec<(u64, Step)>,
+    random: u64,
+    /// Share by which a frame's time is off.
+    noise: f32,
+}
+
+impl<D: Decides> Run<D> {
+    fn new(governor: D, noise: f32, seed: u64) -> Self {
+        let random = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        Self { governor, frame: 0, in_flight: VecDeque::new(), steps: Vec::new(), random, noise }
+    }
+
+    /// −1 to 1.
+    fn random(&mut self) -> f32 {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        (self.random >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    /// One frame that takes what `ms` makes of its settings and number; its true time.
+    fn frame(&mut self, ms: impl FnOnce(&Settings, u64) -> f32) -> f32 {
+        let settings = self.governor.begin(self.frame);
+        let true_ms = ms(&settings, self.frame);
+        let measured_ms = true_ms * (1.0 + self.noise * self.random());
+        self.in_flight.push_back((self.frame, measured_ms));
+        if self.in_flight.len() > LATENCY
+            && let Some((frame, gpu_ms)) = self.in_flight.pop_front()
+            && let Some(step) = self.governor.observe(frame, gpu_ms, PERIOD_MS)
+        {
+            self.steps.push((self.frame, step));
+        }
+        self.frame += 1;
+        true_ms
+    }
+
+    /// `frames` under one load; the last frame's true time.
+    fn under(&mut self, load: Load, frames: usize) -> f32 {
+        (0..frames).map(|_| self.frame(|settings, _| load.ms(settings))).last().unwrap()
+    }
+
+    fn steps_since(&self, frame: u64) -> usize {
+        self.steps.iter().filter(|(at, _)| *at >= frame).count()
+    }
+}
+
+fn governor() -> Governor {
+    Governor::new(&Config::default())
+}
+
+fn calm(governor: Governor) -> Run<Governor> {
+    Run::new(governor, 0.0, 1)
+}
+
+fn noisy(seed: u64) -> Run<Governor> {
+    Run::new(governor(), 0.1, seed)
+}
+
+const BEST: Settings = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality: Quality::Hqs };
+const CHEAPEST: Settings = Settings { lod_scale: 3.0, resolution_scale: 0.6, quality: Quality::Closest };
+
+#[test]
+fn half_the_load_costs_nothing() {
+    let mut run = noisy(1);
+    run.under(Load::of(0.5), 3000);
+    assert!(run.steps.is_empty());
+    assert_eq!(run.governor.settings(), BEST);
+}
+
+#[test]
+fn overload_is_gone_within_a_second() {
+    for times in [1.5, 3.0] {
+        for seed in 1..=8 {
+            let mut run = noisy(seed);
+            run.under(Load::of(times), 90);
+            let ms = run.under(Load::of(times), 1);
+            assert!(ms <= TARGET_MS, "{times}: {ms} ms, {:?}", run.steps);
+            // The first step came at once: some frames for the times to return, some to be sure.
+            assert!(run.steps[0].0 < 10, "{:?}", run.steps);
+            assert!(run.steps.iter().take_while(|(_, step)| step.is_down()).count() <= 6);
+        }
+    }
+    // More overload, bigger steps.
+    let first = |times| {
+        let mut run = calm(governor());
+        run.under(Load::of(times), 20);
+        run.steps[0].1.to.lod_scale
+    };
+    assert!(first(1.1) < first(1.5) && first(1.5) < first(3.0));
+}
+
+#[test]
+fn hopeless_overload_ends_at_the_cheapest() {
+    let mut run = noisy(3);
+    run.under(Load::of(50.0), 3000);
+    assert_eq!(run.governor.settings(), CHEAPEST);
+    assert!(run.steps.len() <= 8, "{:?}", run.steps);
+}
+
+/// Most steps in 2000 frames that do not count as oscillation.
+const STEADY: usize = 8;
+
+/// Steps in the 2000 frames after the first 1000.
+fn steps_when_settled<D: Decides>(mut run: Run<D>, load: Load) -> usize {
+    run.under(load, 1000);
+    run.under(load, 2000);
+    run.steps_since(1000)
+}
+
+#[test]
+fn a_steady_load_is_left_alone() {
+    for tenths in 5..60 {
+        for seed in 1..=4 {
+            let times = 0.1 * tenths as f32;
+            let steps = steps_when_settled(noisy(seed), Load::of(times));
+            assert!(steps <= STEADY, "{times} times the target: {steps} steps");
+        }
+    }
+    // A governor without dead band is caught.
+    for tenths in [11, 15, 30] {
+        let naive = Run::new(Naive(governor()), 0.1, 1);
+        let steps = steps_when_settled(naive, Load::of(0.1 * tenths as f32));
+        assert!(steps > 10 * STEADY, "{steps}");
+    }
+}
+
+/// Where a rung saves more than anybody expects, a step up fails again and again: ever more seldom.
+#[test]
+fn steps_up_that_fail_become_seldom() {
+    // All in the points, and quality much dearer than thought.
+    let cliff = Load { base: 0.2 * TARGET_MS, points: 4.0 * TARGET_MS, pixels: 0.1 * TARGET_MS, hqs: 6.0 };
+    let points = Load { base: 0.0, points: 2.5 * TARGET_MS, pixels: 0.0, hqs: 0.0 };
+    for load in [cliff, points] {
+        let mut run = noisy(5);
+        run.under(load, 10_000);
+        let fails: Vec<u64> =
+            run.steps.windows(2).filter(|w| !w[0].1.is_down() && w[1].1.is_down()).map(|w| w[1].0).collect();
+        assert!(fails.len() <= 8, "{fails:?}");
+        assert!(run.steps_since(5000) <= 8, "{:?}", run.steps);
+    }
+}
+
+#[test]
+fn all_is_given_back_when_the_load_is_gone_but_slower_than_it_was_taken() {
+    for seed in 1..=4 {
+        let mut run = noisy(seed);
+        run.under(Load::of(50.0), 500);
+        let taken = run.steps.iter().rfind(|(_, step)| step.to == CHEAPEST).expect("it took all").0;
+        run.under(Load::of(0.3), 1500);
+        assert_eq!(run.governor.settings(), BEST, "{:?}", run.steps);
+        let given_back = run.steps.last().unwrap().0 - 500;
+        assert!(given_back > 4 * taken, "taken in {taken} frames, given back in {given_back}");
+        let mut again = run.steps.iter().filter(|(at, _)| *at > 500);
+        assert!(again.all(|(_, step)| !step.is_down()));
+    }
+}
+
+/// As much as fits is given back, even where the rungs in between save next to nothing.
+#[test]
+fn what_saves_nothing_is_given_back() {
+    let after = |base| Load { base, points: 0.02 * TARGET_MS, pixels: 0.02 * TARGET_MS, hqs: 0.1 };
+    let mut run = calm(governor());
+    run.under(Load::of(50.0), 500);
+    run.under(after(0.6 * TARGET_MS), 3000);
+    assert_eq!(run.governor.settings(), BEST, "{:?}", run.steps.last());
+    let mut config = Config::default();
+    config.frame.quality = Quality::Closest;
+    let mut run = calm(Governor::new(&config));
+    run.under(Load::of(50.0), 500);
+    run.under(after(0.85 * TARGET_MS), 5000);
+    assert_eq!(run.governor.settings(), Settings { quality: Quality::Closest, ..BEST }, "{:?}", run.steps);
+}
+
+#[test]
+fn spikes_do_nothing() {
+    let mut run = noisy(2);
+    for _ in 0..2000 {
+        run.frame(|settings, frame| {
+            let usual = Load::of(0.85).ms(settings);
+            if frame % 10 == 7 { 5.0 * usual } else { usual }
+        });
+    }
+    assert!(run.steps.is_empty(), "{:?}", run.steps);
+    // Spikes that are the rule do something.
+    for _ in 0..100 {
+        run.frame(|settings, frame| Load::of(0.85).ms(settings) * if frame % 2 == 1 { 5.0 } else { 1.0 });
+    }
+    assert!(!run.steps.is_empty());
+}
+
+#[test]
+fn times_that_are_not_known_do_nothing() {
+    for unknown in [f32::NAN, f32::INFINITY] {
+        let mut run = calm(governor());
+        for _ in 0..500 {
+            run.frame(|_, _| unknown);
+        }
+        assert!(run.steps.is_empty());
+        // Between known ones they are passed over.
+        for _ in 0..100 {
+            run.frame(|settings, frame| if frame % 2 == 0 { unknown } else { Load::of(3.0).ms(settings) });
+        }
+        assert!(!run.steps.is_empty());
+        assert!(run.steps.iter().all(|(_, step)| step.gpu_ms.is_finite()));
+    }
+    let mut governor = governor();
+    for frame in 0..100 {
+        governor.begin(frame);
+        assert_eq!(governor.observe(frame, 50.0, f32::NAN), None);
+        assert_eq!(governor.observe(frame, 50.0, 0.0), None);
+    }
+}
+
+#[test]
+fn frames_of_other_settings_do_not_count() {
+    let mut governor = governor();
+    let step = |governor: &mut Governor, frames: std::ops::Range<u64>| {
+        frames.filter_map(|frame| governor.observe(frame, 20.0, PERIOD_MS)).count()
+    };
+    for frame in 0..20 {
+        governor.begin(frame);
+    }
+    // Twenty frames are on their way when the times of the first come back: one step, not four.
+    assert_eq!(step(&mut governor, 0..20), 1);
+    governor.begin(20);
+    assert_eq!(step(&mut governor, 20..20 + ENOUGH as u64), 1);
+}
+
+#[test]
+fn the_order_is_level_of_detail_then_resolution_then_closest_and_back() {
+    let mut run = calm(governor());
+    // The load grows slowly, so that every rung is seen, and shrinks again.
+    for frame in 0..6000 {
+        let times = 0.5 + 0.005 * frame as f32;
+        run.frame(|settings, _| Load::of(times).ms(settings));
+    }
+    assert_eq!(run.governor.settings(), CHEAPEST);
+    run.under(Load::of(0.1), 2000);
+    assert_eq!(run.governor.settings(), BEST);
+    let mut previous = BEST;
+    for (_, Step { from, to, .. }) in &run.steps {
+        assert_eq!(*from, previous);
+        for settings in [from, to] {
+            assert!(settings.resolution_scale == 1.0 || settings.lod_scale == 3.0, "{settings:?}");
+            assert!(settings.quality == Quality::Hqs || settings.resolution_scale == 0.6, "{settings:?}");
+        }
+        previous = *to;
+    }
+    let resolutions: Vec<f32> = run.steps.iter().map(|(_, step)| step.to.resolution_scale).collect();
+    assert!(RESOLUTION_SCALES.iter().all(|scale| resolutions.contains(scale)), "{resolutions:?}");
+}
+
+#[test]
+fn what_is_off_is_skipped() {
+    let config = |change: &dyn Fn(&mut Config)| {
+        let mut config = Config::default();
+        change(&mut config);
+        Governor::new(&config)
+    };
+    let mut flat = calm(config(&|config| config.lod.enabled = false));
+    flat.under(Load::of(1.5), 300);
+    assert!(flat.steps.iter().all(|(_, step)| step.to.lod_scale == 1.0) && !flat.steps.is_empty());
+    assert!(flat.steps[0].1.to.resolution_scale < 1.0);
+    let mut closest = calm(config(&|config| config.frame.quality = Quality::Closest));
+    closest.under(Load::of(50.0), 1000);
+    assert_eq!(closest.governor.settings(), CHEAPEST);
+    assert!(closest.steps.iter().all(|(_, step)| step.from.quality == Quality::Closest));
+    let mut off = calm(config(&|config| config.governor.enabled = false));
+    off.under(Load::of(50.0), 1000);
+    assert!(off.steps.is_empty() && off.governor.settings() == BEST);
+}
+
+#[test]
+fn images_shrink_to_even_sizes() {
+    let scaled = |resolution_scale| Settings { resolution_scale, ..BEST };
+    assert_eq!(scaled(1.0).drawn_px([1441, 1601]), [1441, 1601], "all of it, odd or not");
+    assert_eq!(scaled(0.6).drawn_px([1440, 1600]), [864, 960]);
+    for scale in RESOLUTION_SCALES {
+        for full in [[2468, 2740], [1441, 1601], [3, 2], [1, 1]] {
+            let drawn = scaled(scale).drawn_px(full);
+            for (drawn, full) in drawn.into_iter().zip(full) {
+                assert!(drawn <= full && drawn >= 1 && (drawn % 2 == 0 || full == 1), "{drawn} of {full}");
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_say_why() {
+    let to = Settings { lod_scale: 1.32, ..BEST };
+    let down = Step { from: BEST, to, gpu_ms: 13.2, target_ms: 8.889 };
+    let sentence = "frames take 13.20 ms of the GPU, more than the 8.89 ms aimed at: LOD scale 1 → 1.32";
+    assert_eq!(down.to_string(), sentence);
+    let up = Step { from: CHEAPEST, to: Settings { quality: Quality::Hqs, ..CHEAPEST }, gpu_ms: 3.0, ..down };
+    assert!(up.to_string().ends_with("with room to spare in the 8.89 ms aimed at: quality closest → hqs"));
+}
