@@ -53,9 +53,49 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
     let refused = render(Some(&driver), &scan, place, &out, &["--set", "gpu.tier=int64"]);
     let words = last_words(&refused);
     assert_eq!(refused.status.code(), Some(1), "{words}");
-    assert!(words.contains("'SwiftShader") && words.contains("it lacks 64-bit"), "{words}");
+    assert!(words.contains("'SwiftShader") && words.contains("has no int64; its best is int32"), "{words}");
     assert!(!out.exists());
     // The sentence is about this driver: the machine's own draws the same picture.
     let drawn = render(None, &scan, place, &out, &["--set", "gpu.tier=int64"]);
     assert!(drawn.status.success() && out.exists(), "{}", last_words(&drawn));
+}
+
+/// The picture and the name of the GPU that drew it.
+fn drawn(
+    driver: Option<&Path>,
+    scan: &Path,
+    place: &Viewpoint,
+    quality: &str,
+    folder: &Path,
+) -> (Vec<u8>, String) {
+    let (out, metrics) = (folder.join("out.png"), folder.join("metrics.json"));
+    let metrics_path = metrics.to_str().expect("a path of ours");
+    let more = ["--set", "gpu.tier=int32", "--quality", quality, "--metrics", metrics_path];
+    let output = render(driver, scan, place, &out, &more);
+    assert!(output.status.success(), "{}", last_words(&output));
+    let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the picture"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
+    reader.next_frame(&mut pixels).expect("a whole PNG");
+    let metrics = std::fs::read(&metrics).expect("the figures");
+    let metrics: serde_json::Value = serde_json::from_slice(&metrics).expect("JSON");
+    (pixels, metrics["device"].as_str().expect("a name").to_owned())
+}
+
+#[test]
+fn both_drivers_draw_the_same_picture() {
+    let Some(driver) = second_driver() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = courtyard(folder.path());
+    let places = synth::viewpoints(Kind::Terrestrial);
+    let views = [(&places[0], "closest"), (&places[1], "closest"), (&places[1], "hqs")];
+    let pictures = views.map(|(place, quality)| {
+        let (own, own_name) = drawn(None, &scan, place, quality, folder.path());
+        let (second, second_name) = drawn(Some(&driver), &scan, place, quality, folder.path());
+        assert!(second_name.contains("SwiftShader") && !own_name.contains("SwiftShader"));
+        assert!(own == second, "{}, {quality}: {own_name} and {second_name} differ", place.name);
+        second
+    });
+    // The comparison can fail: places and qualities differ.
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
 }

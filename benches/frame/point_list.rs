@@ -9,7 +9,7 @@ use scanwalk::gpu::timer::Timer;
 use scanwalk::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
 use scanwalk::layout::BATCH_POINTS;
 use scanwalk::space::{Eye, Split, View};
-use scanwalk::twin::depth::cells;
+use scanwalk::twin::points::cells;
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
 

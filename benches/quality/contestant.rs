@@ -6,11 +6,13 @@ use super::scene::Scene;
 use super::supersample::{self, FACTOR};
 use anyhow::{Context, Result};
 use scanwalk::cloud::Cloud;
+use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality, Tier};
 use scanwalk::gpu::{Gpu, readback};
+use scanwalk::look::Look;
 use scanwalk::progress::Progress;
-use scanwalk::render::{CloudBuffers, Renderer};
+use scanwalk::render::{self, CloudBuffers, EyeImage, Renderer, Setup};
 use scanwalk::space::View;
-use scanwalk::twin::depth::depth_of;
+use scanwalk::twin::resolve::{Pixel, depth_of};
 use std::sync::Arc;
 
 /// What nothing looks like, in the truth and for all contestants.
@@ -27,10 +29,36 @@ pub trait Contestant {
 pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
 
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
-pub const CONTESTANTS: [(&str, Make); 2] = [
+pub const CONTESTANTS: [(&str, Make); 6] = [
     ("point-list", |gpu, scene, size_px| Ok(Box::new(Hardware::new(gpu, &scene.cloud, size_px)?))),
-    ("closest-flat", |gpu, scene, size_px| Ok(Box::new(Compute::closest_flat(gpu, &scene.cloud, size_px)?))),
+    ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, Look::default())),
+    ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
+    ("lod-hqs", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|_| ()))),
+    ("lod-hqs-fade", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|c| c.lod.fade = true))),
+    ("lod-hqs-fade-fill", |gpu, scene, size_px| {
+        layered(gpu, scene, size_px, hqs(&|c| (c.lod.fade, c.frame.fill) = (true, true)))
+    }),
 ];
+
+/// High-quality shading, and what else is switched on.
+fn hqs(switch_on: &dyn Fn(&mut Config)) -> Look {
+    let mut config =
+        Config { frame: FrameConfig { background: BACKGROUND, ..Default::default() }, ..Default::default() };
+    config.frame.quality = Quality::Hqs;
+    (config.frame.dilate, config.frame.fill, config.lod.fade) = (Dilate::Off, false, false);
+    switch_on(&mut config);
+    Look::of(&config)
+}
+
+fn flat(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
+    let cloud = CloudBuffers::upload(gpu, &scene.cloud, 0, &Progress::hidden())?;
+    Ok(Box::new(Compute::new(gpu, cloud, size_px, look)?))
+}
+
+fn layered(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
+    let cloud = CloudBuffers::upload_layered(gpu, &scene.octree, 0, &Progress::hidden())?;
+    Ok(Box::new(Compute::new(gpu, cloud, size_px, look)?))
+}
 
 /// The truth: all points of a denser scan of the same place, at full precision, 4 × 4 samples a pixel.
 pub struct Truth(Compute);
@@ -40,10 +68,9 @@ impl Truth {
     ///
     /// # Errors
     /// If the scan or the size does not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, dense: &Scene, size_px: [u32; 2]) -> Result<Self> {
-        let mut compute = Compute::closest_flat(gpu, &dense.cloud, size_px)?;
-        compute.renderer.set_full_precision(true);
-        Ok(Self(compute))
+    pub fn new(gpu: &Arc<Gpu>, dense: &Cloud, size_px: [u32; 2]) -> Result<Self> {
+        let cloud = CloudBuffers::upload(gpu, dense, 0, &Progress::hidden())?;
+        Ok(Self(Compute::new(gpu, cloud, size_px, hqs(&|c| c.frame.precision = Precision::Full))?))
     }
 }
 
@@ -65,19 +92,17 @@ struct Compute {
 }
 
 impl Compute {
-    /// All points, each pixel the nearest one's color.
-    fn closest_flat(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let mut renderer = Renderer::new(gpu, &[size_px], FORMAT)?;
-        renderer.set_cloud(CloudBuffers::upload(gpu, cloud, 0, &Progress::hidden())?);
-        renderer.set_background(BACKGROUND);
+    fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
+        let atomics = render::tier(gpu, Tier::Auto)?;
+        let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
+        let mut renderer = Renderer::new(gpu, setup, look)?;
+        renderer.set_cloud(cloud)?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, image: image(gpu, size_px, FORMAT), frame: 0 })
     }
 
-    fn depths(&self) -> Result<Vec<f32>> {
-        let targets = self.renderer.targets();
-        let [width, height] = targets.sizes_px[0];
-        let pixels: Vec<u64> =
-            bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, &targets.depth[0])?);
+    fn depths(&self, [width, height]: [u32; 2]) -> Result<Vec<f32>> {
+        let pixels: Vec<Pixel> =
+            bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, self.renderer.pixels(0))?);
         // The buffer's end may be padding.
         Ok(pixels[..(width * height) as usize].iter().map(|&pixel| depth_of(pixel)).collect())
     }
@@ -87,7 +112,8 @@ impl Contestant for Compute {
     fn draw(&mut self, view: &View) -> Result<Picture> {
         self.frame += 1;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.renderer.record(&mut encoder, self.frame, &[&self.image.create_view(&Default::default())]);
+        let color = &self.image.create_view(&Default::default());
+        self.renderer.record(&mut encoder, self.frame, &[EyeImage { color, depth: None }]);
         {
             let queue = self.gpu.queue.lock();
             self.renderer.set_view(&queue, view);
@@ -96,7 +122,8 @@ impl Contestant for Compute {
         self.renderer.submitted();
         let rgb = colors(&self.gpu, &self.image)?;
         self.renderer.collect_times().context("the GPU gave no frame back")?;
-        Ok(Picture { size_px: only_eye(view).size_px, rgb, depth: self.depths()? })
+        let size_px = only_eye(view).size_px;
+        Ok(Picture { size_px, rgb, depth: self.depths(size_px)? })
     }
 }
 

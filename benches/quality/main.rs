@@ -117,9 +117,9 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
 
     // The dense scan goes before the other comes.
     let (truths, num_true_points) = {
-        let dense = Scene::new(source.dense_scan(args.density * points)?)?;
+        let dense = scene::flat(&source.dense_scan(args.density * points)?)?;
         let truths = recordings(&mut Truth::new(gpu, &dense, size_px)?, &stands)?;
-        (truths, dense.cloud.num_points)
+        (truths, dense.num_points)
     };
     let scene = Scene::new(source.scan(points)?)?;
     let mut tables = Vec::new();

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use glam::DVec3;
+use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{self, Cloud, Order};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, Scan};
@@ -44,13 +45,16 @@ pub const SOURCES: [Source; 4] = [
 pub struct Scene {
     /// All points, in Morton order.
     pub cloud: Cloud,
+    /// The same in layers.
+    pub octree: Octree,
 }
 
 impl Scene {
     /// # Errors
     /// If the scan is empty.
     pub fn new(scan: Scan) -> Result<Self> {
-        Ok(Self { cloud: cloud::build(scan, Order::Morton, &Progress::hidden())? })
+        let cloud = flat(&scan)?;
+        Ok(Self { cloud, octree: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
     }
 }
 
@@ -105,6 +109,14 @@ impl Source {
             Self::Room => room(),
         }
     }
+}
+
+/// All points of a scan, in Morton order.
+///
+/// # Errors
+/// If the scan is empty.
+pub fn flat(scan: &Scan) -> Result<Cloud> {
+    Ok(cloud::build(scan, Order::Morton, &Progress::hidden())?)
 }
 
 /// One eye of somebody who stands there, looking ahead.
