@@ -142,7 +142,7 @@ pub struct Hardware {
 impl Hardware {
     /// A draw an eye.
     pub fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, [size_px; 2])?;
+        let point_list = PointList::new(gpu, cloud, &[size_px; 2])?;
         let images = [size_px; 2].map(|size| image(gpu, size, point_list::FORMAT));
         Ok(Self { gpu: Arc::clone(gpu), num_points: cloud.num_points, point_list, images, frame: 0 })
     }

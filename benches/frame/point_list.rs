@@ -9,14 +9,13 @@ use scanwalk::gpu::timer::Timer;
 use scanwalk::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
 use scanwalk::layout::BATCH_POINTS;
 use scanwalk::space::{Eye, Split, View};
-use scanwalk::twin::depth::cells;
+use scanwalk::twin::points::cells;
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
 
 /// Colours are stored sRGB-encoded and go to the image as they are: no stage converts them.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-const NUM_EYES: usize = 2;
 /// Batches whose vertices are made and sent at once: 4 MB.
 const PIECE_BATCHES: usize = 25;
 
@@ -30,12 +29,12 @@ struct Vertex {
     color: [u8; 4],
 }
 
-/// Draws both eyes of a cloud with hardware points.
+/// Draws the eyes of a cloud with hardware points.
 #[derive(Debug)]
 pub struct PointList {
     split: Split,
     pipeline: wgpu::RenderPipeline,
-    eyes: [EyeTarget; NUM_EYES],
+    eyes: Vec<EyeTarget>,
     /// Consecutive points, each with their number; one buffer unless the device's buffers are small.
     points: Vec<(wgpu::Buffer, u32)>,
     timer: Timer,
@@ -50,13 +49,13 @@ struct EyeTarget {
 }
 
 impl PointList {
-    /// Sends a cloud's points to the GPU and makes depth buffers for two eyes of these sizes.
+    /// Sends a cloud's points to the GPU and makes a depth buffer for each eye, at least one, of these sizes.
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn new(gpu: &Gpu, cloud: &Cloud, sizes_px: [[u32; 2]; NUM_EYES]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, cloud: &Cloud, sizes_px: &[[u32; 2]]) -> Result<Self> {
         let pipeline = pipeline(gpu);
-        let eyes = sizes_px.map(|size_px| EyeTarget::new(gpu, &pipeline, size_px));
+        let eyes: Vec<_> = sizes_px.iter().map(|&size_px| EyeTarget::new(gpu, &pipeline, size_px)).collect();
         let timer = Timer::new(gpu, 1, eyes[0].matrix.size());
         Ok(Self { split: cloud.split, pipeline, eyes, points: upload(gpu, cloud)?, timer })
     }
@@ -85,7 +84,7 @@ impl PointList {
                     }),
                     stencil_ops: None,
                 }),
-                timestamp_writes: self.timer.render(0, number == 0, number + 1 == NUM_EYES),
+                timestamp_writes: self.timer.render(0, number == 0, number + 1 == images.len()),
                 ..Default::default()
             });
             pass.set_pipeline(&self.pipeline);

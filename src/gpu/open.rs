@@ -42,7 +42,9 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
 /// Storage buffers that the largest stage binds.
-const NUM_STORAGE_BUFFERS: u32 = 12;
+const NUM_STORAGE_BUFFERS: u32 = 10;
+/// And with 64-bit addition.
+const NUM_STORAGE_BUFFERS_INT64: u32 = 12;
 
 /// What a GPU's atomics can do, from the least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,11 +58,13 @@ pub enum Atomics {
 }
 
 impl Atomics {
-    fn of(features: wgpu::Features) -> Self {
+    fn of(features: wgpu::Features, limits: &wgpu::Limits) -> Self {
         let minmax = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
         if !features.contains(minmax) {
             Self::Int32
-        } else if features.contains(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS) {
+        } else if features.contains(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS)
+            && limits.max_storage_buffers_per_shader_stage >= NUM_STORAGE_BUFFERS_INT64
+        {
             Self::Int64
         } else {
             Self::Int64Minmax
@@ -95,7 +99,7 @@ impl Gpu {
     /// What its atomics can do.
     #[must_use]
     pub fn atomics(&self) -> Atomics {
-        Atomics::of(self.device.features())
+        Atomics::of(self.device.features(), &self.device.limits())
     }
 
     /// Opens a Vulkan GPU: the one whose name contains `wanted` (any case), else the fastest kind there is.

@@ -1,0 +1,173 @@
+//! The ways to draw that are compared, and the truth that they are compared with.
+
+use super::picture::{Picture, only_eye};
+use super::point_list::{self, PointList};
+use super::scene::Scene;
+use super::supersample::{self, FACTOR};
+use anyhow::{Context, Result};
+use scanwalk::cloud::Cloud;
+use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality, Tier};
+use scanwalk::gpu::{Gpu, readback};
+use scanwalk::look::Look;
+use scanwalk::progress::Progress;
+use scanwalk::render::{self, CloudBuffers, EyeImage, Renderer, Setup};
+use scanwalk::space::View;
+use scanwalk::twin::resolve::{Pixel, depth_of};
+use std::sync::Arc;
+
+/// What nothing looks like, in the truth and for all contestants.
+const BACKGROUND: [u8; 3] = [0, 0, 0];
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// One way to draw an eye.
+pub trait Contestant {
+    /// Draws the view's one eye.
+    fn draw(&mut self, view: &View) -> Result<Picture>;
+}
+
+/// Makes a contestant for a scene, to draw pictures of that size.
+pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
+
+/// All contestants by name; the others' holes and flicker are told as shares of the first one's.
+pub const CONTESTANTS: [(&str, Make); 6] = [
+    ("point-list", |gpu, scene, size_px| Ok(Box::new(Hardware::new(gpu, &scene.cloud, size_px)?))),
+    ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, Look::default())),
+    ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
+    ("lod-hqs", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|_| ()))),
+    ("lod-hqs-fade", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|c| c.lod.fade = true))),
+    ("lod-hqs-fade-fill", |gpu, scene, size_px| {
+        layered(gpu, scene, size_px, hqs(&|c| (c.lod.fade, c.frame.fill) = (true, true)))
+    }),
+];
+
+/// High-quality shading, and what else is switched on.
+fn hqs(switch_on: &dyn Fn(&mut Config)) -> Look {
+    let mut config =
+        Config { frame: FrameConfig { background: BACKGROUND, ..Default::default() }, ..Default::default() };
+    config.frame.quality = Quality::Hqs;
+    (config.frame.dilate, config.frame.fill, config.lod.fade) = (Dilate::Off, false, false);
+    switch_on(&mut config);
+    Look::of(&config)
+}
+
+fn flat(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
+    let cloud = CloudBuffers::upload(gpu, &scene.cloud, 0, &Progress::hidden())?;
+    Ok(Box::new(Compute::new(gpu, cloud, size_px, look)?))
+}
+
+fn layered(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
+    let cloud = CloudBuffers::upload_layered(gpu, &scene.octree, 0, &Progress::hidden())?;
+    Ok(Box::new(Compute::new(gpu, cloud, size_px, look)?))
+}
+
+/// The truth: all points of a denser scan of the same place, at full precision, 4 × 4 samples a pixel.
+pub struct Truth(Compute);
+
+impl Truth {
+    /// To draw pictures of that size.
+    ///
+    /// # Errors
+    /// If the scan or the size does not fit the GPU.
+    pub fn new(gpu: &Arc<Gpu>, dense: &Cloud, size_px: [u32; 2]) -> Result<Self> {
+        let cloud = CloudBuffers::upload(gpu, dense, 0, &Progress::hidden())?;
+        Ok(Self(Compute::new(gpu, cloud, size_px, hqs(&|c| c.frame.precision = Precision::Full))?))
+    }
+}
+
+impl Contestant for Truth {
+    fn draw(&mut self, view: &View) -> Result<Picture> {
+        let places = (0..FACTOR * FACTOR).map(|i| [i % FACTOR, i / FACTOR]);
+        let parts: Result<Vec<Picture>> =
+            places.map(|place| self.0.draw(&supersample::part(view, place))).collect();
+        Ok(supersample::filtered(&parts?, BACKGROUND))
+    }
+}
+
+/// The program's own renderer.
+struct Compute {
+    gpu: Arc<Gpu>,
+    renderer: Renderer,
+    image: wgpu::Texture,
+    frame: u64,
+}
+
+impl Compute {
+    fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
+        let atomics = render::tier(gpu, Tier::Auto)?;
+        let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
+        let mut renderer = Renderer::new(gpu, setup, look)?;
+        renderer.set_cloud(cloud)?;
+        Ok(Self { gpu: Arc::clone(gpu), renderer, image: image(gpu, size_px, FORMAT), frame: 0 })
+    }
+
+    fn depths(&self, [width, height]: [u32; 2]) -> Result<Vec<f32>> {
+        let pixels: Vec<Pixel> =
+            bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, self.renderer.pixels(0))?);
+        // The buffer's end may be padding.
+        Ok(pixels[..(width * height) as usize].iter().map(|&pixel| depth_of(pixel)).collect())
+    }
+}
+
+impl Contestant for Compute {
+    fn draw(&mut self, view: &View) -> Result<Picture> {
+        self.frame += 1;
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let color = &self.image.create_view(&Default::default());
+        self.renderer.record(&mut encoder, self.frame, &[EyeImage { color, depth: None }]);
+        {
+            let queue = self.gpu.queue.lock();
+            self.renderer.set_view(&queue, view);
+            queue.submit([encoder.finish()]);
+        }
+        self.renderer.submitted();
+        let rgb = colors(&self.gpu, &self.image)?;
+        self.renderer.collect_times().context("the GPU gave no frame back")?;
+        let size_px = only_eye(view).size_px;
+        Ok(Picture { size_px, rgb, depth: self.depths(size_px)? })
+    }
+}
+
+/// Hardware points, one pixel each.
+struct Hardware {
+    gpu: Arc<Gpu>,
+    point_list: PointList,
+    image: wgpu::Texture,
+    frame: u64,
+}
+
+impl Hardware {
+    fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
+        let point_list = PointList::new(gpu, cloud, &[size_px])?;
+        let image = image(gpu, size_px, point_list::FORMAT);
+        Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
+    }
+}
+
+impl Contestant for Hardware {
+    fn draw(&mut self, view: &View) -> Result<Picture> {
+        self.frame += 1;
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.point_list.record(&mut encoder, self.frame, &[self.image.create_view(&Default::default())]);
+        {
+            let queue = self.gpu.queue.lock();
+            self.point_list.set_view(&queue, view);
+            queue.submit([encoder.finish()]);
+        }
+        self.point_list.submitted();
+        let rgb = colors(&self.gpu, &self.image)?;
+        self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?;
+        let depth = self.point_list.depths(&self.gpu, 0, view.near)?;
+        Ok(Picture { size_px: only_eye(view).size_px, rgb, depth })
+    }
+}
+
+fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    gpu.texture("image", size_px, format, usage)
+}
+
+/// The image's colors; waits until it is drawn.
+fn colors(gpu: &Gpu, image: &wgpu::Texture) -> Result<Vec<[u8; 3]>> {
+    let rgba = readback::read_texture(gpu, image)?;
+    Ok(rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect())
+}

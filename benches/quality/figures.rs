@@ -1,0 +1,160 @@
+//! From pictures to figures, a table and CSV rows.
+
+use super::metrics::{Holes, largest_patch_change, mean_change, mean_own_change, psnr_db, ssim, within_ring};
+use super::picture::{Picture, only_eye};
+use scanwalk::space::View;
+use std::io::{self, Write};
+
+/// Radius of the centre ring, degrees from the gaze.
+const CENTER_DEG: f64 = 20.0;
+
+/// What is kept of all pictures that one contestant drew from one viewpoint.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// All frames of the tremor; the first one is the picture that is looked at.
+    pub tremor: Vec<Picture>,
+    /// Of each step of the walk: the change of the patch that changes most, 0 to 255.
+    pub pops: Vec<f64>,
+}
+
+impl Recording {
+    /// Draws the frames of both motions; at least two of each, and both start at the same view.
+    ///
+    /// # Errors
+    /// Those of `draw`.
+    pub fn new<E>(
+        tremor: &[View],
+        walk: &[View],
+        mut draw: impl FnMut(&View) -> Result<Picture, E>,
+    ) -> Result<Self, E> {
+        let tremor = tremor.iter().map(&mut draw).collect::<Result<Vec<Picture>, E>>()?;
+        let (mut before, mut pops) = (tremor[0].clone(), Vec::new());
+        for view in &walk[1..] {
+            let now = draw(view)?;
+            pops.push(largest_patch_change(&before, &now));
+            before = now;
+        }
+        Ok(Self { tremor, pops })
+    }
+
+    /// The picture that is looked at.
+    pub fn still(&self) -> &Picture {
+        &self.tremor[0]
+    }
+
+    /// Pairs of consecutive frames of the tremor.
+    fn steps(&self) -> impl Iterator<Item = [&Picture; 2]> {
+        self.tremor.windows(2).map(|pair| [&pair[0], &pair[1]])
+    }
+}
+
+/// Figures of one contestant from one viewpoint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Over the pixels that the truth covers.
+    pub psnr_db: f64,
+    /// The same, in the centre ring.
+    pub center_psnr_db: f64,
+    /// Of the whole picture.
+    pub ssim: f64,
+    /// Pixels that lack a surface.
+    pub holes: Holes,
+    /// Mean change from frame to frame under the tremor, 0 to 255.
+    pub flicker: f64,
+    /// The part of it that the truth does not have: see [`mean_own_change`].
+    pub own_flicker: f64,
+    /// Of [`Recording::pops`] the largest.
+    pub largest_pop: f64,
+    /// Of [`Recording::pops`] the median.
+    pub median_pop: f64,
+}
+
+impl Figures {
+    /// Of a contestant beside the truth of the same views, of which `view` is the first.
+    pub fn new(view: &View, drawn: &Recording, truth: &Recording) -> Self {
+        let (still, true_still) = (drawn.still(), truth.still());
+        let center = within_ring(only_eye(view), CENTER_DEG);
+        let covered = |pixel: usize| true_still.depth[pixel].is_finite();
+        let mut pops = drawn.pops.clone();
+        pops.sort_unstable_by(f64::total_cmp);
+        let own_changes =
+            drawn.steps().zip(truth.steps()).map(|(drawn, truth)| mean_own_change(drawn, truth));
+        Self {
+            psnr_db: psnr_db(still, true_still, covered),
+            center_psnr_db: psnr_db(still, true_still, |pixel| covered(pixel) && center[pixel]),
+            ssim: ssim(still, true_still),
+            holes: Holes::of(still, true_still),
+            flicker: mean(drawn.steps().map(|[before, now]| mean_change(before, now))),
+            own_flicker: mean(own_changes),
+            largest_pop: pops[pops.len() - 1],
+            median_pop: pops[pops.len() / 2],
+        }
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count)
+}
+
+/// All figures from one viewpoint.
+pub struct Table {
+    /// Name of the scan.
+    pub scan: &'static str,
+    /// Name of the viewpoint.
+    pub viewpoint: &'static str,
+    /// Points of the contestants' scan.
+    pub num_points: u64,
+    /// Points of the truth's scan.
+    pub num_true_points: u64,
+    /// The truth, then the contestants.
+    pub rows: Vec<(&'static str, Figures)>,
+}
+
+impl Table {
+    /// First line of the CSV.
+    pub fn csv_header(out: &mut impl Write) -> io::Result<()> {
+        writeln!(
+            out,
+            "scan,viewpoint,points,true_points,method,psnr_db,center_psnr_db,ssim,empty_px,behind_px,judged_px,\
+             flicker,own_flicker,largest_pop,median_pop"
+        )
+    }
+
+    /// A row a contestant.
+    pub fn csv_rows(&self, out: &mut impl Write) -> io::Result<()> {
+        for (name, f) in &self.rows {
+            let Self { scan, viewpoint, num_points, num_true_points, .. } = self;
+            write!(out, "{scan},{viewpoint},{num_points},{num_true_points},{name},")?;
+            write!(out, "{:.3},{:.3},{:.5},", f.psnr_db, f.center_psnr_db, f.ssim)?;
+            write!(out, "{},{},{},", f.holes.empty, f.holes.behind, f.holes.judged)?;
+            writeln!(out, "{:.4},{:.4},{:.3},{:.3}", f.flicker, f.own_flicker, f.largest_pop, f.median_pop)?;
+        }
+        Ok(())
+    }
+
+    /// For people; behind holes and flicker stands the ratio to the first contestant's.
+    pub fn print(&self, out: &mut impl Write) -> io::Result<()> {
+        let [points, true_points] = [self.num_points, self.num_true_points].map(|n| n as f64 / 1e6);
+        writeln!(
+            out,
+            "{} {}: {points:.2} M points, truth from {true_points:.2} M",
+            self.scan, self.viewpoint
+        )?;
+        let titles = ["PSNR dB", "centre dB", "SSIM"].map(|title| format!("{title:>11}")).concat();
+        let ratios = ["holes %", "flicker", "own flicker"].map(|title| format!("{title:>16}")).concat();
+        writeln!(out, "  {:<18}{titles}{ratios}{:>14}", "", "pop (median)")?;
+        // The truth stands first.
+        let first = self.rows[1].1;
+        for (name, f) in &self.rows {
+            let ratio = |value: f64, of: f64, digits: usize| format!("{value:.digits$} (×{:.2})", value / of);
+            write!(out, "  {name:<18}{:>11.2}{:>11.2}{:>11.4}", f.psnr_db, f.center_psnr_db, f.ssim)?;
+            write!(out, "{:>16}", ratio(100.0 * f.holes.share(), 100.0 * first.holes.share(), 2))?;
+            write!(out, "{:>16}", ratio(f.flicker, first.flicker, 2))?;
+            write!(out, "{:>16}", ratio(f.own_flicker, first.own_flicker, 2))?;
+            let pop = format!("{:.1} ({:.1})", f.largest_pop, f.median_pop);
+            writeln!(out, "{pop:>14}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,162 @@
+//! How good the pictures are: all ways to draw a scan against the truth, which is a denser scan of the same place
+//! with 4 × 4 samples a pixel. `docs/bench/quality` says what the figures mean and keeps a run.
+//!
+//! Pictures do not depend on how fast they are drawn, so figures of a software driver are as good as any.
+
+mod contestant;
+mod figures;
+mod metrics;
+mod motion;
+mod picture;
+#[path = "../frame/point_list.rs"]
+mod point_list;
+mod scene;
+mod supersample;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use contestant::{CONTESTANTS, Contestant, Truth};
+use figures::{Figures, Recording, Table};
+use picture::Picture;
+use scanwalk::gpu::Gpu;
+use scanwalk::space::View;
+use scanwalk::synth::Viewpoint;
+use scene::{SOURCES, Scene, Source};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Draws scans in several ways and compares the pictures with the truth.
+#[derive(Debug, Parser)]
+struct Args {
+    /// Millions of points of a made-up scan
+    #[arg(long, value_name = "M", default_value_t = 4.0)]
+    points: f64,
+    /// How many times as many points the truth gets
+    #[arg(long, value_name = "FACTOR", default_value_t = 8)]
+    density: u64,
+    /// Frames of the tremor
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..))]
+    tremor: u32,
+    /// Frames of the walk
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(2..))]
+    walk: u32,
+    /// Only scans whose name contains this
+    #[arg(long, value_name = "NAME", default_value = "")]
+    scan: String,
+    /// A small scan and small pictures: shows that it works, not how good they are
+    #[arg(long)]
+    quick: bool,
+    /// Also write the figures as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Also write the pictures
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
+    /// GPU whose name contains this
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Given by `cargo bench`; without it (`cargo test --benches`) the run is quick
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// Pixels of the eye, as the simulated headset has them.
+const SIZE_PX: [u32; 2] = [960, 1080];
+const QUICK_SIZE_PX: [u32; 2] = [96, 108];
+
+fn main() -> Result<()> {
+    let mut args = Args::parse();
+    let quick = args.quick || !args.bench;
+    if quick {
+        (args.points, args.density, args.tremor, args.walk) = (0.02, 4, 2, 2);
+        args.scan = "terrestrial".into();
+    }
+    let gpu = Arc::new(Gpu::open(args.adapter.as_deref())?);
+    let size_px = if quick { QUICK_SIZE_PX } else { SIZE_PX };
+
+    let mut out = io::stdout().lock();
+    let mut csv = args.csv.as_deref().map(create).transpose()?;
+    if let Some(csv) = &mut csv {
+        Table::csv_header(csv)?;
+    }
+    writeln!(out, "{}, {}; {} × {} pixels", gpu.name(), gpu.driver(), size_px[0], size_px[1])?;
+    for source in SOURCES.into_iter().filter(|s| s.name().contains(&args.scan) && s.is_here()) {
+        for table in measure(&gpu, source, size_px, &args).with_context(|| source.name())? {
+            table.print(&mut out)?;
+            if let Some(csv) = &mut csv {
+                table.csv_rows(csv)?;
+                csv.flush()?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn create(path: &Path) -> Result<BufWriter<File>> {
+    Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
+}
+
+/// A place, and the frames that are drawn there.
+struct Stand {
+    place: Viewpoint,
+    tremor: Vec<View>,
+    walk: Vec<View>,
+}
+
+/// The figures of a scan from each viewpoint.
+fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Result<Vec<Table>> {
+    let stand = |place: Viewpoint| {
+        let view = scene::view(&place, size_px);
+        let tremor = motion::tremor(&view, args.tremor as usize);
+        Stand { place, tremor, walk: motion::walk(&view, place.target, args.walk as usize) }
+    };
+    let stands: Vec<Stand> = source.places().into_iter().map(stand).collect();
+    let points = (1e6 * args.points).round() as u64;
+
+    // The dense scan goes before the other comes.
+    let (truths, num_true_points) = {
+        let dense = scene::flat(&source.dense_scan(args.density * points)?)?;
+        let truths = recordings(&mut Truth::new(gpu, &dense, size_px)?, &stands)?;
+        (truths, dense.num_points)
+    };
+    let scene = Scene::new(source.scan(points)?)?;
+    let mut tables = Vec::new();
+    for (stand, truth) in stands.iter().zip(&truths) {
+        let figures = Figures::new(&stand.tremor[0], truth, truth);
+        keep(args, source, stand, "truth", truth.still())?;
+        tables.push(Table {
+            scan: source.name(),
+            viewpoint: stand.place.name,
+            num_points: scene.cloud.num_points,
+            num_true_points,
+            rows: vec![("truth", figures)],
+        });
+    }
+    for (name, make) in CONTESTANTS {
+        let drawn = recordings(make(gpu, &scene, size_px)?.as_mut(), &stands)?;
+        for (((table, stand), drawn), truth) in tables.iter_mut().zip(&stands).zip(&drawn).zip(&truths) {
+            table.rows.push((name, Figures::new(&stand.tremor[0], drawn, truth)));
+            keep(args, source, stand, name, drawn.still())?;
+        }
+    }
+    Ok(tables)
+}
+
+fn recordings(contestant: &mut dyn Contestant, stands: &[Stand]) -> Result<Vec<Recording>> {
+    let recording = |stand: &Stand| Recording::new(&stand.tremor, &stand.walk, |view| contestant.draw(view));
+    stands.iter().map(recording).collect()
+}
+
+/// Writes the picture as a PNG, if pictures are wanted.
+fn keep(args: &Args, source: Source, stand: &Stand, name: &str, picture: &Picture) -> Result<()> {
+    let Some(folder) = &args.pictures else { return Ok(()) };
+    let path = folder.join(format!("{}-{}-{name}.png", source.name(), stand.place.name));
+    let [width, height] = picture.size_px;
+    let mut encoder = png::Encoder::new(create(&path)?, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(picture.rgb.as_flattened())?;
+    writer.finish().with_context(|| format!("{}: cannot be written", path.display()))
+}

@@ -1,0 +1,24 @@
+//! A drawn eye, on the CPU.
+
+use scanwalk::space::{Eye, Pose, View};
+
+/// What an eye sees. Pixels row by row, the top left first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width, height.
+    pub size_px: [u32; 2],
+    /// sRGB as stored.
+    pub rgb: Vec<[u8; 3]>,
+    /// Linear depth in world units; infinite where nothing is.
+    pub depth: Vec<f32>,
+}
+
+/// The one eye of a view; every view here has one.
+pub fn only_eye(view: &View) -> &Eye {
+    &view.eyes[0]
+}
+
+/// The same view from another pose.
+pub fn seen_from(view: &View, world_from_view: Pose) -> View {
+    View { eyes: vec![Eye { world_from_view, ..*only_eye(view) }], near: view.near }
+}

@@ -1,0 +1,161 @@
+//! The scans that are looked at, and from where.
+
+use anyhow::{Context, Result};
+use glam::DVec3;
+use scanwalk::cloud::octree::{Octree, build_octree};
+use scanwalk::cloud::{self, Cloud, Order};
+use scanwalk::progress::{Progress, Stop};
+use scanwalk::scan::{self, Scan};
+use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+use std::path::PathBuf;
+
+/// Angle of an eye's image from the axis to each of its edges, in degrees.
+const HALF_FOV_DEG: f64 = 45.0;
+const NEAR_M: f64 = 0.05;
+const SEED: u64 = 1;
+/// Of the made-up scans: the whole, and close up.
+const PLACES: [&str; 4] = ["overview", "hall", "village", "face"];
+/// The real scan, below the folder that `SCANWALK_TEST_DATA` names.
+const ROOM: &str = "laz-indoor-rooms/indoor-rooms.laz";
+/// In the room, across it.
+const ROOM_PLACES: [Viewpoint; 1] =
+    [Viewpoint { name: "room", eye: DVec3::new(6.0, 5.0, 2.4), target: DVec3::new(9.0, 8.0, 2.2) }];
+/// A real scan has no denser one beside it: it is the truth itself, and the contestants get one point in so many.
+const ROOM_SHARE: usize = 4;
+
+/// Where the scan comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// Made up.
+    Synth(Kind),
+    /// A real room.
+    Room,
+}
+
+/// All of them.
+pub const SOURCES: [Source; 4] = [
+    Source::Synth(Kind::Terrestrial),
+    Source::Synth(Kind::Aerial),
+    Source::Synth(Kind::Photogrammetry),
+    Source::Room,
+];
+
+/// A scan as the contestants draw it.
+pub struct Scene {
+    /// All points, in Morton order.
+    pub cloud: Cloud,
+    /// The same in layers.
+    pub octree: Octree,
+}
+
+impl Scene {
+    /// # Errors
+    /// If the scan is empty.
+    pub fn new(scan: Scan) -> Result<Self> {
+        let cloud = flat(&scan)?;
+        Ok(Self { cloud, octree: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
+    }
+}
+
+impl Source {
+    /// In lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Synth(Kind::Terrestrial) => "terrestrial",
+            Self::Synth(Kind::Aerial) => "aerial",
+            Self::Synth(Kind::Photogrammetry) => "photogrammetry",
+            Self::Room => "room",
+        }
+    }
+
+    /// Where to stand.
+    pub fn places(self) -> Vec<Viewpoint> {
+        match self {
+            Self::Synth(kind) => {
+                synth::viewpoints(kind).iter().filter(|place| PLACES.contains(&place.name)).copied().collect()
+            }
+            Self::Room => ROOM_PLACES.to_vec(),
+        }
+    }
+
+    /// False, and a line that says so, for a real scan that is not here.
+    pub fn is_here(self) -> bool {
+        let here = self != Self::Room || data_folder().is_some();
+        if !here {
+            eprintln!("skipped: a real room, for SCANWALK_TEST_DATA names no folder of scans");
+        }
+        here
+    }
+
+    /// What the contestants get: `points` if it is made up.
+    ///
+    /// # Errors
+    /// If it cannot be made or read.
+    pub fn scan(self, points: u64) -> Result<Scan> {
+        match self {
+            Self::Synth(kind) => made(kind, points),
+            Self::Room => Ok(thinned(room()?)),
+        }
+    }
+
+    /// What the truth is drawn from: `points` if it is made up.
+    ///
+    /// # Errors
+    /// If it cannot be made or read.
+    pub fn dense_scan(self, points: u64) -> Result<Scan> {
+        match self {
+            Self::Synth(kind) => made(kind, points),
+            Self::Room => room(),
+        }
+    }
+}
+
+/// All points of a scan, in Morton order.
+///
+/// # Errors
+/// If the scan is empty.
+pub fn flat(scan: &Scan) -> Result<Cloud> {
+    Ok(cloud::build(scan, Order::Morton, &Progress::hidden())?)
+}
+
+/// One eye of somebody who stands there, looking ahead.
+pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
+    let half = HALF_FOV_DEG.to_radians();
+    let eye = Eye {
+        world_from_view: Pose::look_at(place.eye, place.target, DVec3::Z),
+        fov: Fov::from_angles(-half, half, half, -half),
+        size_px,
+        gaze_in_view: Eye::AHEAD,
+    };
+    View { eyes: vec![eye], near: NEAR_M }
+}
+
+fn made(kind: Kind, points: u64) -> Result<Scan> {
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("scan.las");
+    synth::write(&SynthOptions { kind, out: out.clone(), points, seed: SEED }, &Stop::default())?;
+    Ok(scan::read(&[out], &Stop::default())?)
+}
+
+fn data_folder() -> Option<PathBuf> {
+    std::env::var_os("SCANWALK_TEST_DATA").map(PathBuf::from)
+}
+
+fn room() -> Result<Scan> {
+    let folder = data_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
+    Ok(scan::read(&[folder.join(ROOM)], &Stop::default())?)
+}
+
+/// Every so many-th point in the file's order.
+fn thinned(mut scan: Scan) -> Scan {
+    fn thin<T: Copy>(column: &mut Vec<T>) {
+        *column = column.iter().copied().step_by(ROOM_SHARE).collect();
+    }
+    for file in &mut scan.files {
+        thin(&mut file.points.xyz);
+        thin(&mut file.points.rgb);
+        thin(&mut file.points.intensity);
+    }
+    scan
+}
