@@ -208,7 +208,7 @@ fn what_is_drawn_is_a_tree() {
                 let parent = node.parent.map_or(DRAWN_WHOLE, |parent| states[parent as usize]);
                 assert!(state <= parent, "a node of level {} is drawn more than its parent", node.level);
             }
-            assert!(states.iter().any(|&s| s == 0), "not all are drawn");
+            assert!(states.contains(&0), "not all are drawn");
         }
     }
 }

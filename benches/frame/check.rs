@@ -4,7 +4,7 @@
 use crate::contestant::{Compute, Contestant, Hardware};
 use anyhow::{Result, ensure};
 use scanwalk::space::View;
-use scanwalk::twin::depth::depth_of;
+use scanwalk::twin::resolve::depth_of;
 
 /// Share of the pixels on which hardware and compute must agree. They cannot on all: hardware snaps points to
 /// 1/256 of a pixel, so that about one in 130 falls into the pixel beside.
@@ -20,9 +20,9 @@ pub fn pictures(
     view: &View,
 ) -> Result<f64> {
     for compute in [&mut *stereo, &mut *singles] {
-        compute.set_full_precision(true);
+        compute.set_full_precision(true)?;
         compute.draw(view)?;
-        compute.set_full_precision(false);
+        compute.set_full_precision(false)?;
     }
     hardware.draw(view)?;
 
@@ -31,7 +31,8 @@ pub fn pictures(
     // The comparison can fail: the eyes see different pictures.
     ensure!(left != right, "both eyes see the same");
 
-    let depths = [left, right].map(|pixels| pixels.into_iter().map(depth_of).collect::<Vec<f32>>());
+    let depth = |key: u64| depth_of([(key >> 32) as u32, 0]);
+    let depths = [left, right].map(|keys| keys.into_iter().map(depth).collect::<Vec<f32>>());
     let other = [hardware.depths(0, view.near)?, hardware.depths(1, view.near)?];
     let share = agreement(&depths[0], &other[0]).min(agreement(&depths[1], &other[1]));
     ensure!(

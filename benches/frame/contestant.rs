@@ -4,8 +4,10 @@ use crate::point_list::{self, PointList};
 use anyhow::{Context, Result};
 use scanwalk::cloud::Cloud;
 use scanwalk::gpu::{Gpu, readback};
+use scanwalk::layout::Detail;
+use scanwalk::look::Look;
 use scanwalk::progress::Progress;
-use scanwalk::render::{CloudBuffers, FrameTimes, Renderer};
+use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup};
 use scanwalk::space::View;
 use scanwalk::timing::STAGES;
 use std::sync::Arc;
@@ -57,26 +59,34 @@ impl Compute {
 
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, name: &'static str, sizes_px: &[&[[u32; 2]]]) -> Result<Self> {
         let renderer = |sizes_px: &&[[u32; 2]]| {
-            let mut renderer = Renderer::new(gpu, sizes_px, FORMAT)?;
-            renderer.set_cloud(CloudBuffers::upload(gpu, cloud, 0, &Progress::hidden())?);
+            let setup = Setup {
+                sizes_px: sizes_px.to_vec(),
+                color_format: FORMAT,
+                depth_format: None,
+                atomics: gpu.atomics(),
+            };
+            let mut renderer = Renderer::new(gpu, setup, Look::default())?;
+            renderer.set_cloud(CloudBuffers::upload(gpu, cloud, 0, &Progress::hidden())?)?;
             anyhow::Ok((renderer, sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect()))
         };
         let renderers = sizes_px.iter().map(renderer).collect::<Result<_>>()?;
         Ok(Self { gpu: Arc::clone(gpu), name, renderers, frame: 0 })
     }
 
-    /// As [`Renderer::set_full_precision`].
-    pub fn set_full_precision(&mut self, full: bool) {
+    /// Reads all 30 coordinate bits always, or as many as the projected size asks for.
+    pub fn set_full_precision(&mut self, full: bool) -> Result<()> {
         for (renderer, _) in &mut self.renderers {
-            renderer.set_full_precision(full);
+            let detail = Detail { forced_planes: if full { 3 } else { 0 }, ..Detail::default() };
+            renderer.set_look(Look { detail, ..Look::default() })?;
         }
+        Ok(())
     }
 
-    /// Both eyes' pixels: depth ≪ 32 | point index.
+    /// Both eyes' pixels: depth ≪ 32 | id.
     pub fn pixels(&self) -> Result<[Vec<u64>; 2]> {
         let mut eyes = Vec::new();
         for (renderer, images) in &self.renderers {
-            for buffer in &renderer.targets().depth[..images.len()] {
+            for buffer in &renderer.targets().keys[..images.len()] {
                 let bytes = readback::read_buffer(&self.gpu, buffer)?;
                 let mut pixels: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
                 // The buffer's end may be padding.
@@ -99,13 +109,14 @@ impl Contestant for Compute {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         for (renderer, images) in &mut self.renderers {
             let views: Vec<_> = images.iter().map(|i| i.create_view(&Default::default())).collect();
-            renderer.record(&mut encoder, self.frame, &views.iter().collect::<Vec<_>>());
+            let eyes: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
+            renderer.record(&mut encoder, self.frame, &eyes);
         }
         let began = Instant::now();
         {
             let queue = self.gpu.queue.lock();
             let first_eyes = [view.clone(), swapped(view)];
-            for ((renderer, _), view) in self.renderers.iter().zip(&first_eyes) {
+            for ((renderer, _), view) in self.renderers.iter_mut().zip(&first_eyes) {
                 renderer.set_view(&queue, view);
             }
             queue.submit([encoder.finish()]);

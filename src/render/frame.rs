@@ -22,6 +22,9 @@ const DEPTH: usize = 3;
 const COLOR: usize = 4;
 const RESOLVE: usize = 5;
 
+/// Chunks for which there are counters from the start; few clouds have more.
+const NUM_COUNTERS: u64 = 16;
+
 /// What the GPU tells of a frame, some frames late.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameTimes {
@@ -89,7 +92,7 @@ impl Renderer {
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
         let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
-        let counters = counters_buffer(gpu, 1);
+        let counters = counters_buffer(gpu, NUM_COUNTERS);
         let parts = Parts {
             gpu,
             pipelines: &pipelines,
@@ -126,8 +129,12 @@ impl Renderer {
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
     pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, TargetTooLarge> {
         self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
-        self.counters = counters_buffer(&self.gpu, cloud.chunks.len().max(1) as u64);
-        self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
+        let num_chunks = cloud.chunks.len() as u64;
+        if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
+            self.counters = counters_buffer(&self.gpu, num_chunks);
+            // Frames under way go without times.
+            self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
+        }
         let before = self.cloud.replace(cloud);
         self.rebind();
         Ok(before)

@@ -34,10 +34,9 @@ pub fn cull(
 /// State of the child in each octant, in 8 bits; 255 where there is none.
 fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
     let mut own = [u32::MAX; 2];
-    let mut child = node.first_child as usize;
-    for octant in (0..8).filter(|octant| node.child_mask & 1 << octant != 0) {
-        own[octant / 4] ^= (255 - (states[child] >> 24)) << (8 * (octant % 4));
-        child += 1;
+    let octants = (0..8).filter(|octant| node.child_mask & 1 << octant != 0);
+    for (octant, state) in octants.zip(&states[node.first_child as usize..]) {
+        own[octant / 4] ^= (255 - (state >> 24)) << (8 * (octant % 4));
     }
     own
 }

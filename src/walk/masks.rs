@@ -8,6 +8,9 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 /// What a mask is for: fields of view and sizes of both eyes' images.
 type For = ([Fov; 2], [[u32; 2]; 2]);
 
+/// Sizes of the images, and their masks.
+type Made = ([[u32; 2]; 2], [Vec<u32>; 2]);
+
 enum Request {
     Areas([HiddenArea; 2]),
     Masks(For),
@@ -17,8 +20,7 @@ enum Request {
 #[derive(Debug)]
 pub struct Masks {
     requests: Sender<Request>,
-    /// Sizes of the images, and their masks.
-    results: Receiver<([[u32; 2]; 2], [Vec<u32>; 2])>,
+    results: Receiver<Made>,
     asked: Option<For>,
 }
 

@@ -18,6 +18,9 @@ fn half_angles_deg() -> [f64; 2] {
     let across = 42.5f64;
     [across, (across.to_radians().tan() * 70.0 / 65.0).atan().to_degrees()]
 }
+/// The same share of the whole frame: where a node fades or a point fills more pixels, a pose that is rounded to f32 on its
+/// way through the runtime moves more than its own pixel. 0.0004 and 0.0024 were measured.
+const WHOLE_TOLERANCE: f64 = 0.01;
 /// Share of the pixels that may differ: the headset's half angles are f32, so some points change their pixel.
 const TOLERANCE: f64 = 0.0005;
 
@@ -35,19 +38,20 @@ fn path(path: &Path) -> &str {
 }
 
 /// What `render` draws for the same eyes: left, right.
-fn rendered(scene: &Scene) -> [Image; 2] {
-    let out = scene.file("want.png");
+fn rendered(scene: &Scene, preset: &str) -> [Image; 2] {
+    let out = scene.file(&format!("{preset}.png"));
     let [x, y] = half_angles_deg();
     let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
     let status = Command::new(PROGRAM)
         .args(["render", path(&scene.courtyard), path(&scene.ball), "-o", path(&out), "--stereo"])
+        .args(["--preset", preset])
         .args(["--ipd", &EYE_DISTANCE.to_string(), "--half-angles", &format!("{x},{x},{y},{y}")])
         .args(["--size", &format!("{}x{}", EYE[0], EYE[1])])
         .args(["--eye", &point(scene.head.position), "--target", &point(scene.target)])
         .status()
         .expect("render starts");
     assert!(status.success());
-    ["left", "right"].map(|side| read_png(&scene.file(&format!("want.{side}.png"))))
+    ["left", "right"].map(|side| read_png(&scene.file(&format!("{preset}.{side}.png"))))
 }
 
 fn read_png(path: &Path) -> Image {
@@ -73,11 +77,10 @@ fn ball_column(image: &Image) -> f64 {
     columns.iter().sum::<f64>() / columns.len() as f64
 }
 
-#[test]
-fn the_compositor_shows_what_render_draws() {
-    let Some(lab) = Lab::enter() else { return };
+/// What the compositor shows of a walk is what `render` draws with the same preset.
+fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
     let scene = Scene::get();
-    let want = rendered(scene);
+    let want = rendered(scene, preset);
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(150);
     let mut run = runtime.start(
         Path::new(PROGRAM),
@@ -91,13 +94,20 @@ fn the_compositor_shows_what_render_draws() {
             "off",
             "--pose-path",
             path(&scene.pose_path),
+            "--preset",
+            preset,
             "--set",
             "cloud.order=original",
+            // The lenses' corners are black; `render` has no lenses.
+            "--set",
+            "headset.visibility_mask=false",
+            "--set",
+            "headset.resolution_scale=1.0",
             // A software driver is too slow for the picture that is compared with.
             "--set",
             "governor.enabled=false",
             "--frames",
-            "120",
+            "200",
         ],
     );
     run.remote().send(&Packet { eyes: Some(eyes()), ..Packet::default() });
@@ -106,28 +116,42 @@ fn the_compositor_shows_what_render_draws() {
         let screen = run.screen();
         let shown = [screen.columns(0, EYE[0]), screen.columns(EYE[0], EYE[0])];
         let differences = [difference(&shown[0], &want[0]), difference(&shown[1], &want[1])];
-        if differences.iter().all(|d| *d < TOLERANCE) || Instant::now() > until {
+        if differences.iter().all(|d| *d < tolerance) || Instant::now() > until {
             break (shown, differences);
         }
         std::thread::sleep(Duration::from_millis(100));
     };
     eprintln!("share of pixels that differ from render: {differences:?}");
-    assert!(differences.iter().all(|d| *d < TOLERANCE), "{differences:?}");
+    assert!(differences.iter().all(|d| *d < tolerance), "{differences:?}");
 
+    // The comparison can fail: eyes are not interchangeable.
+    assert!(difference(&shown[0], &want[1]) > 30.0 * tolerance);
+    let done = run.finish();
+    done.assert_ok();
+    done.assert_valid();
+    shown
+}
+
+#[test]
+fn the_compositor_shows_what_render_draws() {
+    let Some(lab) = Lab::enter() else { return };
+    let shown = assert_shown(&lab, "plain", TOLERANCE);
     // The eyes are on their sides: the left one sees a near ball further right.
     let disparity = ball_column(&shown[0]) - ball_column(&shown[1]);
     let px_per_tangent = 0.5 * EYE[0] as f64 / half_angles_deg()[0].to_radians().tan();
     let expected = EYE_DISTANCE / 0.6 * px_per_tangent;
     assert!((disparity - expected).abs() < 2.0, "{disparity} px, expected {expected}");
-    // The comparison can fail: eyes are not interchangeable.
-    assert!(difference(&shown[0], &want[1]) > 100.0 * TOLERANCE);
     for image in &shown {
         let lit = image.pixels.iter().filter(|p| **p != [0; 3]).count();
         assert!(lit > image.pixels.len() / 20, "the courtyard fills the view: {lit} pixels");
     }
-    let done = run.finish();
-    done.assert_ok();
-    done.assert_valid();
+}
+
+/// Level of detail, blending, rings, filling: all of it.
+#[test]
+fn the_compositor_shows_the_whole_frame_that_render_draws() {
+    let Some(lab) = Lab::enter() else { return };
+    assert_shown(&lab, "quality", WHOLE_TOLERANCE);
 }
 
 /// Session states in the order that they were reached.

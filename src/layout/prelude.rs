@@ -1,0 +1,88 @@
+//! The shaders' prelude: every constant of the layout as WGSL text, and what differs between variants of a text.
+
+use super::{
+    BATCH_POINTS, COORDINATE_BITS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DRAWN_WHOLE,
+    EMPTY_DEPTH, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS, LOD_FADE,
+    LOD_SMOOTH, MAX_FILL_RADIUS, NODE_ROOT, NODE_WHOLE, PLANE_BITS, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
+    PROTECTED_POINTS, SURFACE_TOLERANCE, TILE_PX, VISIBLE_FILL, WORKGROUP_SIZE,
+};
+
+/// How a pixel's colors are added up. All forms give the same sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Sums {
+    /// One u64: count in 10 bits, red, green, blue in 18 each: exact up to 1023 points, which a layered cloud
+    /// stays below [2022 §3.6].
+    Packed = 0,
+    /// One u64 of four times 16 bits, and what comes after [`PROTECTED_POINTS`] in four u32 [2021 §3.5.1].
+    Protected = 1,
+    /// Four u32, for GPUs that cannot add 64 bits.
+    Wide = 2,
+}
+
+/// What a shader's text is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Eyes of the frame, one or two.
+    pub num_eyes: u32,
+    /// Points may be larger than a pixel.
+    pub fill: bool,
+    /// How a pixel's colors are added up.
+    pub sums: Sums,
+    /// Depth and id are the two words of one u64; else each has a buffer of its own.
+    pub keys: bool,
+}
+
+impl Variant {
+    /// The plainest for so many eyes.
+    #[must_use]
+    pub fn eyes(num_eyes: u32) -> Self {
+        Self { num_eyes, fill: false, sums: Sums::Packed, keys: true }
+    }
+}
+
+/// WGSL text of every constant of the layout; put in front of each shader.
+#[must_use]
+pub fn prelude(variant: Variant) -> String {
+    let Variant { num_eyes, fill, sums, keys } = variant;
+    let sums = sums as u32;
+    let [tile_width, tile_height] = TILE_PX;
+    format!(
+        "const NUM_EYES: u32 = {num_eyes}u;\n\
+         const FILL: bool = {fill};\n\
+         const SUMS: u32 = {sums}u;\n\
+         const KEYS: bool = {keys};\n\
+         const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
+         const BATCH_POINTS: u32 = {BATCH_POINTS}u;\n\
+         const POINTS_PER_LOAD: u32 = {POINTS_PER_LOAD}u;\n\
+         const COORDINATE_BITS: u32 = {COORDINATE_BITS}u;\n\
+         const PLANE_BITS: u32 = {PLANE_BITS}u;\n\
+         const PRECISION_THRESHOLD_PX: f32 = {PRECISION_THRESHOLD_PX:?};\n\
+         const COUNTERS_STRIDE: u32 = {COUNTERS_STRIDE}u;\n\
+         const EMPTY_DEPTH: u32 = {EMPTY_DEPTH}u;\n\
+         const HEAD_CELL_STEP: i32 = {HEAD_CELL_STEP};\n\
+         const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n\
+         const PACKED: u32 = {}u;\n\
+         const PROTECTED: u32 = {}u;\n\
+         const WIDE: u32 = {}u;\n\
+         const NODE_WHOLE: u32 = {NODE_WHOLE}u;\n\
+         const NODE_ROOT: u32 = {NODE_ROOT}u;\n\
+         const DRAWN_WHOLE: u32 = {DRAWN_WHOLE}u;\n\
+         const HYSTERESIS: f32 = {HYSTERESIS:?};\n\
+         const FADE_BEGIN: f32 = {FADE_BEGIN:?};\n\
+         const FADE_END: f32 = {FADE_END:?};\n\
+         const MAX_FILL_RADIUS: u32 = {MAX_FILL_RADIUS}u;\n\
+         const FILL_OVERLAP: f32 = {FILL_OVERLAP:?};\n\
+         const PROTECTED_POINTS: u32 = {PROTECTED_POINTS}u;\n\
+         const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
+         const LOD_FADE: u32 = {LOD_FADE}u;\n\
+         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
+         const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\
+         const TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n\
+         const DILATE_REACH_PX: u32 = {DILATE_REACH_PX}u;\n\
+         const DILATE_FALLOFF_BITS: u32 = {DILATE_FALLOFF_BITS}u;\n",
+        Sums::Packed as u32,
+        Sums::Protected as u32,
+        Sums::Wide as u32,
+    )
+}
