@@ -1,15 +1,17 @@
 //! The ways to draw both eyes that are compared: each draws whole frames of the same view and tells its times.
 
+use crate::heat::{Entry, Plan};
 use crate::point_list::{self, PointList};
+use crate::scene::Scene;
 use anyhow::{Context, Result};
 use scanwalk::cloud::Cloud;
 use scanwalk::gpu::{Gpu, readback};
-use scanwalk::layout::Detail;
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
 use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup};
 use scanwalk::space::View;
 use scanwalk::timing::STAGES;
+use scanwalk::twin::resolve::Pixel;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -27,83 +29,70 @@ pub struct Sample {
     pub wall_ms: f64,
     /// Points that were loaded; of two renderers or draws, the sum.
     pub points_read: u64,
+    /// Batches that were drawn; of two renderers, the sum.
+    pub visible_batches: u64,
 }
 
 /// One way to draw both eyes.
 pub trait Contestant {
-    /// In lower case with hyphens.
-    fn name(&self) -> &'static str;
-
     /// Draws a frame and waits for it.
     fn draw(&mut self, view: &View) -> Result<Sample>;
+
+    /// Both eyes' pixels of a frame that is drawn from all coordinate bits: renderers for one eye may need fewer
+    /// than one for both, and hardware points have them all.
+    fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]>;
+}
+
+/// Makes the contestant of an entry.
+///
+/// # Errors
+/// If it does not fit the GPU.
+pub fn make(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], entry: Entry) -> Result<Box<dyn Contestant>> {
+    Ok(match entry {
+        Entry::Compute(plan) => Box::new(Compute::new(gpu, scene, size_px, plan)?),
+        Entry::Hardware => Box::new(Hardware::new(gpu, &scene.flat, size_px)?),
+    })
 }
 
 /// The compute frame: one renderer for both eyes, or a renderer for each.
-pub struct Compute {
+struct Compute {
     gpu: Arc<Gpu>,
-    name: &'static str,
+    look: Look,
     renderers: Vec<(Renderer, Vec<wgpu::Texture>)>,
     frame: u64,
 }
 
 impl Compute {
-    /// Both eyes in one `depth` dispatch.
-    pub fn stereo(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        Self::new(gpu, cloud, "stereo", &[&[size_px; 2]])
-    }
-
-    /// An eye after the other, each by a renderer for one eye.
-    pub fn two_singles(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        Self::new(gpu, cloud, "two-singles", &[&[size_px], &[size_px]])
-    }
-
-    fn new(gpu: &Arc<Gpu>, cloud: &Cloud, name: &'static str, sizes_px: &[&[[u32; 2]]]) -> Result<Self> {
-        let renderer = |sizes_px: &&[[u32; 2]]| {
-            let setup = Setup {
-                sizes_px: sizes_px.to_vec(),
-                color_format: FORMAT,
-                depth_format: None,
-                atomics: gpu.atomics(),
-            };
-            let mut renderer = Renderer::new(gpu, setup, Look::default())?;
-            renderer.set_cloud(CloudBuffers::upload(gpu, cloud, 0, &Progress::hidden())?)?;
+    fn new(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], plan: Plan) -> Result<Self> {
+        let atomics = plan.atomics.unwrap_or(gpu.atomics());
+        let renderer = |sizes_px: &[[u32; 2]]| {
+            let setup =
+                Setup { sizes_px: sizes_px.to_vec(), color_format: FORMAT, depth_format: None, atomics };
+            let mut renderer = Renderer::new(gpu, setup, plan.look)?;
+            renderer.set_cloud(if plan.layered {
+                CloudBuffers::upload_layered(gpu, &scene.layered, 0, &Progress::hidden())?
+            } else {
+                CloudBuffers::upload(gpu, &scene.flat, 0, &Progress::hidden())?
+            })?;
             anyhow::Ok((renderer, sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect()))
         };
-        let renderers = sizes_px.iter().map(renderer).collect::<Result<_>>()?;
-        Ok(Self { gpu: Arc::clone(gpu), name, renderers, frame: 0 })
+        let renderers = if plan.singles {
+            vec![renderer(&[size_px])?, renderer(&[size_px])?]
+        } else {
+            vec![renderer(&[size_px; 2])?]
+        };
+        Ok(Self { gpu: Arc::clone(gpu), look: plan.look, renderers, frame: 0 })
     }
 
-    /// Reads all 30 coordinate bits always, or as many as the projected size asks for.
-    pub fn set_full_precision(&mut self, full: bool) -> Result<()> {
+    fn set_look(&mut self, look: Look) -> Result<()> {
         for (renderer, _) in &mut self.renderers {
-            let detail = Detail { forced_planes: if full { 3 } else { 0 }, ..Detail::default() };
-            renderer.set_look(Look { detail, ..Look::default() })?;
+            renderer.set_look(look)?;
         }
         Ok(())
-    }
-
-    /// Both eyes' pixels: depth ≪ 32 | id.
-    pub fn pixels(&self) -> Result<[Vec<u64>; 2]> {
-        let mut eyes = Vec::new();
-        for (renderer, images) in &self.renderers {
-            for buffer in &renderer.targets().keys[..images.len()] {
-                let bytes = readback::read_buffer(&self.gpu, buffer)?;
-                let mut pixels: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
-                // The buffer's end may be padding.
-                pixels.truncate((images[0].width() * images[0].height()) as usize);
-                eyes.push(pixels);
-            }
-        }
-        // Both constructors make two eyes.
-        eyes.try_into().map_err(|_| anyhow::anyhow!("not two eyes"))
     }
 }
 
 impl Contestant for Compute {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
     fn draw(&mut self, view: &View) -> Result<Sample> {
         self.frame += 1;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -131,7 +120,27 @@ impl Contestant for Compute {
             gpu_ms: sum(&|t| t.gpu_ms),
             wall_ms,
             points_read: times.iter().map(|t| t.points_read).sum(),
+            visible_batches: times.iter().map(|t| u64::from(t.visible_nodes)).sum(),
         })
+    }
+
+    fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]> {
+        let mut look = self.look;
+        look.detail.forced_planes = 3;
+        self.set_look(look)?;
+        self.draw(view)?;
+        let mut eyes = Vec::new();
+        for (renderer, images) in &self.renderers {
+            for (eye, image) in images.iter().enumerate() {
+                let bytes = readback::read_buffer(&self.gpu, renderer.pixels(eye))?;
+                let mut pixels: Vec<Pixel> = bytemuck::pod_collect_to_vec(&bytes);
+                // The buffer's end may be padding.
+                pixels.truncate((image.width() * image.height()) as usize);
+                eyes.push(pixels);
+            }
+        }
+        self.set_look(self.look)?;
+        eyes.try_into().map_err(|_| anyhow::anyhow!("not two eyes"))
     }
 }
 
@@ -142,7 +151,7 @@ fn swapped(view: &View) -> View {
 }
 
 /// Hardware points.
-pub struct Hardware {
+struct Hardware {
     gpu: Arc<Gpu>,
     num_points: u64,
     point_list: PointList,
@@ -152,23 +161,14 @@ pub struct Hardware {
 
 impl Hardware {
     /// A draw an eye.
-    pub fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
+    fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
         let point_list = PointList::new(gpu, cloud, &[size_px; 2])?;
         let images = [size_px; 2].map(|size| image(gpu, size, point_list::FORMAT));
         Ok(Self { gpu: Arc::clone(gpu), num_points: cloud.num_points, point_list, images, frame: 0 })
     }
-
-    /// Linear depth of an eye's pixels; infinite where no point is.
-    pub fn depths(&self, eye: usize, near: f64) -> Result<Vec<f32>> {
-        self.point_list.depths(&self.gpu, eye, near)
-    }
 }
 
 impl Contestant for Hardware {
-    fn name(&self) -> &'static str {
-        "point-list"
-    }
-
     fn draw(&mut self, view: &View) -> Result<Sample> {
         self.frame += 1;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -188,7 +188,18 @@ impl Contestant for Hardware {
             gpu_ms: gpu_ms.into(),
             wall_ms,
             points_read: 2 * self.num_points,
+            visible_batches: 0,
         })
+    }
+
+    /// Depths only: hardware counts colors otherwise.
+    fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]> {
+        self.draw(view)?;
+        let eye = |eye| {
+            let depths = self.point_list.depths(&self.gpu, eye, view.near)?;
+            anyhow::Ok(depths.into_iter().map(|depth| [depth.to_bits(), 0]).collect())
+        };
+        Ok([eye(0)?, eye(1)?])
     }
 }
 

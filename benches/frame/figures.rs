@@ -1,6 +1,7 @@
 //! From samples to medians, ratios, a table and CSV rows.
 
 use crate::contestant::Sample;
+use crate::heat::{Part, Ratio};
 use scanwalk::timing::STAGES;
 use std::fmt;
 use std::io::{self, Write};
@@ -8,7 +9,8 @@ use std::io::{self, Write};
 /// Median and range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    median: f64,
+    /// The middle one, or the mean of the two in the middle.
+    pub median: f64,
     min: f64,
     max: f64,
 }
@@ -30,77 +32,124 @@ impl fmt::Display for Spread {
     }
 }
 
-/// All samples of one cloud from one viewpoint; `samples[contestant][run]`.
+/// All samples of one heat from one viewpoint.
 pub struct Figures {
     /// Points of the cloud.
     pub num_points: u64,
     /// Name of the viewpoint.
     pub viewpoint: &'static str,
-    /// Names of the contestants.
-    pub names: [&'static str; 3],
-    /// In the order of `names`.
-    pub samples: [Vec<Sample>; 3],
-    /// Share of pixels on which compute and hardware agree.
-    pub agreement: f64,
+    /// Name of the heat.
+    pub heat: &'static str,
+    /// Of each contestant, in turn.
+    pub samples: Vec<(&'static str, Vec<Sample>)>,
 }
 
 impl Figures {
     /// First line of the CSV.
     pub fn csv_header(out: &mut impl Write) -> io::Result<()> {
         let stages = STAGES.map(|stage| format!("{stage}_ms")).join(",");
-        writeln!(out, "points,viewpoint,method,run,{stages},gpu_ms,wall_ms,points_read")
+        writeln!(
+            out,
+            "points,viewpoint,heat,contestant,run,{stages},gpu_ms,wall_ms,points_read,visible_batches"
+        )
     }
 
     /// A row a sample.
     pub fn csv_rows(&self, out: &mut impl Write) -> io::Result<()> {
-        for (name, samples) in self.names.iter().zip(&self.samples) {
+        for (name, samples) in &self.samples {
             for (run, sample) in samples.iter().enumerate() {
-                // What a method does not have stays empty.
+                // What a contestant does not have stays empty.
                 let stages =
                     sample.stage_ms.map(|ms| if ms.is_nan() { String::new() } else { format!("{ms:.3}") });
-                let Sample { gpu_ms, wall_ms, points_read, .. } = sample;
-                write!(out, "{},{},{name},{run},", self.num_points, self.viewpoint)?;
-                writeln!(out, "{},{gpu_ms:.3},{wall_ms:.3},{points_read}", stages.join(","))?;
+                let Sample { gpu_ms, wall_ms, points_read, visible_batches, .. } = sample;
+                write!(out, "{},{},{},{name},{run},", self.num_points, self.viewpoint, self.heat)?;
+                write!(out, "{},{gpu_ms:.3},{wall_ms:.3},", stages.join(","))?;
+                writeln!(out, "{points_read},{visible_batches}")?;
             }
         }
         Ok(())
     }
 
-    /// The table's part: times of each contestant, then the ratios, taken run by run.
-    pub fn print(&self, out: &mut impl Write) -> io::Result<()> {
+    /// For people: times of each contestant, medians of the stages and of the frame with its range.
+    pub fn print_times(&self, out: &mut impl Write) -> io::Result<()> {
         let millions = self.num_points as f64 / 1e6;
-        let agreement = 100.0 * self.agreement;
-        writeln!(out, "{millions} M points, {}; pictures agree on {agreement:.2} %", self.viewpoint)?;
-        for (name, samples) in self.names.iter().zip(&self.samples) {
+        writeln!(out, "{}: {millions} M points, {}", self.heat, self.viewpoint)?;
+        let stages = STAGES.map(|stage| format!("{stage:>9}")).concat();
+        writeln!(out, "  {:<21}{stages}{:>27}{:>9}{:>9}", "ms", "frame", "wall", "M points")?;
+        for (name, samples) in &self.samples {
             let spread = |value: &dyn Fn(&Sample) -> f64| Spread::of(samples.iter().map(value));
+            let stage = |stage| match spread(&|s| s.stage_ms[stage]).median {
+                ms if ms.is_nan() => format!("{:>9}", "–"),
+                ms => format!("{ms:>9.2}"),
+            };
+            let stages: String = (0..STAGES.len()).map(stage).collect();
+            write!(out, "  {name:<21}{stages}{:>27}", spread(&|s| s.gpu_ms))?;
             let read = samples[0].points_read as f64 / 1e6;
-            writeln!(
-                out,
-                "  {name:<12} gpu ms {}, wall ms {}, {read:.2} M points read",
-                spread(&|s| s.gpu_ms),
-                spread(&|s| s.wall_ms)
-            )?;
-            if samples[0].stage_ms.iter().all(|ms| ms.is_finite()) {
-                let stages: Vec<String> = (0..STAGES.len())
-                    .map(|stage| format!("{} {}", STAGES[stage], spread(&|s| s.stage_ms[stage])))
-                    .collect();
-                writeln!(out, "  {:<12} {}", "", stages.join(", "))?;
-            }
+            writeln!(out, "{:>9.2}{read:>9.2}", spread(&|s| s.wall_ms).median)?;
         }
-        let [stereo, singles, hardware] = &self.samples;
-        let depth = |s: &Sample| s.stage_ms[2];
-        let frame = |s: &Sample| s.gpu_ms;
-        writeln!(
-            out,
-            "  stereo / two-singles: depth {}, frame {}",
-            ratio(stereo, singles, depth),
-            ratio(stereo, singles, frame)
-        )?;
-        writeln!(out, "  point-list / stereo: frame {}", ratio(hardware, stereo, frame))
+        Ok(())
+    }
+
+    /// For people: a ratio, taken turn by turn, so that drift meets both; nothing if one of the two is missing.
+    pub fn print_ratio(&self, out: &mut impl Write, ratio: &Ratio) -> io::Result<()> {
+        let (Some(of), Some(to)) = (self.samples_of(ratio.of), self.samples_of(ratio.to)) else {
+            return Ok(());
+        };
+        let spread = |part: &Part| {
+            let ratios = of.iter().zip(to).map(|(of, to)| part.ms(of) / part.ms(to));
+            format!("{} {}", part.name(), Spread::of(ratios))
+        };
+        let parts: Vec<String> = ratio.parts.iter().map(spread).collect();
+        writeln!(out, "  {} / {}: {}", ratio.of, ratio.to, parts.join(", "))
+    }
+
+    fn samples_of(&self, contestant: &str) -> Option<&[Sample]> {
+        self.samples.iter().find(|(name, _)| *name == contestant).map(|(_, samples)| &samples[..])
     }
 }
 
-/// Ratio of samples that were taken one after the other, so that drift meets both.
-fn ratio(of: &[Sample], to: &[Sample], value: impl Fn(&Sample) -> f64) -> Spread {
-    Spread::of(of.iter().zip(to).map(|(of, to)| value(of) / value(to)))
+impl Part {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Color => "color",
+            Self::Geometry => "geometry",
+            Self::Frame => "frame",
+        }
+    }
+
+    fn ms(self, sample: &Sample) -> f64 {
+        let stage = |name| {
+            STAGES.iter().zip(sample.stage_ms).filter(|(stage, _)| **stage == name).map(|(_, ms)| ms).sum()
+        };
+        match self {
+            Self::Depth => stage("depth"),
+            Self::Color => stage("color"),
+            Self::Geometry => Self::Depth.ms(sample) + Self::Color.ms(sample),
+            Self::Frame => sample.gpu_ms,
+        }
+    }
+}
+
+/// For people: how the frames of those contestants that drew several clouds grow with the cloud. Medians in turn,
+/// then the largest cloud's in the smallest's.
+pub fn print_growth(out: &mut impl Write, all: &[Figures]) -> io::Result<()> {
+    let Some(first) = all.first() else { return Ok(()) };
+    for smallest in all.iter().filter(|f| f.num_points == first.num_points) {
+        let same = |f: &&Figures| (f.heat, f.viewpoint) == (smallest.heat, smallest.viewpoint);
+        let group: Vec<&Figures> = all.iter().filter(same).collect();
+        for (name, _) in smallest.samples.iter().filter(|_| group.len() > 1) {
+            let spread = |f: &&Figures| {
+                let frames = f.samples_of(name)?.iter().map(|s| s.gpu_ms);
+                Some((f.num_points as f64 / 1e6, Spread::of(frames)))
+            };
+            let sizes: Vec<(f64, Spread)> = group.iter().filter_map(spread).collect();
+            let texts: Vec<String> = sizes.iter().map(|(m, spread)| format!("{m} M {spread}")).collect();
+            let [(least, fastest), .., (most, slowest)] = sizes[..] else { continue };
+            let growth = slowest.median / fastest.median;
+            write!(out, "{} {} {name}: frame ms {}; ", smallest.heat, smallest.viewpoint, texts.join(", "))?;
+            writeln!(out, "{most} M / {least} M: {growth:.2}")?;
+        }
+    }
+    Ok(())
 }

@@ -1,25 +1,25 @@
-//! The frame against its alternatives, on whatever Vulkan device there is, as ratios within one run: both eyes
-//! in one `depth` dispatch (`stereo`) against a renderer for each eye (`two-singles`), and against hardware
-//! points (`point-list`). `docs/bench/frame` keeps a run.
+//! The frame against its alternatives, on whatever Vulkan device there is, as ratios within one run: see
+//! [`heat`] for who takes part. `docs/bench/frame` keeps a run.
 //!
-//! The contestants take turns, so that whatever else the machine does meets them all, and each draws a frame
-//! that does not count before one that does; medians are shown with their range. Before anything is timed, all must have drawn the same picture: see [`check`].
+//! The contestants of a heat take turns, so that whatever else the machine does meets them all, and each draws a
+//! frame that does not count before one that does; medians are shown with their range. Before anything is timed,
+//! those that claim to draw the same picture must have done so: see [`check`].
 
 mod check;
 mod contestant;
 mod figures;
+mod heat;
 mod point_list;
+mod scene;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use contestant::{Compute, Contestant, Hardware};
-use figures::Figures;
-use glam::DVec3;
-use scanwalk::cloud::{self, Cloud, Order};
+use contestant::Contestant;
+use figures::{Figures, print_growth};
+use heat::{Entry, Heat, MAX_HARDWARE_POINTS};
 use scanwalk::gpu::Gpu;
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::space::{Eye, Fov, Pose, View};
-use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+use scanwalk::space::View;
+use scene::Scene;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -27,21 +27,16 @@ use std::sync::Arc;
 
 /// Frames that are drawn before any counts.
 const WARM_UP_FRAMES: usize = 2;
-/// The whole, and a place inside from which culling matters.
-const VIEWPOINTS: [&str; 2] = ["overview", "hall"];
-/// Angles of an eye's image in degrees, as headsets have them: outer, inner, up and down.
-const FOV_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
-/// Distance of the eyes.
-const EYE_DISTANCE_M: f64 = 0.063;
-const NEAR_M: f64 = 0.05;
-const SEED: u64 = 1;
 
-/// Times frames of made-up scans: stereo, two single eyes, hardware points.
+/// Times frames of made-up scans, drawn in several ways.
 #[derive(Debug, Parser)]
 struct Args {
     /// Millions of points, one scan each
-    #[arg(long, value_name = "M,M,…", value_delimiter = ',', default_value = "1,4,16")]
+    #[arg(long, alias = "sizes", value_name = "M,M,…", value_delimiter = ',', default_value = "1,4,16,64")]
     points: Vec<f64>,
+    /// Only heats whose name contains this: eyes, tiers, octree, parts
+    #[arg(long, value_name = "NAME", default_value = "")]
+    heat: String,
     /// Measured frames of each contestant
     #[arg(long, value_name = "N", default_value_t = 9)]
     runs: usize,
@@ -65,7 +60,7 @@ struct Args {
 fn main() -> Result<()> {
     let mut args = Args::parse();
     if args.quick || !args.bench {
-        (args.points, args.runs) = (vec![0.2], 5);
+        (args.points, args.runs, args.size) = (vec![0.1, 0.2], 2, 512);
     }
     ensure!(args.runs > 0, "--runs 0: a median needs a run");
     let gpu = Arc::new(Gpu::open(args.adapter.as_deref())?);
@@ -78,72 +73,115 @@ fn main() -> Result<()> {
         Figures::csv_header(csv)?;
     }
     writeln!(out, "{}, {}; {}² pixels an eye, {} runs", gpu.name(), gpu.driver(), args.size, args.runs)?;
+    let mut all = Vec::new();
     for &millions in &args.points {
-        let cloud = cloud(millions)?;
-        for figures in measure(&gpu, &cloud, &args)? {
-            figures.print(&mut out)?;
+        // One cloud at a time: memory holds the largest, not all.
+        let scene = Scene::new((1e6 * millions).round() as u64)?;
+        for heat in heat::heats().iter().filter(|heat| heat.name.contains(&args.heat)) {
+            let figures = measure(&gpu, &scene, heat, &args, &mut out)
+                .with_context(|| format!("{}, {millions} M points", heat.name))?;
             if let Some(csv) = &mut csv {
-                figures.csv_rows(csv)?;
+                figures.iter().try_for_each(|figures| figures.csv_rows(csv))?;
                 csv.flush()?;
             }
+            all.extend(figures);
         }
     }
-    Ok(())
+    Ok(print_growth(&mut out, &all)?)
 }
 
 fn create(path: &Path) -> Result<BufWriter<File>> {
     Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
 }
 
-/// A courtyard as a scanner sees it, in Morton order.
-fn cloud(millions: f64) -> Result<Cloud> {
-    let folder = tempfile::tempdir()?;
-    let out = folder.path().join("courtyard.las");
-    let points = (1e6 * millions).round() as u64;
-    let stop = Stop::default();
-    synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, &stop)?;
-    Ok(cloud::build(&scanwalk::scan::read(&[out], &stop)?, Order::Morton, &Progress::hidden())?)
-}
+/// Contestants by name.
+type Contestants = Vec<(&'static str, Box<dyn Contestant>)>;
 
-/// The figures of a cloud from each viewpoint.
-fn measure(gpu: &Arc<Gpu>, cloud: &Cloud, args: &Args) -> Result<Vec<Figures>> {
+/// The figures of a heat from each viewpoint; prints them too.
+fn measure(
+    gpu: &Arc<Gpu>,
+    scene: &Scene,
+    heat: &Heat,
+    args: &Args,
+    out: &mut impl Write,
+) -> Result<Vec<Figures>> {
+    let num_points = scene.flat.num_points;
+    if num_points > heat.max_points {
+        writeln!(out, "{}: left out above {} points: it takes too long", heat.name, heat.max_points)?;
+        return Ok(vec![]);
+    }
     let size_px = [args.size; 2];
-    let mut stereo = Compute::stereo(gpu, cloud, size_px)?;
-    let mut singles = Compute::two_singles(gpu, cloud, size_px)?;
-    let mut hardware = Hardware::new(gpu, cloud, size_px)?;
-    let mut all = Vec::new();
-    for place in synth::viewpoints(Kind::Terrestrial).iter().filter(|p| VIEWPOINTS.contains(&p.name)) {
-        let view = view(place, size_px);
-        let agreement = check::pictures(&mut stereo, &mut singles, &mut hardware, &view)
-            .with_context(|| format!("{} points, {}", cloud.num_points, place.name))?;
-        let mut contestants: [&mut dyn Contestant; 3] = [&mut stereo, &mut singles, &mut hardware];
-        let names = contestants.each_ref().map(|contestant| contestant.name());
-        let mut samples = [const { Vec::new() }; 3];
-        for run in 0..WARM_UP_FRAMES + args.runs {
-            for (contestant, samples) in contestants.iter_mut().zip(&mut samples) {
-                // A frame that does not count: caches and scheduler are then as this contestant leaves them,
-                // not as the one before did.
-                contestant.draw(&view)?;
-                let sample = contestant.draw(&view)?;
-                if run >= WARM_UP_FRAMES {
-                    samples.push(sample);
-                }
+    let mut contestants = Contestants::new();
+    for &(name, entry) in &heat.entries {
+        match entry {
+            Entry::Hardware if num_points > MAX_HARDWARE_POINTS => {
+                writeln!(out, "{name}: left out above {MAX_HARDWARE_POINTS} points: it takes too long")?;
             }
+            Entry::Compute(plan) if plan.atomics.is_some_and(|atomics| atomics > gpu.atomics()) => {
+                writeln!(out, "{name}: left out, for the GPU cannot")?;
+            }
+            _ => contestants.push((name, contestant::make(gpu, scene, size_px, entry)?)),
         }
-        all.push(Figures { num_points: cloud.num_points, viewpoint: place.name, names, samples, agreement });
+    }
+    let mut all = Vec::new();
+    for place in scene::viewpoints() {
+        let view = scene::view(place, size_px);
+        check_pictures(heat, &mut contestants, &view, out).context(place.name)?;
+        let samples = samples(&mut contestants, &view, args.runs)?;
+        let figures = Figures { num_points, viewpoint: place.name, heat: heat.name, samples };
+        figures.print_times(out)?;
+        heat.ratios.iter().try_for_each(|ratio| figures.print_ratio(out, ratio))?;
+        all.push(figures);
     }
     Ok(all)
 }
 
-/// Both eyes of somebody who stands there.
-fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
-    let head = Pose::look_at(place.eye, place.target, DVec3::Z);
-    let [outer, inner, up, down] = FOV_DEG.map(f64::to_radians);
-    let eye = |side: f64, fov| {
-        let sideways = Pose { position: DVec3::X * side * 0.5 * EYE_DISTANCE_M, ..Pose::IDENTITY };
-        Eye { world_from_view: head.then(&sideways), fov, size_px, gaze_in_view: Eye::AHEAD }
-    };
-    let left = eye(-1.0, Fov::from_angles(-outer, inner, up, -down));
-    let right = eye(1.0, Fov::from_angles(-inner, outer, up, -down));
-    View { eyes: vec![left, right], near: NEAR_M }
+/// Whether those that should draw the same do.
+fn check_pictures(
+    heat: &Heat,
+    contestants: &mut Contestants,
+    view: &View,
+    out: &mut impl Write,
+) -> Result<()> {
+    for names in &heat.same {
+        if let Some([a, b]) = pair(contestants, names) {
+            check::same(a, b, view).with_context(|| names.join(" and "))?;
+        }
+    }
+    for names in &heat.alike {
+        if let Some([a, b]) = pair(contestants, names) {
+            let share = check::alike(a, b, view).with_context(|| names.join(" and "))?;
+            writeln!(out, "{}: depths agree on {:.2} % of the pixels", names.join(" and "), 100.0 * share)?;
+        }
+    }
+    Ok(())
+}
+
+/// The two of these names, if both take part.
+fn pair<'a>(contestants: &'a mut Contestants, names: &[&str; 2]) -> Option<[&'a mut dyn Contestant; 2]> {
+    let place = |name| contestants.iter().position(|(n, _)| n == name);
+    let places = [place(&names[0])?, place(&names[1])?];
+    let [(_, a), (_, b)] = contestants.get_disjoint_mut(places).ok()?;
+    Some([a.as_mut(), b.as_mut()])
+}
+
+/// The contestants take turns.
+fn samples(
+    contestants: &mut Contestants,
+    view: &View,
+    num_runs: usize,
+) -> Result<Vec<(&'static str, Vec<contestant::Sample>)>> {
+    let mut all: Vec<_> = contestants.iter().map(|(name, _)| (*name, Vec::new())).collect();
+    for run in 0..WARM_UP_FRAMES + num_runs {
+        for ((_, contestant), (_, samples)) in contestants.iter_mut().zip(&mut all) {
+            // A frame that does not count: caches and scheduler are then as this contestant leaves them, not as
+            // the one before did.
+            contestant.draw(view)?;
+            let sample = contestant.draw(view)?;
+            if run >= WARM_UP_FRAMES {
+                samples.push(sample);
+            }
+        }
+    }
+    Ok(all)
 }

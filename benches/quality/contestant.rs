@@ -29,7 +29,7 @@ pub trait Contestant {
 pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
 
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
-pub const CONTESTANTS: [(&str, Make); 6] = [
+pub const CONTESTANTS: [(&str, Make); 8] = [
     ("point-list", |gpu, scene, size_px| Ok(Box::new(Hardware::new(gpu, &scene.cloud, size_px)?))),
     ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, Look::default())),
     ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
@@ -37,6 +37,13 @@ pub const CONTESTANTS: [(&str, Make); 6] = [
     ("lod-hqs-fade", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|c| c.lod.fade = true))),
     ("lod-hqs-fade-fill", |gpu, scene, size_px| {
         layered(gpu, scene, size_px, hqs(&|c| (c.lod.fade, c.frame.fill) = (true, true)))
+    }),
+    ("lod-hqs-fade-rings", |gpu, scene, size_px| {
+        layered(gpu, scene, size_px, hqs(&|c| (c.lod.fade, c.frame.dilate) = (true, Dilate::Rings)))
+    }),
+    // The frame as the program draws it unless told otherwise.
+    ("lod-hqs-fade-fill-rings", |gpu, scene, size_px| {
+        layered(gpu, scene, size_px, Look::of(&Config::default()))
     }),
 ];
 

@@ -143,12 +143,12 @@ impl Table {
         )?;
         let titles = ["PSNR dB", "centre dB", "SSIM"].map(|title| format!("{title:>11}")).concat();
         let ratios = ["holes %", "flicker", "own flicker"].map(|title| format!("{title:>16}")).concat();
-        writeln!(out, "  {:<18}{titles}{ratios}{:>14}", "", "pop (median)")?;
+        writeln!(out, "  {:<25}{titles}{ratios}{:>14}", "", "pop (median)")?;
         // The truth stands first.
         let first = self.rows[1].1;
         for (name, f) in &self.rows {
             let ratio = |value: f64, of: f64, digits: usize| format!("{value:.digits$} (×{:.2})", value / of);
-            write!(out, "  {name:<18}{:>11.2}{:>11.2}{:>11.4}", f.psnr_db, f.center_psnr_db, f.ssim)?;
+            write!(out, "  {name:<25}{:>11.2}{:>11.2}{:>11.4}", f.psnr_db, f.center_psnr_db, f.ssim)?;
             write!(out, "{:>16}", ratio(100.0 * f.holes.share(), 100.0 * first.holes.share(), 2))?;
             write!(out, "{:>16}", ratio(f.flicker, first.flicker, 2))?;
             write!(out, "{:>16}", ratio(f.own_flicker, first.own_flicker, 2))?;

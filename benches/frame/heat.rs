@@ -1,0 +1,176 @@
+//! Which ways to draw take turns, and what is told of them.
+
+use scanwalk::config::{Config, Dilate, FrameConfig, Quality};
+use scanwalk::gpu::Atomics;
+use scanwalk::look::Look;
+
+/// Hardware points take seconds a frame above this many points, so there they stay out.
+pub const MAX_HARDWARE_POINTS: u64 = 16_000_000;
+
+/// Contestants that take turns on the same cloud from the same places.
+pub struct Heat {
+    /// In lower case.
+    pub name: &'static str,
+    /// Clouds with more points do without this heat.
+    pub max_points: u64,
+    /// By name.
+    pub entries: Vec<(&'static str, Entry)>,
+    /// Pairs that draw the same picture bit for bit.
+    pub same: Vec<[&'static str; 2]>,
+    /// Pairs whose depths agree on nearly all pixels.
+    pub alike: Vec<[&'static str; 2]>,
+    /// What is told beside the times.
+    pub ratios: Vec<Ratio>,
+}
+
+/// A way to draw.
+#[derive(Clone, Copy, Debug)]
+pub enum Entry {
+    /// The compute frame.
+    Compute(Plan),
+    /// Hardware points, for clouds up to [`MAX_HARDWARE_POINTS`].
+    Hardware,
+}
+
+/// How the compute frame draws.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// The octree rather than every point.
+    pub layered: bool,
+    /// An eye after the other, each by a renderer for one eye.
+    pub singles: bool,
+    /// `None`: the GPU's best tier.
+    pub atomics: Option<Atomics>,
+    /// What the frame looks like.
+    pub look: Look,
+}
+
+/// What of a frame is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The stage `depth`.
+    Depth,
+    /// The stage `color`.
+    Color,
+    /// Both: what every point goes through.
+    Geometry,
+    /// All of it.
+    Frame,
+}
+
+/// One contestant's time in another's.
+#[derive(Clone, Copy, Debug)]
+pub struct Ratio {
+    /// The one above the line.
+    pub of: &'static str,
+    /// The one below.
+    pub to: &'static str,
+    /// Of which time.
+    pub parts: &'static [Part],
+}
+
+use Part::{Color, Depth, Frame, Geometry};
+
+/// All of them, in the order in which they are run.
+pub fn heats() -> [Heat; 4] {
+    [eyes(), tiers(), octree(), parts()]
+}
+
+/// Both eyes in one dispatch a stage, and in two; high-quality shading; hardware points.
+fn eyes() -> Heat {
+    let pairs = [
+        (["closest-flat", "closest-flat-singles"], flat(closest()), &[Depth, Frame][..]),
+        (["hqs-flat", "hqs-flat-singles"], flat(hqs(false)), &[Depth, Color, Frame]),
+        (["hqs-lod", "hqs-lod-singles"], layered(hqs(false)), &[Depth, Color, Frame]),
+    ];
+    let singles = |plan| Entry::Compute(Plan { singles: true, ..plan });
+    let mut entries: Vec<_> =
+        pairs.iter().flat_map(|&([a, b], p, _)| [(a, Entry::Compute(p)), (b, singles(p))]).collect();
+    entries.push(("point-list", Entry::Hardware));
+    let mut ratios: Vec<_> = pairs.iter().map(|&([of, to], _, parts)| Ratio { of, to, parts }).collect();
+    ratios.push(Ratio { of: "hqs-flat", to: "closest-flat", parts: &[Geometry, Frame] });
+    ratios.push(Ratio { of: "point-list", to: "closest-flat", parts: &[Frame] });
+    ratios.push(Ratio { of: "point-list", to: "hqs-flat", parts: &[Frame] });
+    // What is drawn of an octree depends on which eyes there are: its pictures may differ.
+    let same = vec![pairs[0].0, pairs[1].0];
+    let alike = vec![["point-list", "closest-flat"]];
+    Heat { name: "eyes", max_points: 16_000_000, entries, same, alike, ratios }
+}
+
+/// What the GPU's atomics offer.
+fn tiers() -> Heat {
+    let tier = |look, atomics| Entry::Compute(Plan { atomics: Some(atomics), ..layered(look) });
+    let names = [
+        ["closest-int64", "closest-int64-minmax", "closest-int32"],
+        ["hqs-int64", "hqs-int64-minmax", "hqs-int32"],
+    ];
+    let (mut entries, mut same, mut ratios) = (vec![], vec![], vec![]);
+    for (names, look) in names.into_iter().zip([closest(), hqs(false)]) {
+        let best = names[0];
+        entries.push((best, tier(look, Atomics::Int64)));
+        for (name, atomics) in names.into_iter().zip([Atomics::Int64, Atomics::Int64Minmax, Atomics::Int32]) {
+            if name != best {
+                entries.push((name, tier(look, atomics)));
+                same.push([name, best]);
+                ratios.push(Ratio { of: name, to: best, parts: &[Geometry, Frame] });
+            }
+        }
+    }
+    ratios.push(Ratio { of: "hqs-int64", to: "closest-int64", parts: &[Geometry, Frame] });
+    Heat { name: "tiers", alike: vec![], max_points: 16_000_000, entries, same, ratios }
+}
+
+/// Level of detail against every point: bare, and in the whole frame.
+fn octree() -> Heat {
+    let entries = vec![
+        ("hqs-flat", Entry::Compute(flat(hqs(false)))),
+        ("hqs-lod", Entry::Compute(layered(hqs(false)))),
+        ("hqs-lod-fade", Entry::Compute(layered(hqs(true)))),
+        ("whole-flat", Entry::Compute(flat(whole()))),
+        ("whole-lod", Entry::Compute(layered(whole()))),
+    ];
+    let pairs = [("hqs-lod", "hqs-flat"), ("hqs-lod-fade", "hqs-flat"), ("whole-lod", "whole-flat")];
+    let ratios = pairs.map(|(of, to)| Ratio { of, to, parts: &[Geometry, Frame] }).to_vec();
+    Heat { name: "octree", alike: vec![], max_points: u64::MAX, entries, same: vec![], ratios }
+}
+
+/// What each part of the whole frame costs: the others without it.
+fn parts() -> Heat {
+    let whole = whole();
+    let mut without = [("no-dilation", whole), ("no-fill", whole), ("no-fade", whole)];
+    // The reach of the kernels stays, or `fill` would have more to do.
+    without[0].1.dilate = Dilate::Off;
+    without[1].1.detail.fill_reach_px = None;
+    without[2].1.detail.fade = false;
+    let entry = |(name, look)| (name, Entry::Compute(layered(look)));
+    let ratios = without.map(|(to, _)| Ratio { of: "whole", to, parts: &[Frame] }).to_vec();
+    let entries = [("whole", whole)].into_iter().chain(without).map(entry).collect();
+    Heat { name: "parts", alike: vec![], max_points: 16_000_000, entries, same: vec![], ratios }
+}
+
+fn flat(look: Look) -> Plan {
+    Plan { layered: false, singles: false, atomics: None, look }
+}
+
+fn layered(look: Look) -> Plan {
+    Plan { layered: true, ..flat(look) }
+}
+
+/// The nearest point, nothing filled.
+fn closest() -> Look {
+    Look { quality: Quality::Closest, ..hqs(false) }
+}
+
+/// High-quality shading, nothing filled.
+fn hqs(fade: bool) -> Look {
+    let frame =
+        FrameConfig { quality: Quality::Hqs, dilate: Dilate::Off, fill: false, ..FrameConfig::default() };
+    let mut config = Config { frame, ..Config::default() };
+    config.lod.fade = fade;
+    Look::of(&config)
+}
+
+/// The frame as the program draws it unless told otherwise.
+fn whole() -> Look {
+    Look::of(&Config::default())
+}

@@ -1,0 +1,61 @@
+//! The made-up scan that is looked at, and from where.
+
+use anyhow::Result;
+use glam::DVec3;
+use scanwalk::cloud::octree::{Octree, build_octree};
+use scanwalk::cloud::{self, Cloud, Order};
+use scanwalk::progress::{Progress, Stop};
+use scanwalk::scan;
+use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+
+/// The whole, and a place inside from which culling matters.
+const VIEWPOINTS: [&str; 2] = ["overview", "hall"];
+/// Angles of an eye's image in degrees, as headsets have them: outer, inner, up and down.
+const FOV_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
+/// Distance of the eyes.
+const EYE_DISTANCE_M: f64 = 0.063;
+const NEAR_M: f64 = 0.05;
+const SEED: u64 = 1;
+
+/// A courtyard as a scanner sees it: the same place whatever the number of points, only denser.
+pub struct Scene {
+    /// All points, in Morton order.
+    pub flat: Cloud,
+    /// The same in layers.
+    pub layered: Octree,
+}
+
+impl Scene {
+    /// Of exactly so many points.
+    ///
+    /// # Errors
+    /// If there is no room for its file.
+    pub fn new(points: u64) -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let out = folder.path().join("courtyard.las");
+        let stop = Stop::default();
+        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, &stop)?;
+        let scan = scan::read(&[out], &stop)?;
+        let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
+        Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
+    }
+}
+
+/// Where to stand.
+pub fn viewpoints() -> impl Iterator<Item = &'static Viewpoint> {
+    synth::viewpoints(Kind::Terrestrial).iter().filter(|place| VIEWPOINTS.contains(&place.name))
+}
+
+/// Both eyes of somebody who stands there.
+pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
+    let head = Pose::look_at(place.eye, place.target, DVec3::Z);
+    let [outer, inner, up, down] = FOV_DEG.map(f64::to_radians);
+    let eye = |side: f64, fov| {
+        let sideways = Pose { position: DVec3::X * side * 0.5 * EYE_DISTANCE_M, ..Pose::IDENTITY };
+        Eye { world_from_view: head.then(&sideways), fov, size_px, gaze_in_view: Eye::AHEAD }
+    };
+    let left = eye(-1.0, Fov::from_angles(-outer, inner, up, -down));
+    let right = eye(1.0, Fov::from_angles(-inner, outer, up, -down));
+    View { eyes: vec![left, right], near: NEAR_M }
+}
