@@ -131,24 +131,19 @@ impl Part {
     }
 }
 
-/// For people: how the frames of those contestants that drew several clouds grow with the cloud. Medians in turn,
-/// then the largest cloud's in the smallest's.
+/// For people: how frames grow with the cloud. Medians in turn, then the last cloud's in the first one's.
 pub fn print_growth(out: &mut impl Write, all: &[Figures]) -> io::Result<()> {
-    let Some(first) = all.first() else { return Ok(()) };
-    for smallest in all.iter().filter(|f| f.num_points == first.num_points) {
-        let same = |f: &&Figures| (f.heat, f.viewpoint) == (smallest.heat, smallest.viewpoint);
+    for first in all.iter().filter(|f| f.num_points == all[0].num_points) {
+        let same = |f: &&Figures| (f.heat, f.viewpoint) == (first.heat, first.viewpoint);
         let group: Vec<&Figures> = all.iter().filter(same).collect();
-        for (name, _) in smallest.samples.iter().filter(|_| group.len() > 1) {
-            let spread = |f: &&Figures| {
-                let frames = f.samples_of(name)?.iter().map(|s| s.gpu_ms);
-                Some((f.num_points as f64 / 1e6, Spread::of(frames)))
-            };
-            let sizes: Vec<(f64, Spread)> = group.iter().filter_map(spread).collect();
-            let texts: Vec<String> = sizes.iter().map(|(m, spread)| format!("{m} M {spread}")).collect();
-            let [(least, fastest), .., (most, slowest)] = sizes[..] else { continue };
-            let growth = slowest.median / fastest.median;
-            write!(out, "{} {} {name}: frame ms {}; ", smallest.heat, smallest.viewpoint, texts.join(", "))?;
-            writeln!(out, "{most} M / {least} M: {growth:.2}")?;
+        let millions: Vec<String> = group.iter().map(|f| (f.num_points as f64 / 1e6).to_string()).collect();
+        writeln!(out, "{}, {}: frame ms at {} M points", first.heat, first.viewpoint, millions.join(", "))?;
+        for (name, _) in &first.samples {
+            let frames = |f: &&Figures| Some(Spread::of(f.samples_of(name)?.iter().map(|s| s.gpu_ms)));
+            let spreads: Vec<Spread> = group.iter().filter_map(frames).collect();
+            let texts: String = spreads.iter().map(|spread| format!("{spread:>27}")).collect();
+            let growth = spreads[spreads.len() - 1].median / spreads[0].median;
+            writeln!(out, "  {name:<21}{texts}; last / first {growth:.2}")?;
         }
     }
     Ok(())

@@ -127,9 +127,16 @@ fn octree() -> Heat {
         ("hqs-lod", Entry::Compute(layered(hqs(false)))),
         ("hqs-lod-fade", Entry::Compute(layered(hqs(true)))),
         ("whole-flat", Entry::Compute(flat(whole()))),
+        ("whole-lod-no-fill", Entry::Compute(layered(no_fill()))),
         ("whole-lod", Entry::Compute(layered(whole()))),
     ];
-    let pairs = [("hqs-lod", "hqs-flat"), ("hqs-lod-fade", "hqs-flat"), ("whole-lod", "whole-flat")];
+    let pairs = [
+        ("hqs-lod", "hqs-flat"),
+        ("hqs-lod-fade", "hqs-flat"),
+        // A flat cloud does not know its spacing, so nothing is filled there.
+        ("whole-lod-no-fill", "whole-flat"),
+        ("whole-lod", "whole-flat"),
+    ];
     let ratios = pairs.map(|(of, to)| Ratio { of, to, parts: &[Geometry, Frame] }).to_vec();
     Heat { name: "octree", alike: vec![], max_points: u64::MAX, entries, same: vec![], ratios }
 }
@@ -137,10 +144,9 @@ fn octree() -> Heat {
 /// What each part of the whole frame costs: the others without it.
 fn parts() -> Heat {
     let whole = whole();
-    let mut without = [("no-dilation", whole), ("no-fill", whole), ("no-fade", whole)];
+    let mut without = [("no-dilation", whole), ("no-fill", no_fill()), ("no-fade", whole)];
     // The reach of the kernels stays, or `fill` would have more to do.
     without[0].1.dilate = Dilate::Off;
-    without[1].1.detail.fill_reach_px = None;
     without[2].1.detail.fade = false;
     let entry = |(name, look)| (name, Entry::Compute(layered(look)));
     let ratios = without.map(|(to, _)| Ratio { of: "whole", to, parts: &[Frame] }).to_vec();
@@ -173,4 +179,11 @@ fn hqs(fade: bool) -> Look {
 /// The frame as the program draws it unless told otherwise.
 fn whole() -> Look {
     Look::of(&Config::default())
+}
+
+/// All of it but larger points.
+fn no_fill() -> Look {
+    let mut look = whole();
+    look.detail.fill_reach_px = None;
+    look
 }
