@@ -49,20 +49,23 @@ fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     }
 }
 
-// A point that is `diameter` world units wide, as a square of pixels round its own.
+// A point that is `diameter` world units wide, as a disc of pixels round its own.
 fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32) {
     if pixel == NO_PIXEL {
         return;
     }
-    let side = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
-    let radius = u32(ceil(clamp(0.5 * (side - view.fill_reach_px), 0.0, f32(MAX_FILL_RADIUS))));
-    let width = view.eyes[eye].width;
-    let x = pixel % width;
-    let y = pixel / width;
-    let end = vec2<u32>(min(x + radius + 1u, width), min(y + radius + 1u, view.eyes[eye].height));
-    for (var v = y - min(y, radius); v < end.y; v += 1u) {
-        for (var u = x - min(x, radius); u < end.x; u += 1u) {
-            put(eye, v * width + u, w, id);
+    let diameter_px = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
+    let radius = i32(ceil(clamp(0.5 * (diameter_px - view.fill_reach_px), 0.0, f32(MAX_FILL_RADIUS))));
+    let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
+    let center = vec2<i32>(i32(pixel) % size.x, i32(pixel) / size.x);
+    let first = max(center - radius, vec2<i32>(0));
+    let last = min(center + radius, size - 1);
+    for (var y = first.y; y <= last.y; y += 1) {
+        for (var x = first.x; x <= last.x; x += 1) {
+            let d = vec2<i32>(x, y) - center;
+            if d.x * d.x + d.y * d.y <= radius * (radius + 1) {
+                put(eye, u32(y * size.x + x), w, id);
+            }
         }
     }
 }

@@ -21,8 +21,8 @@ impl Look {
     #[must_use]
     pub fn of(config: &Config) -> Self {
         let frame = &config.frame;
-        // The smallest kernel bridges two empty pixels.
-        let reach_px = if frame.dilate == Dilate::Rings { 3.0 } else { 1.0 };
+        // The smallest kernel bridges two empty pixels, yet many neighbours lie further apart than the mean.
+        let reach_px = if frame.dilate == Dilate::Rings { 2.0 } else { 1.0 };
         let detail = Detail {
             forced_planes: if frame.precision == Precision::Full { 3 } else { 0 },
             threshold_px: config.lod.threshold_px.map(|px| px as f32),

@@ -12,7 +12,7 @@ use scanwalk::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
 use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, Scan};
-use scanwalk::space::View;
+use scanwalk::space::{Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin::{self, Frame, Scene};
 use std::sync::OnceLock;
@@ -324,4 +324,41 @@ fn flat_clouds_blend_too() {
         assert_same(&format!("{tier:?}"), &canvas.draw(&view), &want);
         assert!(want.sums[0].iter().any(|sum| sum[3] > 1), "points are blended");
     }
+}
+
+/// A wall at one metre whose points lie two centimetres apart, give or take: eight pixels. Its surface is closed, and
+/// its edge stays where it is.
+#[test]
+fn close_up_the_surface_is_closed_and_keeps_its_edge() {
+    let mut random = support::Random(3);
+    let mut jitter = || (random.unit() * 60.0) as i32 - 30;
+    // In tenths of a millimetre: from −1 m to 0.2 m across, as high as the view.
+    let grid = (-50..=10).flat_map(|x| (-50..=50).map(move |z| [200 * x, 0, 200 * z]));
+    let wall: Vec<[i32; 3]> = grid.map(|[x, _, z]| [x + jitter(), jitter() / 10, z + jitter()]).collect();
+    let octree = octree_of(&scan_of(&wall, 0.0001, DVec3::new(5e5, 4e6, 0.0)));
+    let center = DVec3::new(5e5, 4e6, 0.0);
+    let mut view = stereo(center - DVec3::Y, center, [800, 800]);
+    view.eyes.truncate(1);
+    let eye = Eye { fov: Fov::symmetric(std::f64::consts::FRAC_PI_2, 1.0), ..view.eyes[0] };
+    view.eyes[0] = Eye { world_from_view: Pose::look_at(center - DVec3::Y, center, DVec3::Z), ..eye };
+    let drawn = |fill_reach_px: Option<f32>| {
+        let detail = Detail { fill_reach_px, ..Detail::default() };
+        let look = Look { dilate: Dilate::Rings, ..hqs(detail) };
+        Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
+    };
+    // The wall ends at 0.2 m: pixel 400 + 0.2 · 400; a point's half width more is its edge.
+    let empty = |drawn: &Drawn, columns: std::ops::Range<usize>| {
+        let pixels = drawn.pixels[0].iter().enumerate().filter(|(i, _)| columns.contains(&(i % 800)));
+        let (all, empty) =
+            pixels.fold((0, 0), |(all, empty), (_, p)| (all + 1, empty + u32::from(p[0] == u32::MAX)));
+        f64::from(empty) / f64::from(all)
+    };
+    let (filled, bare) = (drawn(Some(2.0)), drawn(None));
+    assert!(
+        empty(&bare, 20..470) > 0.3,
+        "without filling the wall is full of holes: {}",
+        empty(&bare, 20..470)
+    );
+    assert!(empty(&filled, 20..470) < 0.002, "the wall is closed: {}", empty(&filled, 20..470));
+    assert!(empty(&filled, 492..800) == 1.0, "beside it nothing is: {}", empty(&filled, 492..800));
 }

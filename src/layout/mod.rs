@@ -49,9 +49,10 @@ pub const FADE_BEGIN: f32 = 0.840_896_4;
 pub const FADE_END: f32 = 1.189_207_1;
 /// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
 pub const SURFACE_TOLERANCE: f32 = 1.01;
-/// Pixels from a point's own to the edge of the square that `fill` draws, at most.
+/// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
 pub const MAX_FILL_RADIUS: u32 = 15;
-/// How much wider than the points' mean distance the square is that `fill` draws: points lie irregularly.
+/// How much wider than the points' mean distance the disc is that `fill` draws: it must reach over the diagonal,
+/// and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].

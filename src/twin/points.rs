@@ -53,9 +53,10 @@ pub fn points(
                 }
                 let Some((pixel, w)) = project(uniform, view.near, p_in_head) else { continue };
                 if fill && batch.flags & VISIBLE_FILL != 0 {
-                    let side = diameter * uniform.pixels_per_radian * (1.0 / w);
-                    let radius = (0.5 * (side - view.fill_reach_px)).clamp(0.0, MAX_FILL_RADIUS as f32);
-                    square(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
+                    let diameter_px = diameter * uniform.pixels_per_radian * (1.0 / w);
+                    let radius =
+                        (0.5 * (diameter_px - view.fill_reach_px)).clamp(0.0, MAX_FILL_RADIUS as f32);
+                    disc(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
                         put(Put { eye, pixel, w, id });
                     });
                 } else {
@@ -66,13 +67,16 @@ pub fn points(
     }
 }
 
-/// The pixels of a square round a pixel, cut at the image's edges.
-fn square(eye: &EyeUniform, pixel: usize, radius: usize, each: &mut dyn FnMut(usize)) {
+/// The pixels of a disc round a pixel, cut at the image's edges.
+fn disc(eye: &EyeUniform, pixel: usize, radius: usize, each: &mut dyn FnMut(usize)) {
     let (width, height) = (eye.width as usize, eye.height as usize);
     let (x, y) = (pixel % width, pixel / width);
     for v in y.saturating_sub(radius)..(y + radius + 1).min(height) {
         for u in x.saturating_sub(radius)..(x + radius + 1).min(width) {
-            each(v * width + u);
+            let (dx, dy) = (u.abs_diff(x), v.abs_diff(y));
+            if dx * dx + dy * dy <= radius * (radius + 1) {
+                each(v * width + u);
+            }
         }
     }
 }

@@ -14,6 +14,9 @@ use std::ops::Range;
 /// Subtrees with fewer points are built by one thread.
 const PARALLEL_POINTS: usize = 1 << 16;
 
+/// Points that an octant of a leaf needs before their spacing means anything.
+const MIN_SURFACE_POINTS: usize = 16;
+
 thread_local! {
     static SAMPLER: RefCell<Sampler> = RefCell::new(Sampler::new());
 }
@@ -28,8 +31,10 @@ pub(super) struct Draft {
     pub num_points: u32,
     /// Bits an axis of its sampling grid.
     pub grid_bits: u32,
-    /// Mean distance of neighbours among all points in each octant, world units; 0 where there are none.
+    /// Mean distance of neighbours among all points in each octant, world units; 0 where there are few.
     pub octant_spacing: [f64; 8],
+    /// The same of all its points, most of which lie where they are dense.
+    pub spacing: f64,
     /// Most of its points in a cell of its grid.
     pub crowd: u32,
     /// In Morton order.
@@ -134,13 +139,16 @@ impl Builder<'_> {
     fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
         self.progress.add(part.keys.len() as u64);
         part.levels.fill(level as u8);
-        let Spacing { share, crowd } = spacing(part.keys, frame.bits_below(level));
+        let bits = frame.bits_below(level);
+        let Spacing { share, crowd } = spacing(part.keys, bits);
+        let octant_spacing = leaf_spacing(part.keys, bits, self.root.edge(level));
         let draft = Draft {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: part.keys.len() as u32,
             grid_bits: GRID_BITS,
-            octant_spacing: [share * self.root.edge(level); 8],
+            octant_spacing,
+            spacing: share * self.root.edge(level),
             crowd,
             children: Vec::new(),
         };
@@ -183,6 +191,8 @@ impl Builder<'_> {
             part.keys[at].color = sample.color();
         }
         let octant_spacing = octant_spacing(level, &below);
+        let weighted = below.iter().map(|(child, _)| child.spacing * child.keys.len() as f64);
+        let spacing = weighted.sum::<f64>() / part.keys.len() as f64;
         let mut children: Vec<Draft> = below.into_iter().map(|(child, _)| child).collect();
         for (child, taken) in children.iter_mut().zip(sampled.num_taken) {
             child.num_points -= taken;
@@ -195,6 +205,7 @@ impl Builder<'_> {
             num_points: sampled.samples.len() as u32,
             grid_bits,
             octant_spacing,
+            spacing,
             crowd: 1,
             children,
         };
@@ -202,23 +213,27 @@ impl Builder<'_> {
     }
 }
 
-impl Draft {
-    /// Mean distance of neighbours among all its points, world units.
-    fn spacing(&self) -> f64 {
-        let (sum, count) = self
-            .octant_spacing
-            .iter()
-            .filter(|&&spacing| spacing > 0.0)
-            .fold((0.0, 0), |(sum, count), spacing| (sum + spacing, count + 1));
-        sum / f64::from(count.max(1))
+/// Mean distance of neighbours in each octant of a leaf, from the codes of its points, in order.
+fn leaf_spacing(keys: &[Key], bits: u32, edge: f64) -> [f64; 8] {
+    let mut octants = [0.0; 8];
+    if bits < 3 || edge == 0.0 {
+        return octants;
     }
+    let bits = bits - 3;
+    for part in keys.chunk_by(|a, b| a.code >> bits == b.code >> bits) {
+        // A few points tell nothing of a surface.
+        if part.len() >= MIN_SURFACE_POINTS {
+            octants[(part[0].code >> bits & 7) as usize] = spacing(part, bits).share * 0.5 * edge;
+        }
+    }
+    octants
 }
 
-/// What each octant's part tells; a node at `level` has at most one in each.
+/// Mean distance of neighbours among all points of each part; a node at `level` has at most one in each octant.
 fn octant_spacing(level: u32, below: &[(Draft, Offer)]) -> [f64; 8] {
     let mut octants = [0.0; 8];
     for (part, _) in below {
-        octants[octant_of(level, part.cube.level, part.cube.number)] = part.spacing();
+        octants[octant_of(level, part.cube.level, part.cube.number)] = part.spacing;
     }
     octants
 }
