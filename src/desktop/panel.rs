@@ -4,7 +4,7 @@ use super::controls::{SPEED_LIMIT, View};
 use super::history::{History, Spread};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
 use super::{WindowFacts, numbers, plot};
-use crate::config::Mirror;
+use crate::config::{Mirror, Overlay, Quality};
 use crate::timing::{FrameRow, STAGES};
 use crate::walk::link::{Command, LoadState};
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
@@ -50,6 +50,7 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<
                 points(ui, contents.history.newest());
                 section(ui);
                 command = choices(ui, view);
+                command = overlay(ui, contents.history.newest(), view).or(command);
                 scan(ui, contents.load);
                 machine(ui, contents);
             });
@@ -185,6 +186,46 @@ fn choices(ui: &mut Ui, view: &mut View) -> Option<Command> {
         }
     });
     (speed != view.speed()).then(|| view.set_speed(speed)).flatten()
+}
+
+/// What is drawn over the mirror, and what its colours mean.
+fn overlay(ui: &mut Ui, row: Option<&FrameRow>, view: &mut View) -> Option<Command> {
+    let mut overlay = view.overlay;
+    ui.add_space(3.0);
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Overlay").color(FAINT));
+        ui.add_space(4.0);
+        egui::ComboBox::from_id_salt("overlay").selected_text(overlay_title(overlay)).show_ui(ui, |ui| {
+            for choice in Overlay::ALL {
+                ui.selectable_value(&mut overlay, choice, overlay_title(choice));
+            }
+        });
+    });
+    let is_closest = row.is_some_and(|row| row.quality == Quality::Closest.name());
+    let meaning = match overlay {
+        Overlay::None => "",
+        Overlay::Rings => "Angle from the gaze: inner ring blue, middle green, outer orange.",
+        Overlay::Nodes => "Cubes of the nodes that are drawn, a colour a level; faint behind surfaces.",
+        Overlay::Overdraw if is_closest => "Not in the quality 'closest', which counts no points.",
+        Overlay::Overdraw => "Points that a pixel blends: 1 dark, 8 red, 64 and more white.",
+        Overlay::Depth => "Near dark, far white, each colour a factor of 7; black where nothing is.",
+        Overlay::Precision => "Boxes of batches, by bits read: 10 blue, 20 green, 30 orange.",
+    };
+    if !meaning.is_empty() {
+        ui.label(caption(meaning));
+    }
+    view.set_overlay(overlay)
+}
+
+fn overlay_title(overlay: Overlay) -> &'static str {
+    match overlay {
+        Overlay::None => "None",
+        Overlay::Rings => "Rings",
+        Overlay::Nodes => "Nodes",
+        Overlay::Overdraw => "Overdraw",
+        Overlay::Depth => "Depth",
+        Overlay::Precision => "Precision",
+    }
 }
 
 /// What the readers found.
