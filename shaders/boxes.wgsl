@@ -11,7 +11,7 @@
 /// Cells that a box edge has.
 const CELLS: f32 = 1073741824.0;
 /// How strongly an edge covers the image, before and behind surfaces.
-const EDGE_ALPHA: vec2<f32> = vec2<f32>(0.9, 0.12);
+const EDGE_ALPHA: vec2<f32> = vec2<f32>(0.9, 0.2);
 
 struct Edge {
     @builtin(position) position: vec4<f32>,
