@@ -136,13 +136,34 @@ mod tests {
         assert_eq!(text(15_778_540_800), "2470-01-01-000000");
     }
 
+    /// Two pixels of pure red.
+    fn red(gpu: &Gpu, format: wgpu::TextureFormat) -> wgpu::Texture {
+        let usage = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let picture = gpu.texture("red", [2, 1], format, usage);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &picture.create_view(&Default::default()),
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::RED),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        gpu.queue.lock().submit([encoder.finish()]);
+        picture
+    }
+
     #[test]
     fn no_screenshot_writes_over_another_and_a_failure_is_a_sentence() {
         let gpu = Gpu::open(None).unwrap();
         let folder = tempfile::tempdir().unwrap();
-        let usage = wgpu::TextureUsages::COPY_SRC;
-        let picture = |format| gpu.texture("red", [2, 1], format, usage);
-        let pictures = [("left.png".to_string(), picture(wgpu::TextureFormat::Bgra8UnormSrgb))];
+        let formats = [wgpu::TextureFormat::Rgba8UnormSrgb, wgpu::TextureFormat::Bgra8UnormSrgb];
+        let names = ["left.png", "right.png"].map(str::to_string);
+        let pictures: Vec<_> = names.into_iter().zip(formats.map(|format| red(&gpu, format))).collect();
         let save = |folder: &Path| write(&gpu, folder, Duration::ZERO, &pictures);
         let stems = [save(folder.path()).unwrap(), save(folder.path()).unwrap()];
         let name = |stem: &PathBuf| stem.file_name().unwrap().to_str().unwrap().to_string();
@@ -150,7 +171,15 @@ mod tests {
             stems.each_ref().map(name),
             ["scanwalk-1970-01-01-000000", "scanwalk-1970-01-01-000000-2"]
         );
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        let files: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap().path()).collect();
+        assert_eq!(files.len(), 4);
+        for path in files {
+            let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+            let mut pixels = [0; 6];
+            png::Decoder::new(file).read_info().unwrap().next_frame(&mut pixels).unwrap();
+            assert_eq!(pixels, [255, 0, 0, 255, 0, 0], "red in both orders of the channels");
+        }
         let error = format!("{:#}", save(&folder.path().join("missing")).unwrap_err());
         assert!(error.contains("missing") && error.contains("cannot be written"), "{error}");
     }
