@@ -241,8 +241,9 @@ fn create(path: &Path) -> anyhow::Result<BufWriter<File>> {
 /// # Errors
 /// If the file cannot be written or the device is lost.
 pub fn write_png(path: &Path, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Result<()> {
-    let rgba = readback::read_texture(gpu, image)?;
-    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let pixels = readback::read_texture(gpu, image)?;
+    let [r, g, b] = if image.format() == wgpu::TextureFormat::Bgra8UnormSrgb { [2, 1, 0] } else { [0, 1, 2] };
+    let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[r], p[g], p[b]]).collect();
     let mut encoder = png::Encoder::new(create(path)?, image.width(), image.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);

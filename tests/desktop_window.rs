@@ -156,6 +156,9 @@ fn keys_and_mouse_become_commands() {
         ("r", "Reset"),
         ("Left", "Snap(-1)"),
         ("period", "Snap(1)"),
+        ("o", "Overlay(Rings)"),
+        ("o", "Overlay(Nodes)"),
+        ("F12", "Screenshot"),
     ] {
         let already = window.commands().len();
         window.xdotool(&["key", key]);

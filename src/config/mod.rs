@@ -310,11 +310,13 @@ pub struct WindowConfig {
     pub mirror: Mirror,
     /// Show the panel at start.
     pub panel: bool,
+    /// What is drawn over the mirror at start.
+    pub overlay: Overlay,
 }
 
 impl Default for WindowConfig {
     fn default() -> Self {
-        Self { size: [1280, 720], mirror: Mirror::Left, panel: true }
+        Self { size: [1280, 720], mirror: Mirror::Left, panel: true, overlay: Overlay::None }
     }
 }
 
@@ -329,4 +331,49 @@ pub enum Mirror {
     Right,
     /// Side by side.
     Both,
+}
+
+/// What the window draws over the mirror, to see how a frame comes about. The headset never shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Overlay {
+    /// Nothing.
+    #[default]
+    None,
+    /// The rings round the gaze.
+    Rings,
+    /// The cubes of the nodes that are drawn, by level.
+    Nodes,
+    /// How many points a pixel blends.
+    Overdraw,
+    /// How far away a pixel's surface is.
+    Depth,
+    /// The boxes of visible batches, by the bits that are read of their points.
+    Precision,
+}
+
+impl Overlay {
+    /// All, in the order that the user steps through them.
+    pub const ALL: [Self; 6] =
+        [Self::None, Self::Rings, Self::Nodes, Self::Overdraw, Self::Depth, Self::Precision];
+
+    /// As the configuration and the names of screenshots write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Rings => "rings",
+            Self::Nodes => "nodes",
+            Self::Overdraw => "overdraw",
+            Self::Depth => "depth",
+            Self::Precision => "precision",
+        }
+    }
+
+    /// The one after it; after the last comes the first.
+    #[must_use]
+    pub fn next(self) -> Self {
+        let at = Self::ALL.iter().position(|&overlay| overlay == self).unwrap_or(0);
+        Self::ALL[(at + 1) % Self::ALL.len()]
+    }
 }

@@ -2,7 +2,7 @@
 //! go in, at most one command comes out of each.
 
 use super::keys::{self, Action, Input};
-use crate::config::Mirror;
+use crate::config::{Mirror, Overlay, WindowConfig};
 use crate::walk::link::Command;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
@@ -19,6 +19,8 @@ const LEAVE_WINDOW: Duration = Duration::from_secs(2);
 pub(super) struct View {
     /// Eyes mirrored.
     pub mirror: Mirror,
+    /// Drawn over the mirror; the frame thread does it.
+    pub overlay: Overlay,
     /// Panel shown.
     pub panel: bool,
     /// Help shown.
@@ -33,9 +35,16 @@ pub(super) struct View {
 
 impl View {
     /// At start.
-    pub(super) fn new(mirror: Mirror, panel: bool) -> Self {
+    pub(super) fn new(config: &WindowConfig) -> Self {
+        let WindowConfig { mirror, panel, overlay, .. } = *config;
         let (help, full_screen, leave) = (false, false, false);
-        Self { mirror, panel, help, full_screen, leave, leave_asked: None, speed: 1.0 }
+        Self { mirror, overlay, panel, help, full_screen, leave, leave_asked: None, speed: 1.0 }
+    }
+
+    /// Chooses an overlay; the command that tells the frame thread.
+    pub(super) fn set_overlay(&mut self, overlay: Overlay) -> Option<Command> {
+        let before = std::mem::replace(&mut self.overlay, overlay);
+        (overlay != before).then_some(Command::Overlay(overlay))
     }
 
     /// Speed as a factor on where it began.
@@ -109,6 +118,7 @@ impl Controls {
             Action::Speed(steps) => return view.set_speed(view.speed * SPEED_STEP.powf(steps)),
             Action::Panel => view.panel = !view.panel,
             Action::NextMirror => view.mirror = next(view.mirror),
+            Action::NextOverlay => return view.set_overlay(view.overlay.next()),
             Action::FullScreen => view.full_screen = !view.full_screen,
             Action::Help => view.help = !view.help,
             Action::Back => view.back(now),
@@ -188,7 +198,7 @@ mod tests {
     use super::*;
 
     fn controls() -> Controls {
-        Controls::new(View::new(Mirror::Left, true))
+        Controls::new(View::new(&WindowConfig::default()))
     }
 
     fn moving(direction: [f32; 3], fast: bool) -> Option<Command> {
@@ -286,6 +296,11 @@ mod tests {
             assert_eq!(c.key(KeyCode::KeyM, true, now), None);
             assert_eq!(c.view.mirror, mirror);
         }
+        for overlay in Overlay::ALL.into_iter().cycle().skip(1).take(Overlay::ALL.len()) {
+            assert_eq!(c.key(KeyCode::KeyO, true, now), Some(Command::Overlay(overlay)));
+            assert_eq!(c.view.overlay, overlay);
+        }
+        assert_eq!(c.view.set_overlay(Overlay::None), None, "it is so already");
         assert_eq!(c.key(KeyCode::KeyR, true, now), Some(Command::Reset));
         assert_eq!(c.key(KeyCode::KeyR, false, now), None);
     }

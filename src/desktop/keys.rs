@@ -33,6 +33,8 @@ pub(super) enum Action {
     Panel,
     /// Mirrors the next of left, right, both.
     NextMirror,
+    /// Draws the next overlay over the mirror.
+    NextOverlay,
     /// Full screen and back.
     FullScreen,
     /// Shows or hides the help.
@@ -54,7 +56,7 @@ pub(super) struct Binding {
 
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[Binding] = {
-    use Action::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
+    use Action::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, NextOverlay, Panel, Send, Speed};
     use Input::{Drag, Key, Wheel};
     use KeyCode as K;
     const fn bind(inputs: &'static [Input], action: Action, does: &'static str) -> Binding {
@@ -76,6 +78,8 @@ pub(super) const BINDINGS: &[Binding] = {
         bind(&[Key(K::KeyF), Key(K::Home)], Send(Command::WholeView), "See the whole scan"),
         bind(&[Key(K::KeyR)], Send(Command::Reset), "Back to the starting place"),
         bind(&[Key(K::KeyM)], NextMirror, "Mirror left, right or both eyes"),
+        bind(&[Key(K::KeyO)], NextOverlay, "Next overlay on the mirror: rings, nodes, …, none"),
+        bind(&[Key(K::F12), Key(K::KeyP)], Send(Command::Screenshot), "Save both eyes' images"),
         bind(&[Key(K::Tab)], Panel, "Show or hide the panel"),
         bind(&[Key(K::F11)], FullScreen, "Full screen"),
         bind(&[Key(K::F1)], Help, "This help"),

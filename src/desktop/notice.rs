@@ -3,6 +3,7 @@
 use super::style::{self, BAD, FAINT, GOOD};
 use crate::walk::link::LoadState;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
+use std::time::{Duration, Instant};
 
 /// Draws what there is to say. `picture`: the eyes already show something.
 pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: bool) {
@@ -13,6 +14,16 @@ pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: 
     }
     if leave_pending {
         card(ui, "leave", Align2::CENTER_BOTTOM, -70.0, |ui| ui.label("Press Esc again to quit"));
+    }
+}
+
+/// How long a sentence stays.
+const TOLD_FOR: Duration = Duration::from_secs(5);
+
+/// Draws what the frame thread told last, for a while.
+pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant) {
+    if let Some((_, text)) = notice.filter(|(at, _)| now.saturating_duration_since(*at) < TOLD_FOR) {
+        card(ui, "told", Align2::CENTER_TOP, 16.0, |ui| ui.label(text));
     }
 }
 

@@ -4,7 +4,7 @@ use super::controls::{Controls, View};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
 use super::{WindowFacts, help, keys, notice, panel, style};
-use crate::config::Mirror;
+use crate::config::{Mirror, Overlay, WindowConfig};
 use crate::gpu::Gpu;
 use crate::timing::FrameRow;
 use crate::walk::link::{LoadState, MirrorImages};
@@ -122,12 +122,12 @@ fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
     words
 }
 
-fn panel_words(history: &History, load: &LoadState) -> String {
+fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String {
     let facts =
         WindowFacts { scan: "hall.laz".into(), device: "Some GPU".into(), runtime: "Monado 25".into() };
     let now = Instant::now();
     let contents = panel::Contents { facts: &facts, history, load, eye_px: Some([1440, 1600]), now };
-    let mut view = View::new(Mirror::Left, true);
+    let mut view = View::new(&WindowConfig { overlay, ..WindowConfig::default() });
     painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), None))
 }
 
@@ -145,7 +145,9 @@ fn the_panel_tells_of_frames_scan_and_machine() {
         warnings: vec!["hall.laz: odd".into()],
         ..Default::default()
     };
-    let words = panel_words(&history, &load);
+    let words = panel_words(&history, &load, Overlay::Overdraw);
+    assert!(words.contains("Not in the quality 'closest'"), "{words}");
+    let words = panel_words(&history, &load, Overlay::Precision);
     let wanted = [
         "90",
         "1 missed",
@@ -165,6 +167,7 @@ fn the_panel_tells_of_frames_scan_and_machine() {
         "1440 × 1600 px",
         "Both",
         "×1",
+        "20 green",
     ];
     for text in wanted {
         assert!(words.lines().any(|line| line.contains(text)), "no '{text}' in:\n{words}");
@@ -173,20 +176,20 @@ fn the_panel_tells_of_frames_scan_and_machine() {
 
 #[test]
 fn the_panel_bears_having_nothing_to_tell() {
-    let words = panel_words(&History::default(), &LoadState::default());
+    let words = panel_words(&History::default(), &LoadState::default(), Overlay::None);
     assert!(words.contains("No frame yet") && !words.contains("Warnings"), "{words}");
     let mut silent = History::default();
     silent.push(
         FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
         Instant::now(),
     );
-    let words = panel_words(&silent, &LoadState::default());
+    let words = panel_words(&silent, &LoadState::default(), Overlay::None);
     assert!(words.contains("This GPU tells no times"), "{words}");
 }
 
 #[test]
 fn the_help_lists_the_whole_table() {
-    let mut view = View::new(Mirror::Left, false);
+    let mut view = View::new(&WindowConfig { panel: false, ..WindowConfig::default() });
     assert_eq!(painted(|ui| help::show(ui, &mut view)), "");
     let mut controls = Controls::new(view);
     controls.key(winit::keyboard::KeyCode::F1, true, Instant::now());
@@ -207,4 +210,9 @@ fn notices_say_what_goes_on() {
     assert!(words.contains("not a LAS file") && words.contains("Esc again") && !words.contains("Sorting"));
     load = LoadState { step: "über".into(), fraction: f32::NAN, ..Default::default() };
     assert!(painted(|ui| notice::show(ui, &load, true, false)).contains("über"));
+    let now = Instant::now();
+    let told = Some((now, "Saved a.left.png".to_string()));
+    let words = |at| painted(|ui| notice::told(ui, told.as_ref(), at));
+    assert!(words(now).contains("Saved a.left.png"));
+    assert_eq!(words(now + std::time::Duration::from_secs(6)), "", "it is told once");
 }

@@ -4,7 +4,7 @@ use super::controls::{SPEED_LIMIT, View};
 use super::history::{History, Spread};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
 use super::{WindowFacts, numbers, plot};
-use crate::config::Mirror;
+use crate::config::{Mirror, Overlay, Quality};
 use crate::timing::{FrameRow, STAGES};
 use crate::walk::link::{Command, LoadState};
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
@@ -49,7 +49,7 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<
                 section(ui);
                 points(ui, contents.history.newest());
                 section(ui);
-                command = choices(ui, view);
+                command = choices(ui, contents.history.newest(), view);
                 scan(ui, contents.load);
                 machine(ui, contents);
             });
@@ -158,9 +158,10 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
     }
 }
 
-/// Mirror, speed, help.
-fn choices(ui: &mut Ui, view: &mut View) -> Option<Command> {
+/// Mirror, overlay, speed, help.
+fn choices(ui: &mut Ui, row: Option<&FrameRow>, view: &mut View) -> Option<Command> {
     let mut speed = view.speed();
+    let mut overlay = view.overlay;
     Grid::new("choices").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
         ui.label(RichText::new("Mirror").color(FAINT));
         ui.horizontal(|ui| {
@@ -170,12 +171,23 @@ fn choices(ui: &mut Ui, view: &mut View) -> Option<Command> {
             }
         });
         ui.end_row();
+        ui.label(RichText::new("Overlay").color(FAINT));
+        egui::ComboBox::from_id_salt("overlay").selected_text(overlay_title(overlay)).show_ui(ui, |ui| {
+            for choice in Overlay::ALL {
+                ui.selectable_value(&mut overlay, choice, overlay_title(choice));
+            }
+        });
+        ui.end_row();
         ui.label(RichText::new("Speed").color(FAINT));
         ui.spacing_mut().slider_width = 122.0;
         let slider = Slider::new(&mut speed, 1.0 / SPEED_LIMIT..=SPEED_LIMIT).logarithmic(true);
         ui.add(slider.custom_formatter(|speed, _| numbers::factor(speed as f32)));
         ui.end_row();
     });
+    let meaning = overlay_meaning(overlay, row);
+    if !meaning.is_empty() {
+        ui.label(caption(meaning));
+    }
     ui.horizontal(|ui| {
         if ui.button("Keys (F1)").clicked() {
             view.help = !view.help;
@@ -184,7 +196,34 @@ fn choices(ui: &mut Ui, view: &mut View) -> Option<Command> {
             view.panel = false;
         }
     });
-    (speed != view.speed()).then(|| view.set_speed(speed)).flatten()
+    // A hand changes one thing a picture.
+    let chosen = view.set_overlay(overlay);
+    chosen.or_else(|| (speed != view.speed()).then(|| view.set_speed(speed)).flatten())
+}
+
+/// What an overlay's colours mean. `row`: of the newest frame.
+fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
+    let is_closest = row.is_some_and(|row| row.quality == Quality::Closest.name());
+    match overlay {
+        Overlay::None => "",
+        Overlay::Rings => "Angle from the gaze: inner ring blue, middle green, outer orange.",
+        Overlay::Nodes => "Cubes of the nodes that are drawn, a colour a level; faint behind surfaces.",
+        Overlay::Overdraw if is_closest => "Not in the quality 'closest', which counts no points.",
+        Overlay::Overdraw => "Points that a pixel blends: 1 dark, 8 red, 64 and more white.",
+        Overlay::Depth => "Near dark, far white, each colour a factor of 7; black where nothing is.",
+        Overlay::Precision => "Boxes of batches, by bits read: 10 blue, 20 green, 30 orange.",
+    }
+}
+
+fn overlay_title(overlay: Overlay) -> &'static str {
+    match overlay {
+        Overlay::None => "None",
+        Overlay::Rings => "Rings",
+        Overlay::Nodes => "Nodes",
+        Overlay::Overdraw => "Overdraw",
+        Overlay::Depth => "Depth",
+        Overlay::Precision => "Precision",
+    }
 }
 
 /// What the readers found.

@@ -75,7 +75,7 @@ impl App {
         stop: Stop,
     ) -> Self {
         let config = config.window.clone();
-        let controls = Controls::new(View::new(config.mirror, config.panel));
+        let controls = Controls::new(View::new(&config));
         let load = viewer.load();
         Self {
             gpu,
@@ -238,6 +238,7 @@ impl App {
         let mut output = context.run_ui(input, |ui| {
             command = panel::show(ui, &contents, view).or(command);
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
+            notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
         });
         if dragging {

@@ -42,6 +42,15 @@ impl Bindings {
         Self(numbered.collect())
     }
 
+    /// What both use: the halves of a pass.
+    #[must_use]
+    pub fn with(mut self, other: Self) -> Self {
+        self.0.extend(other.0);
+        self.0.sort();
+        self.0.dedup();
+        self
+    }
+
     /// A bind group of these resources. Every name of the shader must be given; others are ignored, so
     /// that stages can be handed one list.
     ///

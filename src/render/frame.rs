@@ -66,16 +66,18 @@ pub struct EyeImage<'a> {
 /// [`Renderer::set_view`] as late as possible, submit, [`Renderer::submitted`].
 #[derive(Debug)]
 pub struct Renderer {
-    gpu: Arc<Gpu>,
-    setup: Setup,
-    look: Look,
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) setup: Setup,
+    pub(super) look: Look,
     /// Factor on the thresholds of level of detail.
     lod_scale: f32,
-    pipelines: Pipelines,
-    view: wgpu::Buffer,
-    cloud: Option<CloudBuffers>,
-    counters: wgpu::Buffer,
-    targets: Targets,
+    pub(super) pipelines: Pipelines,
+    pub(super) view: wgpu::Buffer,
+    pub(super) cloud: Option<CloudBuffers>,
+    pub(super) counters: wgpu::Buffer,
+    pub(super) targets: Targets,
+    /// Sums of the frame's colors, which `dilate` writes over; see [`Self::keep_sums`].
+    pub(super) kept_sums: Option<[wgpu::Buffer; 2]>,
     hidden: Vec<Vec<u32>>,
     groups: Groups,
     timer: Timer,
@@ -117,6 +119,7 @@ impl Renderer {
             cloud: None,
             counters,
             targets,
+            kept_sums: None,
             hidden: vec![],
             groups,
             timer,
@@ -253,6 +256,7 @@ impl Renderer {
         self.record_cull(encoder);
         self.record_depth(encoder);
         self.record_color(encoder);
+        self.record_kept_sums(encoder);
         self.record_resolve(encoder, images);
         self.timer.end(encoder, &self.counters);
     }

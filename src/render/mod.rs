@@ -4,6 +4,7 @@
 mod cloud_buffers;
 mod frame;
 mod groups;
+mod overlay;
 mod pipelines;
 pub mod shaders;
 mod targets;
@@ -12,5 +13,6 @@ mod tier;
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
 pub use frame::{EyeImage, FrameTimes, Renderer, Setup};
 pub use groups::tiles;
+pub use overlay::Overlays;
 pub use targets::{TargetTooLarge, Targets};
 pub use tier::{NoSuchTier, tier};

@@ -11,6 +11,11 @@ const TILES: &str = include_str!("../../shaders/tiles.inc.wgsl");
 /// The rule of dilation.
 const DILATION: &str = include_str!("../../shaders/dilation.inc.wgsl");
 
+/// Stored colors to linear light.
+const SRGB: &str = include_str!("../../shaders/srgb.inc.wgsl");
+/// What overlays share.
+const OVERLAY: &str = include_str!("../../shaders/overlay.inc.wgsl");
+
 /// A shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shader {
@@ -28,8 +33,8 @@ macro_rules! shader {
     };
 }
 
-/// Every shader of the frame, in its order.
-pub const SHADERS: [Shader; 12] = [
+/// Every shader of the frame, in its order; then the overlays'.
+pub const SHADERS: [Shader; 14] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[]),
@@ -41,7 +46,9 @@ pub const SHADERS: [Shader; 12] = [
     shader!("shade", &[TILES]),
     shader!("blend", &[TILES]),
     shader!("dilate", &[TILES, DILATION]),
-    shader!("resolve", &[]),
+    shader!("resolve", &[SRGB]),
+    shader!("overlay", &[DILATION, SRGB, OVERLAY]),
+    shader!("boxes", &[DILATION, SRGB, OVERLAY]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

@@ -2,9 +2,11 @@
 //! rows that nobody takes are dropped, commands queue up, the mirror's textures change hands only at start
 //! and when their size changes.
 
+use crate::config::Overlay;
 use crate::timing::FrameRow;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// What the user asks of the walk from the desktop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +31,10 @@ pub enum Command {
     Reset,
     /// Move back until the whole scan is in view.
     WholeView,
+    /// Draw this over the mirror from now on.
+    Overlay(Overlay),
+    /// Save both eyes' images.
+    Screenshot,
     /// End the walk.
     Quit,
 }
@@ -71,6 +77,7 @@ impl MirrorImages {
 struct Shared {
     mirror: Option<MirrorImages>,
     load: LoadState,
+    notice: Option<(Instant, String)>,
 }
 
 /// The frame thread's (and the loader's) end.
@@ -111,6 +118,12 @@ impl WalkEnd {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror = Some(images);
     }
 
+    /// Tells the user something, once.
+    pub fn set_notice(&self, text: String) {
+        let notice = Some((Instant::now(), text));
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).notice = notice;
+    }
+
     /// Changes what the window says about loading; called by the loader's thread only.
     pub fn update_load(&self, change: impl FnOnce(&mut LoadState)) {
         change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner).load);
@@ -122,6 +135,12 @@ impl ViewerEnd {
     #[must_use]
     pub fn mirror(&self) -> Option<MirrorImages> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror.clone()
+    }
+
+    /// What the user was told last, and when.
+    #[must_use]
+    pub fn notice(&self) -> Option<(Instant, String)> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).notice.clone()
     }
 
     /// What loading has come to.

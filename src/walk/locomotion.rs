@@ -99,7 +99,7 @@ impl Locomotion {
                 (self.floor_in_world, self.yaw) = self.start.overview;
                 self.pitch = 0.0;
             }
-            Command::Quit => {}
+            Command::Overlay(_) | Command::Screenshot | Command::Quit => {}
         }
     }
 

@@ -8,8 +8,10 @@ pub mod hidden_area;
 pub mod link;
 pub mod locomotion;
 mod masks;
+mod mirror;
 pub mod pose_path;
 mod run;
+mod screenshot;
 pub mod simulated;
 pub mod start;
 

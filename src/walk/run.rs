@@ -1,10 +1,12 @@
 //! The frame thread's loop.
 
 use super::governor::{Governor, Settings};
-use super::link::{Command, MirrorImages, WalkEnd};
+use super::link::{Command, WalkEnd};
 use super::locomotion::{Locomotion, Start, head_of};
 use super::masks::Masks;
+use super::mirror::Mirror;
 use super::pose_path::PosePath;
+use super::screenshot::Screenshots;
 use super::{Beat, Headset, StageEye};
 use crate::config::Config;
 use crate::gpu::Gpu;
@@ -117,7 +119,9 @@ impl Walk<'_> {
 struct Frames {
     renderer: Renderer,
     locomotion: Option<Locomotion>,
-    mirror: Option<[wgpu::Texture; 2]>,
+    /// If a window shows it.
+    mirror: Option<Mirror>,
+    screenshots: Screenshots,
     views: Views,
     /// None until the headset tells of something to hide.
     masks: Option<Masks>,
@@ -154,10 +158,12 @@ impl Frames {
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
         let renderer = Renderer::new(&walk.gpu, setup, Look::of(walk.config))?;
+        let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
         Ok(Self {
             renderer,
             locomotion: None,
-            mirror: None,
+            mirror,
+            screenshots: Screenshots::default(),
             views: Views::default(),
             masks: None,
             governor,
@@ -201,6 +207,12 @@ impl Frames {
         loop {
             match commands.try_recv() {
                 Ok(Command::Quit) => return true,
+                Ok(Command::Overlay(overlay)) => {
+                    if let Some(mirror) = &mut self.mirror {
+                        mirror.set_overlay(overlay);
+                    }
+                }
+                Ok(Command::Screenshot) => self.screenshots.ask(),
                 Ok(command) => {
                     if let Some(locomotion) = &mut self.locomotion {
                         locomotion.command(command);
@@ -226,7 +238,7 @@ impl Frames {
         if let Some(locomotion) = &mut self.locomotion {
             locomotion.advance(seconds, &input, &self.stage_from_head);
         }
-        self.settle(walk, headset)?;
+        self.settle(headset)?;
         let images = headset.acquire()?;
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
@@ -236,8 +248,11 @@ impl Frames {
             color: &color[eye],
             depth: depth.as_ref().map(|views| &views[eye]),
         });
+        if let Some(mirror) = &self.mirror {
+            mirror.prepare(&mut self.renderer);
+        }
         self.renderer.record(&mut encoder, self.frame, &eyes);
-        self.record_mirror(walk, headset, &mut encoder, &images.color);
+        self.record_copies(walk, headset, &mut encoder, &images.color);
         let record_ms = ms(record_began.elapsed());
 
         let submit_began = Instant::now();
@@ -250,6 +265,7 @@ impl Frames {
         }
         headset.submit(Some(encoder))?;
         self.renderer.submitted();
+        self.screenshots.submitted(&walk.gpu, &walk.link);
 
         let written_bytes = walk.gpu.queue.written_bytes();
         self.note(FrameRow {
@@ -277,7 +293,7 @@ impl Frames {
     }
 
     /// Draws from now on with what the governor wants.
-    fn settle(&mut self, walk: &Walk, headset: &mut dyn Headset) -> anyhow::Result<()> {
+    fn settle(&mut self, headset: &mut dyn Headset) -> anyhow::Result<()> {
         let settings = self.governor.begin(self.frame);
         if settings == self.settings {
             return Ok(());
@@ -290,10 +306,6 @@ impl Frames {
             self.drawn_px = drawn_px;
             self.renderer.set_drawn(&drawn_px);
             headset.set_drawn_px(drawn_px);
-            // The window may show the frame before by the new measure: once, and only on the desktop.
-            if let Some(textures) = self.mirror.clone() {
-                walk.link.set_mirror(MirrorImages { textures, drawn_px });
-            }
         }
         Ok(())
     }
@@ -329,34 +341,20 @@ impl Frames {
         }
     }
 
-    /// A headset's images go back to the runtime at submit, so the mirror keeps a copy.
-    fn record_mirror(
+    /// What the window and screenshots get of the frame.
+    fn record_copies(
         &mut self,
         walk: &Walk,
         headset: &dyn Headset,
         encoder: &mut wgpu::CommandEncoder,
         images: &[wgpu::Texture; 2],
     ) {
-        if !walk.mirrored {
-            return;
+        if let Some(mirror) = &mut self.mirror {
+            // A real headset's images go back to the runtime at submit.
+            let images_last = headset.is_simulated();
+            mirror.record(&walk.gpu, &walk.link, &self.renderer, encoder, images, images_last);
         }
-        let drawn_px = self.drawn_px;
-        let mirror = self.mirror.get_or_insert_with(|| {
-            let textures = if headset.is_simulated() {
-                images.clone()
-            } else {
-                [0, 1].map(|eye: usize| mirror_texture(&walk.gpu, &images[eye]))
-            };
-            walk.link.set_mirror(MirrorImages { textures: textures.clone(), drawn_px });
-            textures
-        });
-        if headset.is_simulated() {
-            return;
-        }
-        for ((image, copy), [width, height]) in images.iter().zip(mirror).zip(drawn_px) {
-            let drawn = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-            encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), drawn);
-        }
+        self.screenshots.record(&walk.gpu, encoder, images, self.drawn_px, self.mirror.as_ref());
     }
 
     fn note(&mut self, row: FrameRow) {
@@ -395,6 +393,7 @@ impl Frames {
         while let Some(row) = self.pending.pop_front() {
             pass_on(walk, row);
         }
+        self.screenshots.finish();
         WalkSummary { frames: self.frame, scan_frames: self.scan_frames, ended, last_view: self.last_view }
     }
 }
@@ -429,12 +428,6 @@ fn pass_on(walk: &Walk, row: FrameRow) {
         log.push(row);
     }
     walk.link.offer_row(row);
-}
-
-fn mirror_texture(gpu: &Gpu, image: &wgpu::Texture) -> wgpu::Texture {
-    let usage =
-        wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-    gpu.texture("mirror", [image.width(), image.height()], image.format(), usage)
 }
 
 fn ms(duration: Duration) -> f32 {

@@ -3,7 +3,8 @@
 use crate::scene::Scene;
 use crate::screen::{Picture, Screen, wait_for};
 use crate::xr_support::Lab;
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
@@ -44,16 +45,8 @@ impl Drop for Viewer {
 #[test]
 fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
     let screen = Screen::start();
-    let child = Command::new(PROGRAM)
-        .arg("view")
-        .arg(&Scene::get().courtyard)
-        .args(["--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"])
-        .env("DISPLAY", &screen.display)
-        .env_remove("WAYLAND_DISPLAY")
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("view starts");
-    let mut viewer = Viewer(child);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut viewer = start(&screen, folder.path());
     let window = window(&screen);
     let start = wait_lit(&screen, &window);
     start.keep("view-start");
@@ -87,17 +80,101 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
     assert_eq!(status.code(), Some(0));
 }
 
+/// The program on the courtyard with small eyes; its screenshots come into `folder`.
+fn start(screen: &Screen, folder: &Path) -> Viewer {
+    let child = Command::new(PROGRAM)
+        .arg("view")
+        .arg(&Scene::get().courtyard)
+        .args(["--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"])
+        // Which gives up the quality that counts points where the GPU is slow.
+        .args(["--set", "governor.enabled=false"])
+        .current_dir(folder)
+        .env("DISPLAY", &screen.display)
+        .env_remove("WAYLAND_DISPLAY")
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("view starts");
+    Viewer(child)
+}
+
+/// Pictures that have been written so far, by what comes behind the date.
+fn screenshots(folder: &Path) -> BTreeMap<String, PathBuf> {
+    let paths = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let names = paths.filter_map(|path| {
+        let name = path.file_name()?.to_str()?.strip_prefix("scanwalk-")?;
+        Some((name.split_once('.')?.1.to_string(), path.clone()))
+    });
+    names.collect()
+}
+
+/// Size and pixels of a PNG; `None` while it is being written.
+fn read_png(path: &Path) -> Option<([u32; 2], Vec<u8>)> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).ok()?);
+    let mut reader = png::Decoder::new(file).read_info().ok()?;
+    let mut pixels = vec![0; reader.output_buffer_size()?];
+    let info = reader.next_frame(&mut pixels).ok()?;
+    Some(([info.width, info.height], pixels))
+}
+
+#[test]
+fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
+    let screen = Screen::start();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut viewer = start(&screen, folder.path());
+    let window = window(&screen);
+    wait_lit(&screen, &window);
+    // Until the octree is there, and without the panel, which changes by itself.
+    screen.xdotool(&["key", "Tab"]);
+    std::thread::sleep(std::time::Duration::from_secs(8));
+    let plain = screen.picture(&window);
+    let mut before = plain.clone();
+    for name in ["rings", "nodes", "overdraw", "depth", "precision"] {
+        screen.xdotool(&["key", "o"]);
+        let with = wait_for(name, 10.0, || {
+            let picture = screen.picture(&window);
+            [&plain, &before].iter().all(|other| picture.num_different(other) > 2000).then_some(picture)
+        });
+        with.keep(&format!("overlay-{name}"));
+        before = with;
+    }
+    // The fifth is on: four pictures, of which two are what the headset gets.
+    screen.xdotool(&["key", "F12"]);
+    let names = ["left.png", "left.precision.png", "right.png", "right.precision.png"];
+    let pictures = wait_for("four pictures", 20.0, || {
+        let paths = screenshots(folder.path());
+        let pictures: Option<Vec<_>> = names.iter().map(|&name| read_png(paths.get(name)?)).collect();
+        pictures
+    });
+    assert!(pictures.iter().all(|(size, _)| *size == [320, 360]));
+    for pair in pictures.chunks_exact(2) {
+        let differing = pair[0].1.iter().zip(&pair[1].1).filter(|(a, b)| a != b).count();
+        assert!((100..pair[0].1.len() / 2).contains(&differing), "{differing} differ");
+    }
+    wait_for("the notice", 4.0, || (screen.picture(&window).num_different(&before) > 1000).then_some(()));
+    screen.picture(&window).keep("screenshot-notice");
+    // After the last comes none.
+    screen.xdotool(&["key", "o"]);
+    wait_for("no overlay", 20.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
+    screen.ask_to_close(&window);
+    let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+    assert_eq!(status.code(), Some(0));
+}
+
 #[test]
 fn the_window_mirrors_the_headset_and_validation_is_silent() {
     let Some(lab) = Lab::enter() else { return };
     let screen = Screen::start();
     let courtyard = Scene::get().courtyard.to_str().expect("a UTF-8 path");
     let runtime = lab.runtime().validate().variable("DISPLAY", screen.display.clone()).timeout_s(120);
-    let args = ["view", courtyard, "--headset", "require", "--window", "on", "--frames", "150"];
-    let run = runtime.start(Path::new(PROGRAM), &args);
-    let window = window(&screen);
-    wait_lit(&screen, &window).keep("view-mirror");
-    let done = run.finish();
-    done.assert_ok();
-    done.assert_valid();
+    for overlay in ["none", "nodes", "overdraw"] {
+        let overlay_set = format!("window.overlay={overlay}");
+        let args = ["view", courtyard, "--headset", "require", "--window", "on", "--frames", "100"];
+        let args = [&args[..], &["--set", &overlay_set, "--set", "governor.enabled=false"]].concat();
+        let run = runtime.start(Path::new(PROGRAM), &args);
+        let window = window(&screen);
+        wait_lit(&screen, &window).keep(&format!("view-mirror-{overlay}"));
+        let done = run.finish();
+        done.assert_ok();
+        done.assert_valid();
+    }
 }

@@ -1,0 +1,18 @@
+// What overlays share. Each is drawn over the window's copy of an eye's image; `dilate.eye` says which eye's.
+
+/// Told apart by color-blind people too: rings and precisions from the first on, levels of nodes in turn. sRGB.
+const PALETTE: array<vec3<f32>, 8> = array<vec3<f32>, 8>(
+    vec3<f32>(0.337, 0.706, 0.914), vec3<f32>(0.0, 0.62, 0.451), vec3<f32>(0.902, 0.624, 0.0),
+    vec3<f32>(0.8, 0.475, 0.655), vec3<f32>(0.941, 0.894, 0.259), vec3<f32>(0.0, 0.447, 0.698),
+    vec3<f32>(0.835, 0.369, 0.0), vec3<f32>(0.9, 0.9, 0.9),
+);
+
+fn palette(number: u32) -> vec3<f32> {
+    var colors = PALETTE;
+    return linear_from_srgb(colors[number % 8u]);
+}
+
+// The finished pixel at a position in the image.
+fn pixel_at(position: vec4<f32>) -> u32 {
+    return u32(position.y) * view.eyes[dilate.eye].width + u32(position.x);
+}

@@ -1,0 +1,76 @@
+// Overlays with a color for every pixel: rings, depth, overdraw.
+
+@group(0) @binding(4) var<storage, read> sums: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> wide: array<vec4<u32>>;
+
+/// Depths from the near clip on that the ramp tells apart: 2^14 times as far.
+const DEPTH_OCTAVES: f32 = 14.0;
+/// Points in a pixel, as a power of two, from which on the ramp stays white.
+const OVERDRAW_OCTAVES: f32 = 6.0;
+/// How strongly a ring's color covers the image, inside and at its edge.
+const RING_ALPHA: vec2<f32> = vec2<f32>(0.22, 0.9);
+
+/// From little to much, dark to light. sRGB.
+const RAMP: array<vec3<f32>, 6> = array<vec3<f32>, 6>(
+    vec3<f32>(0.05, 0.03, 0.2), vec3<f32>(0.2, 0.25, 0.7), vec3<f32>(0.6, 0.2, 0.6),
+    vec3<f32>(0.9, 0.4, 0.2), vec3<f32>(1.0, 0.8, 0.2), vec3<f32>(1.0, 1.0, 1.0),
+);
+/// Where nothing is.
+const NOTHING: vec4<f32> = vec4<f32>(0.0, 0.0, 0.0, 1.0);
+
+fn ramp(share: f32) -> vec4<f32> {
+    var stops = RAMP;
+    let at = clamp(share, 0.0, 1.0) * 5.0;
+    let stop = min(u32(at), 4u);
+    return vec4<f32>(linear_from_srgb(mix(stops[stop], stops[stop + 1u], at - f32(stop))), 1.0);
+}
+
+@vertex
+fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+    // One triangle that covers the image.
+    return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// By the rule of dilation, with a line where a ring ends.
+@fragment
+fn rings(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let at = vec2<i32>(position.xy);
+    let ring = radius_px(at.x, at.y);
+    let step = 1 + i32(view.eyes[dilate.eye].height / 720u);
+    let is_edge = radius_px(at.x + step, at.y) != ring || radius_px(at.x, at.y + step) != ring
+        || radius_px(at.x - step, at.y) != ring || radius_px(at.x, at.y - step) != ring;
+    return vec4<f32>(palette(ring - 1u), select(RING_ALPHA.x, RING_ALPHA.y, is_edge));
+}
+
+@fragment
+fn depth(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let w = surface[pixel_at(position)].x;
+    if w == EMPTY_DEPTH {
+        return NOTHING;
+    }
+    return ramp(log2(bitcast<f32>(w) / view.near) / DEPTH_OCTAVES);
+}
+
+// Points that a pixel's sums hold; see `blend`.
+fn num_points(pixel: u32) -> u32 {
+    if SUMS == WIDE {
+        return wide[pixel].w;
+    }
+    if SUMS == PACKED {
+        return sums[pixel].x & 0x3ffu;
+    }
+    let first = sums[pixel].x & 0xffffu;
+    if first < PROTECTED_POINTS {
+        return first;
+    }
+    return first + wide[pixel].w;
+}
+
+@fragment
+fn overdraw(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let count = num_points(pixel_at(position));
+    if count == 0u {
+        return NOTHING;
+    }
+    return ramp(log2(f32(count)) / OVERDRAW_OCTAVES);
+}

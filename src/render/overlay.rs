@@ -1,0 +1,228 @@
+//! Overlays: what a frame knows of itself, drawn over copies of the eyes' images. The images themselves stay as they
+//! are, and a frame without an overlay costs what it did.
+
+use super::frame::Renderer;
+use super::groups;
+use super::shaders;
+use crate::config::{Dilate, Overlay, Quality};
+use crate::gpu::Gpu;
+use crate::gpu::stage::{Bindings, shader_module};
+use crate::layout::{COUNTERS_STRIDE, CullCounters, DilateUniform, Sums, Variant};
+use std::num::NonZeroU64;
+use wgpu::util::DeviceExt;
+
+/// Vertices of a box: 12 edges of two triangles.
+const BOX_VERTICES: u32 = 72;
+
+/// The overlays' pipelines, made at the start of a walk that a window watches: choosing one stops no frame.
+#[derive(Debug)]
+pub struct Overlays {
+    rings: Pass,
+    depth: Pass,
+    /// Of each form of sums that the GPU can do.
+    overdraw: Vec<(Sums, Pass)>,
+    nodes: Pass,
+    batches: Pass,
+    /// Says which eye it is, as `dilate` in the shaders.
+    eyes: [wgpu::Buffer; 2],
+}
+
+/// A pipeline that blends over an image.
+#[derive(Debug)]
+struct Pass {
+    pipeline: wgpu::RenderPipeline,
+    bindings: Bindings,
+}
+
+/// Instances to draw, with their bind group.
+type Draw = (wgpu::BindGroup, u32);
+
+impl Overlays {
+    /// For copies of the images that `renderer` draws.
+    #[must_use]
+    pub fn new(renderer: &Renderer) -> Self {
+        let (gpu, format) = (&*renderer.gpu, renderer.setup.color_format);
+        let source = |name, sums| shaders::source(name, Variant { sums, ..Variant::eyes(2) });
+        let whole =
+            |entry, sums| Pass::new(gpu, "overlay", &source("overlay", sums), ["whole", entry], format);
+        let boxes = |entry| Pass::new(gpu, "boxes", &source("boxes", Sums::Packed), [entry, "line"], format);
+        let eye = |eye| {
+            let uniform = DilateUniform { eye, ..DilateUniform::default() };
+            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("overlay"),
+                contents: bytemuck::bytes_of(&uniform),
+                usage: wgpu::BufferUsages::UNIFORM,
+            })
+        };
+        let forms = renderer.pipelines.hqs.iter().map(|hqs| hqs.sums);
+        Self {
+            rings: whole("rings", Sums::Packed),
+            depth: whole("depth", Sums::Packed),
+            overdraw: forms.map(|sums| (sums, whole("overdraw", sums))).collect(),
+            nodes: boxes("node_box"),
+            batches: boxes("batch_box"),
+            eyes: [eye(0), eye(1)],
+        }
+    }
+
+    /// Draws an overlay of the frame that `renderer` has just recorded over copies of its images, one an eye.
+    /// `overdraw` needs [`Renderer::keep_sums`], and the quality `hqs`: else, and without a cloud, nothing is drawn.
+    pub fn record(
+        &self,
+        renderer: &Renderer,
+        encoder: &mut wgpu::CommandEncoder,
+        overlay: Overlay,
+        copies: &[&wgpu::TextureView],
+    ) {
+        for (eye, copy) in copies.iter().enumerate() {
+            let Some((pass, num_vertices, draws)) = self.draws(renderer, overlay, eye) else { return };
+            let mut over = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("overlay"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: copy,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            });
+            let [width, height] = renderer.targets.drawn_px[eye];
+            over.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+            over.set_scissor_rect(0, 0, width, height);
+            over.set_pipeline(&pass.pipeline);
+            for (group, num_instances) in &draws {
+                over.set_bind_group(0, group, &[]);
+                over.draw(0..num_vertices, 0..*num_instances);
+            }
+        }
+    }
+
+    /// The pass of an overlay, its vertices an instance, and what it draws for an eye.
+    fn draws(&self, renderer: &Renderer, overlay: Overlay, eye: usize) -> Option<(&Pass, u32, Vec<Draw>)> {
+        let cloud = renderer.cloud.as_ref()?;
+        let pass = match overlay {
+            Overlay::None => return None,
+            Overlay::Rings => &self.rings,
+            Overlay::Depth => &self.depth,
+            Overlay::Overdraw => self.overdraw(renderer)?,
+            Overlay::Nodes => &self.nodes,
+            Overlay::Precision => &self.batches,
+        };
+        let draws = match overlay {
+            Overlay::Nodes => vec![(self.bind(renderer, pass, eye, 0), cloud.num_nodes)],
+            Overlay::Precision => {
+                let draw = |(number, chunk): (usize, &super::cloud_buffers::Chunk)| {
+                    (self.bind(renderer, pass, eye, number), chunk.num_batches)
+                };
+                cloud.chunks.iter().enumerate().map(draw).collect()
+            }
+            _ => vec![(self.bind(renderer, pass, eye, 0), 1)],
+        };
+        let is_boxes = matches!(overlay, Overlay::Nodes | Overlay::Precision);
+        Some((pass, if is_boxes { BOX_VERTICES } else { 3 }, draws))
+    }
+
+    /// The pass for the sums that the frame adds up, if it does.
+    fn overdraw(&self, renderer: &Renderer) -> Option<&Pass> {
+        if renderer.look.quality != Quality::Hqs {
+            return None;
+        }
+        let sums = groups::hqs(&renderer.pipelines, renderer.cloud.as_ref()).sums;
+        self.overdraw.iter().find(|(form, _)| *form == sums).map(|(_, pass)| pass)
+    }
+
+    /// A bind group, made anew for each frame: the renderer's buffers may have changed.
+    fn bind(&self, renderer: &Renderer, pass: &Pass, eye: usize, chunk: usize) -> wgpu::BindGroup {
+        let targets = &renderer.targets;
+        let sums = renderer.kept_sums.as_ref().unwrap_or(&targets.keys);
+        let mut resources = vec![
+            ("view", renderer.view.as_entire_binding()),
+            ("dilate", self.eyes[eye].as_entire_binding()),
+            ("surface", targets.finished(renderer.look.dilate)[eye].as_entire_binding()),
+            ("sums", sums[eye].as_entire_binding()),
+            ("wide", targets.wide[eye].as_entire_binding()),
+            (
+                "counters",
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &renderer.counters,
+                    offset: chunk as u64 * u64::from(COUNTERS_STRIDE),
+                    size: NonZeroU64::new(size_of::<CullCounters>() as u64),
+                }),
+            ),
+        ];
+        if let Some(cloud) = &renderer.cloud {
+            resources.extend([
+                ("nodes", cloud.nodes.as_entire_binding()),
+                ("states", cloud.states.as_entire_binding()),
+            ]);
+            resources.extend(cloud.chunks.get(chunk).map(|c| ("visible", c.visible.as_entire_binding())));
+        }
+        let layout = pass.pipeline.get_bind_group_layout(0);
+        pass.bindings.bind(&renderer.gpu.device, "overlay", &layout, &resources)
+    }
+}
+
+impl Pass {
+    fn new(
+        gpu: &Gpu,
+        name: &'static str,
+        wgsl: &str,
+        [vertex, fragment]: [&str; 2],
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        let module = shader_module(&gpu.device, name, wgsl);
+        let target = wgpu::ColorTargetState {
+            format,
+            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+            write_mask: wgpu::ColorWrites::COLOR,
+        };
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(name),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(vertex),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(target)],
+            }),
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            multiview_mask: None,
+            cache: None,
+        });
+        let bindings = Bindings::of(name, wgsl, vertex).with(Bindings::of(name, wgsl, fragment));
+        Self { pipeline, bindings }
+    }
+}
+
+impl Renderer {
+    /// Keeps each frame's sums for [`Overlay::Overdraw`] where `dilate` would write over them: a copy of the targets a
+    /// frame, whose time goes to `resolve`.
+    pub fn keep_sums(&mut self, keep: bool) {
+        let sums = groups::hqs(&self.pipelines, self.cloud.as_ref()).sums;
+        let is_lost = self.look.quality == Quality::Hqs && self.look.dilate == Dilate::Rings;
+        if !(keep && is_lost && sums != Sums::Wide) {
+            self.kept_sums = None;
+            return;
+        }
+        let sizes = self.targets.keys.each_ref().map(wgpu::Buffer::size);
+        let fits = |kept: &[wgpu::Buffer; 2]| kept.each_ref().map(wgpu::Buffer::size) == sizes;
+        if !self.kept_sums.as_ref().is_some_and(fits) {
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            self.kept_sums = Some(sizes.map(|size| self.gpu.buffer("kept sums", size, usage)));
+        }
+    }
+
+    pub(super) fn record_kept_sums(&self, encoder: &mut wgpu::CommandEncoder) {
+        for (keys, kept) in self.targets.keys.iter().zip(self.kept_sums.iter().flatten()) {
+            encoder.copy_buffer_to_buffer(keys, 0, kept, 0, kept.size().min(keys.size()));
+        }
+    }
+}

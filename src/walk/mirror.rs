@@ -1,0 +1,108 @@
+//! The eyes' images for the window: the images themselves where they outlast the frame and nothing is drawn over
+//! them, else copies. Overlays go over copies only.
+
+use super::link::{MirrorImages, WalkEnd};
+use crate::config::Overlay;
+use crate::gpu::Gpu;
+use crate::render::{Overlays, Renderer};
+
+/// What the window shows of the frames.
+#[derive(Debug)]
+pub(super) struct Mirror {
+    overlays: Overlays,
+    overlay: Overlay,
+    /// Made once they are needed.
+    copies: Option<Copies>,
+    /// What the window has been told of.
+    shown: Option<MirrorImages>,
+}
+
+/// Textures and their views, left then right.
+#[derive(Debug)]
+struct Copies {
+    textures: [wgpu::Texture; 2],
+    views: [wgpu::TextureView; 2],
+}
+
+impl Mirror {
+    /// Of the images that `renderer` draws.
+    pub fn new(renderer: &Renderer, overlay: Overlay) -> Self {
+        Self { overlays: Overlays::new(renderer), overlay, copies: None, shown: None }
+    }
+
+    /// Draws this over the mirror from the next frame on.
+    pub fn set_overlay(&mut self, overlay: Overlay) {
+        self.overlay = overlay;
+    }
+
+    /// What is drawn over the mirror.
+    pub fn overlay(&self) -> Overlay {
+        self.overlay
+    }
+
+    /// What the window shows, once there is a frame.
+    pub fn shown(&self) -> Option<&MirrorImages> {
+        self.shown.as_ref()
+    }
+
+    /// To be called before the renderer records a frame.
+    pub fn prepare(&self, renderer: &mut Renderer) {
+        renderer.keep_sums(self.overlay == Overlay::Overdraw);
+    }
+
+    /// To be called after the renderer has recorded it, into `images`. `images_last`: they are still there when the
+    /// window draws.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        link: &WalkEnd,
+        renderer: &Renderer,
+        encoder: &mut wgpu::CommandEncoder,
+        images: &[wgpu::Texture; 2],
+        images_last: bool,
+    ) {
+        let drawn = &renderer.targets().drawn_px;
+        let drawn_px = [drawn[0], drawn[1]];
+        let textures = if images_last && self.overlay == Overlay::None {
+            images.clone()
+        } else {
+            let copies = self.copies.get_or_insert_with(|| Copies::new(gpu, images));
+            copy(encoder, images, &copies.textures, drawn_px);
+            self.overlays.record(renderer, encoder, self.overlay, &copies.views.each_ref());
+            copies.textures.clone()
+        };
+        let shown = MirrorImages { textures, drawn_px };
+        if self.shown.as_ref() != Some(&shown) {
+            // The window may show the frame before by the new measure: once, and only on the desktop.
+            link.set_mirror(shown.clone());
+            self.shown = Some(shown);
+        }
+    }
+}
+
+impl Copies {
+    fn new(gpu: &Gpu, images: &[wgpu::Texture; 2]) -> Self {
+        let usage = wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
+        let textures = images
+            .each_ref()
+            .map(|image| gpu.texture("mirror", [image.width(), image.height()], image.format(), usage));
+        let views = textures.each_ref().map(|texture| texture.create_view(&Default::default()));
+        Self { textures, views }
+    }
+}
+
+/// Records copies of the drawn part of each image.
+pub(super) fn copy(
+    encoder: &mut wgpu::CommandEncoder,
+    images: &[wgpu::Texture; 2],
+    copies: &[wgpu::Texture; 2],
+    drawn_px: [[u32; 2]; 2],
+) {
+    for ((image, copy), [width, height]) in images.iter().zip(copies).zip(drawn_px) {
+        let drawn = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), drawn);
+    }
+}
