@@ -1,7 +1,7 @@
 //! `scanwalk doctor`: what this machine has and lacks, and what to install.
 
 use crate::config::Config;
-use crate::gpu::Gpu;
+use crate::gpu::{Atomics, Gpu};
 use crate::xr;
 use serde::Serialize;
 use std::env;
@@ -79,7 +79,16 @@ fn gpu(config: &Config) -> Vec<Check> {
             "frame logs will lack GPU times; a newer driver may have them",
         )
     };
-    vec![kind, clock]
+    let tier = gpu.atomics();
+    let atomics = match tier {
+        Atomics::Int64 => Check::good("gpu atomics", tier.name()),
+        _ => Check::bad(
+            "gpu atomics",
+            tier.name(),
+            "64-bit atomics in shaders are missing: pictures are the same, frames take longer; a newer driver may have them",
+        ),
+    };
+    vec![kind, atomics, clock]
 }
 
 /// Something that a window can open on.

@@ -58,6 +58,16 @@ pub enum Atomics {
 }
 
 impl Atomics {
+    /// The tier's name in settings and logs.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Int32 => "int32",
+            Self::Int64Minmax => "int64-minmax",
+            Self::Int64 => "int64",
+        }
+    }
+
     fn of(features: wgpu::Features, limits: &wgpu::Limits) -> Self {
         let minmax = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
         if !features.contains(minmax) {

@@ -25,15 +25,7 @@ pub fn tier(gpu: &Gpu, wanted: Tier) -> Result<Atomics, NoSuchTier> {
         Tier::Int32 => Atomics::Int32,
     };
     if wanted > best {
-        return Err(NoSuchTier { name: gpu.name(), wanted: name(wanted), best: name(best) });
+        return Err(NoSuchTier { name: gpu.name(), wanted: wanted.name(), best: best.name() });
     }
     Ok(wanted)
-}
-
-fn name(atomics: Atomics) -> &'static str {
-    match atomics {
-        Atomics::Int64 => "int64",
-        Atomics::Int64Minmax => "int64-minmax",
-        Atomics::Int32 => "int32",
-    }
 }
