@@ -9,8 +9,8 @@ use clap::Parser;
 use scanwalk::gpu::stage::Stage;
 use scanwalk::gpu::timer::Timer;
 use scanwalk::gpu::{Gpu, readback};
-use scanwalk::layout::{self, DilateUniform, TILE_PX, Variant};
-use scanwalk::render::shaders;
+use scanwalk::layout::{self, DilateUniform, Variant};
+use scanwalk::render::{shaders, tiles};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -124,6 +124,9 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let surface = buffer("surface", bytemuck::cast_slice(&pixels), BufferUsages::STORAGE);
     let view = buffer("view", bytemuck::bytes_of(&scene::view(size_px)), BufferUsages::UNIFORM);
     let dilate = buffer("dilate", bytemuck::bytes_of(&DilateUniform::default()), BufferUsages::UNIFORM);
+    let nothing_hidden = vec![0; (size_px[0].div_ceil(32) * size_px[1]) as usize];
+    let tile_list = tiles(size_px, &nothing_hidden);
+    let tiles = buffer("tiles", bytemuck::cast_slice(&tile_list), BufferUsages::STORAGE);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let images = NAMES.map(|name| gpu.buffer(name, surface.size(), usage));
     let stages = [
@@ -134,13 +137,19 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         .iter()
         .zip(&images)
         .map(|(stage, image)| {
-            let resources = [("view", &view), ("dilate", &dilate), ("surface", &surface), ("image", image)];
+            let resources = [
+                ("view", &view),
+                ("dilate", &dilate),
+                ("tiles", &tiles),
+                ("surface", &surface),
+                ("image", image),
+            ];
             stage.bind(gpu, &resources.map(|(name, buffer)| (name, buffer.as_entire_binding())))
         })
         .collect();
 
     let num_groups =
-        [TILE_PX, DIRECT_TILE_PX].map(|tile| [0, 1].map(|axis| size_px[axis].div_ceil(tile[axis])));
+        [[tile_list.len() as u32, 1], [0, 1].map(|axis| size_px[axis].div_ceil(DIRECT_TILE_PX[axis]))];
     let mut timer = Timer::new(gpu, NAMES.len(), 8);
     let mut samples = Vec::new();
     for run in 0..WARM_UP_RUNS + num_runs {

@@ -107,7 +107,7 @@ fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
             "--set",
             "governor.enabled=false",
             "--frames",
-            "200",
+            "400",
         ],
     );
     run.remote().send(&Packet { eyes: Some(eyes()), ..Packet::default() });

@@ -10,6 +10,7 @@ mod screen;
 mod headset;
 mod offscreen;
 mod scene;
+mod tiers;
 mod window;
 #[path = "../support/xwd.rs"]
 mod xwd;

@@ -337,20 +337,23 @@ impl Finished {
         let openxr = read("xr_validation.txt");
         // The layer writes a line when an instance comes and when it goes; without them it was not there.
         let greetings = openxr.lines().filter(|line| line.contains("VALID_DEBUG")).count();
-        let mut complaints: Vec<String> = openxr
-            .lines()
-            .filter(|line| !line.contains("VALID_DEBUG"))
-            .chain(read("vk_validation.txt").lines())
-            .filter(|line| !line.trim().is_empty())
-            .map(str::to_string)
-            .collect();
+        let mut complaints = self.vulkan_complaints();
+        let of_openxr =
+            openxr.lines().filter(|line| !line.contains("VALID_DEBUG") && !line.trim().is_empty());
+        complaints.extend(of_openxr.map(str::to_string));
         if greetings != 2 {
             complaints.push(format!("OpenXR validation greeted {greetings} times, not twice: {openxr}"));
         }
-        if !self.folder().join("vk_validation.txt").exists() {
-            complaints.push("Vulkan validation was not on".into());
-        }
         complaints
+    }
+
+    /// What Vulkan's layer alone had to say, for programs that use no OpenXR.
+    pub fn vulkan_complaints(&self) -> Vec<String> {
+        assert!(self.validated, "the run was made without validate()");
+        match fs::read_to_string(self.folder().join("vk_validation.txt")) {
+            Ok(text) => text.lines().filter(|line| !line.trim().is_empty()).map(str::to_string).collect(),
+            Err(_) => vec!["Vulkan validation was not on".into()],
+        }
     }
 
     /// Panics if a validation layer complained.
