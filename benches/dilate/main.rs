@@ -9,8 +9,8 @@ use clap::Parser;
 use scanwalk::gpu::stage::Stage;
 use scanwalk::gpu::timer::Timer;
 use scanwalk::gpu::{Gpu, readback};
-use scanwalk::layout::{self, DilateUniform, TILE_PX, Variant};
-use scanwalk::render::shaders;
+use scanwalk::layout::{self, DilateUniform, Variant};
+use scanwalk::render::{shaders, tiles};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -124,6 +124,10 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let surface = buffer("surface", bytemuck::cast_slice(&pixels), BufferUsages::STORAGE);
     let view = buffer("view", bytemuck::bytes_of(&scene::view(size_px)), BufferUsages::UNIFORM);
     let dilate = buffer("dilate", bytemuck::bytes_of(&DilateUniform::default()), BufferUsages::UNIFORM);
+    // Nothing is hidden.
+    let num_words = size_px[0].div_ceil(32) * size_px[1];
+    let tiles = tiles(size_px, &vec![0; num_words as usize]);
+    let tile_list = buffer("tiles", bytemuck::cast_slice(&tiles), BufferUsages::STORAGE);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let images = NAMES.map(|name| gpu.buffer(name, surface.size(), usage));
     let stages = [
@@ -134,13 +138,18 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         .iter()
         .zip(&images)
         .map(|(stage, image)| {
-            let resources = [("view", &view), ("dilate", &dilate), ("surface", &surface), ("image", image)];
+            let resources = [
+                ("view", &view),
+                ("dilate", &dilate),
+                ("tiles", &tile_list),
+                ("surface", &surface),
+                ("image", image),
+            ];
             stage.bind(gpu, &resources.map(|(name, buffer)| (name, buffer.as_entire_binding())))
         })
         .collect();
 
-    let num_groups =
-        [TILE_PX, DIRECT_TILE_PX].map(|tile| [0, 1].map(|axis| size_px[axis].div_ceil(tile[axis])));
+    let num_direct_groups = [0, 1].map(|axis| size_px[axis].div_ceil(DIRECT_TILE_PX[axis]));
     let mut timer = Timer::new(gpu, NAMES.len(), 8);
     let mut samples = Vec::new();
     for run in 0..WARM_UP_RUNS + num_runs {
@@ -151,7 +160,10 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
                 label: Some(NAMES[number]),
                 timestamp_writes: timer.compute(number, true, true),
             });
-            stage.dispatch_2d(&mut pass, group, num_groups[number]);
+            match number {
+                0 => stage.dispatch(&mut pass, group, tiles.len() as u32),
+                _ => stage.dispatch_2d(&mut pass, group, num_direct_groups),
+            }
         }
         timer.end(&mut encoder, &images[0]);
         gpu.queue.lock().submit([encoder.finish()]);
