@@ -137,7 +137,7 @@ fn files_that_are_no_frame_log() {
     let (line, problem) = complaint(good.replace(",gpu_ms,", ",gpu,"));
     assert_eq!((line, problem.as_str()), (num_lines - 3, "the columns lack 'gpu_ms'"));
     let (line, problem) = complaint(good.clone() + "1,2\n");
-    assert_eq!((line, problem.as_str()), (num_lines + 1, "2 cells under 21 column names"));
+    assert_eq!((line, problem.as_str()), (num_lines + 1, "2 cells under 23 column names"));
     let (line, problem) = complaint(good.replacen(",2.0000,", ",two,", 1));
     assert_eq!((line, problem.as_str()), (num_lines - 2, "'two' is no number"));
     assert!(matches!(read(Path::new("no/such.csv")), Err(ReadError::Io { .. })));

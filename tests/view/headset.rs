@@ -81,7 +81,7 @@ fn ball_column(image: &Image) -> f64 {
 fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
     let scene = Scene::get();
     let want = rendered(scene, preset);
-    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(150);
+    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(300);
     let mut run = runtime.start(
         Path::new(PROGRAM),
         &[
@@ -107,7 +107,7 @@ fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
             "--set",
             "governor.enabled=false",
             "--frames",
-            "400",
+            "150",
         ],
     );
     run.remote().send(&Packet { eyes: Some(eyes()), ..Packet::default() });
