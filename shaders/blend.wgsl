@@ -1,10 +1,8 @@
-// resolve, first step in `hqs` quality: sums to colors, one eye. [2021 §3.5] A workgroup a tile that somebody sees.
+// resolve, first step in `hqs` quality: sums to colors, one eye. [2021 §3.5]
 
-@group(0) @binding(0) var<uniform> resolve: ResolveUniform;
 @group(0) @binding(2) var<storage, read> depth: array<u32>;
 @group(0) @binding(3) var<storage, read> sums: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> wide: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read_write> surface: array<vec2<u32>>;
 
 // Red, green, blue, count; the low word of a u64 comes first.
 fn sum_of(pixel: u32) -> vec4<u32> {
@@ -33,18 +31,4 @@ fn finish(pixel: u32) {
     let sum = sum_of(pixel);
     let rgb = (sum.xyz + sum.w / 2u) / sum.w;
     surface[pixel] = vec2<u32>(w, rgb.x | (rgb.y << 8u) | (rgb.z << 16u) | 0xff000000u);
-}
-
-@compute @workgroup_size(TILE_PX.x, TILE_PX.y / 4u)
-fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_id) local: vec3<u32>,
-) {
-    let first = first_pixel(group, groups) + local.xy;
-    for (var row = 0u; row < TILE_PX.y; row += TILE_PX.y / 4u) {
-        if first.x < resolve.size_px.x && first.y + row < resolve.size_px.y {
-            finish((first.y + row) * resolve.size_px.x + first.x);
-        }
-    }
 }

@@ -1,13 +1,11 @@
 // resolve, first step in `closest` quality: ids to colors, one eye, one chunk of the pool a dispatch.
-// [2022 §3.3] A workgroup a tile that somebody sees.
+// [2022 §3.3]
 
-@group(0) @binding(0) var<uniform> resolve: ResolveUniform;
 // Depth and id: the two words of a u64, or two buffers.
 @group(0) @binding(2) var<storage, read> depth: array<u32>;
 @group(0) @binding(3) var<storage, read> ids: array<u32>;
 @group(0) @binding(4) var<storage, read> colors: array<u32>;
 @group(0) @binding(5) var<storage, read> filtered_colors: array<u32>;
-@group(0) @binding(6) var<storage, read_write> surface: array<vec2<u32>>;
 
 fn finish(pixel: u32) {
     var w: u32;
@@ -29,20 +27,6 @@ fn finish(pixel: u32) {
             surface[pixel] = vec2<u32>(w, filtered_colors[point]);
         } else {
             surface[pixel] = vec2<u32>(w, colors[point]);
-        }
-    }
-}
-
-@compute @workgroup_size(TILE_PX.x, TILE_PX.y / 4u)
-fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_id) local: vec3<u32>,
-) {
-    let first = first_pixel(group, groups) + local.xy;
-    for (var row = 0u; row < TILE_PX.y; row += TILE_PX.y / 4u) {
-        if first.x < resolve.size_px.x && first.y + row < resolve.size_px.y {
-            finish((first.y + row) * resolve.size_px.x + first.x);
         }
     }
 }

@@ -95,21 +95,8 @@ impl Renderer {
         let has_wide = needs_wide(&pipelines, None, look.quality);
         let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
         let counters = counters_buffer(gpu, NUM_COUNTERS);
-        let parts = Parts {
-            gpu,
-            pipelines: &pipelines,
-            targets: &targets,
-            cloud: None,
-            view: &view,
-            counters: &counters,
-            quality: look.quality,
-            dilate: look.dilate,
-            background: look.background_word(),
-            hidden: &[],
-        };
-        let groups = parts.groups();
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
-        Ok(Self {
+        let mut renderer = Self {
             gpu: Arc::clone(gpu),
             setup,
             look,
@@ -121,9 +108,11 @@ impl Renderer {
             targets,
             kept_sums: None,
             hidden: vec![],
-            groups,
+            groups: Groups::default(),
             timer,
-        })
+        };
+        renderer.rebind();
+        Ok(renderer)
     }
 
     /// Shows this cloud from the next frame on, and gives back the one before: dropping it may take a while.

@@ -27,7 +27,7 @@ pub(super) struct Parts<'a> {
 }
 
 /// Every bind group of the frame.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Groups {
     /// One for each pair of targets to clear, with the number of its 16-byte words.
     pub clear: Vec<(wgpu::BindGroup, u32)>,

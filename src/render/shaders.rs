@@ -8,6 +8,10 @@ const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
 const POINTS: &str = include_str!("../../shaders/points.inc.wgsl");
 /// The tiles that the steps of `resolve` work on.
 const TILES: &str = include_str!("../../shaders/tiles.inc.wgsl");
+/// Which points count for a pixel's color, and their sums in four u32.
+const SUMS: &str = include_str!("../../shaders/sums.inc.wgsl");
+/// The walk over the pixels of a tile.
+const SURFACE: &str = include_str!("../../shaders/surface.inc.wgsl");
 /// The rule of dilation.
 const DILATION: &str = include_str!("../../shaders/dilation.inc.wgsl");
 
@@ -41,10 +45,10 @@ pub const SHADERS: [Shader; 14] = [
     shader!("depth", &[POINTS]),
     shader!("depth32", &[POINTS]),
     shader!("ids", &[POINTS]),
-    shader!("color", &[POINTS]),
-    shader!("color32", &[POINTS]),
-    shader!("shade", &[TILES]),
-    shader!("blend", &[TILES]),
+    shader!("color", &[POINTS, SUMS]),
+    shader!("color32", &[POINTS, SUMS]),
+    shader!("shade", &[TILES, SURFACE]),
+    shader!("blend", &[TILES, SURFACE]),
     shader!("dilate", &[TILES, DILATION]),
     shader!("resolve", &[SRGB]),
     shader!("overlay", &[DILATION, SRGB, OVERLAY]),
