@@ -21,6 +21,11 @@ pub enum BuildError {
         "the scan has {0} points; more than 2 147 000 000 do not fit one cloud: open fewer files at once"
     )]
     TooMany(usize),
+    /// As [`BuildError::TooMany`], of a point tree.
+    #[error(
+        "the scan has {0} points; a sequential point tree holds 1 000 000 000: open fewer files at once, or use the octree"
+    )]
+    TooManyDiscs(usize),
     /// Coordinates beyond what f32 spans.
     #[error("the scan's box is {0} units wide: its coordinates or its scale are broken")]
     TooWide(String),
@@ -107,7 +112,7 @@ pub(super) fn check(scan: &Scan) -> Result<(usize, Bounds), BuildError> {
 }
 
 /// (Morton code, point) in ascending order; equal codes keep the files' order.
-fn sort(index: &Index, bounds: &Bounds) -> Vec<(u64, u32)> {
+pub(super) fn sort(index: &Index, bounds: &Bounds) -> Vec<(u64, u32)> {
     let grid = morton::Grid::new(bounds);
     let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
         .into_par_iter()

@@ -6,6 +6,7 @@ mod index;
 pub mod morton;
 pub mod octree;
 pub mod quantize;
+pub mod spt;
 
 pub use build::{BuildError, build};
 

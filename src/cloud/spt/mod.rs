@@ -1,0 +1,108 @@
+//! Sequential point trees: a tree of averaged discs, flattened into one list that a GPU tests entry by entry, with
+//! no traversal [SPT].
+//!
+//! ```text
+//!  Scan ──neighbors──▶ leaves: normal, diameter ──tree──▶ PointTree: discs with errors, children before parents
+//!                                                  │ bottom-up: mean, bounding sphere, error
+//!                                                  ▼
+//!                                  Sequence: intervals of tolerance, sorted by their upper ends
+//! ```
+//!
+//! The tree is an octree down to single points in which a node with one child is that child [SPT §3.1]. A node
+//! stands for the points below it as one disc: mean position, color and normal, and a diameter that covers the
+//! children's spheres. Its error says how far that is from the truth ([`error`], [SPT §3.2–3.4, 3.9]).
+//!
+//! **Tolerance.** The paper keeps distances, `rmin = error / ε`, and takes ε, the pixels that an error may have in
+//! the image, to be constant. Eyes differ in pixels per radian and the governor changes ε, so what is kept here is
+//! the error itself, a length; it is compared with the *tolerance*, the length that ε pixels have at the point's
+//! distance: `tolerance = ε · distance / pixels per radian`. A disc is drawn while `min ≤ tolerance < max`, where
+//! `min` is its own error and `max` its parent's, and the overlap of [SPT §3.6]. See [`Sequence`].
+//!
+//! **Order.** Sorted by `max`, entries lose their neighbours: a run of them is spread all over the cloud, and none
+//! can be culled [SPT §3.7]. Errors are therefore rounded up to steps of an eighth of an octave ([`Scale`]): a list
+//! sorted by these has long stretches of equals, and inside of each the points are in Morton order.
+//!
+//! **Sides.** Normals are estimated from neighbours ([`normals`]), and which side of a surface the scanner saw is
+//! unknown. Until a file tells, a normal is an axis: before normals are averaged they are turned into one
+//! hemisphere, and nothing is culled for facing away. Given oriented normals, the list is cut into one run for each
+//! of the clusters of [SPT §3.10], see [`clusters`].
+//!
+//! **Fuzzy blending.** The depth test with a tolerance and running average that [SPT §5] asks of future hardware is
+//! what `hqs` does in two dispatches: the nearest depth first, then the mean of all within a tolerance of it.
+//!
+//! Left out: triangles above the threshold [SPT §3.8], since no input has any; the test with view-dependent error,
+//! which the paper found to gain nothing [SPT §3.7].
+
+pub mod clusters;
+mod cubes;
+pub mod error;
+mod neighbors;
+pub mod normals;
+mod sequence;
+mod steps;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use sequence::{Run, Sequence, Shape};
+pub use steps::Scale;
+pub use tree::{Node, PointTree};
+
+use super::BuildError;
+use super::build::{check, sort};
+use super::index::Index;
+use crate::progress::Progress;
+use crate::scan::Scan;
+use glam::Vec3;
+
+/// The radians that the tolerance may span at most: ε / pixels per radian. The overlap of neighbouring intervals is
+/// made for it, so that a surface seen from different distances has no holes [SPT §3.6].
+pub const MAX_TOLERANCE_RAD: f64 = 1.0 / 128.0;
+
+/// Largest number of points: at most twice as many discs, and ids of 32 bits, two for each.
+const MAX_POINTS: usize = 1_000_000_000;
+
+/// Points by Morton code.
+struct Sorted<'a> {
+    index: Index<'a>,
+    /// (code, number in the index), ascending.
+    keys: Vec<Key>,
+}
+
+/// Morton code, and number in the [`Index`].
+type Key = (u64, u32);
+
+/// Builds the point tree of a scan, on all cores. `normals`, one a point in the order of the files, point away from
+/// the surface's seen side; without them normals are estimated and have no side.
+///
+/// `progress` counts each point twice: once its normal is known, once it is in the tree.
+///
+/// Peak memory above the scan: 24 B a point for keys and leaves, 60 B for the tree, where inner nodes are half as
+/// many as points.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build_point_tree(
+    scan: &Scan,
+    normals: Option<&[Vec3]>,
+    progress: &Progress,
+) -> Result<PointTree, BuildError> {
+    let (num_points, bounds) = check(scan)?;
+    if num_points > MAX_POINTS {
+        return Err(BuildError::TooManyDiscs(num_points));
+    }
+    let index = Index::new(scan);
+    let keys = sort(&index, &bounds);
+    let sorted = Sorted { index, keys };
+    let mut leaves = neighbors::leaves(&sorted, progress);
+    if let Some(normals) = normals {
+        leaves.iter_mut().zip(&sorted.keys).for_each(|(leaf, key)| {
+            leaf.normal = normals::pack(normals[key.1 as usize].as_dvec3());
+        });
+    }
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let tree = tree::build(&sorted, &leaves, &bounds, normals.is_some(), progress);
+    if progress.stopped() { Err(BuildError::Stopped) } else { Ok(tree) }
+}

@@ -1,0 +1,116 @@
+//! The tree as a list: an interval of tolerance for each disc, sorted [SPT §3.6, 3.7].
+
+use super::clusters::{NUM_CLUSTERS, cluster_of};
+use super::steps::{ENDLESS, Scale};
+use super::tree::PointTree;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// When a disc is drawn, and how large: everything that the GPU's test needs beside the position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Drawn from this step of tolerance on: the disc's own error.
+    pub min: u8,
+    /// Drawn below this step: the error of its parent and the overlap; [`ENDLESS`] for the root.
+    pub max: u8,
+    /// The disc's diameter, as a step.
+    pub diameter: u8,
+}
+
+impl Shape {
+    /// True if the disc is drawn where the tolerance is at `step` ([`Scale::step_below`]).
+    #[must_use]
+    pub fn is_drawn(self, step: u8) -> bool {
+        self.min <= step && step < self.max
+    }
+
+    /// As the GPU has it: min | max≪8 | diameter≪16.
+    #[must_use]
+    pub fn word(self) -> u32 {
+        u32::from_le_bytes([self.min, self.max, self.diameter, 0])
+    }
+}
+
+/// A part of the list with its own order: discs that face the same way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// The directions that its discs' normals have; `None` for discs that may be seen from any side.
+    pub cluster: Option<u8>,
+    /// Its entries in the list.
+    pub entries: Range<usize>,
+}
+
+/// A point tree as a list.
+#[derive(Clone, Debug)]
+pub struct Sequence {
+    /// What the shapes' steps mean.
+    pub scale: Scale,
+    /// Number of each entry's node.
+    pub nodes: Vec<u32>,
+    /// Of each entry; `max` falls within a run, and equals stand in Morton order.
+    pub shapes: Vec<Shape>,
+    /// One without oriented normals, else one for each direction that there is, and one for discs without side.
+    pub runs: Vec<Run>,
+}
+
+/// Discs whose points' normals lie further apart than this, in radians, have no side.
+pub const MAX_SPREAD: f32 = 0.5;
+/// Order of the discs without side.
+const NO_CLUSTER: u8 = NUM_CLUSTERS as u8;
+
+impl Sequence {
+    /// Flattens a tree. `max_tolerance_rad` is the largest that the tolerance may be of a point's distance
+    /// ([`super::MAX_TOLERANCE_RAD`]); with 0, intervals do not overlap, which is right where the tolerance is the
+    /// same everywhere.
+    ///
+    /// Memory: 7 B a node to keep, 16 to sort.
+    #[must_use]
+    pub fn new(tree: &PointTree, max_tolerance_rad: f64) -> Self {
+        let largest = tree.nodes.last().map_or(0.0, |root| root.diameter);
+        let scale = Scale::up_to(largest);
+        let shape = |number: usize| shape(tree, &scale, max_tolerance_rad, number);
+        let cluster = |number: usize| {
+            let node = &tree.nodes[number];
+            if tree.is_oriented && node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
+        };
+        // Cluster, then steps from the largest on, then Morton order.
+        let key = |number: usize| {
+            let falling = u64::from(u8::MAX - shape(number).max);
+            u64::from(cluster(number)) << 40 | falling << 32 | number as u64
+        };
+        let mut keys: Vec<u64> = (0..tree.nodes.len()).into_par_iter().map(key).collect();
+        keys.par_sort_unstable();
+        let runs = keys.chunk_by(|a, b| a >> 40 == b >> 40).scan(0, |end, run| {
+            let start = *end;
+            *end += run.len();
+            let cluster = (run[0] >> 40) as u8;
+            Some(Run { cluster: (cluster != NO_CLUSTER).then_some(cluster), entries: start..*end })
+        });
+        let runs = runs.collect();
+        let nodes: Vec<u32> = keys.into_par_iter().map(|key| key as u32).collect();
+        let shapes = nodes.par_iter().map(|&node| shape(node as usize)).collect();
+        Self { scale, nodes, shapes, runs }
+    }
+
+    /// The entries of a run that may be drawn where the tolerance is at least `step` everywhere: the tolerance at
+    /// the cloud's nearest point [SPT §3.7].
+    #[must_use]
+    pub fn prefix(&self, run: &Run, step: u8) -> Range<usize> {
+        let start = run.entries.start;
+        start..start + self.shapes[run.entries.clone()].partition_point(|shape| shape.max > step)
+    }
+}
+
+/// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow
+/// on the way from the parent's centre to the node's: a parent that is just too near to be drawn then never leaves a
+/// hole [SPT §3.6].
+fn shape(tree: &PointTree, scale: &Scale, max_tolerance_rad: f64, number: usize) -> Shape {
+    let node = &tree.nodes[number];
+    let max = tree.parent(number).map_or(ENDLESS, |parent| {
+        let begin = scale.length(scale.step(tree.nodes[parent].error));
+        let distance = (tree.position(parent) - tree.position(number)).length();
+        let overlap = max_tolerance_rad * distance;
+        scale.step(if overlap > 0.0 { (f64::from(begin) + overlap) as f32 } else { begin })
+    });
+    Shape { min: scale.step(node.error), max, diameter: scale.step(node.diameter) }
+}
