@@ -54,6 +54,34 @@ fn planes_needed(edge: f32, distance_sq: f32) -> u32 {
     return select(3u, 2u, edge * edge < fine * fine * distance_sq);
 }
 
+// False if no disc of a batch is drawn: none has the tolerances that the eye has there, or all show it their backs.
+// [SPT §3.7, 3.10]
+fn is_needed(batch: Batch, node: Node, eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
+    if (node.flags & NODE_DISCS) == 0u {
+        return true;
+    }
+    let from_eye = center - eye.eye_in_head;
+    let near = max(abs(from_eye) - half_edge, vec3<f32>(0.0));
+    let far = abs(from_eye) + half_edge;
+    let nearest = sqrt(near.x * near.x + near.y * near.y + near.z * near.z);
+    let farthest = sqrt(far.x * far.x + far.y * far.y + far.z * far.z);
+    if step_below((1.0 - SLACK) * eye.tolerance_rad * nearest) >= batch.interval >> 8u
+        || step_below((1.0 + SLACK) * eye.tolerance_rad * farthest) < (batch.interval & 255u) {
+        return false;
+    }
+    if (node.flags & NODE_ONE_SIDED) == 0u {
+        return true;
+    }
+    // A sphere round the box lies in the cone of directions in which only backs are seen.
+    let behind = bitcast<vec4<f32>>(node.spacing);
+    let along = from_eye.x * behind.x + from_eye.y * behind.y + from_eye.z * behind.z;
+    let distance_sq = from_eye.x * from_eye.x + from_eye.y * from_eye.y + from_eye.z * from_eye.z;
+    let across = sqrt(max(distance_sq - along * along, 0.0));
+    let radius = sqrt(half_edge.x * half_edge.x + half_edge.y * half_edge.y + half_edge.z * half_edge.z);
+    let inside = along * behind.w - across * sqrt(1.0 - behind.w * behind.w);
+    return inside < radius + SLACK * sqrt(distance_sq);
+}
+
 // The largest of a node's eight shares.
 fn widest(spacing: vec4<u32>) -> f32 {
     let a = max(unpack2x16float(spacing.x), unpack2x16float(spacing.y));
@@ -97,7 +125,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var flags = 0u;
     var planes = max(view.forced_planes, 1u);
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
-        if in_frustum(view.eyes[eye], center, half_edge) {
+        if in_frustum(view.eyes[eye], center, half_edge)
+            && (!DISCS || is_needed(batch, node, view.eyes[eye], center, half_edge)) {
             flags |= 16u << eye;
             let distance_sq = distance_sq(view.eyes[eye], center, half_edge);
             let pixels_per_radian = view.eyes[eye].pixels_per_radian;
@@ -112,6 +141,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     if flags == 0u {
         return;
+    }
+    if DISCS && (node.flags & NODE_DISCS) != 0u {
+        flags |= VISIBLE_FILL | VISIBLE_DISCS;
     }
 
     // The head's cell, in coarse steps: step and cell have 12 bits each, so their product is exact.

@@ -8,7 +8,7 @@ struct Batch {
     cell: vec3<f32>,
     node: u32,
     steps_per_unit: vec3<f32>,
-    reserved: u32,
+    interval: u32,
 }
 
 struct Node {
@@ -30,9 +30,9 @@ struct EyeUniform {
     eye_in_head: vec3<f32>,
     pixels_per_radian: f32,
     gaze_in_head: vec3<f32>,
-    reserved_a: u32,
+    tolerance_rad: f32,
     gaze_in_view: vec3<f32>,
-    reserved_b: u32,
+    reserved: u32,
     tangent_origin: vec2<f32>,
     tangent_per_px: vec2<f32>,
     size_px: vec2<f32>,
@@ -50,9 +50,8 @@ struct ViewUniform {
     ring_cos: vec2<f32>,
     ring_sin: vec2<f32>,
     fill_reach_px: f32,
-    reserved_a: u32,
-    reserved_b: u32,
-    reserved_c: u32,
+    step_base: u32,
+    reserved: vec2<u32>,
     eyes: array<EyeUniform, 2>,
 }
 

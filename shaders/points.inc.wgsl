@@ -1,5 +1,6 @@
 // What the geometry stages share: a workgroup a visible batch, a thread POINTS_PER_LOAD points at a time, each
-// point read and decoded once and put into both eyes' pixels. [2022 §3.2 to 3.4]
+// point read and decoded once and put into both eyes' pixels. [2022 §3.2 to 3.4] Which points of a batch an eye is
+// to see, and how wide they are, say nodes.inc.wgsl and discs.inc.wgsl.
 //
 // A stage adds its targets from binding 5 on, and what it does with a point in a pixel:
 //   fn put_left(pixel: u32, w: f32, id: u32), fn put_right(pixel: u32, w: f32, id: u32)
@@ -56,6 +57,10 @@ fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32) {
     }
     let diameter_px = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
     let radius = i32(ceil(clamp(0.5 * (diameter_px - view.fill_reach_px), 0.0, f32(MAX_FILL_RADIUS))));
+    if radius == 0 {
+        put(eye, pixel, w, id);
+        return;
+    }
     let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
     let center = vec2<i32>(i32(pixel) % size.x, i32(pixel) / size.x);
     let first = max(center - radius, vec2<i32>(0));
@@ -139,17 +144,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         var diameter = vec4<f32>(0.0);
         if FILL && is_wide {
-            let edge = FILL_OVERLAP * (CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z)));
-            for (var i = 0u; i < POINTS_PER_LOAD; i += 1u) {
-                let pair = unpack2x16float(batch.spacing[octant[i] >> 1u]);
-                diameter[i] = edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u);
-            }
+            let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
+            diameter = diameters(first_load + load, octant, edge, batch.spacing);
         }
         if (batch.flags & 16u) != 0u {
-            draw(0u, project(0u, px, py, pz, exists), id, diameter, is_wide);
+            let chosen = exists & is_chosen(0u, batch.flags, first_load + load, px, py, pz);
+            draw(0u, project(0u, px, py, pz, chosen), id, diameter, is_wide);
         }
         if NUM_EYES == 2u && (batch.flags & 32u) != 0u {
-            draw(1u, project(1u, px, py, pz, exists), id, diameter, is_wide);
+            let chosen = exists & is_chosen(1u, batch.flags, first_load + load, px, py, pz);
+            draw(1u, project(1u, px, py, pz, chosen), id, diameter, is_wide);
         }
     }
 }

@@ -1,18 +1,10 @@
-// What both forms of `color` share: which points count, their colors, and sums in four u32 a pixel.
+// What both forms of `color` share: which points count, and sums in four u32 a pixel.
 
 @group(0) @binding(6) var<storage, read> depth_left: array<u32>;
 @group(0) @binding(7) var<storage, read> depth_right: array<u32>;
 @group(0) @binding(8) var<storage, read> colors: array<u32>;
-@group(0) @binding(9) var<storage, read> filtered_colors: array<u32>;
 @group(0) @binding(10) var<storage, read_write> wide_left: array<atomic<u32>>;
 @group(0) @binding(11) var<storage, read_write> wide_right: array<atomic<u32>>;
-
-fn color_of(id: u32) -> u32 {
-    if (id & 1u) != 0u {
-        return filtered_colors[id >> 1u];
-    }
-    return colors[id >> 1u];
-}
 
 fn counts(w: f32, nearest: u32) -> bool {
     return w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);

@@ -1,6 +1,6 @@
 //! What a frame is to look like: the settings that the stages, on the GPU and as twins, go by.
 
-use crate::config::{Config, Dilate, Precision, Quality};
+use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
 use crate::layout::Detail;
 
 /// What a frame is to look like.
@@ -23,13 +23,16 @@ impl Look {
         let frame = &config.frame;
         // The smallest kernel bridges two empty pixels, yet many neighbours lie further apart than the mean.
         let reach_px = if frame.dilate == Dilate::Rings { 2.0 } else { 1.0 };
+        // Discs have their sizes, and are drawn so.
+        let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
         let detail = Detail {
             forced_planes: if frame.precision == Precision::Full { 3 } else { 0 },
             threshold_px: config.lod.threshold_px.map(|px| px as f32),
             ring_rad: config.fovea.ring_deg.map(f64::to_radians),
             smooth: config.fovea.smooth,
             fade: config.lod.fade,
-            fill_reach_px: frame.fill.then_some(reach_px),
+            fill_reach_px: (frame.fill || discs).then_some(reach_px),
+            error_px: discs.then_some(config.lod.error_px as f32),
         };
         Self { quality: frame.quality, dilate: frame.dilate, background: frame.background, detail }
     }

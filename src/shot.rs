@@ -2,8 +2,9 @@
 //! point falls on.
 
 use crate::cloud::octree::build_octree;
+use crate::cloud::spt::build_spt;
 use crate::cloud::{self, Order};
-use crate::config::Config;
+use crate::config::{Config, LodMethod};
 use crate::gpu::{Gpu, readback};
 use crate::look::Look;
 use crate::progress::{Progress, Stop};
@@ -109,11 +110,19 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     Ok(())
 }
 
-/// The scan on the GPU, as a layered or a flat cloud, and the box of its body.
+/// The scan on the GPU, as the settings want it, and the box of its body.
 fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Bounds)> {
     let num_points = scan.num_points() as u64;
     let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
     let sending = || Progress::new("sending", "bytes", 16 * num_points, stop);
+    if config.lod.enabled && config.lod.method == LodMethod::Spt {
+        // Points are counted twice, discs once.
+        let building = Progress::new("building the point tree", "points", 7 * num_points / 2, stop);
+        let spt = build_spt(&scan, None, &building)?;
+        drop((scan, building));
+        let buffers = CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending())?;
+        return Ok((buffers, spt.cloud.body()));
+    }
     if config.lod.enabled {
         let building = Progress::new("building the octree", "points", 2 * num_points, stop);
         let octree = build_octree(&scan, &building, &mut |_, _| ())?;

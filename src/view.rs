@@ -4,8 +4,9 @@
 //! the main thread runs the window, if there is one.
 
 use crate::cloud::octree::build_octree;
+use crate::cloud::spt::build_spt;
 use crate::cloud::{self, BuildError};
-use crate::config::Config;
+use crate::config::{Config, LodMethod};
 use crate::desktop;
 use crate::gpu::Gpu;
 use crate::progress::{Progress, Stop};
@@ -153,8 +154,8 @@ struct Shelf {
     retired: Receiver<CloudBuffers>,
 }
 
-/// The loader's thread: files to points, points to a flat cloud, which is shown at once, and to an octree, which
-/// takes its place.
+/// The loader's thread: files to points, points to a flat cloud, which is shown at once, and to an octree or a point
+/// tree, which takes its place.
 fn load(
     options: &ViewOptions,
     config: &Config,
@@ -192,20 +193,29 @@ fn load(
     drop(cloud);
     let mut bytes = flat_bytes;
     if config.lod.enabled {
-        step("building the octree", 0.4);
-        match layered(gpu, scan, chunk_limit, stop) {
+        let detailed = match config.lod.method {
+            LodMethod::Octree => {
+                step("building the octree", 0.4);
+                layered(gpu, scan, chunk_limit, stop).map_err(Into::into)
+            }
+            LodMethod::Spt => {
+                step("building the point tree", 0.4);
+                sequential(gpu, scan, chunk_limit, stop)
+            }
+        };
+        match detailed {
             Ok(buffers) => {
                 bytes = buffers.bytes;
                 let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
                 // Once it is shown, the flat cloud comes back and is freed here; an error means that the walk ended.
                 let _ = shelf.retired.recv();
             }
-            Err(error @ UploadError::OutOfMemory { .. }) => {
+            // The walk ended before it stood: nobody misses it.
+            Err(error) if has_stopped(&error) => return Ok(()),
+            Err(error) if is_too_large(&error) => {
                 eprintln!("scanwalk: warning: without level of detail, every point is drawn always: {error}");
             }
-            // The walk ended before the octree stood: nobody misses it.
-            Err(UploadError::Stopped) => return Ok(()),
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(error),
         }
     }
     link.update_load(|load| {
@@ -230,6 +240,25 @@ fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, stop: &Stop) -> Result
         (_, Some(upload)) => Ok(upload?.finish()),
         (_, None) => Err(UploadError::Stopped),
     }
+}
+
+/// Builds the sequential point tree of a scan and sends it to the GPU.
+fn sequential(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, stop: &Stop) -> anyhow::Result<CloudBuffers> {
+    // Points are counted twice, discs once.
+    let building = Progress::new("building the point tree", "points", 7 * scan.num_points() as u64 / 2, stop);
+    let spt = build_spt(&scan, None, &building)?;
+    drop((scan, building));
+    Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &Progress::silent(stop))?)
+}
+
+fn has_stopped(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(UploadError::Stopped))
+        || matches!(error.downcast_ref(), Some(BuildError::Stopped))
+}
+
+fn is_too_large(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(UploadError::OutOfMemory { .. }))
+        || matches!(error.downcast_ref(), Some(BuildError::TooManyDiscs(_)))
 }
 
 /// What the window's panel says of the scan.

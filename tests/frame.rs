@@ -117,7 +117,9 @@ fn cull_equals_its_twin() {
     let keys = |visible: &[VisibleBatch]| {
         let mut keys = vec![twin::clear::pixels([640, 480], twin::clear::EMPTY); 2];
         let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
-        twin::points::points(&full, 2, visible, planes, false, &mut |put| twin::depth::key(&mut keys, put));
+        twin::points::points(&full, 2, visible, planes, None, false, &mut |put| {
+            twin::depth::key(&mut keys, put)
+        });
         keys
     };
     assert!(keys(&everything) == keys(&cull(&full)));

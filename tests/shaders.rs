@@ -30,11 +30,11 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
     };
     let mut texts = Vec::new();
     for Shader { name, .. } in SHADERS.iter().filter(|s| !unused.contains(&s.name)) {
-        for (&sums, num_eyes, fill) in
-            forms.iter().flat_map(|s| [(s, 1, false), (s, 2, false), (s, 1, true), (s, 2, true)])
-        {
-            let variant = Variant { num_eyes, fill, sums, keys };
-            texts.push((format!("{name} {variant:?}"), source(name, variant)));
+        for (&sums, num_eyes) in forms.iter().flat_map(|s| [(s, 1), (s, 2)]) {
+            for (fill, discs) in [(false, false), (true, false), (true, true)] {
+                let variant = Variant { num_eyes, fill, discs, sums, keys };
+                texts.push((format!("{name} {variant:?}"), source(name, variant)));
+            }
         }
     }
     texts
@@ -79,12 +79,12 @@ macro_rules! host {
 
 fn host_structs() -> Vec<HostStruct> {
     vec![
-        host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved),
+        host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval),
         host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level, reserved),
-        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, reserved_a, gaze_in_view,
-            reserved_b, tangent_origin, tangent_per_px, size_px, width, height),
+        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
+            gaze_in_view, reserved, tangent_origin, tangent_per_px, size_px, width, height),
         host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, lod_flags, ring_cos, ring_sin,
-            fill_reach_px, reserved_a, reserved_b, reserved_c, eyes),
+            fill_reach_px, step_base, reserved, eyes),
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),

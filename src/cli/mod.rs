@@ -13,7 +13,7 @@ mod view;
 
 pub use args::{BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SynthArgs};
 pub use exit::Usage;
-pub use render::{RenderArgs, Switch};
+pub use render::{Lod, RenderArgs};
 pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
 
 use clap::{Parser, Subcommand};

@@ -1,7 +1,7 @@
 //! Arguments of `scanwalk render`.
 
 use super::parse;
-use crate::config::{Config, Dilate, Precision, Quality};
+use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -50,9 +50,10 @@ pub struct RenderArgs {
     /// closest: the nearest point's color; hqs: the blend of the nearest points [default: the preset's]
     #[arg(long, value_name = "HOW")]
     pub quality: Option<Quality>,
-    /// Level of detail: the nodes of an octree that matter [default: the preset's]
-    #[arg(long, value_name = "WHEN")]
-    pub lod: Option<Switch>,
+    /// Level of detail: the nodes of an octree that matter, or the discs of a sequential point tree; on: octree
+    /// [default: the preset's]
+    #[arg(long, value_name = "HOW")]
+    pub lod: Option<Lod>,
     /// Fill the gaps between points: rings, by kernels that grow outwards [default: the preset's]
     #[arg(long, value_name = "HOW")]
     pub dilate: Option<Dilate>,
@@ -76,14 +77,17 @@ const EXAMPLES: &str = "Examples:
   scanwalk render castle.laz -o castle.png --preset balanced
   scanwalk render castle.laz -o castle.png --stereo --ipd 0.065 --depth castle.npy";
 
-/// On or off.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Switch {
-    /// On.
+/// Whether there is level of detail, and by what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Lod {
+    /// By an octree.
     On,
-    /// Off.
-    #[default]
+    /// None: every point.
     Off,
+    /// By an octree.
+    Octree,
+    /// By a sequential point tree.
+    Spt,
 }
 
 impl RenderArgs {
@@ -95,7 +99,10 @@ impl RenderArgs {
         frame.dilate = self.dilate.unwrap_or(frame.dilate);
         frame.precision = self.precision.unwrap_or(frame.precision);
         frame.background = self.background.unwrap_or(frame.background);
-        lod.enabled = self.lod.map_or(lod.enabled, |lod| lod == Switch::On);
+        if let Some(wanted) = self.lod {
+            lod.enabled = wanted != Lod::Off;
+            lod.method = if wanted == Lod::Spt { LodMethod::Spt } else { LodMethod::Octree };
+        }
     }
 }
 
@@ -136,6 +143,9 @@ mod tests {
         assert_eq!(stages(&settings(&refused)), (Quality::Closest, false, Dilate::Off, true, true));
         let set = settings(&["--set", "frame.quality=hqs", "--set", "lod.enabled=true"]);
         assert_eq!(stages(&set), (Quality::Hqs, true, Dilate::Off, false, false));
+        let method = |lod: &str| settings(&["--set", "lod.method=spt", "--lod", lod]).lod.method;
+        assert_eq!(["on", "octree"].map(method), [LodMethod::Octree; 2]);
+        assert_eq!(method("spt"), LodMethod::Spt);
         let over = settings(&["--set", "frame.quality=hqs", "--quality", "closest"]);
         assert_eq!(over.frame.quality, Quality::Closest);
     }

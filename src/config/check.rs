@@ -23,6 +23,7 @@ pub(super) fn check(config: &Config) -> Result<(), Problem> {
         // Below, a pixel could get more points than `color` can add up; see layout::SumsForm.
         number("lod.threshold_px", threshold, 50.0..=10_000.0)?;
     }
+    number("lod.error_px", config.lod.error_px, 0.1..=16.0)?;
     number("governor.budget", config.governor.budget, 0.1..=1.0)?;
     let HeadsetConfig { resolution_scale, .. } = config.headset;
     number("headset.resolution_scale", resolution_scale, 0.05..=4.0)?;

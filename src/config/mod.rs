@@ -189,17 +189,38 @@ impl Default for FoveaConfig {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LodConfig {
-    /// Build an octree and draw the nodes that matter; off: every point, always.
+    /// Draw what matters; off: every point, always.
     pub enabled: bool,
-    /// A node is drawn if its projected edge has this many pixels: inner, middle, outer ring.
+    /// What is built to tell what matters.
+    pub method: LodMethod,
+    /// Of an octree: a node is drawn if its projected edge has this many pixels: inner, middle, outer ring.
     pub threshold_px: [f64; 3],
-    /// Points of a node appear one by one rather than all at once.
+    /// Of an octree: points of a node appear one by one rather than all at once.
     pub fade: bool,
+    /// Of a sequential point tree: a disc may be wrong by this many pixels.
+    pub error_px: f64,
+}
+
+/// What level of detail goes by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LodMethod {
+    /// A layered octree: nodes by their projected size.
+    #[default]
+    Octree,
+    /// A sequential point tree: discs by their projected error.
+    Spt,
 }
 
 impl Default for LodConfig {
     fn default() -> Self {
-        Self { enabled: true, threshold_px: [100.0, 200.0, 300.0], fade: true }
+        Self {
+            enabled: true,
+            method: LodMethod::Octree,
+            threshold_px: [100.0, 200.0, 300.0],
+            fade: true,
+            error_px: 1.0,
+        }
     }
 }
 

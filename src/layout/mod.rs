@@ -5,7 +5,7 @@ mod prelude;
 
 pub use prelude::{Sums, Variant, prelude};
 
-use crate::cloud::{self, octree};
+use crate::cloud::{self, octree, spt};
 use crate::space::{Eye, Fov, Split, View};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -38,6 +38,10 @@ pub const LOD_SMOOTH: u32 = 2;
 pub const NODE_WHOLE: u32 = 1;
 /// [`Node::flags`]: drawn always, though with fewer points when it is small.
 pub const NODE_ROOT: u32 = 2;
+/// [`Node::flags`]: a run of a sequential point tree; its points are discs.
+pub const NODE_DISCS: u32 = 4;
+/// [`Node::flags`]: a run whose discs have a back, which nobody is to see.
+pub const NODE_ONE_SIDED: u32 = 8;
 /// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
 /// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
 pub const DRAWN_WHOLE: u32 = u32::MAX;
@@ -59,6 +63,12 @@ pub const FILL_OVERLAP: f32 = 1.5;
 pub const PROTECTED_POINTS: u32 = 255;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;
+/// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
+pub const VISIBLE_DISCS: u32 = 128;
+/// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
+pub const STEP_SHIFT: u32 = 20;
+/// The step above every tolerance.
+pub const ENDLESS_STEP: u32 = 255;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 /// Pixels that a workgroup of `resolve` works on, across and down, four a thread. With what reaches into them they
@@ -90,8 +100,8 @@ pub struct Batch {
     pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
-    /// Always 0.
-    pub reserved: u32,
+    /// Of discs: the steps of tolerance that some of them are drawn at: from | until≪8.
+    pub interval: u32,
 }
 
 impl Batch {
@@ -102,7 +112,17 @@ impl Batch {
         let (cell, num_points) = (batch.cell, batch.num_points);
         let steps_per_unit = cell.map(|c| if c > 0.0 { 1.0 / (c * HEAD_CELL_STEP as f32) } else { 0.0 });
         let (min_hi, min_lo) = (hi.to_array(), lo.to_array());
-        Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved: 0 }
+        Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval: 0 }
+    }
+
+    /// The GPU's form of batch `number` of a sequential point tree, of run number `run`, in a chunk that begins
+    /// with point `first_index`.
+    #[must_use]
+    pub fn of_discs(spt: &spt::SequentialCloud, number: usize, run: u32, first_index: u32) -> Self {
+        let batch = &spt.cloud.batches[number];
+        let [from, until] = spt.intervals[number].map(u32::from);
+        let plain = Self::new(&spt.cloud.split, batch, run, batch.first_point - first_index);
+        Self { interval: from | until << 8, ..plain }
     }
 }
 
@@ -118,11 +138,13 @@ pub struct Node {
     pub min_lo: [f32; 3],
     /// Its first child's number; children follow one another in Morton order.
     pub first_child: u32,
-    /// How far apart the finest points in each octant lie, as a share of `edge`: eight f16.
+    /// How far apart the finest points in each octant lie, as a share of `edge`: eight f16. With
+    /// [`NODE_ONE_SIDED`], four f32: the axis of the directions in which only backs are seen, and the sine of the
+    /// angle round it.
     pub spacing: [u32; 4],
     /// Bit o: there is a child in octant o = x | y≪1 | z≪2.
     pub child_mask: u32,
-    /// [`NODE_WHOLE`], [`NODE_ROOT`].
+    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`].
     pub flags: u32,
     /// Halvings from the root's cube.
     pub level: u32,
@@ -143,6 +165,25 @@ impl Node {
         level: 0,
         reserved: 0,
     };
+
+    /// The GPU's form of a run of a sequential point tree.
+    #[must_use]
+    pub fn of_run(split: &Split, run: &spt::BatchRun) -> Self {
+        let (hi, lo) = split.pair(run.bounds.min);
+        let sided = |behind: &spt::clusters::Cone| {
+            let [x, y, z] = behind.axis.to_array();
+            [x, y, z, libm::sin(behind.angle)].map(|v| (v as f32).to_bits())
+        };
+        let side = if run.behind.is_some() { NODE_ONE_SIDED } else { 0 };
+        Self {
+            min_hi: hi.to_array(),
+            min_lo: lo.to_array(),
+            edge: run.bounds.size().max_element() as f32,
+            spacing: run.behind.as_ref().map_or([0; 4], sided),
+            flags: NODE_WHOLE | NODE_DISCS | side,
+            ..Self::FLAT
+        }
+    }
 
     /// The GPU's form of node `number` of an octree.
     #[must_use]
@@ -190,12 +231,12 @@ pub struct EyeUniform {
     pub pixels_per_radian: f32,
     /// Direction of the gaze in head space, unit length.
     pub gaze_in_head: [f32; 3],
-    /// Always 0.
-    pub reserved_a: u32,
+    /// Angle that an error may have, radians: the tolerance at a distance of 1. 0 but for sequential point trees.
+    pub tolerance_rad: f32,
     /// Direction of the gaze in view space, unit length; (0, 0, −1) is the optical axis.
     pub gaze_in_view: [f32; 3],
     /// Always 0.
-    pub reserved_b: u32,
+    pub reserved: u32,
     /// Tangents of the angles to the image's top left corner: right and up are positive.
     pub tangent_origin: [f32; 2],
     /// Tangents from one pixel to the next, to the right and down. The centre of pixel (x, y) lies in the
@@ -224,9 +265,9 @@ impl EyeUniform {
             eye_in_head: (eye.world_from_view.position - head_in_world).as_vec3().to_array(),
             pixels_per_radian: eye.pixels_per_radian() as f32,
             gaze_in_head: (eye.world_from_view.orientation * eye.gaze_in_view).as_vec3().to_array(),
-            reserved_a: 0,
+            tolerance_rad: 0.0,
             gaze_in_view: eye.gaze_in_view.as_vec3().to_array(),
-            reserved_b: 0,
+            reserved: 0,
             tangent_origin: [left as f32, up as f32],
             tangent_per_px: per_px.map(|t| t as f32),
             size_px: [width as f32, height as f32],
@@ -251,6 +292,8 @@ pub struct Detail {
     pub fade: bool,
     /// Pixels between points that need no filling; `None`: points are one pixel large always.
     pub fill_reach_px: Option<f32>,
+    /// Pixels that a disc of a sequential point tree may be wrong by, ε of [SPT §3.5]; `None`: there is none to draw.
+    pub error_px: Option<f32>,
 }
 
 impl Default for Detail {
@@ -263,6 +306,7 @@ impl Default for Detail {
             smooth: false,
             fade: false,
             fill_reach_px: None,
+            error_px: None,
         }
     }
 }
@@ -289,18 +333,16 @@ pub struct ViewUniform {
     pub ring_sin: [f32; 2],
     /// Pixels between points that need no filling.
     pub fill_reach_px: f32,
+    /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale::base`].
+    pub step_base: u32,
     /// Always 0.
-    pub reserved_a: u32,
-    /// Always 0.
-    pub reserved_b: u32,
-    /// Always 0.
-    pub reserved_c: u32,
+    pub reserved: [u32; 2],
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
 }
 
 impl ViewUniform {
-    /// The GPU's form of a view of one or two eyes.
+    /// The GPU's form of a view of one or two eyes. For a sequential point tree, `step_base` is to be set besides.
     ///
     /// # Panics
     /// If the view has no eye.
@@ -308,7 +350,12 @@ impl ViewUniform {
     pub fn new(view: &View, split: &Split, detail: &Detail) -> Self {
         let head_in_world = view.head_in_world();
         let (hi, lo) = split.pair(head_in_world);
-        let eye = |index: usize| EyeUniform::new(&view.eyes[index.min(view.eyes.len() - 1)], head_in_world);
+        let eye = |index: usize| {
+            let eye = &view.eyes[index.min(view.eyes.len() - 1)];
+            let error_rad = f64::from(detail.error_px.unwrap_or(0.0)) / eye.pixels_per_radian();
+            let tolerance_rad = error_rad.min(spt::MAX_TOLERANCE_RAD) as f32;
+            EyeUniform { tolerance_rad, ..EyeUniform::new(eye, head_in_world) }
+        };
         Self {
             head_hi: hi.to_array(),
             near: view.near as f32,
@@ -319,9 +366,8 @@ impl ViewUniform {
             ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
             fill_reach_px: detail.fill_reach_px.unwrap_or(f32::MAX),
-            reserved_a: 0,
-            reserved_b: 0,
-            reserved_c: 0,
+            step_base: 0,
+            reserved: [0; 2],
             eyes: [eye(0), eye(1)],
         }
     }

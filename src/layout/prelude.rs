@@ -2,9 +2,10 @@
 
 use super::{
     BATCH_POINTS, COORDINATE_BITS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DRAWN_WHOLE,
-    EMPTY_DEPTH, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS, LOD_FADE,
-    LOD_SMOOTH, MAX_FILL_RADIUS, NODE_ROOT, NODE_WHOLE, PLANE_BITS, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
-    PROTECTED_POINTS, SURFACE_TOLERANCE, TILE_PX, VISIBLE_FILL, WORKGROUP_SIZE,
+    EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP,
+    HYSTERESIS, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_WHOLE,
+    PLANE_BITS, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, PROTECTED_POINTS, STEP_SHIFT, SURFACE_TOLERANCE,
+    TILE_PX, VISIBLE_DISCS, VISIBLE_FILL, WORKGROUP_SIZE,
 };
 
 /// How a pixel's colors are added up. All forms give the same sums.
@@ -27,6 +28,8 @@ pub struct Variant {
     pub num_eyes: u32,
     /// Points may be larger than a pixel.
     pub fill: bool,
+    /// Points may be discs of a sequential point tree, and are not samples of an octree's nodes.
+    pub discs: bool,
     /// How a pixel's colors are added up.
     pub sums: Sums,
     /// Depth and id are the two words of one u64; else each has a buffer of its own.
@@ -37,19 +40,20 @@ impl Variant {
     /// The plainest for so many eyes.
     #[must_use]
     pub fn eyes(num_eyes: u32) -> Self {
-        Self { num_eyes, fill: false, sums: Sums::Packed, keys: true }
+        Self { num_eyes, fill: false, discs: false, sums: Sums::Packed, keys: true }
     }
 }
 
 /// WGSL text of every constant of the layout; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
-    let Variant { num_eyes, fill, sums, keys } = variant;
+    let Variant { num_eyes, fill, discs, sums, keys } = variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
     format!(
         "const NUM_EYES: u32 = {num_eyes}u;\n\
          const FILL: bool = {fill};\n\
+         const DISCS: bool = {discs};\n\
          const SUMS: u32 = {sums}u;\n\
          const KEYS: bool = {keys};\n\
          const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
@@ -67,6 +71,8 @@ pub fn prelude(variant: Variant) -> String {
          const WIDE: u32 = {}u;\n\
          const NODE_WHOLE: u32 = {NODE_WHOLE}u;\n\
          const NODE_ROOT: u32 = {NODE_ROOT}u;\n\
+         const NODE_DISCS: u32 = {NODE_DISCS}u;\n\
+         const NODE_ONE_SIDED: u32 = {NODE_ONE_SIDED}u;\n\
          const DRAWN_WHOLE: u32 = {DRAWN_WHOLE}u;\n\
          const HYSTERESIS: f32 = {HYSTERESIS:?};\n\
          const FADE_BEGIN: f32 = {FADE_BEGIN:?};\n\
@@ -75,6 +81,9 @@ pub fn prelude(variant: Variant) -> String {
          const FILL_OVERLAP: f32 = {FILL_OVERLAP:?};\n\
          const PROTECTED_POINTS: u32 = {PROTECTED_POINTS}u;\n\
          const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
+         const VISIBLE_DISCS: u32 = {VISIBLE_DISCS}u;\n\
+         const STEP_SHIFT: u32 = {STEP_SHIFT}u;\n\
+         const ENDLESS_STEP: u32 = {ENDLESS_STEP}u;\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\
          const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
          const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\

@@ -3,6 +3,7 @@
 
 use crate::cloud::Cloud;
 use crate::cloud::octree::Octree;
+use crate::cloud::spt::SequentialCloud;
 use crate::gpu::Gpu;
 use crate::layout::{BATCH_POINTS, Batch, ChunkUniform, Node, VisibleBatch};
 use crate::progress::Progress;
@@ -46,6 +47,8 @@ pub struct CloudBuffers {
     pub bytes: u64,
     /// A pixel may get more points than the packed sums hold; see [`crate::layout::Sums`].
     pub(super) is_crowded: bool,
+    /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
+    pub(super) step_base: u32,
     pub(super) num_nodes: u32,
     pub(super) nodes: wgpu::Buffer,
     pub(super) states: wgpu::Buffer,
@@ -62,8 +65,10 @@ pub(super) struct Chunk {
     pub(super) visible: wgpu::Buffer,
     pub(super) planes: [wgpu::Buffer; 3],
     pub(super) colors: wgpu::Buffer,
-    /// In a flat cloud the same buffer as `colors`.
+    /// But in an octree the same buffer as `colors`.
     pub(super) filtered_colors: wgpu::Buffer,
+    /// But in a sequential point tree the same buffer as `colors`.
+    pub(super) shapes: wgpu::Buffer,
 }
 
 impl CloudBuffers {
@@ -80,6 +85,21 @@ impl CloudBuffers {
     ) -> Result<Self, UploadError> {
         let mut upload = CloudUpload::flat(gpu, cloud, chunk_limit, progress)?;
         upload.write(cloud, None, 0..cloud.planes[0].len())?;
+        Ok(upload.finish())
+    }
+
+    /// Sends a sequential point tree to the GPU, all at once; see [`Self::upload`].
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn upload_sequential(
+        gpu: &Gpu,
+        spt: &SequentialCloud,
+        chunk_limit: u64,
+        progress: &Progress,
+    ) -> Result<Self, UploadError> {
+        let mut upload = CloudUpload::sequential(gpu, spt, chunk_limit, progress)?;
+        upload.write(&spt.cloud, Some(&spt.shapes), 0..spt.shapes.len())?;
         Ok(upload.finish())
     }
 
@@ -105,6 +125,32 @@ impl CloudBuffers {
     }
 }
 
+impl Chunk {
+    /// The column beside the colours; `colors` itself if there is none.
+    fn beside(&self) -> &wgpu::Buffer {
+        if self.shapes == self.colors { &self.filtered_colors } else { &self.shapes }
+    }
+}
+
+/// A column that some kinds of clouds have beside the colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Beside {
+    /// Of an octree.
+    FilteredColors,
+    /// Of a sequential point tree.
+    Shapes,
+}
+
+/// A cloud before its points are there.
+#[derive(Clone, Copy)]
+struct Outline<'a> {
+    cloud: &'a Cloud,
+    nodes: &'a [Node],
+    /// The GPU's form of a batch in a chunk that begins with the given point.
+    batch: &'a dyn Fn(usize, u32) -> Batch,
+    beside: Option<Beside>,
+}
+
 /// A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come.
 #[derive(Debug)]
 pub struct CloudUpload<'a> {
@@ -126,7 +172,11 @@ impl<'a> CloudUpload<'a> {
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<Self, UploadError> {
-        Self::begin(gpu, cloud, &[Node::FLAT], &vec![0; cloud.batches.len()], false, chunk_limit, progress)
+        let batch = |i: usize, first: u32| {
+            Batch::new(&cloud.split, &cloud.batches[i], 0, cloud.batches[i].first_point - first)
+        };
+        let outline = Outline { cloud, nodes: &[Node::FLAT], batch: &batch, beside: None };
+        Self::begin(gpu, &outline, chunk_limit, progress)
     }
 
     /// Takes room for a layered cloud, whose nodes and batches stand; its points may follow.
@@ -144,20 +194,41 @@ impl<'a> CloudUpload<'a> {
         for (number, node) in octree.nodes.iter().enumerate() {
             node_of[node.batches.start as usize..node.batches.end as usize].fill(number as u32);
         }
-        let mut upload = Self::begin(gpu, &octree.cloud, &nodes, &node_of, true, chunk_limit, progress)?;
+        let cloud = &octree.cloud;
+        let batch = |i: usize, first: u32| {
+            Batch::new(&cloud.split, &cloud.batches[i], node_of[i], cloud.batches[i].first_point - first)
+        };
+        let outline = Outline { cloud, nodes: &nodes, batch: &batch, beside: Some(Beside::FilteredColors) };
+        let mut upload = Self::begin(gpu, &outline, chunk_limit, progress)?;
         upload.cloud.is_crowded = octree.is_crowded();
+        Ok(upload)
+    }
+
+    /// Takes room for a sequential point tree.
+    fn sequential(
+        gpu: &'a Gpu,
+        spt: &SequentialCloud,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        let nodes: Vec<Node> = spt.runs.iter().map(|run| Node::of_run(&spt.cloud.split, run)).collect();
+        let run_of = |i: usize| spt.runs.partition_point(|run| run.batches.end as usize <= i) as u32;
+        let batch = |i: usize, first: u32| Batch::of_discs(spt, i, run_of(i), first);
+        let outline =
+            Outline { cloud: &spt.cloud, nodes: &nodes, batch: &batch, beside: Some(Beside::Shapes) };
+        let mut upload = Self::begin(gpu, &outline, chunk_limit, progress)?;
+        upload.cloud.step_base = spt.scale.base;
+        upload.cloud.num_points = spt.num_points;
         Ok(upload)
     }
 
     fn begin(
         gpu: &'a Gpu,
-        cloud: &Cloud,
-        nodes: &[Node],
-        node_of: &[u32],
-        is_layered: bool,
+        outline: &Outline,
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<Self, UploadError> {
+        let Outline { cloud, nodes, batch, beside } = *outline;
         let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
         let max_batches = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -166,7 +237,7 @@ impl<'a> CloudUpload<'a> {
         let nodes_buffer = room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
         let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
         let ranges = chunk_ranges(cloud, limit, max_batches);
-        let chunks: Vec<Chunk> = ranges.iter().map(|r| room.chunk(cloud, r.clone(), is_layered)).collect();
+        let chunks: Vec<Chunk> = ranges.iter().map(|r| room.chunk(cloud, r.clone(), beside)).collect();
         let bytes = room.bytes;
         // Vulkan reports at once: the scope's future is ready.
         if let Some(source) = crate::gpu::block_on(scope.pop()) {
@@ -177,6 +248,7 @@ impl<'a> CloudUpload<'a> {
             num_points: cloud.num_points,
             bytes,
             is_crowded: true,
+            step_base: 0,
             num_nodes: nodes.len() as u32,
             nodes: nodes_buffer.clone(),
             states,
@@ -188,11 +260,7 @@ impl<'a> CloudUpload<'a> {
             let chunk = &upload.cloud.chunks[number];
             let (first, uniform) = (chunk.uniform.first_index, chunk.uniform);
             let (uniform_buffer, batches_buffer) = (chunk.chunk.clone(), chunk.batches.clone());
-            let batch = |i: usize| {
-                let batch = &cloud.batches[i];
-                Batch::new(&cloud.split, batch, node_of[i], batch.first_point - first)
-            };
-            let batches: Vec<Batch> = range.map(batch).collect();
+            let batches: Vec<Batch> = range.map(|i| batch(i, first)).collect();
             upload.send(&uniform_buffer, 0, bytemuck::bytes_of(&uniform))?;
             upload.send(&batches_buffer, 0, bytemuck::cast_slice(&batches))?;
         }
@@ -211,11 +279,11 @@ impl<'a> CloudUpload<'a> {
         self.write(&octree.cloud, Some(&octree.filtered_colors), words)
     }
 
-    /// Sends a range of the planes, and of the filtered colours of a layered cloud.
+    /// Sends a range of the planes, and of the column beside the colours, if there is one.
     fn write(
         &mut self,
         cloud: &Cloud,
-        filtered_colors: Option<&[u32]>,
+        beside: Option<&[u32]>,
         words: Range<usize>,
     ) -> Result<(), UploadError> {
         for number in 0..self.cloud.chunks.len() {
@@ -231,7 +299,7 @@ impl<'a> CloudUpload<'a> {
                 (mid, Some(&cloud.planes[1][..])),
                 (lo, Some(&cloud.planes[2][..])),
                 (chunk.colors.clone(), Some(&cloud.colors[..])),
-                (chunk.filtered_colors.clone(), filtered_colors),
+                (chunk.beside().clone(), beside),
             ];
             for (buffer, column) in columns.iter().filter_map(|(b, c)| Some((b, (*c)?))) {
                 self.send(
@@ -304,7 +372,7 @@ impl Room<'_> {
         self.gpu.buffer(label, size as u64, usage)
     }
 
-    fn chunk(&mut self, cloud: &Cloud, range: Range<usize>, is_layered: bool) -> Chunk {
+    fn chunk(&mut self, cloud: &Cloud, range: Range<usize>, beside: Option<Beside>) -> Chunk {
         let first = cloud.batches[range.start].first_point as usize;
         let end = cloud.batches.get(range.end).map_or(cloud.planes[0].len(), |b| b.first_point as usize);
         let uniform =
@@ -315,7 +383,10 @@ impl Room<'_> {
         let mut words = |label| self.take(label, written, 4 * (end - first));
         let planes = [words("plane_hi"), words("plane_mid"), words("plane_lo")];
         let colors = words("colors");
-        let filtered_colors = if is_layered { words("filtered_colors") } else { colors.clone() };
+        let mut only_in =
+            |kind: Beside, label| if beside == Some(kind) { words(label) } else { colors.clone() };
+        let filtered_colors = only_in(Beside::FilteredColors, "filtered_colors");
+        let shapes = only_in(Beside::Shapes, "shapes");
         Chunk {
             uniform,
             num_batches: range.len() as u32,
@@ -329,6 +400,7 @@ impl Room<'_> {
             planes,
             colors,
             filtered_colors,
+            shapes,
         }
     }
 }

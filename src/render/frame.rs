@@ -115,7 +115,8 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Shows this cloud from the next frame on, and gives back the one before: dropping it may take a while.
+    /// Shows this cloud from the next frame on, and gives back the one before: dropping it may take a while. A
+    /// sequential point tree wants a look with [`Detail::error_px`], an octree one without; a flat cloud goes with both.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
@@ -162,8 +163,8 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of [`Detail::fill_reach_px`] from or to `None` compiles
-    /// pipelines; all else is quick.
+    /// How frames look from the next one on. A change of [`Detail::fill_reach_px`] or [`Detail::error_px`] from or to
+    /// `None` compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
@@ -254,8 +255,10 @@ impl Renderer {
     pub fn set_view(&mut self, queue: &QueueGuard, view: &View) {
         if let Some(cloud) = &self.cloud {
             let threshold_px = self.look.detail.threshold_px.map(|px| px * self.lod_scale);
-            let detail = Detail { threshold_px, ..self.look.detail };
+            let error_px = self.look.detail.error_px.map(|px| px * self.lod_scale);
+            let detail = Detail { threshold_px, error_px, ..self.look.detail };
             let uniform = ViewUniform::new(view, &cloud.split, &detail);
+            let uniform = ViewUniform { step_base: cloud.step_base, ..uniform };
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         }
     }
@@ -419,6 +422,7 @@ fn what(setup: &Setup, look: &Look) -> For {
     For {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
+        discs: look.detail.error_px.is_some(),
         atomics: setup.atomics,
         color_format: setup.color_format,
         depth_format: setup.depth_format,

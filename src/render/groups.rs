@@ -148,6 +148,7 @@ impl Parts<'_> {
             ("plane_lo", chunk.planes[2].as_entire_binding()),
             ("colors", chunk.colors.as_entire_binding()),
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
+            ("shapes", chunk.shapes.as_entire_binding()),
         ]);
         let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 5] = [
             (keys, ["keys_left", "keys_right"]),

@@ -48,6 +48,7 @@ pub(super) struct Image {
 pub(super) struct For {
     pub num_eyes: u32,
     pub fill: bool,
+    pub discs: bool,
     pub atomics: Atomics,
     pub color_format: wgpu::TextureFormat,
     pub depth_format: Option<wgpu::TextureFormat>,
@@ -55,9 +56,9 @@ pub(super) struct For {
 
 impl Pipelines {
     pub fn new(gpu: &Gpu, what: For) -> Self {
-        let For { num_eyes, fill, atomics, .. } = what;
+        let For { num_eyes, fill, discs, atomics, .. } = what;
         let keys = atomics >= Atomics::Int64Minmax;
-        let variant = Variant { num_eyes, fill, sums: Sums::Packed, keys };
+        let variant = Variant { num_eyes, fill, discs, sums: Sums::Packed, keys };
         let stage = |name, variant| Stage::new(gpu, name, &shaders::source(name, variant));
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };

@@ -5,20 +5,45 @@ use crate::layout::{self, Variant};
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
 /// The geometry stages' loop over points.
-const POINTS: &str = include_str!("../../shaders/points.inc.wgsl");
+const POINTS: Shared = both(include_str!("../../shaders/points.inc.wgsl"));
+/// Which points it draws, and how large.
+const CHOICE: Shared = Shared {
+    nodes: include_str!("../../shaders/nodes.inc.wgsl"),
+    discs: concat!(
+        include_str!("../../shaders/steps.inc.wgsl"),
+        include_str!("../../shaders/discs.inc.wgsl")
+    ),
+};
+/// The lengths of sequential point trees.
+const STEPS: Shared = both(include_str!("../../shaders/steps.inc.wgsl"));
 /// The tiles that the steps of `resolve` work on.
-const TILES: &str = include_str!("../../shaders/tiles.inc.wgsl");
+const TILES: Shared = both(include_str!("../../shaders/tiles.inc.wgsl"));
 /// Which points count for a pixel's color, and their sums in four u32.
-const SUMS: &str = include_str!("../../shaders/sums.inc.wgsl");
+const SUMS: Shared = both(include_str!("../../shaders/sums.inc.wgsl"));
+/// The points' colors.
+const COLORS: Shared = Shared {
+    nodes: include_str!("../../shaders/node_colors.inc.wgsl"),
+    discs: include_str!("../../shaders/disc_colors.inc.wgsl"),
+};
 /// The walk over the pixels of a tile.
-const SURFACE: &str = include_str!("../../shaders/surface.inc.wgsl");
+const SURFACE: Shared = both(include_str!("../../shaders/surface.inc.wgsl"));
 /// The rule of dilation.
-const DILATION: &str = include_str!("../../shaders/dilation.inc.wgsl");
-
+const DILATION: Shared = both(include_str!("../../shaders/dilation.inc.wgsl"));
 /// Stored colors to linear light.
-const SRGB: &str = include_str!("../../shaders/srgb.inc.wgsl");
+const SRGB: Shared = both(include_str!("../../shaders/srgb.inc.wgsl"));
 /// What overlays share.
-const OVERLAY: &str = include_str!("../../shaders/overlay.inc.wgsl");
+const OVERLAY: Shared = both(include_str!("../../shaders/overlay.inc.wgsl"));
+
+/// What several shaders have in common: in a frame of points, and in one of discs ([`Variant::discs`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shared {
+    nodes: &'static str,
+    discs: &'static str,
+}
+
+const fn both(text: &'static str) -> Shared {
+    Shared { nodes: text, discs: text }
+}
 
 /// A shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +51,7 @@ pub struct Shader {
     /// Its name, as the file's.
     pub name: &'static str,
     /// What it shares with others.
-    shared: &'static [&'static str],
+    shared: &'static [Shared],
     /// Its own text.
     text: &'static str,
 }
@@ -41,12 +66,12 @@ macro_rules! shader {
 pub const SHADERS: [Shader; 14] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
-    shader!("cull", &[]),
-    shader!("depth", &[POINTS]),
-    shader!("depth32", &[POINTS]),
-    shader!("ids", &[POINTS]),
-    shader!("color", &[POINTS, SUMS]),
-    shader!("color32", &[POINTS, SUMS]),
+    shader!("cull", &[STEPS]),
+    shader!("depth", &[POINTS, CHOICE]),
+    shader!("depth32", &[POINTS, CHOICE]),
+    shader!("ids", &[POINTS, CHOICE]),
+    shader!("color", &[POINTS, CHOICE, SUMS, COLORS]),
+    shader!("color32", &[POINTS, CHOICE, SUMS, COLORS]),
     shader!("shade", &[TILES, SURFACE]),
     shader!("blend", &[TILES, SURFACE]),
     shader!("dilate", &[TILES, DILATION]),
@@ -62,5 +87,7 @@ pub const SHADERS: [Shader; 14] = [
 #[must_use]
 pub fn source(name: &str, variant: Variant) -> String {
     let Some(shader) = SHADERS.iter().find(|s| s.name == name) else { panic!("no shader called {name}") };
-    format!("{}{LAYOUT}{}{}", layout::prelude(variant), shader.shared.concat(), shader.text)
+    let form = |shared: &Shared| if variant.discs { shared.discs } else { shared.nodes };
+    let shared: String = shader.shared.iter().map(form).collect();
+    format!("{}{LAYOUT}{shared}{}", layout::prelude(variant), shader.text)
 }

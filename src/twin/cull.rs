@@ -1,8 +1,9 @@
 //! Twin of `cull`: frustum, precision, and the head in each batch's cells.
 
+use crate::cloud::spt::Scale;
 use crate::layout::{
-    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, Node, PRECISION_THRESHOLD_PX,
-    VISIBLE_FILL, ViewUniform, VisibleBatch,
+    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, NODE_DISCS, NODE_ONE_SIDED, Node,
+    PRECISION_THRESHOLD_PX, VISIBLE_DISCS, VISIBLE_FILL, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -54,7 +55,9 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     let mut flags = 0;
     let mut planes = view.forced_planes.max(1);
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
-        if in_frustum(eye, view.near, center, half_edge) {
+        if in_frustum(eye, view.near, center, half_edge)
+            && is_needed(view, batch, node, eye, center, half_edge)
+        {
             flags |= 16 << number;
             let distance_sq = distance_sq(eye, view.near, center, half_edge);
             if view.forced_planes == 0 {
@@ -68,6 +71,9 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     }
     if flags == 0 {
         return None;
+    }
+    if node.flags & NODE_DISCS != 0 {
+        flags |= VISIBLE_FILL | VISIBLE_DISCS;
     }
 
     let limit = (HEAD_CELL_LIMIT / HEAD_CELL_STEP) as f32;
@@ -89,6 +95,39 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
         drawn: 0,
         batch: 0,
     })
+}
+
+fn is_needed(
+    view: &ViewUniform,
+    batch: &Batch,
+    node: &Node,
+    eye: &EyeUniform,
+    center: [f32; 3],
+    half_edge: [f32; 3],
+) -> bool {
+    if node.flags & NODE_DISCS == 0 {
+        return true;
+    }
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let from_eye: [f32; 3] = std::array::from_fn(|i| center[i] - eye.eye_in_head[i]);
+    let near: [f32; 3] = std::array::from_fn(|i| (from_eye[i].abs() - half_edge[i]).max(0.0));
+    let far: [f32; 3] = std::array::from_fn(|i| from_eye[i].abs() + half_edge[i]);
+    let scale = Scale { base: view.step_base };
+    let step = |share: f32, distance: f32| u32::from(scale.step_below(share * eye.tolerance_rad * distance));
+    if step(1.0 - SLACK, dot(near, near).sqrt()) >= batch.interval >> 8
+        || step(1.0 + SLACK, dot(far, far).sqrt()) < batch.interval & 255
+    {
+        return false;
+    }
+    if node.flags & NODE_ONE_SIDED == 0 {
+        return true;
+    }
+    let [x, y, z, sin] = node.spacing.map(f32::from_bits);
+    let along = dot(from_eye, [x, y, z]);
+    let distance_sq = dot(from_eye, from_eye);
+    let across = (distance_sq - along * along).max(0.0).sqrt();
+    let inside = along * sin - across * (1.0 - sin * sin).sqrt();
+    inside < dot(half_edge, half_edge).sqrt() + SLACK * distance_sq.sqrt()
 }
 
 fn in_frustum(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> bool {

@@ -12,6 +12,7 @@ pub mod resolve;
 
 use crate::cloud::Cloud;
 use crate::cloud::octree::Octree;
+use crate::cloud::spt::SequentialCloud;
 use crate::config::{Dilate, Quality};
 use crate::layout::{Batch, DilateUniform, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch};
 use crate::look::Look;
@@ -22,6 +23,9 @@ use crate::space::View;
 pub struct Scene<'a> {
     cloud: &'a Cloud,
     filtered_colors: &'a [u32],
+    /// Intervals and sizes, if its points are discs.
+    shapes: Option<&'a [u32]>,
+    step_base: u32,
     /// Its nodes.
     pub nodes: Vec<Node>,
     /// Its batches.
@@ -34,7 +38,8 @@ impl<'a> Scene<'a> {
     pub fn flat(cloud: &'a Cloud) -> Self {
         let batch = |b: &crate::cloud::Batch| Batch::new(&cloud.split, b, 0, b.first_point);
         let batches = cloud.batches.iter().map(batch).collect();
-        Self { cloud, filtered_colors: &cloud.colors, nodes: vec![Node::FLAT], batches }
+        let nodes = vec![Node::FLAT];
+        Self { cloud, filtered_colors: &cloud.colors, shapes: None, step_base: 0, nodes, batches }
     }
 
     /// A layered cloud.
@@ -47,7 +52,21 @@ impl<'a> Scene<'a> {
                 .iter()
                 .map(move |b| Batch::new(&cloud.split, b, number as u32, b.first_point))
         });
-        Self { cloud, filtered_colors: &octree.filtered_colors, nodes, batches: batches.collect() }
+        let batches = batches.collect();
+        Self { cloud, filtered_colors: &octree.filtered_colors, shapes: None, step_base: 0, nodes, batches }
+    }
+
+    /// A sequential point tree.
+    #[must_use]
+    pub fn sequential(spt: &'a SequentialCloud) -> Self {
+        let cloud = &spt.cloud;
+        let nodes = spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect();
+        let batches = spt.runs.iter().enumerate().flat_map(|(number, run)| {
+            run.batches.clone().map(move |i| Batch::of_discs(spt, i as usize, number as u32, 0))
+        });
+        let (batches, shapes) = (batches.collect(), Some(&spt.shapes[..]));
+        let step_base = spt.scale.base;
+        Self { cloud, filtered_colors: &cloud.colors, shapes, step_base, nodes, batches }
     }
 
     /// The colour that an id stands for.
@@ -91,6 +110,7 @@ impl Frame {
 #[must_use]
 pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
     let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
+    let uniform = ViewUniform { step_base: scene.step_base, ..uniform };
     let num_eyes = view.eyes.len();
     let mut states = states.map_or_else(|| vec![0; scene.nodes.len()], <[u32]>::to_vec);
     lod::lod(&uniform, num_eyes, &scene.nodes, &mut states);
@@ -98,7 +118,7 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
     let [hi, mid, lo] = &scene.cloud.planes;
     let points = |put: &mut dyn FnMut(points::Put)| {
         let fill = look.detail.fill_reach_px.is_some();
-        points::points(&uniform, num_eyes, &visible, [hi, mid, lo], fill, put);
+        points::points(&uniform, num_eyes, &visible, [hi, mid, lo], scene.shapes, fill, put);
     };
     let mut frame = Frame::default();
     match look.quality {

@@ -1,9 +1,10 @@
 //! Twin of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
 
 use super::cull::shares;
+use crate::cloud::spt::Scale;
 use crate::layout::{
-    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, VISIBLE_FILL, ViewUniform,
-    VisibleBatch,
+    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, VISIBLE_DISCS, VISIBLE_FILL,
+    ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -22,12 +23,14 @@ pub struct Put {
     pub id: u32,
 }
 
-/// Hands every point in every pixel to `put`. `planes` are the chunk's; with `fill`, points may cover several.
+/// Hands every point in every pixel to `put`. `planes` are the chunk's, and so are `shapes`, if its points are discs;
+/// with `fill`, points may cover several pixels.
 pub fn points(
     view: &ViewUniform,
     num_eyes: usize,
     visible: &[VisibleBatch],
     planes: [&[u32]; 3],
+    shapes: Option<&[u32]>,
     fill: bool,
     put: &mut dyn FnMut(Put),
 ) {
@@ -45,10 +48,14 @@ pub fn points(
             let own = batch.own[octant / 4] >> (8 * (octant % 4)) & 255;
             let is_filtered = own != 255 && rank >> 24 >= own;
             let id = index << 1 | u32::from(is_filtered);
-            let edge = FILL_OVERLAP * (CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2])));
-            let diameter = edge * shares(batch.spacing)[octant];
+            let disc = shapes.filter(|_| batch.flags & VISIBLE_DISCS != 0);
+            let disc = disc.map(|shapes| Disc::of(view, shapes[index as usize]));
+            let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
+            let spacing = FILL_OVERLAP * edge * shares(batch.spacing)[octant];
+            let diameter = disc.map_or(spacing, |disc| disc.diameter);
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
-                if batch.flags & 16 << eye == 0 {
+                let is_chosen = disc.is_none_or(|disc| disc.is_chosen(uniform, p_in_head));
+                if batch.flags & 16 << eye == 0 || !is_chosen {
                     continue;
                 }
                 let Some((pixel, w)) = project(uniform, view.near, p_in_head) else { continue };
@@ -56,7 +63,7 @@ pub fn points(
                     let diameter_px = diameter * uniform.pixels_per_radian * (1.0 / w);
                     let radius =
                         (0.5 * (diameter_px - view.fill_reach_px)).clamp(0.0, MAX_FILL_RADIUS as f32);
-                    disc(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
+                    pixels_round(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
                         put(Put { eye, pixel, w, id });
                     });
                 } else {
@@ -67,8 +74,32 @@ pub fn points(
     }
 }
 
+/// A disc of a sequential point tree: twin of `discs.inc.wgsl`.
+#[derive(Clone, Copy)]
+struct Disc {
+    scale: Scale,
+    /// The first step of tolerance that it is drawn at, and the first beyond.
+    interval: (u8, u8),
+    /// World units.
+    diameter: f32,
+}
+
+impl Disc {
+    fn of(view: &ViewUniform, shape: u32) -> Self {
+        let scale = Scale { base: view.step_base };
+        let [from, until, diameter, _] = shape.to_le_bytes();
+        Self { scale, interval: (from, until), diameter: scale.length(diameter) }
+    }
+
+    fn is_chosen(&self, eye: &EyeUniform, p_in_head: [f32; 3]) -> bool {
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
+        let step = self.scale.step_below(eye.tolerance_rad * (x * x + y * y + z * z).sqrt());
+        self.interval.0 <= step && step < self.interval.1
+    }
+}
+
 /// The pixels of a disc round a pixel, cut at the image's edges.
-fn disc(eye: &EyeUniform, pixel: usize, radius: usize, each: &mut dyn FnMut(usize)) {
+fn pixels_round(eye: &EyeUniform, pixel: usize, radius: usize, each: &mut dyn FnMut(usize)) {
     let (width, height) = (eye.width as usize, eye.height as usize);
     let (x, y) = (pixel % width, pixel / width);
     for v in y.saturating_sub(radius)..(y + radius + 1).min(height) {

@@ -78,7 +78,10 @@ fn our_shaders() -> Vec<Shader> {
             let plain = Variant { keys: shader.name != "ids", ..plain };
             add(format!("{}-{num_eyes}", shader.name), shader.name, plain);
             if ["depth", "depth32", "color"].contains(&shader.name) {
-                add(format!("{}-{num_eyes}-fill", shader.name), shader.name, Variant { fill: true, ..plain });
+                let fill = Variant { fill: true, ..plain };
+                add(format!("{}-{num_eyes}-fill", shader.name), shader.name, fill);
+                let discs = Variant { discs: true, ..fill };
+                add(format!("{}-{num_eyes}-discs", shader.name), shader.name, discs);
             }
             if ["color", "blend"].contains(&shader.name) {
                 let protected = Variant { sums: Sums::Protected, ..plain };

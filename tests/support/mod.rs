@@ -3,6 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use scanwalk::cloud::octree::Octree;
+use scanwalk::cloud::spt::SequentialCloud;
 use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::gpu::{Atomics, Gpu, readback};
 use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
@@ -116,6 +117,20 @@ impl Canvas {
     pub fn layered(octree: &Octree, view: &View, look: Look, atomics: Atomics, chunk_limit: u64) -> Self {
         let mut canvas = Self::new(&sizes(view), look, atomics);
         let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        canvas
+    }
+
+    /// For a view, with a sequential point tree.
+    pub fn sequential(
+        spt: &SequentialCloud,
+        view: &View,
+        look: Look,
+        atomics: Atomics,
+        chunk_limit: u64,
+    ) -> Self {
+        let mut canvas = Self::new(&sizes(view), look, atomics);
+        let buffers = CloudBuffers::upload_sequential(&canvas.gpu, spt, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
     }

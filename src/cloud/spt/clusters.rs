@@ -79,19 +79,23 @@ fn is_inside(n: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
 }
 
 impl Cone {
-    /// True if from `eye` no disc in the box can be seen from the front, whichever of these directions, or of those
-    /// within `spread` of them, its normal has.
+    /// The directions of view that no disc shows its front to whose normal lies in this cone, or within `spread` of
+    /// it; `None` if there are none. A disc faces away if its normal and the direction to it lie less than a right
+    /// angle apart.
     #[must_use]
-    pub fn faces_away(&self, spread: f64, bounds: &Bounds, eye_in_world: DVec3) -> bool {
+    pub fn behind(&self, spread: f64) -> Option<Self> {
+        let angle = std::f64::consts::FRAC_PI_2 - self.angle - spread;
+        (angle > 0.0).then_some(Self { angle, ..*self })
+    }
+
+    /// True if all of a box is seen in these directions from `eye_in_world`.
+    #[must_use]
+    pub fn holds(&self, bounds: &Bounds, eye_in_world: DVec3) -> bool {
         let to_center = bounds.center() - eye_in_world;
-        let (distance, radius) = (to_center.length(), 0.5 * bounds.size().length());
-        if distance <= radius {
-            return false;
-        }
-        // A disc faces away if its normal and the direction to it lie less than a right angle apart.
-        let between = libm::acos((to_center.dot(self.axis) / distance).clamp(-1.0, 1.0));
-        let around = libm::asin(radius / distance);
-        between + around + self.angle + spread < std::f64::consts::FRAC_PI_2
+        let along = to_center.dot(self.axis);
+        let across = (to_center.length_squared() - along * along).max(0.0).sqrt();
+        // How far the centre lies within the cone; a sphere round the box must too.
+        along * libm::sin(self.angle) - across * libm::cos(self.angle) >= 0.5 * bounds.size().length()
     }
 }
 
@@ -123,7 +127,7 @@ mod tests {
         ) {
             let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
             let eye = distance * to;
-            if cone_of(cluster_of(pack(n))).faces_away(0.0, &bounds, eye) {
+            if cone_of(cluster_of(pack(n))).behind(0.0).is_some_and(|behind| behind.holds(&bounds, eye)) {
                 prop_assert!((DVec3::from_array(at) - eye).dot(n) > 0.0);
             }
         }
@@ -148,7 +152,7 @@ mod tests {
         let bounds = Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
         let away = |eye: DVec3| {
             let cones = (0..NUM_CLUSTERS as u8).map(cone_of);
-            cones.filter(|cone| cone.faces_away(0.0, &bounds, eye)).count()
+            cones.filter(|cone| cone.behind(0.0).is_some_and(|behind| behind.holds(&bounds, eye))).count()
         };
         assert!((36..64).contains(&away(DVec3::new(300.0, 200.0, 100.0))));
         assert_eq!(away(DVec3::ZERO), 0, "from within, everything may be seen");

@@ -24,9 +24,9 @@ const NORMAL_NEIGHBORS: usize = 12;
 const SPACING_NEIGHBOR: usize = 4;
 /// How much wider than that a leaf's disc is: it must reach over the diagonal, and points lie irregularly.
 const OVERLAP: f32 = 1.5;
-/// Share of points whose diameters are taken as they are. What lies further apart is no surface but strays, which
-/// would be drawn as large discs.
-const HONEST: f64 = 0.99;
+/// Points that lie further from their neighbours than these do from theirs, by this factor, are no surface but
+/// strays, which would be drawn as large discs.
+const STRAY: f32 = 2.0;
 
 /// A normal and a diameter for each of the sorted points. Worthless if `progress` says stop.
 pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
@@ -41,19 +41,15 @@ pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
         }
         leaves
     };
-    let mut leaves = tasks.par_iter().map(of_task).collect::<Vec<_>>().concat();
-    trim(&mut leaves);
-    leaves
-}
-
-/// Gives strays the diameter of the widest honest point.
-fn trim(leaves: &mut [Leaf]) {
-    let mut diameters: Vec<f32> = leaves.iter().map(|leaf| leaf.diameter).collect();
-    let at = (HONEST * diameters.len() as f64) as usize;
-    if at < diameters.len() {
-        let widest = *diameters.select_nth_unstable_by(at, f32::total_cmp).1;
-        leaves.iter_mut().for_each(|leaf| leaf.diameter = leaf.diameter.min(widest));
-    }
+    let leaves: Vec<(Leaf, u32)> = tasks.par_iter().map(of_task).collect::<Vec<_>>().concat();
+    let trimmed = |&(leaf, nearest): &(Leaf, u32)| match leaves.get(nearest as usize) {
+        // Duplicates of one point tell nothing of the surface round them.
+        Some((beside, _)) if beside.diameter > 0.0 => {
+            Leaf { diameter: leaf.diameter.min(STRAY * beside.diameter), ..leaf }
+        }
+        _ => leaf,
+    };
+    leaves.par_iter().map(trimmed).collect()
 }
 
 /// What a thread needs to find neighbours.
@@ -67,7 +63,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Appends the leaves of a cube's points.
-    fn cube(&mut self, cube: &Cube, leaves: &mut Vec<Leaf>) {
+    fn cube(&mut self, cube: &Cube, leaves: &mut Vec<(Leaf, u32)>) {
         let keys = &self.sorted.keys;
         let position = |number: usize| self.sorted.index.position(keys[number].1 as usize);
         let origin = position(cube.keys.start);
@@ -82,7 +78,8 @@ impl Search<'_> {
         }
     }
 
-    fn leaf(&mut self, number: usize, p: Vec3) -> Leaf {
+    /// A point's leaf and the key of its nearest neighbour; its own if it has none.
+    fn leaf(&mut self, number: usize, p: Vec3) -> (Leaf, u32) {
         self.nearest.clear();
         let others = self.candidates.iter().enumerate().filter(|(_, (other, _))| *other != number);
         self.nearest.extend(others.map(|(i, (_, q))| (q.distance_squared(p), i as u32)));
@@ -95,13 +92,14 @@ impl Search<'_> {
         self.nearest.sort_unstable_by(order);
         let telling = self.nearest[..self.nearest.len().min(SPACING_NEIGHBOR)].last();
         let spacing = telling.map_or(0.0, |(distance_sq, _)| distance_sq.sqrt());
+        let nearest = self.nearest.first().map_or(number, |&(_, i)| self.candidates[i as usize].0);
         let mut points = [DVec3::ZERO; NORMAL_NEIGHBORS + 1];
         points[0] = p.as_dvec3();
         for (point, &(_, i)) in points[1..].iter_mut().zip(&self.nearest) {
             *point = self.candidates[i as usize].1.as_dvec3();
         }
         let normal = normals::least_spread(&points[..=self.nearest.len()]);
-        Leaf { normal: normals::pack(normal), diameter: OVERLAP * spacing }
+        (Leaf { normal: normals::pack(normal), diameter: OVERLAP * spacing }, nearest as u32)
     }
 }
 

@@ -47,14 +47,15 @@ pub struct Sequence {
     pub scale: Scale,
     /// Number of each entry's node.
     pub nodes: Vec<u32>,
-    /// Of each entry; `max` falls within a run, and equals stand in Morton order.
+    /// Of each entry; the octave of `max` falls within a run, and entries of one stand in Morton order.
     pub shapes: Vec<Shape>,
     /// One without oriented normals, else one for each direction that there is, and one for discs without side.
     pub runs: Vec<Run>,
 }
 
-/// Discs whose points' normals lie further apart than this, in radians, have no side.
-pub const MAX_SPREAD: f32 = 0.5;
+/// Discs whose points' normals lie further apart than this, in radians, have no side. The more is allowed, the fewer
+/// clusters face away.
+pub const MAX_SPREAD: f32 = 0.15;
 /// Order of the discs without side.
 const NO_CLUSTER: u8 = NUM_CLUSTERS as u8;
 
@@ -73,9 +74,9 @@ impl Sequence {
             let node = &tree.nodes[number];
             if tree.is_oriented && node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
         };
-        // Cluster, then steps from the largest on, then Morton order.
+        // Cluster, then octaves from the largest on, then Morton order.
         let key = |number: usize| {
-            let falling = u64::from(u8::MAX - shape(number).max);
+            let falling = u64::from(u8::MAX - octave(shape(number).max));
             u64::from(cluster(number)) << 40 | falling << 32 | number as u64
         };
         let mut keys: Vec<u64> = (0..tree.nodes.len()).into_par_iter().map(key).collect();
@@ -93,12 +94,20 @@ impl Sequence {
     }
 
     /// The entries of a run that may be drawn where the tolerance is at least `step` everywhere: the tolerance at
-    /// the cloud's nearest point [SPT §3.7].
+    /// the cloud's nearest point [SPT §3.7]. It ends with an octave.
     #[must_use]
     pub fn prefix(&self, run: &Run, step: u8) -> Range<usize> {
         let start = run.entries.start;
-        start..start + self.shapes[run.entries.clone()].partition_point(|shape| shape.max > step)
+        start
+            ..start
+                + self.shapes[run.entries.clone()]
+                    .partition_point(|shape| octave(shape.max) >= octave(step + 1))
     }
+}
+
+/// What entries are sorted by: eight steps are an octave.
+pub(super) fn octave(step: u8) -> u8 {
+    step >> 3
 }
 
 /// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow

@@ -3,10 +3,10 @@
 //! A step is an eighth of an octave, 7 to 12 %, and 32 octaves fit. Shaders turn a length into its step, and back,
 //! by a shift, so that they and their twins agree to the bit.
 
-/// Bits of an f32 below a step.
-pub const STEP_SHIFT: u32 = 20;
+use crate::layout::{ENDLESS_STEP, STEP_SHIFT};
+
 /// The step above every tolerance: the upper end of the root's interval.
-pub const ENDLESS: u8 = 255;
+pub const ENDLESS: u8 = ENDLESS_STEP as u8;
 
 /// Which lengths the steps stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

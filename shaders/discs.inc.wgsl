@@ -1,0 +1,27 @@
+// Discs of a sequential point tree: each has its own size, and the steps of tolerance that it is drawn at. The test
+// is the whole of the tree's traversal. [SPT §3.6, 3.7]
+
+/// A disc's interval and diameter: from | until≪8 | diameter≪16.
+@group(0) @binding(14) var<storage, read> shapes: array<vec4<u32>>;
+
+// Which discs of a load this eye is to see. A flat cloud, which is shown before the tree stands, is seen whole.
+fn is_chosen(eye: u32, flags: u32, load: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
+    if (flags & VISIBLE_DISCS) == 0u {
+        return vec4<bool>(true);
+    }
+    let dx = x - view.eyes[eye].eye_in_head.x;
+    let dy = y - view.eyes[eye].eye_in_head.y;
+    let dz = z - view.eyes[eye].eye_in_head.z;
+    let tolerance = view.eyes[eye].tolerance_rad * sqrt(dx * dx + dy * dy + dz * dz);
+    let step = vec4<u32>(
+        step_below(tolerance.x), step_below(tolerance.y), step_below(tolerance.z), step_below(tolerance.w),
+    );
+    let shape = shapes[load];
+    return (step >= (shape & vec4<u32>(255u))) & (step < ((shape >> vec4<u32>(8u)) & vec4<u32>(255u)));
+}
+
+// World units that discs are wide.
+fn diameters(load: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+    let step = (shapes[load] >> vec4<u32>(16u)) & vec4<u32>(255u);
+    return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
+}

@@ -1,0 +1,10 @@
+// Colors of a node's points: their own, and those of what they stand for.
+
+@group(0) @binding(9) var<storage, read> filtered_colors: array<u32>;
+
+fn color_of(id: u32) -> u32 {
+    if (id & 1u) != 0u {
+        return filtered_colors[id >> 1u];
+    }
+    return colors[id >> 1u];
+}
