@@ -16,6 +16,9 @@ use std::ops::Range;
 /// A batch ends with its octave, unless it is smaller than this: within an octave, points that follow each other are
 /// neighbours.
 const MIN_BATCH_POINTS: u32 = 2048;
+/// Discs of a batch. Fewer than the GPU allows, for smaller boxes: a batch is all that is culled.
+const MAX_BATCH_POINTS: u32 = 4096;
+const _: () = assert!(MAX_BATCH_POINTS <= BATCH_POINTS);
 
 /// A sequential point tree as the GPU wants it.
 #[derive(Clone, Debug)]
@@ -114,7 +117,7 @@ fn cut(shapes: &[Shape], run: Range<usize>) -> Vec<Range<usize>> {
     for entry in run.clone() {
         let (num_points, next) = ((entry + 1 - start) as u32, shapes[..run.end].get(entry + 1));
         let falls = next.is_none_or(|next| octave(next.max) < octave(shapes[entry].max));
-        if num_points == BATCH_POINTS || falls && num_points >= MIN_BATCH_POINTS || entry + 1 == run.end {
+        if num_points == MAX_BATCH_POINTS || falls && num_points >= MIN_BATCH_POINTS || entry + 1 == run.end {
             batches.push(start..entry + 1);
             start = entry + 1;
         }

@@ -21,7 +21,7 @@
 //! **Order.** Sorted by `max`, entries lose their neighbours: any stretch of them is spread all over the cloud, and
 //! none can be culled [SPT §3.7]. The list is therefore sorted by the octave of `max` alone, and in Morton order
 //! inside of each: a batch of it has a small box and an interval of its own, and is culled by both. In a scan of four
-//! million points seen from within, less than half as many are read as in the paper's order. Lengths are kept in
+//! million points seen from within, half as many are read as in the paper's order. Lengths are kept in
 //! steps of an eighth of an octave ([`Scale`]), so that a disc's interval and size are three bytes.
 //!
 //! **Sides.** Normals are estimated from neighbours ([`normals`]), and which side of a surface the scanner saw is
@@ -99,8 +99,8 @@ pub fn build_spt(
 ///
 /// `progress` counts each point twice: once its normal is known, once it is in the tree.
 ///
-/// Peak memory above the scan: 24 B a point for keys and leaves, 60 B for the tree, where inner nodes are half as
-/// many as points.
+/// Peak memory above the scan: 24 B a point for keys and leaves, and 60 B for the tree, where inner nodes are half as
+/// many as points; 48 B while leaves are made.
 ///
 /// # Errors
 /// See [`BuildError`].

@@ -26,7 +26,10 @@ const SPACING_NEIGHBOR: usize = 4;
 const OVERLAP: f32 = 1.5;
 /// Points that lie further from their neighbours than these do from theirs, by this factor, are no surface but
 /// strays, which would be drawn as large discs.
-const STRAY: f32 = 2.0;
+const STRAY: f32 = 1.5;
+/// Share of points whose diameters are taken as they are: the others, at the rims of what the scanner saw and in
+/// loose ends, get the widest of these.
+const HONEST: f64 = 0.99;
 
 /// A normal and a diameter for each of the sorted points. Worthless if `progress` says stop.
 pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
@@ -49,7 +52,19 @@ pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
         }
         _ => leaf,
     };
-    leaves.par_iter().map(trimmed).collect()
+    let mut leaves: Vec<Leaf> = leaves.par_iter().map(trimmed).collect();
+    limit(&mut leaves);
+    leaves
+}
+
+/// Gives the few widest leaves the diameter of the widest honest one.
+fn limit(leaves: &mut [Leaf]) {
+    let mut diameters: Vec<f32> = leaves.iter().map(|leaf| leaf.diameter).collect();
+    let at = (HONEST * diameters.len() as f64) as usize;
+    if at < diameters.len() {
+        let widest = *diameters.select_nth_unstable_by(at, f32::total_cmp).1;
+        leaves.iter_mut().for_each(|leaf| leaf.diameter = leaf.diameter.min(widest));
+    }
 }
 
 /// What a thread needs to find neighbours.
