@@ -29,8 +29,6 @@ pub(super) struct Draft {
     pub keys: Range<usize>,
     /// Points of its own.
     pub num_points: u32,
-    /// Bits an axis of its sampling grid.
-    pub grid_bits: u32,
     /// Mean distance of neighbours among all points in each octant, world units; 0 where there are few.
     pub octant_spacing: [f64; 8],
     /// The same of all its points, most of which lie where they are dense.
@@ -146,7 +144,6 @@ impl Builder<'_> {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: part.keys.len() as u32,
-            grid_bits: GRID_BITS,
             octant_spacing,
             spacing: share * self.root.edge(level),
             crowd,
@@ -183,8 +180,7 @@ impl Builder<'_> {
             }
         };
         let node_bits = frame.bits_below(level);
-        let (sampled, grid_bits) =
-            SAMPLER.with_borrow_mut(|sampler| sampler.sample(node_bits, MAX_NODE_POINTS, feed));
+        let sampled = SAMPLER.with_borrow_mut(|sampler| sampler.sample(node_bits, MAX_NODE_POINTS, feed));
         for sample in &sampled.samples {
             let at = sample.key as usize - part.first;
             part.levels[at] = level as u8;
@@ -203,7 +199,6 @@ impl Builder<'_> {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: sampled.samples.len() as u32,
-            grid_bits,
             octant_spacing,
             spacing,
             crowd: 1,
