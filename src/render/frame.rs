@@ -1,6 +1,7 @@
 //! The frame as a contents list, and what it needs from one frame to the next.
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
+use super::drawn_part::DrawnPart;
 use super::groups::{self, Groups, Parts};
 use super::pipelines::{For, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
@@ -78,7 +79,9 @@ pub struct Renderer {
     pub(super) targets: Targets,
     /// Sums of the frame's colors, which `dilate` writes over; see [`Self::keep_sums`].
     pub(super) kept_sums: Option<[wgpu::Buffer; 2]>,
+    /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
+    drawn: DrawnPart,
     groups: Groups,
     timer: Timer,
 }
@@ -94,6 +97,7 @@ impl Renderer {
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
         let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
+        let drawn = DrawnPart::new(gpu, &targets, &[], look.background_word());
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
         let mut renderer = Self {
@@ -108,6 +112,7 @@ impl Renderer {
             targets,
             kept_sums: None,
             hidden: vec![],
+            drawn,
             groups: Groups::default(),
             timer,
         };
@@ -115,7 +120,8 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Shows this cloud from the next frame on, and gives back the one before: dropping it may take a while.
+    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. Takes
+    /// no longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
@@ -123,7 +129,8 @@ impl Renderer {
         self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
         let num_chunks = cloud.chunks.len() as u64;
         if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
-            self.counters = counters_buffer(&self.gpu, num_chunks);
+            // More than it needs: the same scan's octree may have another chunk.
+            self.counters = counters_buffer(&self.gpu, 2 * num_chunks);
             // Frames under way go without times.
             self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
         }
@@ -140,8 +147,7 @@ impl Renderer {
         if self.setup.sizes_px != sizes_px {
             self.targets = Targets::new(&self.gpu, sizes_px, self.targets.has_wide())?;
             self.setup.sizes_px = sizes_px.to_vec();
-            self.hidden.clear();
-            self.rebind();
+            self.set_hidden(vec![]);
         }
         Ok(())
     }
@@ -151,14 +157,15 @@ impl Renderer {
     pub fn set_drawn(&mut self, drawn_px: &[[u32; 2]]) {
         if self.targets.drawn_px != drawn_px {
             self.targets.drawn_px = drawn_px.to_vec();
-            self.hidden.clear();
-            self.rebind();
+            self.set_hidden(vec![]);
         }
     }
 
-    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, rows of whole words.
+    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, in rows of
+    /// [`crate::layout::mask_words_per_row`].
     pub fn set_hidden(&mut self, hidden: Vec<Vec<u32>>) {
         self.hidden = hidden;
+        self.tell_drawn_part();
         self.rebind();
     }
 
@@ -172,7 +179,11 @@ impl Renderer {
         if what(&self.setup, &look) != what(&self.setup, &self.look) {
             self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look));
         }
+        let is_same_background = look.background == self.look.background;
         self.look = look;
+        if !is_same_background {
+            self.tell_drawn_part();
+        }
         self.rebind();
         Ok(())
     }
@@ -397,19 +408,24 @@ impl Renderer {
         })
     }
 
+    /// Tells the stages of another drawn part, other hidden pixels or another background.
+    fn tell_drawn_part(&mut self) {
+        let background = self.look.background_word();
+        self.drawn = DrawnPart::new(&self.gpu, &self.targets, &self.hidden, background);
+    }
+
     /// Makes every bind group anew; after a change of cloud, sizes or look.
     fn rebind(&mut self) {
         let parts = Parts {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             targets: &self.targets,
+            drawn: &self.drawn,
             cloud: self.cloud.as_ref(),
             view: &self.view,
             counters: &self.counters,
             quality: self.look.quality,
             dilate: self.look.dilate,
-            background: self.look.background_word(),
-            hidden: &self.hidden,
         };
         self.groups = parts.groups();
     }

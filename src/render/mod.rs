@@ -2,6 +2,7 @@
 //! pictures and headsets share this path. frame.md section 1 lists the stages.
 
 mod cloud_buffers;
+mod drawn_part;
 mod frame;
 mod groups;
 mod overlay;
@@ -11,8 +12,8 @@ mod targets;
 mod tier;
 
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
+pub use drawn_part::tiles;
 pub use frame::{EyeImage, FrameTimes, Renderer, Setup};
-pub use groups::tiles;
 pub use overlay::Overlays;
 pub use targets::{TargetTooLarge, Targets};
 pub use tier::{NoSuchTier, tier};
