@@ -83,6 +83,8 @@ pub struct Renderer {
     hidden: Vec<Vec<u32>>,
     drawn: DrawnPart,
     groups: Groups,
+    /// See [`Self::binding`].
+    binding: u64,
     timer: Timer,
 }
 
@@ -114,6 +116,7 @@ impl Renderer {
             hidden: vec![],
             drawn,
             groups: Groups::default(),
+            binding: 0,
             timer,
         };
         renderer.rebind();
@@ -428,6 +431,16 @@ impl Renderer {
             dilate: self.look.dilate,
         };
         self.groups = parts.groups();
+        self.rebound();
+    }
+
+    /// Another number whenever bind groups of this renderer's buffers are out of date.
+    pub(super) fn binding(&self) -> u64 {
+        self.binding
+    }
+
+    pub(super) fn rebound(&mut self) {
+        self.binding += 1;
     }
 }
 
