@@ -7,13 +7,15 @@ mod frame;
 mod groups;
 mod overlay;
 mod pipelines;
+mod renderer;
 pub mod shaders;
 mod targets;
 mod tier;
 
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
 pub use drawn_part::tiles;
-pub use frame::{EyeImage, FrameTimes, Renderer, Setup};
+pub use frame::{EyeImage, FrameTimes};
 pub use overlay::Overlays;
+pub use renderer::{Renderer, Setup};
 pub use targets::{TargetTooLarge, Targets};
 pub use tier::{NoSuchTier, tier};

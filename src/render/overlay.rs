@@ -3,8 +3,8 @@
 //! which the frame log does not count: it tells what the headset's picture costs.
 
 use super::cloud_buffers::CloudBuffers;
-use super::frame::Renderer;
 use super::groups;
+use super::renderer::Renderer;
 use super::shaders;
 use crate::config::{Dilate, Overlay, Quality};
 use crate::gpu::Gpu;
