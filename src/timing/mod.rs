@@ -27,13 +27,13 @@ pub struct FrameRow {
     pub predicted_display_ns: i64,
     /// CPU: waiting for the runtime (or the simulated display).
     pub wait_ms: f32,
-    /// CPU: recording commands.
+    /// CPU: recording commands, and before that taking a cloud that has become ready.
     pub record_ms: f32,
     /// CPU: locating the eyes and submitting.
     pub submit_ms: f32,
     /// GPU time of each stage.
     pub stage_ms: StageMs,
-    /// GPU time from the first stage's start to the last one's end.
+    /// GPU time from the first stage's start to the last one's end: an overlay for the window comes after it.
     pub gpu_ms: f32,
     /// 1000 / refresh rate.
     pub budget_ms: f32,

@@ -45,7 +45,7 @@ pub struct Walk<'a> {
     pub config: &'a Config,
     /// Scans as they become ready.
     pub loaded: Receiver<Loaded>,
-    /// Takes clouds that are shown no more, since freeing them may take a while.
+    /// Takes clouds that no frame draws any more once those under way have ended, for [`CloudBuffers::free`].
     pub retired: Sender<CloudBuffers>,
     /// From the desktop.
     pub commands: Receiver<Command>,
@@ -118,6 +118,8 @@ impl Walk<'_> {
 /// State from one frame to the next.
 struct Frames {
     renderer: Renderer,
+    /// The cloud before, until a frame without it is submitted.
+    retiring: Option<CloudBuffers>,
     locomotion: Option<Locomotion>,
     /// If a window shows it.
     mirror: Option<Mirror>,
@@ -138,6 +140,8 @@ struct Frames {
     scan_frames: u64,
     began: Instant,
     scan_shown: Option<Instant>,
+    /// What clouds took of this thread since the last row, for that row's `record_ms`.
+    load_ms: f32,
     last_display_ns: Option<i64>,
     stage_from_head: Pose,
     pending: VecDeque<FrameRow>,
@@ -161,6 +165,7 @@ impl Frames {
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
         Ok(Self {
             renderer,
+            retiring: None,
             locomotion: None,
             mirror,
             screenshots: Screenshots::default(),
@@ -176,6 +181,7 @@ impl Frames {
             scan_frames: 0,
             began: Instant::now(),
             scan_shown: None,
+            load_ms: 0.0,
             last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
             pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
@@ -186,11 +192,10 @@ impl Frames {
 
     /// The newest scan that has become ready, if any.
     fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
+        let began = Instant::now();
         while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
-            if let Some(before) = self.renderer.set_cloud(cloud)? {
-                // If nobody takes it, it is freed here.
-                let _ = walk.retired.send(before);
-            }
+            self.retire(walk);
+            self.retiring = self.renderer.set_cloud(cloud)?;
             match (&mut self.locomotion, start) {
                 (_, None) => {}
                 (Some(locomotion), Some(start)) => locomotion.restart(start),
@@ -199,7 +204,16 @@ impl Frames {
                 }
             }
         }
+        self.load_ms += ms(began.elapsed());
         Ok(())
+    }
+
+    /// Gives away the cloud that another has taken the place of.
+    fn retire(&mut self, walk: &Walk) {
+        if let Some(before) = self.retiring.take() {
+            // If nobody takes it, it is freed here.
+            let _ = walk.retired.send(before);
+        }
     }
 
     /// Applies what the desktop asked for; true if that is to end the walk.
@@ -253,7 +267,7 @@ impl Frames {
         }
         self.renderer.record(&mut encoder, self.frame, &eyes);
         self.record_copies(walk, headset, &mut encoder, &images.color);
-        let record_ms = ms(record_began.elapsed());
+        let record_ms = ms(record_began.elapsed()) + std::mem::take(&mut self.load_ms);
 
         let submit_began = Instant::now();
         let eyes = headset.locate()?;
@@ -265,6 +279,8 @@ impl Frames {
         }
         headset.submit(Some(encoder))?;
         self.renderer.submitted();
+        // Only now has everything let go of it that a frame is recorded with.
+        self.retire(walk);
         self.screenshots.submitted(&walk.gpu, &walk.link);
 
         let written_bytes = walk.gpu.queue.written_bytes();
