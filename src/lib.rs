@@ -21,6 +21,7 @@ pub mod desktop;
 pub mod gpu;
 pub mod layout;
 pub mod look;
+pub mod method;
 pub mod progress;
 pub mod render;
 pub mod scan;

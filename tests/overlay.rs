@@ -68,7 +68,7 @@ fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
 }
 
 fn look(quality: Quality, dilate: Dilate) -> Look {
-    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL }
+    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..Look::default() }
 }
 
 fn flat() -> Cloud {

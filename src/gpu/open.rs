@@ -40,7 +40,8 @@ pub enum GpuError {
 const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX)
-    .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+    .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS)
+    .union(wgpu::Features::SUBGROUP);
 /// Storage buffers that the largest stage binds.
 const NUM_STORAGE_BUFFERS: u32 = 10;
 /// And with 64-bit addition.
@@ -106,6 +107,12 @@ pub(crate) fn instance_flags() -> wgpu::InstanceFlags {
 }
 
 impl Gpu {
+    /// True if threads of a subgroup can ask each other.
+    #[must_use]
+    pub fn has_subgroups(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SUBGROUP)
+    }
+
     /// What its atomics can do.
     #[must_use]
     pub fn atomics(&self) -> Atomics {

@@ -30,10 +30,12 @@ pub const HEAD_CELL_STEP: i32 = 1 << 18;
 pub const COUNTERS_STRIDE: u32 = 256;
 /// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
 pub const EMPTY_DEPTH: u32 = u32::MAX;
-/// [`ViewUniform::lod_flags`]: points of a node appear one by one.
+/// [`ViewUniform::flags`]: points of a node appear one by one.
 pub const LOD_FADE: u32 = 1;
-/// [`ViewUniform::lod_flags`]: thresholds grow smoothly from ring to ring.
+/// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
 pub const LOD_SMOOTH: u32 = 2;
+/// [`ViewUniform::flags`]: batches that neither eye sees are drawn too.
+pub const KEEP_UNSEEN: u32 = 4;
 /// [`Node::flags`]: drawn whole, always.
 pub const NODE_WHOLE: u32 = 1;
 /// [`Node::flags`]: drawn always, though with fewer points when it is small.
@@ -251,6 +253,8 @@ pub struct Detail {
     pub fade: bool,
     /// Pixels between points that need no filling; `None`: points are one pixel large always.
     pub fill_reach_px: Option<f32>,
+    /// Batches that neither eye sees are drawn too, so that all points are read.
+    pub keep_unseen: bool,
 }
 
 impl Default for Detail {
@@ -263,6 +267,7 @@ impl Default for Detail {
             smooth: false,
             fade: false,
             fill_reach_px: None,
+            keep_unseen: false,
         }
     }
 }
@@ -281,8 +286,8 @@ pub struct ViewUniform {
     pub forced_planes: u32,
     /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
     pub threshold_px: [f32; 3],
-    /// [`LOD_FADE`], [`LOD_SMOOTH`].
-    pub lod_flags: u32,
+    /// [`LOD_FADE`], [`LOD_SMOOTH`], [`KEEP_UNSEEN`].
+    pub flags: u32,
     /// Cosines of the angles from the gaze at which the inner and the middle ring end.
     pub ring_cos: [f32; 2],
     /// Their sines.
@@ -315,7 +320,9 @@ impl ViewUniform {
             head_lo: lo.to_array(),
             forced_planes: detail.forced_planes,
             threshold_px: detail.threshold_px,
-            lod_flags: if detail.fade { LOD_FADE } else { 0 } | if detail.smooth { LOD_SMOOTH } else { 0 },
+            flags: if detail.fade { LOD_FADE } else { 0 }
+                | if detail.smooth { LOD_SMOOTH } else { 0 }
+                | if detail.keep_unseen { KEEP_UNSEEN } else { 0 },
             ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
             fill_reach_px: detail.fill_reach_px.unwrap_or(f32::MAX),

@@ -2,9 +2,9 @@
 
 use super::{
     BATCH_POINTS, COORDINATE_BITS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DRAWN_WHOLE,
-    EMPTY_DEPTH, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS, LOD_FADE,
-    LOD_SMOOTH, MAX_FILL_RADIUS, NODE_ROOT, NODE_WHOLE, PLANE_BITS, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
-    PROTECTED_POINTS, SURFACE_TOLERANCE, TILE_PX, VISIBLE_FILL, WORKGROUP_SIZE,
+    EMPTY_DEPTH, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS,
+    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_ROOT, NODE_WHOLE, PLANE_BITS, POINTS_PER_LOAD,
+    PRECISION_THRESHOLD_PX, PROTECTED_POINTS, SURFACE_TOLERANCE, TILE_PX, VISIBLE_FILL, WORKGROUP_SIZE,
 };
 
 /// How a pixel's colors are added up. All forms give the same sums.
@@ -18,6 +18,8 @@ pub enum Sums {
     Protected = 1,
     /// Four u32, for GPUs that cannot add 64 bits.
     Wide = 2,
+    /// Two u64 of two u32 each, where [`Sums::Wide`] has its four [2021 §3.5].
+    Pairs = 3,
 }
 
 /// What a shader's text is made for.
@@ -31,20 +33,34 @@ pub struct Variant {
     pub sums: Sums,
     /// Depth and id are the two words of one u64; else each has a buffer of its own.
     pub keys: bool,
+    /// A thread draws one point at a time, not [`POINTS_PER_LOAD`] [2022 §3.2].
+    pub basic: bool,
+    /// Threads of a workgroup come to a pixel together, those without a point too.
+    pub converged: bool,
+    /// A pixel is looked at before it is asked for [2021 §3.2].
+    pub early_z: bool,
 }
 
 impl Variant {
     /// The plainest for so many eyes.
     #[must_use]
     pub fn eyes(num_eyes: u32) -> Self {
-        Self { num_eyes, fill: false, sums: Sums::Packed, keys: true }
+        Self {
+            num_eyes,
+            fill: false,
+            sums: Sums::Packed,
+            keys: true,
+            basic: false,
+            converged: false,
+            early_z: true,
+        }
     }
 }
 
 /// WGSL text of every constant of the layout; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
-    let Variant { num_eyes, fill, sums, keys } = variant;
+    let Variant { num_eyes, fill, sums, keys, basic, converged, early_z } = variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
     format!(
@@ -52,6 +68,9 @@ pub fn prelude(variant: Variant) -> String {
          const FILL: bool = {fill};\n\
          const SUMS: u32 = {sums}u;\n\
          const KEYS: bool = {keys};\n\
+         const BASIC: bool = {basic};\n\
+         const CONVERGED: bool = {converged};\n\
+         const EARLY_Z: bool = {early_z};\n\
          const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
          const BATCH_POINTS: u32 = {BATCH_POINTS}u;\n\
          const POINTS_PER_LOAD: u32 = {POINTS_PER_LOAD}u;\n\
@@ -65,6 +84,7 @@ pub fn prelude(variant: Variant) -> String {
          const PACKED: u32 = {}u;\n\
          const PROTECTED: u32 = {}u;\n\
          const WIDE: u32 = {}u;\n\
+         const PAIRS: u32 = {}u;\n\
          const NODE_WHOLE: u32 = {NODE_WHOLE}u;\n\
          const NODE_ROOT: u32 = {NODE_ROOT}u;\n\
          const DRAWN_WHOLE: u32 = {DRAWN_WHOLE}u;\n\
@@ -77,6 +97,7 @@ pub fn prelude(variant: Variant) -> String {
          const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\
          const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
+         const KEEP_UNSEEN: u32 = {KEEP_UNSEEN}u;\n\
          const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\
          const TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n\
          const DILATE_REACH_PX: u32 = {DILATE_REACH_PX}u;\n\
@@ -84,5 +105,6 @@ pub fn prelude(variant: Variant) -> String {
         Sums::Packed as u32,
         Sums::Protected as u32,
         Sums::Wide as u32,
+        Sums::Pairs as u32,
     )
 }

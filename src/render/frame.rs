@@ -162,8 +162,8 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of [`Detail::fill_reach_px`] from or to `None` compiles
-    /// pipelines; all else is quick.
+    /// How frames look from the next one on. A change of the method, or of [`Detail::fill_reach_px`] from or to `None`,
+    /// compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
@@ -420,6 +420,7 @@ fn what(setup: &Setup, look: &Look) -> For {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
         atomics: setup.atomics,
+        method: look.method,
         color_format: setup.color_format,
         depth_format: setup.depth_format,
     }

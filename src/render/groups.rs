@@ -102,7 +102,7 @@ impl Parts<'_> {
             Quality::Hqs => match self.hqs().sums {
                 Sums::Packed => vec![(depth, 4, EMPTY_DEPTH), (keys, 8, 0)],
                 Sums::Protected => vec![(depth, 4, EMPTY_DEPTH), (keys, 8, 0), (wide, 16, 0)],
-                Sums::Wide => vec![(depth, 4, EMPTY_DEPTH), (wide, 16, 0)],
+                Sums::Wide | Sums::Pairs => vec![(depth, 4, EMPTY_DEPTH), (wide, 16, 0)],
             },
         };
         let group = |(pair, bytes_per_px, value): (&[wgpu::Buffer; 2], u64, u32)| {
@@ -149,12 +149,13 @@ impl Parts<'_> {
             ("colors", chunk.colors.as_entire_binding()),
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
         ]);
-        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 5] = [
+        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 6] = [
             (keys, ["keys_left", "keys_right"]),
             (keys, ["sums_left", "sums_right"]),
             (keys, ["ids_left", "ids_right"]),
             (depth, ["depth_left", "depth_right"]),
             (wide, ["wide_left", "wide_right"]),
+            (wide, ["pairs_left", "pairs_right"]),
         ];
         for (pair, names) in names {
             resources.extend([0, 1].map(|eye| (names[eye], pair[eye].as_entire_binding())));

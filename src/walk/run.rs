@@ -153,7 +153,7 @@ impl Frames {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
             depth_format: headset.depth_format(),
-            atomics: tier(&walk.gpu, walk.config.gpu.tier)?,
+            atomics: tier(&walk.gpu, walk.config)?,
         };
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
