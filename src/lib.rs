@@ -23,6 +23,7 @@ pub mod layout;
 pub mod look;
 pub mod progress;
 pub mod render;
+pub mod report;
 pub mod scan;
 pub mod shot;
 pub mod space;
