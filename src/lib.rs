@@ -24,6 +24,7 @@ pub mod look;
 pub mod method;
 pub mod progress;
 pub mod render;
+pub mod report;
 pub mod scan;
 pub mod shot;
 pub mod space;

@@ -29,7 +29,8 @@ fn frame_log(folder: &std::path::Path, num_frames: usize) -> String {
     writeln!(file, "{}", scanwalk::timing::columns::names().join(",")).unwrap();
     for frame in 0..num_frames {
         let time = frame as f64 / 100.0;
-        writeln!(file, "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0").unwrap();
+        writeln!(file, "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,")
+            .unwrap();
     }
     path.into_os_string().into_string().unwrap()
 }
@@ -76,7 +77,7 @@ fn every_command_explains_its_options() {
         ("convert", &["--out"]),
         ("synth", &["terrestrial", "aerial", "photogrammetry", "--points", "--seed"]),
         ("bench", &["2021", "2022", "vr", "spt", "--json", "--csv"]),
-        ("report", &["--out", "FRAMES.csv"]),
+        ("report", &["--out", "--worst-poses", "FRAMES.csv", "RESULTS.json", "Examples:"]),
         ("doctor", &["--json"]),
     ] {
         let output = output(&[command, "--help"]);
@@ -117,6 +118,11 @@ fn wrong_usage_exits_2() {
         &["bench", "--table", "2023"],
         &["bench", "--json", "--csv"],
         &["info"],
+        &["report"],
+        &["report", "a.csv", "b.csv", "c.csv"],
+        &["report", "a.csv", "b.json"],
+        &["report", "a.csv", "b.csv", "--worst-poses", "w.poses"],
+        &["report", "a.json", "--worst-poses", "w.poses"],
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");
@@ -129,7 +135,6 @@ fn what_does_not_exist_yet_is_refused_in_one_sentence() {
     for (args, words) in [
         (&["convert", "a.laz", "-o", "a.copc.laz"][..], "convert does not exist yet"),
         (&["bench"], "bench does not exist yet"),
-        (&["report", "a.csv", "-o", "a.html"], "-o does not exist yet"),
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");

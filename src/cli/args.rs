@@ -80,15 +80,28 @@ pub enum BenchTable {
     Spt,
 }
 
-/// Say what a frame log shows.
+/// Say what measurements show.
 #[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  scanwalk report frames.csv                        percentiles, misses, the stage that costs
+  scanwalk report frames.csv -o report.html         the same with plots, and the worst frames
+  scanwalk report before.csv after.csv              is the second faster, and by how much?
+  scanwalk report results.json -o bench.html        what `scanwalk bench --json` measured
+  scanwalk report frames.csv --worst-poses worst.poses
+  scanwalk view castle.laz --pose-path worst.poses  see the worst frames again
+
+Text goes to stdout in any case. Logs that are compared should replay one pose path.")]
 pub struct ReportArgs {
-    /// What `scanwalk view --log` wrote
-    #[arg(value_name = "FRAMES.csv")]
-    pub log: PathBuf,
-    /// A page with plots (not there yet)
+    /// FRAMES.csv: what `scanwalk view --log` wrote; two are compared. RESULTS.json: what `scanwalk bench --json`
+    /// wrote
+    #[arg(value_name = "FRAMES.csv|RESULTS.json", required = true, num_args = 1..=2)]
+    pub files: Vec<PathBuf>,
+    /// Write a page with plots: one file that opens without a network
     #[arg(short, long, value_name = "REPORT.html")]
     pub out: Option<PathBuf>,
+    /// Write the worst frames as a path of the head, worst first, for `scanwalk view --pose-path`
+    #[arg(long, value_name = "OUT.poses")]
+    pub worst_poses: Option<PathBuf>,
 }
 
 /// Say what this machine has and lacks.

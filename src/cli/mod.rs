@@ -9,6 +9,7 @@ mod doctor;
 mod exit;
 mod parse;
 mod render;
+mod report;
 mod view;
 
 pub use args::{BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SynthArgs};
@@ -73,7 +74,7 @@ pub enum Command {
     Synth(SynthArgs),
     /// Measure this machine against the papers' tables (not there yet)
     Bench(BenchArgs),
-    /// Say what a frame log shows: percentiles, misses, the stage that costs
+    /// Say what measurements show: a frame log, two of them compared, benchmark results
     Report(ReportArgs),
     /// Say what this machine has and lacks, and what to install
     Doctor(DoctorArgs),
