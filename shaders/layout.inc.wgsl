@@ -84,12 +84,8 @@ struct ClearUniform {
 
 struct ResolveUniform {
     size_px: vec2<u32>,
-    first_index: u32,
-    num_points: u32,
     background: u32,
-    reserved_a: u32,
-    reserved_b: u32,
-    reserved_c: u32,
+    reserved: u32,
 }
 
 struct DilateUniform {

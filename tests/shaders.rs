@@ -108,8 +108,7 @@ fn host_structs() -> Vec<HostStruct> {
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),
-        host!(ResolveUniform: size_px, first_index, num_points, background, reserved_a, reserved_b,
-            reserved_c),
+        host!(ResolveUniform: size_px, background, reserved),
         host!(DilateUniform: eye, radius_px, reserved),
     ]
 }

@@ -360,24 +360,23 @@ pub struct ClearUniform {
     pub reserved: u32,
 }
 
-/// What the steps of `resolve` need: one for each eye and chunk.
+/// Words of a row of `width` pixels in a mask of a bit a pixel: pixel x is bit x mod 32 of word x / 32, and rows
+/// begin with a word of their own.
+#[must_use]
+pub fn mask_words_per_row(width: u32) -> u32 {
+    width.div_ceil(32)
+}
+
+/// What the steps of `resolve` need to know of an eye's image.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ResolveUniform {
     /// Width, height in pixels.
     pub size_px: [u32; 2],
-    /// Index of the chunk's first point in the whole pool.
-    pub first_index: u32,
-    /// Points in the chunk's planes.
-    pub num_points: u32,
     /// Color where no point is, as stored: r | g≪8 | b≪16 | 255≪24.
     pub background: u32,
     /// Always 0.
-    pub reserved_a: u32,
-    /// Always 0.
-    pub reserved_b: u32,
-    /// Always 0.
-    pub reserved_c: u32,
+    pub reserved: u32,
 }
 
 /// What `cull` tells `depth` about a batch that is seen.

@@ -33,7 +33,7 @@ pub struct FrameRow {
     pub submit_ms: f32,
     /// GPU time of each stage.
     pub stage_ms: StageMs,
-    /// GPU time from the first stage's start to the last one's end.
+    /// GPU time from the first stage's start to the last one's end: an overlay for the window comes after it.
     pub gpu_ms: f32,
     /// 1000 / refresh rate.
     pub budget_ms: f32,

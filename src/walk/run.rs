@@ -45,7 +45,7 @@ pub struct Walk<'a> {
     pub config: &'a Config,
     /// Scans as they become ready.
     pub loaded: Receiver<Loaded>,
-    /// Takes clouds that are shown no more, since freeing them may take a while.
+    /// Takes clouds that no frame draws any more once those under way have ended, for [`CloudBuffers::free`].
     pub retired: Sender<CloudBuffers>,
     /// From the desktop.
     pub commands: Receiver<Command>,
@@ -118,6 +118,8 @@ impl Walk<'_> {
 /// State from one frame to the next.
 struct Frames {
     renderer: Renderer,
+    /// The cloud before, until a frame without it is submitted.
+    retiring: Option<CloudBuffers>,
     locomotion: Option<Locomotion>,
     /// If a window shows it.
     mirror: Option<Mirror>,
@@ -161,6 +163,7 @@ impl Frames {
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
         Ok(Self {
             renderer,
+            retiring: None,
             locomotion: None,
             mirror,
             screenshots: Screenshots::default(),
@@ -187,10 +190,8 @@ impl Frames {
     /// The newest scan that has become ready, if any.
     fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
         while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
-            if let Some(before) = self.renderer.set_cloud(cloud)? {
-                // If nobody takes it, it is freed here.
-                let _ = walk.retired.send(before);
-            }
+            self.retire(walk);
+            self.retiring = self.renderer.set_cloud(cloud)?;
             match (&mut self.locomotion, start) {
                 (_, None) => {}
                 (Some(locomotion), Some(start)) => locomotion.restart(start),
@@ -200,6 +201,14 @@ impl Frames {
             }
         }
         Ok(())
+    }
+
+    /// Gives away the cloud that another has taken the place of.
+    fn retire(&mut self, walk: &Walk) {
+        if let Some(before) = self.retiring.take() {
+            // If nobody takes it, it is freed here.
+            let _ = walk.retired.send(before);
+        }
     }
 
     /// Applies what the desktop asked for; true if that is to end the walk.
@@ -267,6 +276,8 @@ impl Frames {
         }
         headset.submit(Some(encoder))?;
         self.renderer.submitted();
+        // Only now has everything let go of it that a frame is recorded with.
+        self.retire(walk);
         self.screenshots.submitted(&walk.gpu, &walk.link);
 
         let written_bytes = walk.gpu.queue.written_bytes();
