@@ -14,6 +14,7 @@
 //!
 //! Dependencies point one way; `docs/ARCHITECTURE.md` says which, and a test keeps it so.
 
+pub mod bench;
 pub mod cli;
 pub mod cloud;
 pub mod config;

@@ -1,5 +1,5 @@
-//! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`];
-//! they differ in how long it takes.
+//! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`],
+//! and [`Method::Hqs1`] where a pixel gets more points than it can count; they differ in how long it takes.
 
 use crate::config::Quality;
 use crate::layout::Sums;
@@ -34,10 +34,14 @@ pub enum Method {
     Hqs1,
     /// By one, and further additions where that is not enough [2021 §3.5.1].
     Hqs1r,
+    /// [`Self::EarlyZ`], and how many points asked for their pixel: for tables, not for settings.
+    #[serde(skip)]
+    #[value(skip)]
+    Count,
 }
 
 impl Method {
-    /// All of them.
+    /// All that settings may name.
     pub const ALL: [Self; 12] = [
         Self::Prefetch,
         Self::Basic,
@@ -69,6 +73,7 @@ impl Method {
             Self::Hqs => "hqs",
             Self::Hqs1 => "hqs1",
             Self::Hqs1r => "hqs1r",
+            Self::Count => "count",
         }
     }
 

@@ -35,6 +35,7 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
     if atomics != Atomics::Int64 {
         let methods = [
             "just-set",
+            "count",
             "busy-loop",
             "atomic-min",
             "reduce",

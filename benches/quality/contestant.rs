@@ -1,10 +1,10 @@
 //! The ways to draw that are compared, and the truth that they are compared with.
 
 use super::picture::{Picture, only_eye};
-use super::point_list::{self, PointList};
 use super::scene::Scene;
 use super::supersample::{self, FACTOR};
 use anyhow::{Context, Result};
+use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
 use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality};
 use scanwalk::gpu::{Gpu, readback};

@@ -1,5 +1,6 @@
 //! Arguments of the smaller commands.
 
+use super::parse;
 use crate::synth;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -54,9 +55,22 @@ pub struct BenchArgs {
     /// A LAS or LAZ file to measure with [default: made-up ones]
     #[arg(value_name = "SCAN")]
     pub scan: Option<PathBuf>,
-    /// Which paper's table
+    /// Which paper's table [default: 2021, 2022 and vr]
     #[arg(long, value_name = "TABLE")]
     pub table: Option<BenchTable>,
+    /// Millions of points of the made-up scans, one after the other [default: on a GPU 145, or what memory holds; on a
+    /// software driver 1]
+    #[arg(long, value_name = "M,M,…", value_delimiter = ',', conflicts_with = "scan", value_parser = parse::millions)]
+    pub points: Vec<f64>,
+    /// Measured frames of each row
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub runs: usize,
+    /// Pixels of every picture [default: the papers']
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub size: Option<[u32; 2]>,
+    /// Also write a page with plots
+    #[arg(short, long, value_name = "PAGE.html")]
+    pub out: Option<PathBuf>,
     /// For programs: one JSON object
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,

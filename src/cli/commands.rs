@@ -1,7 +1,7 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
 use super::{
-    Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, doctor, report,
+    Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, report,
 };
 use crate::config::{self, Config, ConfigError};
 use crate::progress::Stop;
@@ -22,7 +22,7 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
         Command::Report(args) => report::run(args),
         Command::Doctor(args) => doctor::run(&config, args.json),
         Command::Convert(_) => Err(not_there_yet("convert", "LAS and LAZ files can be viewed as they are")),
-        Command::Bench(_) => Err(not_there_yet("bench", "`scanwalk view --log` measures a walk")),
+        Command::Bench(args) => bench::run(args, &config, stop),
     }
 }
 

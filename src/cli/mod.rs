@@ -4,6 +4,7 @@
 //! stdout, everything else to stderr.
 
 mod args;
+mod bench;
 mod commands;
 mod doctor;
 mod exit;
@@ -72,7 +73,7 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Write a made-up scan
     Synth(SynthArgs),
-    /// Measure this machine against the papers' tables (not there yet)
+    /// Measure this machine against the papers' tables: methods, orders, flat clouds and octrees, both eyes
     Bench(BenchArgs),
     /// Say what measurements show: a frame log, two of them compared, benchmark results
     Report(ReportArgs),

@@ -94,6 +94,7 @@ impl Parts<'_> {
         let Targets { keys, depth, wide, .. } = self.targets;
         let DrawnPart { no_keys, no_depth, no_sums, no_wide, .. } = self.drawn;
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
+            Quality::Closest if self.pipelines.closest.counts => vec![(keys, no_keys), (depth, no_depth)],
             Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
             // The keys' buffers hold ids, half as large.
             Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
@@ -144,11 +145,12 @@ impl Parts<'_> {
             ("colors", chunk.colors.as_entire_binding()),
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
         ]);
-        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 6] = [
+        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 7] = [
             (keys, ["keys_left", "keys_right"]),
             (keys, ["sums_left", "sums_right"]),
             (keys, ["ids_left", "ids_right"]),
             (depth, ["depth_left", "depth_right"]),
+            (depth, ["asked_left", "asked_right"]),
             (wide, ["wide_left", "wide_right"]),
             (wide, ["pairs_left", "pairs_right"]),
         ];

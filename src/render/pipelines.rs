@@ -26,6 +26,8 @@ pub(super) struct Closest {
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage>,
     pub shade: Stage,
+    /// `depth` counts the points that ask for their pixel, where `hqs` has depths; less one.
+    pub counts: bool,
 }
 
 /// The point stages of `hqs` quality.
@@ -88,6 +90,7 @@ impl Pipelines {
                 depth: if keys { closest(gpu, method, variant) } else { stage("depth32", variant) },
                 ids: (!keys).then(|| stage("ids", variant)),
                 shade: stage("shade", variant),
+                counts: method == Method::Count,
             },
             hqs: forms.into_iter().map(hqs).collect(),
             dilate: stage("dilate", variant),
@@ -99,7 +102,7 @@ impl Pipelines {
 /// The method's way to the nearest point.
 fn closest(gpu: &Gpu, method: Method, variant: Variant) -> Stage {
     let name = match method {
-        Method::JustSet | Method::BusyLoop | Method::AtomicMin => method.name(),
+        Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Count => method.name(),
         Method::Reduce | Method::ReduceEarlyZ if gpu.has_subgroups() => "reduce",
         Method::Reduce | Method::ReduceEarlyZ => "reduce-emulated",
         Method::Dedup if gpu.has_subgroups() => "dedup",

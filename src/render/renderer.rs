@@ -109,6 +109,13 @@ impl Renderer {
         Ok(before)
     }
 
+    /// Shows nothing from the next frame on, and gives back the cloud.
+    pub fn take_cloud(&mut self) -> Option<CloudBuffers> {
+        let cloud = self.cloud.take();
+        self.rebind();
+        cloud
+    }
+
     /// New image sizes, one an eye.
     ///
     /// # Errors

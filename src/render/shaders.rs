@@ -46,7 +46,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the frame, in its order; then the overlays' and those of other methods.
-pub const SHADERS: [Shader; 22] = [
+pub const SHADERS: [Shader; 23] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[]),
@@ -68,6 +68,7 @@ pub const SHADERS: [Shader; 22] = [
     shader!("reduce-emulated", "methods/reduce", &[POINTS, KEYS, SUBGROUP_EMULATED]),
     shader!("dedup", "methods/dedup", &[POINTS, KEYS, SUBGROUP]),
     shader!("dedup-emulated", "methods/dedup", &[POINTS, KEYS, SUBGROUP_EMULATED]),
+    shader!("count", "methods/count", &[POINTS, KEYS]),
     shader!("color-pairs", "methods/color_pairs", &[POINTS, SUMS]),
 ];
 

@@ -41,10 +41,19 @@ pub struct BenchRow {
     pub points_read: u64,
     /// Points that the method drew in a frame.
     pub points_drawn: u64,
+    /// Batches of the cloud: what the papers call nodes.
+    #[serde(default)]
+    pub nodes: Option<u64>,
+    /// Batches that passed the frustum and level of detail.
+    #[serde(default)]
+    pub nodes_drawn: Option<u64>,
     /// GPU time of a frame.
     pub gpu_ms: GpuMs,
-    /// Points of the scan a microsecond of the median frame.
+    /// Points read a microsecond of the median frame.
     pub m_points_per_s: f64,
+    /// Bytes of coordinates read, 10⁹ a second of the median frame.
+    #[serde(default)]
+    pub gb_per_s: Option<f64>,
     /// Median time of `point-list` (the hardware's points) on the same scan in the same order from the same
     /// viewpoint, divided by this row's: more than 1 is faster than the hardware's. `None` without such a row.
     #[serde(default)]
@@ -134,10 +143,12 @@ impl BenchResults {
             "points",
             "read",
             "drawn",
+            "nodes",
             "median ms",
             "min",
             "max",
             "M points/s",
+            "GB/s",
             "x point list",
             "paper ms",
             "paper's GPU",
@@ -153,10 +164,15 @@ impl BenchResults {
                     count(row.points),
                     count(row.points_read),
                     count(row.points_drawn),
+                    row.nodes_drawn.zip(row.nodes).map_or_else(
+                        || "-".into(),
+                        |(drawn, all)| format!("{}/{}", count(drawn), count(all)),
+                    ),
                     median,
                     min,
                     max,
                     format!("{:.0}", row.m_points_per_s),
+                    row.gb_per_s.map_or_else(|| "-".into(), |rate| format!("{rate:.1}")),
                     row.ratio_to_point_list.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}")),
                     ms(row.paper_ms),
                     row.paper_device.clone().unwrap_or_else(|| "-".into()),
