@@ -19,7 +19,8 @@ const TURNS_PER_LOAD: u32 = POINTS_PER_LOAD / POINTS_PER_TURN;
 
 const MASK: u32 = (1u << PLANE_BITS) - 1u;
 
-// Of the workgroup; for those who ask in `put`.
+// Where this thread is; for those who ask in `put`.
+var<private> this_group: u32;
 var<private> this_thread: u32;
 
 // Points inside the eye's image have a pixel number; the others NO_PIXEL.
@@ -27,6 +28,12 @@ const NO_PIXEL: u32 = 0xffffffffu;
 
 /// Cells that a box edge has.
 const CELLS: f32 = 1073741824.0;
+
+struct Cells {
+    x: vec4<u32>,
+    y: vec4<u32>,
+    z: vec4<u32>,
+}
 
 struct Projected {
     pixel: vec4<u32>,
@@ -113,8 +120,30 @@ fn lo_of(load: u32, turn: u32) -> vec4<u32> {
     return plane_lo[load];
 }
 
+// Coordinates in 30-bit cells. Bits that are not read stand at half: the centre of the coarser cell.
+fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
+    let hi = hi_of(load, turn);
+    var x = ((hi & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+    var y = (((hi >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+    var z = ((hi >> vec4<u32>(20u)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+    if planes >= 2u {
+        let mid = mid_of(load, turn);
+        x = (x & vec4<u32>(0xfff00000u)) | ((mid & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+        y = (y & vec4<u32>(0xfff00000u)) | (((mid >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+        z = (z & vec4<u32>(0xfff00000u)) | ((mid >> vec4<u32>(20u)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+    }
+    if planes == 3u {
+        let lo = lo_of(load, turn);
+        x = (x & vec4<u32>(0xfffffc00u)) | (lo & vec4<u32>(MASK));
+        y = (y & vec4<u32>(0xfffffc00u)) | ((lo >> vec4<u32>(10u)) & vec4<u32>(MASK));
+        z = (z & vec4<u32>(0xfffffc00u)) | (lo >> vec4<u32>(20u));
+    }
+    return Cells(x, y, z);
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    this_group = group.x;
     this_thread = thread;
     let batch = visible[group.x];
     let planes = batch.flags & 3u;
@@ -128,27 +157,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             break;
         }
         let load = first_load + turn / TURNS_PER_LOAD;
-        let hi = hi_of(load, turn);
-        // Bits that are not read stand at half: the centre of the coarser cell.
-        var x = ((hi & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
-        var y = (((hi >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
-        var z = ((hi >> vec4<u32>(20u)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
-        if planes >= 2u {
-            let mid = mid_of(load, turn);
-            x = (x & vec4<u32>(0xfff00000u)) | ((mid & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
-            y = (y & vec4<u32>(0xfff00000u)) | (((mid >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
-            z = (z & vec4<u32>(0xfff00000u)) | ((mid >> vec4<u32>(20u)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
-        }
-        if planes == 3u {
-            let lo = lo_of(load, turn);
-            x = (x & vec4<u32>(0xfffffc00u)) | (lo & vec4<u32>(MASK));
-            y = (y & vec4<u32>(0xfffffc00u)) | ((lo >> vec4<u32>(10u)) & vec4<u32>(MASK));
-            z = (z & vec4<u32>(0xfffffc00u)) | (lo >> vec4<u32>(20u));
-        }
+        let cells = cells_of(load, turn, planes);
         // The integer difference is exact: see VisibleBatch.
-        let px = vec4<f32>(vec4<i32>(x) - batch.head_cell.x) * batch.cell.x + batch.offset.x;
-        let py = vec4<f32>(vec4<i32>(y) - batch.head_cell.y) * batch.cell.y + batch.offset.y;
-        let pz = vec4<f32>(vec4<i32>(z) - batch.head_cell.z) * batch.cell.z + batch.offset.z;
+        let px = vec4<f32>(vec4<i32>(cells.x) - batch.head_cell.x) * batch.cell.x + batch.offset.x;
+        let py = vec4<f32>(vec4<i32>(cells.y) - batch.head_cell.y) * batch.cell.y + batch.offset.y;
+        let pz = vec4<f32>(vec4<i32>(cells.z) - batch.head_cell.z) * batch.cell.z + batch.offset.z;
 
         let number = vec4<u32>(turn * POINTS_PER_TURN) + vec4<u32>(0u, 1u, 2u, 3u);
         let rank = reverseBits(number);
@@ -157,7 +170,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             exists = exists & (rank < vec4<u32>(batch.drawn));
         }
         // The octant says of which child the color and the spacing depend.
-        let octant = (x >> vec4<u32>(29u)) | ((y >> vec4<u32>(29u)) << vec4<u32>(1u)) | ((z >> vec4<u32>(29u)) << vec4<u32>(2u));
+        let octant = (cells.x >> vec4<u32>(29u)) | ((cells.y >> vec4<u32>(29u)) << vec4<u32>(1u))
+            | ((cells.z >> vec4<u32>(29u)) << vec4<u32>(2u));
         var id = (vec4<u32>(batch.first_point) + number) << vec4<u32>(1u);
         if (batch.own.x & batch.own.y) != 0xffffffffu {
             let word = select(vec4<u32>(batch.own.x), vec4<u32>(batch.own.y), octant >= vec4<u32>(4u));

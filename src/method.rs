@@ -1,5 +1,6 @@
 //! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`],
-//! and [`Method::Hqs1`] where a pixel gets more points than it can count; they differ in how long it takes.
+//! [`Method::Hqs1`] where a pixel gets more points than it can count, and [`Method::Fixed40`] where two points are
+//! equally far to its precision, of which it shows the smaller color; they differ in how long it takes.
 
 use crate::config::Quality;
 use crate::layout::Sums;
@@ -34,6 +35,8 @@ pub enum Method {
     Hqs1,
     /// By one, and further additions where that is not enough [2021 §3.5.1].
     Hqs1r,
+    /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
+    Fixed40,
     /// [`Self::EarlyZ`], and how many points asked for their pixel: for tables, not for settings.
     #[serde(skip)]
     #[value(skip)]
@@ -42,7 +45,7 @@ pub enum Method {
 
 impl Method {
     /// All that settings may name.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Prefetch,
         Self::Basic,
         Self::JustSet,
@@ -55,6 +58,7 @@ impl Method {
         Self::Hqs,
         Self::Hqs1,
         Self::Hqs1r,
+        Self::Fixed40,
     ];
 
     /// As settings, tables and the papers write it.
@@ -73,6 +77,7 @@ impl Method {
             Self::Hqs => "hqs",
             Self::Hqs1 => "hqs1",
             Self::Hqs1r => "hqs1r",
+            Self::Fixed40 => "fixed40",
             Self::Count => "count",
         }
     }

@@ -14,7 +14,11 @@ fn capabilities(atomics: Atomics) -> Capabilities {
     match atomics {
         Atomics::Int32 => plain,
         Atomics::Int64Minmax => minmax,
-        Atomics::Int64 => minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS | Capabilities::SUBGROUP,
+        Atomics::Int64 => {
+            let all = minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+            // Of methods that not every GPU of the tier can do.
+            all | Capabilities::SUBGROUP | Capabilities::FLOAT64
+        }
     }
 }
 
@@ -36,6 +40,8 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
         let methods = [
             "just-set",
             "count",
+            "fixed40",
+            "shade40",
             "busy-loop",
             "atomic-min",
             "reduce",
@@ -51,9 +57,18 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
         for (&sums, num_eyes, fill) in
             forms.iter().flat_map(|s| [(s, 1, false), (s, 2, false), (s, 1, true), (s, 2, true)])
         {
+            let fixed40 = name.contains("40");
             for (basic, converged, early_z) in LOOPS {
-                let variant =
-                    Variant { num_eyes, fill: fill && !converged, sums, keys, basic, converged, early_z };
+                let variant = Variant {
+                    num_eyes,
+                    fill: fill && !converged,
+                    sums,
+                    keys,
+                    basic,
+                    converged,
+                    early_z,
+                    fixed40,
+                };
                 texts.push((format!("{name} {variant:?}"), source(name, variant)));
             }
         }

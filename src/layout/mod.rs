@@ -71,6 +71,18 @@ pub const DILATE_REACH_PX: u32 = 3;
 /// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
 pub const DILATE_FALLOFF_BITS: u32 = 2;
 
+/// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
+/// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
+pub const FIXED40_RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
+
+/// The first depths of the ranges of [`FIXED40_RANGES`].
+#[must_use]
+pub fn fixed40_firsts() -> [u64; 3] {
+    let [(a, per_a), (b, per_b), (c, _)] = FIXED40_RANGES;
+    let second = ((b - a) * per_a) as u64;
+    [0, second, second + ((c - b) * per_b) as u64]
+}
+
 /// A batch on the GPU: a run of points and the box that their coordinates are relative to.
 ///
 /// Positions are (hi, lo) pairs relative to the cloud's origin: `hi` is a multiple of a power of two chosen

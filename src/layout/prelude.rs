@@ -2,9 +2,10 @@
 
 use super::{
     BATCH_POINTS, COORDINATE_BITS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DRAWN_WHOLE,
-    EMPTY_DEPTH, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS,
-    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_ROOT, NODE_WHOLE, PLANE_BITS, POINTS_PER_LOAD,
-    PRECISION_THRESHOLD_PX, PROTECTED_POINTS, SURFACE_TOLERANCE, TILE_PX, VISIBLE_FILL, WORKGROUP_SIZE,
+    EMPTY_DEPTH, FADE_BEGIN, FADE_END, FILL_OVERLAP, FIXED40_RANGES, HEAD_CELL_LIMIT, HEAD_CELL_STEP,
+    HYSTERESIS, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_ROOT, NODE_WHOLE, PLANE_BITS,
+    POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, PROTECTED_POINTS, SURFACE_TOLERANCE, TILE_PX, VISIBLE_FILL,
+    WORKGROUP_SIZE, fixed40_firsts,
 };
 
 /// How a pixel's colors are added up. All forms give the same sums.
@@ -39,6 +40,8 @@ pub struct Variant {
     pub converged: bool,
     /// A pixel is looked at before it is asked for [2021 §3.2].
     pub early_z: bool,
+    /// Depths are of 40 bits, made with f64 [2019 §2.1].
+    pub fixed40: bool,
 }
 
 impl Variant {
@@ -53,6 +56,7 @@ impl Variant {
             basic: false,
             converged: false,
             early_z: true,
+            fixed40: false,
         }
     }
 }
@@ -60,11 +64,14 @@ impl Variant {
 /// WGSL text of every constant of the layout; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
-    let Variant { num_eyes, fill, sums, keys, basic, converged, early_z } = variant;
+    let Variant { num_eyes, fill, sums, keys, basic, converged, early_z, fixed40 } = variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
+    // Not every GPU knows f64: only those hear of it who use it.
+    let ranges = if fixed40 { fixed40_prelude() } else { String::new() };
     format!(
-        "const NUM_EYES: u32 = {num_eyes}u;\n\
+        "{ranges}\
+         const NUM_EYES: u32 = {num_eyes}u;\n\
          const FILL: bool = {fill};\n\
          const SUMS: u32 = {sums}u;\n\
          const KEYS: bool = {keys};\n\
@@ -107,4 +114,16 @@ pub fn prelude(variant: Variant) -> String {
         Sums::Wide as u32,
         Sums::Pairs as u32,
     )
+}
+
+fn fixed40_prelude() -> String {
+    let names = ["A", "B", "C"].into_iter().zip(FIXED40_RANGES).zip(fixed40_firsts());
+    let lines = names.map(|((name, (begin, steps)), first)| {
+        format!(
+            "const RANGE_{name}_BEGIN: f64 = {begin:?}lf;\n\
+             const RANGE_{name}_STEPS: f64 = {steps:?}lf;\n\
+             const RANGE_{name}_FIRST: u64 = {first}lu;\n"
+        )
+    });
+    lines.collect()
 }

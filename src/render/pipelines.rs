@@ -26,6 +26,8 @@ pub(super) struct Closest {
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage>,
     pub shade: Stage,
+    /// `shade` gets all from the keys, whatever chunk a point is of, and clears them.
+    pub shade_clears: bool,
     /// `depth` counts the points that ask for their pixel, where `hqs` has depths; less one.
     pub counts: bool,
 }
@@ -61,7 +63,13 @@ impl Pipelines {
     pub fn new(gpu: &Gpu, what: For) -> Self {
         let For { num_eyes, fill, atomics, method, .. } = what;
         let keys = atomics >= Atomics::Int64Minmax;
-        let variant = Variant { fill, keys, basic: method.is_basic(), ..Variant::eyes(num_eyes) };
+        let variant = Variant {
+            fill,
+            keys,
+            basic: method.is_basic(),
+            fixed40: method == Method::Fixed40,
+            ..Variant::eyes(num_eyes)
+        };
         let stage = |name, variant| Stage::new(gpu, name, &shaders::source(name, variant));
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
@@ -89,7 +97,8 @@ impl Pipelines {
             closest: Closest {
                 depth: if keys { closest(gpu, method, variant) } else { stage("depth32", variant) },
                 ids: (!keys).then(|| stage("ids", variant)),
-                shade: stage("shade", variant),
+                shade: stage(if method == Method::Fixed40 { "shade40" } else { "shade" }, variant),
+                shade_clears: method == Method::Fixed40,
                 counts: method == Method::Count,
             },
             hqs: forms.into_iter().map(hqs).collect(),
@@ -102,7 +111,9 @@ impl Pipelines {
 /// The method's way to the nearest point.
 fn closest(gpu: &Gpu, method: Method, variant: Variant) -> Stage {
     let name = match method {
-        Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Count => method.name(),
+        Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Fixed40 | Method::Count => {
+            method.name()
+        }
         Method::Reduce | Method::ReduceEarlyZ if gpu.has_subgroups() => "reduce",
         Method::Reduce | Method::ReduceEarlyZ => "reduce-emulated",
         Method::Dedup if gpu.has_subgroups() => "dedup",

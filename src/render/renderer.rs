@@ -50,6 +50,8 @@ pub struct Renderer {
     hidden: Vec<Vec<u32>>,
     drawn: DrawnPart,
     pub(super) groups: Groups,
+    /// The frame before has cleared its targets, and nothing has changed since.
+    pub(super) targets_are_clear: bool,
     /// See [`Self::binding`].
     binding: u64,
     pub(super) timer: Timer,
@@ -83,6 +85,7 @@ impl Renderer {
             hidden: vec![],
             drawn,
             groups: Groups::default(),
+            targets_are_clear: false,
             binding: 0,
             timer,
         };
@@ -249,6 +252,7 @@ impl Renderer {
             dilate: self.look.dilate,
         };
         self.groups = parts.groups();
+        self.targets_are_clear = false;
         self.rebound();
     }
 

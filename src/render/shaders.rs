@@ -11,6 +11,8 @@ const KEYS: &str = include_str!("../../shaders/keys.inc.wgsl");
 /// What threads of a subgroup tell each other, and the same without subgroups.
 const SUBGROUP: &str = include_str!("../../shaders/subgroup.inc.wgsl");
 const SUBGROUP_EMULATED: &str = include_str!("../../shaders/subgroup_emulated.inc.wgsl");
+/// Depths in 40-bit integers.
+const FIXED40: &str = include_str!("../../shaders/fixed40.inc.wgsl");
 /// The tiles that the steps of `resolve` work on.
 const TILES: &str = include_str!("../../shaders/tiles.inc.wgsl");
 /// Which points count for a pixel's color, and their sums in four u32.
@@ -46,7 +48,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the frame, in its order; then the overlays' and those of other methods.
-pub const SHADERS: [Shader; 23] = [
+pub const SHADERS: [Shader; 25] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[]),
@@ -69,6 +71,8 @@ pub const SHADERS: [Shader; 23] = [
     shader!("dedup", "methods/dedup", &[POINTS, KEYS, SUBGROUP]),
     shader!("dedup-emulated", "methods/dedup", &[POINTS, KEYS, SUBGROUP_EMULATED]),
     shader!("count", "methods/count", &[POINTS, KEYS]),
+    shader!("fixed40", "methods/fixed40", &[POINTS, KEYS, FIXED40]),
+    shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
     shader!("color-pairs", "methods/color_pairs", &[POINTS, SUMS]),
 ];
 

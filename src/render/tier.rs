@@ -17,6 +17,14 @@ pub enum NoSuchTier {
         /// What there is.
         best: &'static str,
     },
+    /// The method's arithmetic.
+    #[error("frame.method: {method} counts in f64, which the shaders of the GPU '{name}' cannot")]
+    F64 {
+        /// The GPU.
+        name: String,
+        /// Asked for.
+        method: &'static str,
+    },
     /// The method.
     #[error(
         "frame.method: {method} needs the tier int64, and this is {tier}; prefetch and basic run in every tier"
@@ -47,6 +55,9 @@ pub fn tier(gpu: &Gpu, config: &Config) -> Result<Atomics, NoSuchTier> {
     let method: Method = config.frame.method;
     if wanted < Atomics::Int64 && !method.is_of_every_tier() {
         return Err(NoSuchTier::Method { method: method.name(), tier: wanted.name() });
+    }
+    if method == Method::Fixed40 && !gpu.has_f64() {
+        return Err(NoSuchTier::F64 { name: gpu.name(), method: method.name() });
     }
     Ok(wanted)
 }
