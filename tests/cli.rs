@@ -123,6 +123,9 @@ fn wrong_usage_exits_2() {
         &["report", "a.csv", "b.json"],
         &["report", "a.csv", "b.csv", "--worst-poses", "w.poses"],
         &["report", "a.json", "--worst-poses", "w.poses"],
+        &["report", "a.csv", "-o", "a.csv"],
+        &["report", "Cargo.toml", "-o", "./src/../Cargo.toml"],
+        &["report", "a.csv", "-o", "b", "--worst-poses", "b"],
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");
@@ -185,6 +188,39 @@ fn a_report_of_a_log() {
     assert!(output.stderr.is_empty());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("frames      101 in 1.0 s") && text.contains("costliest   depth"), "{text}");
+}
+
+#[test]
+fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
+    let log = frame_log(folder.path(), 101);
+    let json = file("results.JSON");
+    std::fs::write(&json, r#"{"device": "some GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#)
+        .unwrap();
+    let page = file("page.html");
+    for (files, heading, words) in [
+        (&[&log][..], "<h1>A walk through yard.laz</h1>", "frames      101"),
+        (&[&log, &log], "<h1>A: ", "no clear difference"),
+        (&[&json], "<h1>Benchmarks on some GPU</h1>", "Nothing was measured"),
+    ] {
+        let args: Vec<&str> =
+            ["report", "-o", &page].into_iter().chain(files.iter().map(|f| f.as_str())).collect();
+        let output = output(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty() && String::from_utf8(output.stdout).unwrap().contains(words));
+        assert!(std::fs::read_to_string(&page).unwrap().contains(heading), "{heading}");
+    }
+    let nowhere = file("no/such/page.html");
+    for (args, words) in [
+        (&["report", &log, "-o", &nowhere][..], nowhere.as_str()),
+        (&["report", &log, "--worst-poses", &page], "has no head poses"),
+        (&["report", &log, &nowhere], nowhere.as_str()),
+    ] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 1, "{args:?}: {text}");
+        assert!(text.contains(words) && text.lines().count() == 1, "{args:?}: {text}");
+    }
 }
 
 #[test]

@@ -181,6 +181,14 @@ fn files_that_are_no_frame_log() {
     assert_eq!((line, problem.as_str()), (num_lines - 2, "'1e300' is no number"));
     let many = (0..20).map(|i| good.lines().last().unwrap().replace("closest", &format!("q{i}")) + "\n");
     assert_eq!(complaint(good.clone() + &many.collect::<String>()).1, "'q15' is no quality");
+    let facts: String = (0..100).map(|i| format!("# fact {i}: x\n")).collect();
+    assert_eq!(
+        complaint(good.replacen("# scan:", &(facts + "# scan:"), 1)).1,
+        "more than 64 facts of the run"
+    );
+    let stages: String = (0..100).map(|i| format!(",s{i}_ms")).collect();
+    let (_, problem) = complaint(good.replacen(",head_qw\n", &(",head_qw".to_owned() + &stages + "\n"), 1));
+    assert_eq!(problem, "more than 64 columns of stages");
     let poseless = good.replacen(",4000000,", ",,", 1);
     assert_eq!(complaint(poseless).1, "'' is no number", "half a pose is none");
     assert!(matches!(read(Path::new("no/such.csv")), Err(ReadError::Io { .. })));

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// Reads what is named, writes the files that are wanted, prints the text.
 pub(super) fn run(args: &ReportArgs) -> anyhow::Result<()> {
+    refuse_overwriting(args)?;
     let (text, page) = match &args.files[..] {
         [file] if is_json(file) => {
             refuse_poses(args)?;
@@ -46,6 +47,20 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
+/// A slip of the hand must not cost a log.
+fn refuse_overwriting(args: &ReportArgs) -> Result<(), Usage> {
+    let written: Vec<&PathBuf> = args.out.iter().chain(&args.worst_poses).collect();
+    let is_same = |a: &Path, b: &Path| {
+        a == b || std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b))
+    };
+    let read_too = written.iter().find(|out| args.files.iter().any(|file| is_same(file, out)));
+    let written_twice = written.len() == 2 && is_same(written[0], written[1]);
+    match read_too.or(written.first().filter(|_| written_twice)) {
+        None => Ok(()),
+        Some(out) => Err(Usage(format!("report: {} would be overwritten; name another file", out.display()))),
+    }
+}
+
 fn refuse_poses(args: &ReportArgs) -> Result<(), Usage> {
     match args.worst_poses {
         None => Ok(()),
@@ -53,7 +68,7 @@ fn refuse_poses(args: &ReportArgs) -> Result<(), Usage> {
     }
 }
 
-fn write_poses(log: &FrameLogFile, file: &Path, out: &PathBuf) -> anyhow::Result<()> {
+fn write_poses(log: &FrameLogFile, file: &Path, out: &Path) -> anyhow::Result<()> {
     let poses = worst_poses(log).with_context(|| {
         format!(
             "{} has no head poses with GPU times; log the walk again with this version's `scanwalk view --log`",

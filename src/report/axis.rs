@@ -31,7 +31,7 @@ impl Axis {
 
     /// A logarithmic axis of positive values.
     pub(super) fn log(low: f64, high: f64) -> Self {
-        let low = low.max(LOG_BEGIN[0]).min(LOG_BEGIN[1]);
+        let low = if low.is_nan() { LOG_BEGIN[0] } else { low.clamp(LOG_BEGIN[0], LOG_BEGIN[1]) };
         Self { scale: Scale::Log, low, high: if high > low && high.is_finite() { high } else { 10.0 * low } }
     }
 

@@ -1,8 +1,9 @@
 //! The page of benchmark results: for each table of a paper its bars, beside the paper's own figures.
 
 use super::bars::{Bar, axis_of, bars};
-use super::bench_results::{BenchResults, BenchRow, GpuMs, count, in_order};
+use super::bench_results::{BenchResults, BenchRow, GpuMs, count};
 use super::page::{self, Page};
+use super::table::in_order;
 
 /// The page: HTML, whole.
 #[must_use]
@@ -29,6 +30,12 @@ fn group(row: &BenchRow) -> Group<'_> {
 fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
     page.section(&heading(table));
     let rows: Vec<&BenchRow> = results.rows.iter().filter(|row| row.table == table).collect();
+    page.add(page::paragraph(&compared_with(results, &rows)));
+    let mut keys = vec![("good", "median here, and a line from the fastest to the slowest frame")];
+    if rows.iter().any(|row| row.paper_ms.is_some()) {
+        keys.push(("paper", "the paper's, on the GPU named beside it"));
+    }
+    page.add(page::keys(keys));
     // One axis for all plots of a table: their bars can be compared.
     let all: Vec<Bar> = rows.iter().map(|row| bar(row)).collect();
     let axis = axis_of(all.iter());
@@ -43,10 +50,6 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
         let described = format!("Viewpoint {viewpoint}, order {order}, {} points", count(points));
         page.add(page::figure(bars(&described, "milliseconds a frame", axis, &bars_of), &described));
     }
-    let keys =
-        [("good", "median here, its line from the fastest to the slowest frame"), ("paper", "the paper's")];
-    page.add(page::keys(keys));
-    page.add(page::paragraph(&compared_with(results, &rows)));
     page.add(page::figure(
         results.text_table(table).markup(),
         "x point list: how many times as fast as point-list, the hardware's own points, with the same points, order \

@@ -1,6 +1,6 @@
 //! What `scanwalk bench --json` writes and `scanwalk report RESULTS.json` reads: one set of types for both.
 
-use super::table::{Table, ms};
+use super::table::{Table, in_order, ms};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::File;
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// Larger files are no benchmark results.
 const MAX_BYTES: u64 = 16 << 20;
+const MAX_ROWS: usize = 10_000;
 
 /// Results of a run on one machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -113,6 +114,9 @@ impl BenchResults {
             return Err(format(format!("it is larger than {} MiB", MAX_BYTES >> 20)));
         }
         let results: Self = serde_json::from_slice(&text).map_err(|error| format(error.to_string()))?;
+        if results.rows.len() > MAX_ROWS {
+            return Err(format(format!("it has more than {MAX_ROWS} rows")));
+        }
         match results.rows.iter().position(|row| !row.is_possible()) {
             None => Ok(results),
             Some(at) => Err(format(format!("the times of row {} cannot be", at + 1))),
@@ -210,17 +214,6 @@ impl fmt::Display for BenchResults {
         }
         Ok(())
     }
-}
-
-/// Each value once, in the order in which they first appear.
-pub(super) fn in_order<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    let mut once = Vec::new();
-    for value in values {
-        if !once.contains(&value) {
-            once.push(value);
-        }
-    }
-    once
 }
 
 /// A count with its thousands apart.

@@ -14,10 +14,10 @@ use crate::synth::random::Rng;
 use crate::timing::percentile::{Sorted, rank};
 use rayon::prelude::*;
 
-/// Resamples; the ends of an interval then vary by about a tenth of its length.
+/// Resamples; other ones would move the ends of an interval by about a fiftieth of its length.
 const NUM_RESAMPLES: u64 = 2000;
-/// With fewer blocks nothing can be said of the spread.
-const MIN_BLOCKS: usize = 10;
+/// With fewer values there are fewer than ten blocks, and nothing can be said of the spread.
+const MIN_VALUES: usize = 100;
 /// The same logs give the same interval.
 const SEED: u64 = 1;
 /// Ends of the interval, in per mille.
@@ -26,13 +26,13 @@ const ENDS: [usize; 2] = [25, 975];
 /// The lower and the upper end of a 95 % interval.
 pub type Interval = [f64; 2];
 
-/// Medians of resamples of values in the order in which they were measured; NaN is left out. `None` if there are too
-/// few, or if the blocks (of `block_len` values) are. `stream` keeps the draws of one series apart from another's.
+/// Medians of resamples of values in the order in which they were measured, in blocks of at least `block_len` of
+/// them; `None` if there are too few. `stream` keeps the draws of one series apart from another's.
 fn resampled_medians(values: &[f64], block_len: usize, stream: u64) -> Option<Vec<f64>> {
-    let num_blocks = values.len() / block_len.max(1);
-    if num_blocks < MIN_BLOCKS {
+    if values.len() < MIN_VALUES {
         return None;
     }
+    let num_blocks = values.len() / block_len;
     let block_of = |at: usize| at * num_blocks / values.len();
     let mut block_lens = vec![0; num_blocks];
     (0..values.len()).for_each(|at| block_lens[block_of(at)] += 1);
@@ -57,9 +57,9 @@ fn resampled_medians(values: &[f64], block_len: usize, stream: u64) -> Option<Ve
 }
 
 /// Intervals of the difference B − A and of the ratio B / A of the medians of two series of values, each in the
-/// order in which they were measured. `None` below about a hundred values; no ratio where A's median may be 0.
+/// order in which they were measured. `None` below a hundred values; no ratio where A's median may be 0.
 pub(super) fn compare_medians(a: &[f64], b: &[f64]) -> Option<(Interval, Option<Interval>)> {
-    compare_in_blocks([a, b], |num| (num as f64).sqrt().ceil() as usize)
+    compare_in_blocks([a, b], usize::isqrt)
 }
 
 fn compare_in_blocks(

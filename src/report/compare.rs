@@ -4,7 +4,7 @@ use super::bootstrap::{Interval, compare_medians};
 use super::histogram::histogram;
 use super::page::{self, Page};
 use super::summary::{NO_GPU_TIMES, Summary};
-use super::table::{Table, ms, percent};
+use super::table::{Table, in_order, ms, percent};
 use crate::timing::percentile::REPORTED_PER_MILLE;
 use crate::timing::{FrameLogFile, LoggedFrame};
 use std::fmt;
@@ -27,7 +27,7 @@ pub struct Difference {
     pub name: String,
     /// Medians of A and B; `None` where a log has no such time.
     pub medians_ms: [Option<f64>; 2],
-    /// 95 % interval of the medians' difference B − A, by a block bootstrap; `None` below about a hundred frames.
+    /// 95 % interval of the medians' difference B − A, by a block bootstrap; `None` below a hundred frames.
     pub difference_ms: Option<Interval>,
     /// The same of their ratio B / A; `None` where A's median may be 0 too.
     pub ratio: Option<Interval>,
@@ -50,6 +50,7 @@ impl Difference {
     /// What the table says of it.
     fn in_words(&self) -> &'static str {
         match self.difference_ms {
+            None if self.medians_ms.contains(&None) => "-",
             None => "too few frames",
             Some([low, _]) if low > 0.0 => "B slower",
             Some([_, high]) if high < 0.0 => "B faster",
@@ -75,8 +76,7 @@ impl Comparison {
             let times = logs.map(|log| times_ms(log, stage));
             Difference::of(name, times, [0, 1].map(|which| median(which, stage)))
         };
-        let [a, b] = logs.map(|log| &log.stages);
-        let stages = a.iter().chain(b.iter().filter(|stage| !a.contains(stage)));
+        let stages = in_order(logs.iter().flat_map(|log| &log.stages)).into_iter();
         let frame = std::iter::once(difference("GPU", None));
         let differences = frame.chain(stages.map(|stage| difference(stage, Some(stage)))).collect();
         Self { names, summaries, differences }
@@ -86,16 +86,13 @@ impl Comparison {
     /// comparison.
     #[must_use]
     pub fn differing_facts(&self) -> Vec<(&str, [&str; 2])> {
-        let [a, b] = self.summaries.each_ref().map(|summary| &summary.facts);
-        let value =
-            |facts: &'_ [(String, String)], wanted: &str| facts.iter().position(|(name, _)| name == wanted);
-        let only_b = b.iter().filter(|(name, _)| value(a, name).is_none());
-        let names = a.iter().chain(only_b).map(|(name, _)| name.as_str());
-        let both = names.map(|name| {
-            let of = |facts: &'_ Vec<(String, String)>| value(facts, name);
-            let [in_a, in_b] = [of(a).map(|at| a[at].1.as_str()), of(b).map(|at| b[at].1.as_str())];
-            (name, [in_a.unwrap_or("-"), in_b.unwrap_or("-")])
-        });
+        let value = |which: usize, wanted: &str| {
+            let fact = self.summaries[which].facts.iter().find(|(name, _)| name == wanted);
+            fact.map_or("-", |(_, value)| value.as_str())
+        };
+        let facts = self.summaries.iter().flat_map(|summary| &summary.facts);
+        let names = in_order(facts.map(|(name, _)| name.as_str())).into_iter();
+        let both = names.map(|name| (name, [0, 1].map(|which| value(which, name))));
         both.filter(|(_, [a, b])| a != b).collect()
     }
 

@@ -37,7 +37,7 @@ pub(super) fn histogram(logs: &[(&str, &str, &Sorted)], top_ms: f64, budgets_ms:
         HEIGHT,
     );
     plot.mark_x("GPU milliseconds a frame");
-    plot.mark_y(5);
+    plot.mark_y(5, "%");
     for (class, name, shares) in &all {
         for (bin, (share, num)) in shares.iter().enumerate().filter(|(_, (_, num))| *num > 0) {
             let [from, to] = [bin, bin + 1].map(|edge| top_ms * edge as f64 / NUM_BINS as f64);

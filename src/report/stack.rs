@@ -3,9 +3,9 @@
 use super::axis::Axis;
 use super::markup::Markup;
 use super::page;
-use super::reduce::{Column, held};
+use super::reduce::{columns, held};
 use super::svg::{Path, Plot};
-use super::timeline::{SIDES, along_time, time_axis};
+use super::timeline::{SIDES, time_axis};
 use crate::timing::{FrameLogFile, STAGES};
 
 const HEIGHT: f64 = 200.0;
@@ -17,26 +17,22 @@ fn class(stage: &str, at: usize) -> String {
     format!("s{}", ours.unwrap_or(STAGES.len() + at) % NUM_COLORS)
 }
 
-/// The figure.
-pub(super) fn stack(log: &FrameLogFile) -> Markup {
-    let draft = Plot::new("", [time_axis(log), Axis::linear(0.0, 1.0)], SIDES, HEIGHT);
-    // Half as many columns as the screen may show: areas need no more.
-    let halved = |columns: Vec<Option<Column>>| -> Vec<f64> {
-        held(columns).iter().step_by(2).map(|column| column.map_or(0.0, |c| c.mean().max(0.0))).collect()
+/// The figure, up to where the plot of all frames reaches.
+pub(super) fn stack(log: &FrameLogFile, top_ms: f64) -> Markup {
+    let time = time_axis(log);
+    let axes = [time, Axis::linear(0.0, top_ms)];
+    let mut plot = Plot::new("GPU milliseconds of the stages along the walk", axes, SIDES, HEIGHT);
+    // Half as many columns as a large screen may show: areas need no more.
+    let num = plot.num_columns() / 2;
+    let means = |stage: usize| -> Vec<f64> {
+        let times = log.frames.iter().map(|frame| (time.place(frame.time_s), frame.stage_ms[stage]));
+        held(columns(times, num)).iter().map(|column| column.map_or(0.0, |c| c.mean().max(0.0))).collect()
     };
-    let means: Vec<Vec<f64>> = (0..log.stages.len())
-        .map(|stage| halved(along_time(&draft, &log.frames, |frame| frame.stage_ms[stage])))
-        .collect();
-    let num = means.first().map_or(0, Vec::len);
-    let tops = (0..num).map(|at| means.iter().map(|stage| stage[at]).sum::<f64>());
-    let axis = Axis::linear(0.0, 1.05 * tops.fold(0.0, f64::max));
-    let mut plot =
-        Plot::new("GPU milliseconds of the stages along the walk", [time_axis(log), axis], SIDES, HEIGHT);
     plot.mark_x("seconds");
-    plot.mark_y(5);
+    plot.mark_y(6, "ms");
     let mut below = vec![0.0; num];
-    for (at, (name, stage)) in log.stages.iter().zip(&means).enumerate() {
-        let above: Vec<f64> = below.iter().zip(stage).map(|(below, ms)| below + ms).collect();
+    for (at, name) in log.stages.iter().enumerate() {
+        let above: Vec<f64> = below.iter().zip(means(at)).map(|(below, ms)| below + ms).collect();
         plot.path(&class(name, at), between(&plot, &below, &above));
         below = above;
     }

@@ -10,9 +10,12 @@ use crate::timing::{FrameLogFile, LoggedFrame};
 
 const HEIGHT: f64 = 46.0;
 
+/// A figure of a frame; NaN where the log has none.
+type Figure = fn(&LoggedFrame) -> f64;
+
 /// The figure; `None` if the log says nothing of the governor.
 pub(super) fn governor(log: &FrameLogFile) -> Option<Markup> {
-    let scales: [(&str, fn(&LoggedFrame) -> f64); 2] =
+    let scales: [(&str, Figure); 2] =
         [("LOD scale", |frame| frame.lod_scale), ("resolution scale", |frame| frame.resolution_scale)];
     let mut lanes: Vec<Markup> = Vec::new();
     for (name, figure) in scales {

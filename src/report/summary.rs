@@ -118,11 +118,12 @@ impl Summary {
     }
 
     /// Up to where a plot of GPU times should reach, in milliseconds: past the budget and past nearly all frames,
-    /// so that a few very long ones do not flatten all others.
+    /// so that a few very long ones (of a short log a few are one in a hundred) do not flatten all others.
     pub(super) fn plotted_ms(&self) -> f64 {
         let of = |per_mille| self.gpu_ms.percentile(per_mille).unwrap_or_default();
         let budget_ms = self.budget_ms.1;
-        (1.1 * of(999)).max(1.5 * budget_ms).min((1.05 * of(1000)).max(1.2 * budget_ms))
+        let nearly_all = (1.1 * of(999)).min(2.0 * of(900));
+        nearly_all.max(1.5 * budget_ms).min((1.05 * of(1000)).max(1.2 * budget_ms))
     }
 }
 

@@ -76,9 +76,9 @@ impl Plot {
     }
 
     /// Marks of the vertical axis, to the left.
-    pub(super) fn mark_y(&mut self, num: usize) {
+    pub(super) fn mark_y(&mut self, num: usize, unit: &str) {
         for tick in self.y.ticks(num) {
-            self.mark_y_at(tick, &label(tick));
+            self.mark_y_at(tick, &format!("{} {unit}", label(tick)));
         }
     }
 

@@ -56,7 +56,7 @@ pub(super) fn timeline(log: &FrameLogFile, summary: &Summary) -> Markup {
         HEIGHT,
     );
     plot.mark_x("seconds");
-    plot.mark_y(6);
+    plot.mark_y(6, "ms");
     let frames = along_time(&plot, &log.frames, |frame| frame.gpu_ms);
     plot.path("frames", through(&plot, &frames));
     let over =

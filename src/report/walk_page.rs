@@ -41,7 +41,7 @@ pub fn walk_page(log: &FrameLogFile) -> String {
         let budgets = if low == high { vec![low] } else { vec![low, high] };
         page.add(histogram(&[("good", "frames", &summary.gpu_ms)], summary.plotted_ms(), &budgets));
         page.section("Where the time goes");
-        page.add(stack(log));
+        page.add(stack(log, summary.plotted_ms()));
     }
     if let Some(governor) = governor(log) {
         page.section("What the governor did");

@@ -14,6 +14,9 @@ const MAX_LINE_BYTES: u64 = 64 << 10;
 const MAX_FRAMES: usize = 8_000_000;
 /// There are two; another version may have a few more.
 const MAX_QUALITIES: usize = 16;
+/// A header has six facts, a frame six stages; another version may have more.
+const MAX_FACTS: usize = 64;
+const MAX_STAGES: usize = 64;
 /// No time, factor or coordinate is larger: sums stay finite.
 const MAX_NUMBER: f64 = 1e12;
 
@@ -160,6 +163,9 @@ impl Reading<'_> {
             self.log.num_dropped = num.trim().parse().map_err(|_| self.error(not_a("count", num)))?;
         } else if let Some(comment) = line.strip_prefix('#') {
             if let Some((name, value)) = comment.split_once(": ") {
+                if self.log.facts.len() == MAX_FACTS {
+                    return Err(self.error(format!("more than {MAX_FACTS} facts of the run")));
+                }
                 self.log.facts.push((name.trim().to_owned(), value.to_owned()));
             }
         } else if let Some(columns) = &self.columns {
@@ -192,8 +198,11 @@ impl Columns {
         let head: Vec<usize> = HEAD.iter().filter_map(|name| find(name)).collect();
         let is_stage = |name: &&str| name.ends_with("_ms") && !NO_STAGE.contains(name);
         let stages = names.iter().enumerate().filter(|(_, name)| is_stage(name));
-        let (stages, stage_names) =
+        let (stages, stage_names): (Vec<usize>, Vec<String>) =
             stages.map(|(at, name)| (at, name.trim_end_matches("_ms").to_owned())).unzip();
+        if stage_names.len() > MAX_STAGES {
+            return Err(format!("more than {MAX_STAGES} columns of stages"));
+        }
         let columns = Self {
             count: names.len(),
             frame: at("frame")?,
