@@ -149,8 +149,8 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of the method, or of [`Detail::fill_reach_px`] from or
-    /// to `None`, compiles pipelines; all else is quick.
+    /// How frames look from the next one on. A change of the method, or of [`crate::layout::Detail::fill_reach_px`] from
+    /// or to `None`, compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.

@@ -27,7 +27,7 @@ pub struct FrameRow {
     pub predicted_display_ns: i64,
     /// CPU: waiting for the runtime (or the simulated display).
     pub wait_ms: f32,
-    /// CPU: recording commands.
+    /// CPU: recording commands, and before that taking a cloud that has become ready.
     pub record_ms: f32,
     /// CPU: locating the eyes and submitting.
     pub submit_ms: f32,

@@ -140,6 +140,8 @@ struct Frames {
     scan_frames: u64,
     began: Instant,
     scan_shown: Option<Instant>,
+    /// What clouds took of this thread since the last row, for that row's `record_ms`.
+    load_ms: f32,
     last_display_ns: Option<i64>,
     stage_from_head: Pose,
     pending: VecDeque<FrameRow>,
@@ -179,6 +181,7 @@ impl Frames {
             scan_frames: 0,
             began: Instant::now(),
             scan_shown: None,
+            load_ms: 0.0,
             last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
             pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
@@ -189,6 +192,7 @@ impl Frames {
 
     /// The newest scan that has become ready, if any.
     fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
+        let began = Instant::now();
         while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
             self.retire(walk);
             self.retiring = self.renderer.set_cloud(cloud)?;
@@ -200,6 +204,7 @@ impl Frames {
                 }
             }
         }
+        self.load_ms += ms(began.elapsed());
         Ok(())
     }
 
@@ -262,7 +267,7 @@ impl Frames {
         }
         self.renderer.record(&mut encoder, self.frame, &eyes);
         self.record_copies(walk, headset, &mut encoder, &images.color);
-        let record_ms = ms(record_began.elapsed());
+        let record_ms = ms(record_began.elapsed()) + std::mem::take(&mut self.load_ms);
 
         let submit_began = Instant::now();
         let eyes = headset.locate()?;
