@@ -137,7 +137,7 @@ fn wrong_usage_exits_2() {
 fn what_does_not_exist_yet_is_refused_in_one_sentence() {
     for (args, words) in [
         (&["convert", "a.laz", "-o", "a.copc.laz"][..], "convert does not exist yet"),
-        (&["bench"], "bench does not exist yet"),
+        (&["bench", "--table", "spt"], "the table spt does not exist yet"),
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");

@@ -29,7 +29,7 @@ pub fn depth_of(depth40: u64) -> f64 {
 pub fn exact_depth(eye: &EyeUniform, batch: &VisibleBatch, words: [u32; 3]) -> f64 {
     let cells = cells(batch.flags & 3, words);
     let place = |axis: usize| {
-        let steps = f64::from(cells[axis] as i32 - batch.head_cell[axis]);
+        let steps = f64::from(cells[axis] - batch.head_cell[axis]);
         steps * f64::from(batch.cell[axis]) + f64::from(batch.offset[axis])
     };
     let [x, y, z, w] = eye.row_w.map(f64::from);
