@@ -46,7 +46,7 @@ struct ViewUniform {
     head_lo: vec3<f32>,
     forced_planes: u32,
     threshold_px: vec3<f32>,
-    lod_flags: u32,
+    flags: u32,
     ring_cos: vec2<f32>,
     ring_sin: vec2<f32>,
     fill_reach_px: f32,

@@ -378,3 +378,14 @@ fn small_and_impossible_clouds() {
     let scan = scan_of(vec![[1, 2, 3]; 5]);
     assert_eq!(build(&scan, &Progress::new("test", "points", 10, &stop)), BuildError::Stopped);
 }
+
+/// Four places, thousands of points in each: nodes of the first level stand right over the deepest ones, whose codes
+/// are made in frames of their own.
+#[test]
+fn a_few_crowded_places_keep_every_promise() {
+    let mut random = Random(190_902_201_275);
+    let xyz = (0..28_720).map(|_| [0, 0, 2].map(|bits| random.below(1 << bits))).collect();
+    let scan = scan_of(xyz);
+    let faults = faults(&octree_of(&scan), &scan);
+    assert!(faults.is_empty(), "{:#?}", &faults[..faults.len().min(9)]);
+}

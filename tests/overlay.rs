@@ -23,6 +23,7 @@ const DETAIL: Detail = Detail {
     smooth: false,
     fade: false,
     fill_reach_px: None,
+    keep_unseen: false,
 };
 /// As in the shaders, in sRGB.
 const PALETTE: [[f64; 3]; 3] = [[0.337, 0.706, 0.914], [0.0, 0.62, 0.451], [0.902, 0.624, 0.0]];
@@ -73,7 +74,7 @@ fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay:
 }
 
 fn look(quality: Quality, dilate: Dilate) -> Look {
-    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL }
+    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..Look::default() }
 }
 
 fn flat() -> Cloud {

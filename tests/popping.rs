@@ -73,7 +73,10 @@ fn fading_keeps_patches_from_popping() {
     {
         let pop = |fade| {
             let detail = Detail { fade, fill_reach_px, ..Detail::default() };
-            largest_pop(&octree, Look { quality: Quality::Hqs, dilate, background: [0; 3], detail })
+            largest_pop(
+                &octree,
+                Look { quality: Quality::Hqs, dilate, background: [0; 3], detail, ..Look::default() },
+            )
         };
         let (faded, popped) = (pop(true), pop(false));
         println!("{name}: largest change {popped:.2} without fading, {faded:.2} with");

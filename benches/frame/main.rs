@@ -9,7 +9,6 @@ mod check;
 mod contestant;
 mod figures;
 mod heat;
-mod point_list;
 mod scene;
 #[path = "../support/timed.rs"]
 mod timed;

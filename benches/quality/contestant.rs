@@ -1,12 +1,12 @@
 //! The ways to draw that are compared, and the truth that they are compared with.
 
 use super::picture::{Picture, only_eye};
-use super::point_list::{self, PointList};
 use super::scene::Scene;
 use super::supersample::{self, FACTOR};
 use anyhow::{Context, Result};
+use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
-use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality, Tier};
+use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality};
 use scanwalk::gpu::{Gpu, readback};
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
@@ -103,7 +103,7 @@ struct Compute {
 
 impl Compute {
     fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
-        let atomics = render::tier(gpu, Tier::Auto)?;
+        let atomics = render::tier(gpu, &Config::default())?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, look)?;
         renderer.set_cloud(cloud)?;

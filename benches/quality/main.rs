@@ -8,8 +8,6 @@ mod figures;
 mod metrics;
 mod motion;
 mod picture;
-#[path = "../frame/point_list.rs"]
-mod point_list;
 mod scene;
 mod supersample;
 

@@ -17,6 +17,8 @@ pub(super) struct DrawnPart {
     pub no_sums: Clearing,
     /// Of 16 bytes, the same.
     pub no_wide: Clearing,
+    /// Of any, which stay as they are: for the counters.
+    pub as_it_is: Clearing,
     /// Of each eye.
     pub eyes: Vec<EyePart>,
 }
@@ -55,6 +57,7 @@ impl DrawnPart {
             no_depth: make.clearing(4, EMPTY_DEPTH),
             no_sums: make.clearing(8, 0),
             no_wide: make.clearing(16, 0),
+            as_it_is: make.clearing(0, 0),
             eyes: (0..targets.drawn_px.len())
                 .map(|eye| make.eye(eye, hidden.get(eye).map_or(&[], |bits| bits), background))
                 .collect(),

@@ -42,7 +42,7 @@ pub struct EyeImage<'a> {
 }
 
 impl Renderer {
-    /// Records frame number `frame` into `images`, one an eye. Poses are not needed yet: see [`Self::set_view`].
+    /// Records frame number `frame` into `images`, one an eye; to be submitted before the next is recorded. Poses are not needed yet: see [`Self::set_view`].
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[EyeImage]) {
         self.timer.begin(encoder, frame);
         self.record_clear(encoder);
@@ -53,6 +53,7 @@ impl Renderer {
         self.record_kept_sums(encoder);
         self.record_resolve(encoder, images);
         self.timer.end(encoder, &self.counters);
+        self.targets_are_clear = self.groups.clear_counters.is_some() && self.cloud.is_some();
     }
 
     /// Sets the eyes of the frame that is submitted next through the same guard.
@@ -90,7 +91,8 @@ impl Renderer {
     fn record_clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = self.compute_pass(encoder, CLEAR);
         let limit = self.gpu.device.limits().max_compute_workgroups_per_dimension;
-        for (group, num_words) in &self.groups.clear {
+        let counters = self.groups.clear_counters.as_ref().filter(|_| self.targets_are_clear);
+        for (group, num_words) in counters.map_or(&self.groups.clear[..], std::slice::from_ref) {
             let num_groups = num_words.div_ceil(WORKGROUP_SIZE).min(limit);
             self.pipelines.clear.dispatch(&mut pass, group, num_groups);
         }

@@ -27,6 +27,8 @@ pub(super) struct Parts<'a> {
 pub(super) struct Groups {
     /// One for each pair of targets to clear, with the number of its 16-byte words.
     pub clear: Vec<(wgpu::BindGroup, u32)>,
+    /// The same where `resolve` has cleared the targets of the frame before.
+    pub clear_counters: Option<(wgpu::BindGroup, u32)>,
     pub lod: Option<wgpu::BindGroup>,
     /// One a chunk, and so are the next three.
     pub cull: Vec<wgpu::BindGroup>,
@@ -64,6 +66,7 @@ impl Parts<'_> {
     pub fn groups(&self) -> Groups {
         let mut groups = Groups {
             clear: self.clear(),
+            clear_counters: self.clear_counters(),
             lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, &self.of_cloud(cloud))),
             cull: vec![],
             depth: vec![],
@@ -94,25 +97,33 @@ impl Parts<'_> {
         let Targets { keys, depth, wide, .. } = self.targets;
         let DrawnPart { no_keys, no_depth, no_sums, no_wide, .. } = self.drawn;
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
+            Quality::Closest if self.pipelines.closest.counts => vec![(keys, no_keys), (depth, no_depth)],
             Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
             // The keys' buffers hold ids, half as large.
             Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
             Quality::Hqs => match self.hqs().sums {
                 Sums::Packed => vec![(depth, no_depth), (keys, no_sums)],
                 Sums::Protected => vec![(depth, no_depth), (keys, no_sums), (wide, no_wide)],
-                Sums::Wide => vec![(depth, no_depth), (wide, no_wide)],
+                Sums::Wide | Sums::Pairs => vec![(depth, no_depth), (wide, no_wide)],
             },
         };
-        let group = |(pair, clearing): (&[wgpu::Buffer; 2], &Clearing)| {
-            let resources = [
-                ("clear", clearing.uniform.as_entire_binding()),
-                ("left", pair[0].as_entire_binding()),
-                ("right", pair[1].as_entire_binding()),
-                ("counters", self.counters.as_entire_binding()),
-            ];
-            (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words)
-        };
-        pairs.into_iter().map(group).collect()
+        pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
+    }
+
+    /// Dilation writes over the keys, so that they must be cleared after all.
+    fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
+        let clears = self.pipelines.closest.shade_clears && self.quality == Quality::Closest;
+        (clears && self.dilate == Dilate::Off).then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
+    }
+
+    fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
+        let resources = [
+            ("clear", clearing.uniform.as_entire_binding()),
+            ("left", pair[0].as_entire_binding()),
+            ("right", pair[1].as_entire_binding()),
+            ("counters", self.counters.as_entire_binding()),
+        ];
+        (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words.max(1))
     }
 
     fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> Resources<'b> {
@@ -144,12 +155,14 @@ impl Parts<'_> {
             ("colors", chunk.colors.as_entire_binding()),
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
         ]);
-        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 5] = [
+        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 7] = [
             (keys, ["keys_left", "keys_right"]),
             (keys, ["sums_left", "sums_right"]),
             (keys, ["ids_left", "ids_right"]),
             (depth, ["depth_left", "depth_right"]),
+            (depth, ["asked_left", "asked_right"]),
             (wide, ["wide_left", "wide_right"]),
+            (wide, ["pairs_left", "pairs_right"]),
         ];
         for (pair, names) in names {
             resources.extend([0, 1].map(|eye| (names[eye], pair[eye].as_entire_binding())));
@@ -171,6 +184,7 @@ impl Parts<'_> {
             ("hidden", part.hidden.as_entire_binding()),
             ("dilate", part.dilate.as_entire_binding()),
             ("depth", depth.as_entire_binding()),
+            ("keys", targets.keys[eye].as_entire_binding()),
             ("ids", targets.keys[eye].as_entire_binding()),
             ("sums", targets.keys[eye].as_entire_binding()),
             ("wide", targets.wide[eye].as_entire_binding()),
@@ -187,6 +201,7 @@ impl Parts<'_> {
             |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
         let surface = match self.quality {
             _ if self.cloud.is_none() => vec![],
+            Quality::Closest if closest.shade_clears => vec![closest.shade.bind(self.gpu, &resources)],
             Quality::Closest => (0..self.chunks().len()).map(shade).collect(),
             Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
         };

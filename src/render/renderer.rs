@@ -50,6 +50,8 @@ pub struct Renderer {
     hidden: Vec<Vec<u32>>,
     drawn: DrawnPart,
     pub(super) groups: Groups,
+    /// The frame before has cleared its targets, and nothing has changed since.
+    pub(super) targets_are_clear: bool,
     /// See [`Self::binding`].
     binding: u64,
     pub(super) timer: Timer,
@@ -83,6 +85,7 @@ impl Renderer {
             hidden: vec![],
             drawn,
             groups: Groups::default(),
+            targets_are_clear: false,
             binding: 0,
             timer,
         };
@@ -107,6 +110,13 @@ impl Renderer {
         let before = self.cloud.replace(cloud);
         self.rebind();
         Ok(before)
+    }
+
+    /// Shows nothing from the next frame on, and gives back the cloud.
+    pub fn take_cloud(&mut self) -> Option<CloudBuffers> {
+        let cloud = self.cloud.take();
+        self.rebind();
+        cloud
     }
 
     /// New image sizes, one an eye.
@@ -139,8 +149,8 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of [`crate::layout::Detail::fill_reach_px`] from or to `None`
-    /// compiles pipelines; all else is quick.
+    /// How frames look from the next one on. A change of the method, or of [`crate::layout::Detail::fill_reach_px`] from
+    /// or to `None`, compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
@@ -242,6 +252,7 @@ impl Renderer {
             dilate: self.look.dilate,
         };
         self.groups = parts.groups();
+        self.targets_are_clear = false;
         self.rebound();
     }
 
@@ -260,6 +271,7 @@ fn what(setup: &Setup, look: &Look) -> For {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
         atomics: setup.atomics,
+        method: look.method,
         color_format: setup.color_format,
         depth_format: setup.depth_format,
     }

@@ -6,6 +6,13 @@ use crate::layout::{self, Variant};
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
 /// The geometry stages' loop over points.
 const POINTS: &str = include_str!("../../shaders/points.inc.wgsl");
+/// The targets of `closest` quality.
+const KEYS: &str = include_str!("../../shaders/keys.inc.wgsl");
+/// What threads of a subgroup tell each other, and the same without subgroups.
+const SUBGROUP: &str = include_str!("../../shaders/subgroup.inc.wgsl");
+const SUBGROUP_EMULATED: &str = include_str!("../../shaders/subgroup_emulated.inc.wgsl");
+/// Depths in 40-bit integers.
+const FIXED40: &str = include_str!("../../shaders/fixed40.inc.wgsl");
 /// The tiles that the steps of `resolve` work on.
 const TILES: &str = include_str!("../../shaders/tiles.inc.wgsl");
 /// Which points count for a pixel's color, and their sums in four u32.
@@ -33,16 +40,19 @@ pub struct Shader {
 
 macro_rules! shader {
     ($name:literal, $shared:expr) => {
-        Shader { name: $name, shared: $shared, text: include_str!(concat!("../../shaders/", $name, ".wgsl")) }
+        shader!($name, $name, $shared)
+    };
+    ($name:literal, $file:literal, $shared:expr) => {
+        Shader { name: $name, shared: $shared, text: include_str!(concat!("../../shaders/", $file, ".wgsl")) }
     };
 }
 
-/// Every shader of the frame, in its order; then the overlays'.
-pub const SHADERS: [Shader; 14] = [
+/// Every shader of the frame, in its order; then the overlays' and those of other methods.
+pub const SHADERS: [Shader; 25] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[]),
-    shader!("depth", &[POINTS]),
+    shader!("depth", &[POINTS, KEYS]),
     shader!("depth32", &[POINTS]),
     shader!("ids", &[POINTS]),
     shader!("color", &[POINTS, SUMS]),
@@ -53,6 +63,17 @@ pub const SHADERS: [Shader; 14] = [
     shader!("resolve", &[SRGB]),
     shader!("overlay", &[DILATION, SRGB, OVERLAY]),
     shader!("boxes", &[DILATION, SRGB, OVERLAY]),
+    shader!("just-set", "methods/just_set", &[POINTS, KEYS]),
+    shader!("busy-loop", "methods/busy_loop", &[POINTS, KEYS]),
+    shader!("atomic-min", "methods/atomic_min", &[POINTS, KEYS]),
+    shader!("reduce", "methods/reduce", &[POINTS, KEYS, SUBGROUP]),
+    shader!("reduce-emulated", "methods/reduce", &[POINTS, KEYS, SUBGROUP_EMULATED]),
+    shader!("dedup", "methods/dedup", &[POINTS, KEYS, SUBGROUP]),
+    shader!("dedup-emulated", "methods/dedup", &[POINTS, KEYS, SUBGROUP_EMULATED]),
+    shader!("count", "methods/count", &[POINTS, KEYS]),
+    shader!("fixed40", "methods/fixed40", &[POINTS, KEYS, FIXED40]),
+    shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
+    shader!("color-pairs", "methods/color_pairs", &[POINTS, SUMS]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

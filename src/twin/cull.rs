@@ -1,8 +1,8 @@
 //! Twin of `cull`: frustum, precision, and the head in each batch's cells.
 
 use crate::layout::{
-    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, Node, PRECISION_THRESHOLD_PX,
-    VISIBLE_FILL, ViewUniform, VisibleBatch,
+    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, Node,
+    PRECISION_THRESHOLD_PX, VISIBLE_FILL, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -54,7 +54,7 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     let mut flags = 0;
     let mut planes = view.forced_planes.max(1);
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
-        if in_frustum(eye, view.near, center, half_edge) {
+        if view.flags & KEEP_UNSEEN != 0 || in_frustum(eye, view.near, center, half_edge) {
             flags |= 16 << number;
             let distance_sq = distance_sq(eye, view.near, center, half_edge);
             if view.forced_planes == 0 {

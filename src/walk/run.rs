@@ -157,7 +157,7 @@ impl Frames {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
             depth_format: headset.depth_format(),
-            atomics: tier(&walk.gpu, walk.config.gpu.tier)?,
+            atomics: tier(&walk.gpu, walk.config)?,
         };
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
@@ -273,7 +273,9 @@ impl Frames {
         let eyes = headset.locate()?;
         self.stage_from_head = head_of(&eyes);
         self.mask(headset, &eyes);
-        if let Some(view) = self.view(walk, &eyes) {
+        let world_from_head = self.world_from_head(walk, &eyes);
+        if let Some((locomotion, pose)) = self.locomotion.as_ref().zip(world_from_head.as_ref()) {
+            let view = locomotion.view(pose, &eyes, self.drawn_px, walk.config.frame.near_m);
             self.renderer.set_view(&walk.gpu.queue.lock(), &view);
             self.last_view = Some(view);
         }
@@ -302,6 +304,7 @@ impl Frames {
             resolution_scale: self.settings.resolution_scale,
             quality: self.settings.quality.name(),
             upload_bytes: written_bytes - self.written_bytes,
+            world_from_head,
         });
         self.written_bytes = written_bytes;
         self.last_display_ns = Some(predicted_display_ns);
@@ -326,14 +329,12 @@ impl Frames {
         Ok(())
     }
 
-    fn view(&self, walk: &Walk, eyes: &[StageEye; 2]) -> Option<View> {
-        let (locomotion, near_m) = (self.locomotion.as_ref()?, walk.config.frame.near_m);
+    /// The head, where the user or the pose path has it; `None` before a scan is shown.
+    fn world_from_head(&self, walk: &Walk, eyes: &[StageEye; 2]) -> Option<Pose> {
+        let locomotion = self.locomotion.as_ref()?;
         Some(match walk.pose_path {
-            None => locomotion.view(eyes, self.drawn_px, near_m),
-            Some(path) => {
-                let time_s = self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64());
-                locomotion.view_at(&path.at(time_s), eyes, self.drawn_px, near_m)
-            }
+            None => locomotion.world_from_head(&head_of(eyes)),
+            Some(path) => path.at(self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64())),
         })
     }
 

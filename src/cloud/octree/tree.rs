@@ -123,6 +123,8 @@ impl Builder<'_> {
             // One sample would stand for all: the node would show nothing that its parent does not.
             return self.subtree(frame, level + 1, part);
         }
+        // Afterwards the codes may be those of a frame further down.
+        let cube = frame.cube(part.keys[0].code, level);
         let is_small = part.keys.len() < PARALLEL_POINTS;
         let parts = part.reborrow().split(frame.bits_below(level + 1));
         let below = |part: Part| self.subtree(frame, level + 1, part);
@@ -131,7 +133,7 @@ impl Builder<'_> {
         } else {
             parts.into_par_iter().map(below).collect()
         };
-        self.inner(frame, level, part, below)
+        self.inner(frame, cube, part, below)
     }
 
     fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
@@ -170,7 +172,8 @@ impl Builder<'_> {
     }
 
     /// A node over its children: takes its samples from them.
-    fn inner(&self, frame: &Frame, level: u32, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+    fn inner(&self, frame: &Frame, cube: Cube, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+        let level = cube.level;
         let feed = |offer: &mut dyn FnMut(usize, &Sample)| {
             for (number, (child, offered)) in below.iter().enumerate() {
                 match offered {
@@ -196,7 +199,7 @@ impl Builder<'_> {
         // What was taken whole and has nothing below is no node any more.
         children.retain(|child| child.num_points > 0 || !child.children.is_empty());
         let draft = Draft {
-            cube: frame.cube(part.keys[0].code, level),
+            cube,
             keys: part.range(),
             num_points: sampled.samples.len() as u32,
             octant_spacing,
