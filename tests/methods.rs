@@ -191,7 +191,7 @@ fn orders_are_what_they_say() {
         };
         let length = |first: usize| (at(first) - at(first + 1)).length();
         let mean = |within: bool| {
-            let is_within = |first: &usize| (first + 1) % GROUP_POINTS != 0;
+            let is_within = |first: &usize| !(first + 1).is_multiple_of(GROUP_POINTS);
             let steps: Vec<f64> =
                 (0..xyz.len() - 1).filter(|first| is_within(first) == within).map(length).collect();
             steps.iter().sum::<f64>() / steps.len() as f64
