@@ -1,43 +1,23 @@
 //! How fast scans are read: M points/s of our reader beside the bare parse rate of the las crate, and peak
 //! memory a point. Prints CSV rows; `docs/bench/load` keeps a run.
-//!
-//! `SCANWALK_BENCH_POINTS` sets the size of the made-up files (10 million), `SCANWALK_BENCH_RUNS` the runs
-//! (5). Each read happens in a process of its own, so that its peak memory is its own.
 
-use anyhow::{Context, Result, ensure};
+#[path = "support/steps.rs"]
+mod steps;
+
+use anyhow::Result;
 use las::{Builder, Color, Point, PointDataBuilder, Reader, Transform, Vector, Writer, point::Format};
 use scanwalk::progress::Stop;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Instant;
 
 /// Points that the las crate is asked for at once.
 const LAS_CRATE_BLOCK: u64 = 1 << 20;
 
 fn main() -> Result<()> {
-    let args: Vec<String> = std::env::args().collect();
-    if let [_, read, reader, path] = args.as_slice()
-        && read == "--read"
-    {
-        return read_once(reader, Path::new(path));
-    }
-    let num_points = setting("SCANWALK_BENCH_POINTS", 10_000_000)?;
-    let num_runs = setting("SCANWALK_BENCH_RUNS", 5)?;
-    let folder = std::env::temp_dir().join(format!("scanwalk-bench-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
-    let result = bench(&folder, num_points, num_runs);
-    std::fs::remove_dir_all(&folder)?;
-    result
+    steps::run(bench, read_once)
 }
 
-fn setting(name: &str, default: usize) -> Result<usize> {
-    match std::env::var(name) {
-        Ok(text) => text.parse().with_context(|| format!("{name} is '{text}', not a number")),
-        Err(_) => Ok(default),
-    }
-}
-
-fn bench(folder: &Path, num_points: usize, num_runs: usize) -> Result<()> {
+fn bench(folder: &Path, num_points: u64, num_runs: u64) -> Result<()> {
     println!("file,reader,run,points,file_bytes,seconds,m_points_per_s,peak_bytes_per_point");
     for (name, point_format, compressed) in [
         ("las-format-3", 3, false),
@@ -49,7 +29,7 @@ fn bench(folder: &Path, num_points: usize, num_runs: usize) -> Result<()> {
         write_file(&path, point_format, num_points)?;
         for run in 0..num_runs {
             for reader in ["scanwalk", "las-crate"] {
-                println!("{name},{reader},{run},{}", child(reader, &path)?);
+                println!("{name},{reader},{run},{}", steps::in_child(reader, &path)?);
             }
         }
         std::fs::remove_file(&path)?;
@@ -57,20 +37,14 @@ fn bench(folder: &Path, num_points: usize, num_runs: usize) -> Result<()> {
     Ok(())
 }
 
-/// A child's row: points, bytes, seconds, rate, peak memory.
-fn child(reader: &str, path: &Path) -> Result<String> {
-    let output = Command::new(std::env::current_exe()?).args(["--read", reader]).arg(path).output()?;
-    ensure!(output.status.success(), "{reader} failed: {}", String::from_utf8_lossy(&output.stderr));
-    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
-}
-
+/// A row: points, bytes, seconds, rate, peak memory.
 fn read_once(reader: &str, path: &Path) -> Result<()> {
     let start = Instant::now();
     let num_points = if reader == "scanwalk" { read_with_scanwalk(path)? } else { read_with_las(path)? };
     let seconds = start.elapsed().as_secs_f64();
     let file_bytes = std::fs::metadata(path)?.len();
     let rate = num_points as f64 / seconds / 1e6;
-    let peak = peak_bytes().map_or(f64::NAN, |bytes| bytes as f64 / num_points as f64);
+    let peak = steps::peak_bytes_per_point(num_points);
     println!("{num_points},{file_bytes},{seconds:.4},{rate:.2},{peak:.2}");
     Ok(())
 }
@@ -103,16 +77,9 @@ fn read_with_las(path: &Path) -> Result<usize> {
     Ok(num_points)
 }
 
-/// Largest memory of this process so far, where the system says so.
-fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
-}
-
 /// A scanner's sweep over a wavy ground: neighbours in the file are neighbours in space, with noise.
 /// The writer takes from the file's name whether to compress.
-fn write_file(path: &Path, point_format: u8, num_points: usize) -> Result<()> {
+fn write_file(path: &Path, point_format: u8, num_points: u64) -> Result<()> {
     let format = Format::new(point_format)?;
     let mut builder = Builder::from(if point_format < 6 { (1, 2) } else { (1, 4) });
     builder.point_format = format;
@@ -121,7 +88,7 @@ fn write_file(path: &Path, point_format: u8, num_points: usize) -> Result<()> {
     let mut writer = Writer::from_path(path, builder.into_header()?)?;
     let row = (num_points as f64).sqrt();
     for index in 0..num_points {
-        let noise = ((index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1 << 24) as f64;
+        let noise = (index.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1 << 24) as f64;
         let (x, y) = (index as f64 % row * 0.01, (index as f64 / row).floor() * 0.01);
         let z = (0.5 * x).sin() * (0.3 * y).cos() + 0.01 * noise;
         let shade = ((z + 2.0) * 60.0 + 8.0 * noise) as u16;

@@ -1,11 +1,13 @@
 //! How fast octrees are built: M points/s of the whole, beside reading the file and beside the Morton sort
 //! alone, and what the nodes look like. Prints CSV rows; `docs/bench/octree` keeps a run.
 //!
-//! `SCANWALK_BENCH_POINTS` sets the size of the made-up scans (10 million), `SCANWALK_BENCH_RUNS` the runs (5).
-//! Each step happens in a process of its own, so that its peak memory is its own: `read` is the file alone,
-//! `sort` and `flat` are the flat cloud (its Morton sort as the octree does it; all of it), `octree` the octree.
+//! `read` is the file alone, `sort` and `flat` are the flat cloud (its Morton sort as the octree does it; all of it),
+//! `octree` the octree, `nodes` counts nodes.
 
-use anyhow::{Context, Result, bail, ensure};
+#[path = "support/steps.rs"]
+mod steps;
+
+use anyhow::{Context, Result};
 use rayon::prelude::*;
 use scanwalk::cloud::morton::Grid;
 use scanwalk::cloud::octree::{Octree, build_octree};
@@ -15,32 +17,10 @@ use scanwalk::scan::{self, Scan};
 use scanwalk::synth::{self, Kind, SynthOptions};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Instant;
 
 fn main() -> Result<()> {
-    let args: Vec<String> = std::env::args().collect();
-    if let [_, flag, step, path] = args.as_slice() {
-        match flag.as_str() {
-            "--step" => return run_step(step, Path::new(path)),
-            "--nodes" => return list_nodes(step, Path::new(path)),
-            _ => bail!("unknown argument {flag}"),
-        }
-    }
-    let num_points = setting("SCANWALK_BENCH_POINTS", 10_000_000)?;
-    let num_runs = setting("SCANWALK_BENCH_RUNS", 5)?;
-    let folder = std::env::temp_dir().join(format!("scanwalk-bench-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
-    let result = bench(&folder, num_points, num_runs);
-    std::fs::remove_dir_all(&folder)?;
-    result
-}
-
-fn setting(name: &str, default: u64) -> Result<u64> {
-    match std::env::var(name) {
-        Ok(text) => text.parse().with_context(|| format!("{name} is '{text}', not a number")),
-        Err(_) => Ok(default),
-    }
+    steps::run(bench, run_step)
 }
 
 fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
@@ -57,21 +37,15 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     for run in 0..num_runs {
         for (name, path) in &files {
             for step in ["read", "sort", "flat", "octree"] {
-                println!("{name},{step},{run},{}", child("--step", step, path)?);
+                println!("{name},{step},{run},{}", steps::in_child(step, path)?);
             }
         }
     }
     println!("scan,kind,nodes,points,median_points,largest_points,points_in_nodes_below_1000,levels,batches");
-    for (name, path) in &files {
-        println!("{}", child("--nodes", name, path)?);
+    for (_, path) in &files {
+        println!("{}", steps::in_child("nodes", path)?);
     }
     Ok(())
-}
-
-fn child(flag: &str, step: &str, path: &Path) -> Result<String> {
-    let output = Command::new(std::env::current_exe()?).args([flag, step]).arg(path).output()?;
-    ensure!(output.status.success(), "{step} failed: {}", String::from_utf8_lossy(&output.stderr));
-    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
 fn read(path: &Path) -> Result<Scan> {
@@ -82,6 +56,9 @@ fn read(path: &Path) -> Result<Scan> {
 /// Points, seconds, seconds of all cores together, rates, peak memory; seconds of the named step alone. Where
 /// other programs run beside, the cores' seconds tell more than the clock's.
 fn run_step(step: &str, path: &Path) -> Result<()> {
+    if step == "nodes" {
+        return list_nodes(path);
+    }
     let (mut start, mut core_start) = (Instant::now(), core_seconds());
     let scan = read(path)?;
     let num_points = scan.num_points();
@@ -96,7 +73,7 @@ fn run_step(step: &str, path: &Path) -> Result<()> {
     }
     let (seconds, cores) = (start.elapsed().as_secs_f64(), core_seconds() - core_start);
     let [rate, core_rate] = [seconds, cores].map(|time| num_points as f64 / time / 1e6);
-    let peak = peak_bytes().map_or(f64::NAN, |bytes| bytes as f64 / num_points as f64);
+    let peak = steps::peak_bytes_per_point(num_points);
     println!("{num_points},{seconds:.4},{cores:.2},{rate:.2},{core_rate:.2},{peak:.2}");
     Ok(())
 }
@@ -117,7 +94,8 @@ fn octree(scan: &Scan) -> Result<Octree> {
 }
 
 /// Sizes of nodes: rows of inner nodes and of leaves.
-fn list_nodes(name: &str, path: &Path) -> Result<()> {
+fn list_nodes(path: &Path) -> Result<()> {
+    let name = path.file_stem().context("a file of ours")?.display();
     let octree = octree(&read(path)?)?;
     for (kind, wanted) in [("inner", false), ("leaf", true)] {
         let nodes = octree.nodes.iter().filter(|node| node.children.is_empty() == wanted);
@@ -148,11 +126,4 @@ fn core_seconds() -> f64 {
         Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
     };
     ticks().map_or(f64::NAN, |ticks| ticks / 100.0)
-}
-
-/// Largest memory of this process so far, where the system says so.
-fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
 }

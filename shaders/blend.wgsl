@@ -6,7 +6,7 @@
 
 // Red, green, blue, count; the low word of a u64 comes first.
 fn sum_of(pixel: u32) -> vec4<u32> {
-    if SUMS == WIDE {
+    if SUMS == WIDE || SUMS == PAIRS {
         return wide[pixel];
     }
     let sum = sums[pixel];

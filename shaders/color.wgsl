@@ -16,42 +16,37 @@ fn protected_form(color: u32) -> u64 {
         | (u64((color >> 16u) & 255u) << 48u);
 }
 
-fn put_left(pixel: u32, w: f32, id: u32) {
-    if !counts(w, depth_left[pixel]) {
-        return;
+fn num_points_in(eye: u32, pixel: u32) -> u64 {
+    if eye == 0u {
+        return atomicLoad(&sums_left[pixel]) & 0xfffflu;
     }
-    let color = color_of(id);
-    if SUMS == PACKED {
-        atomicAdd(&sums_left[pixel], packed(color));
-        return;
-    }
-    if (atomicLoad(&sums_left[pixel]) & 0xfffflu) < u64(PROTECTED_POINTS) {
-        let before = atomicAdd(&sums_left[pixel], protected_form(color));
-        if (before & 0xfffflu) < u64(PROTECTED_POINTS) {
-            return;
-        }
-        // Others were faster: take it back.
-        atomicSub(&sums_left[pixel], protected_form(color));
-    }
-    add_wide_left(pixel, color);
+    return atomicLoad(&sums_right[pixel]) & 0xfffflu;
 }
 
-fn put_right(pixel: u32, w: f32, id: u32) {
-    if !counts(w, depth_right[pixel]) {
+// What was there before.
+fn add(eye: u32, pixel: u32, sum: u64) -> u64 {
+    if eye == 0u {
+        return atomicAdd(&sums_left[pixel], sum);
+    }
+    return atomicAdd(&sums_right[pixel], sum);
+}
+
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    if !counts(eye, pixel, w) {
         return;
     }
     let color = color_of(id);
     if SUMS == PACKED {
-        atomicAdd(&sums_right[pixel], packed(color));
+        add(eye, pixel, packed(color));
         return;
     }
-    if (atomicLoad(&sums_right[pixel]) & 0xfffflu) < u64(PROTECTED_POINTS) {
-        let before = atomicAdd(&sums_right[pixel], protected_form(color));
+    if num_points_in(eye, pixel) < u64(PROTECTED_POINTS) {
+        let before = add(eye, pixel, protected_form(color));
         if (before & 0xfffflu) < u64(PROTECTED_POINTS) {
             return;
         }
-        // Others were faster: take it back.
-        atomicSub(&sums_right[pixel], protected_form(color));
+        // Others were faster: take it back. Unsigned addition wraps.
+        add(eye, pixel, 0lu - protected_form(color));
     }
-    add_wide_right(pixel, color);
+    add_wide(eye, pixel, color);
 }

@@ -125,8 +125,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var flags = 0u;
     var planes = max(view.forced_planes, 1u);
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
-        if in_frustum(view.eyes[eye], center, half_edge)
-            && (!DISCS || is_needed(batch, node, view.eyes[eye], center, half_edge)) {
+        let is_seen = (view.flags & KEEP_UNSEEN) != 0u || in_frustum(view.eyes[eye], center, half_edge);
+        if is_seen && (!DISCS || is_needed(batch, node, view.eyes[eye], center, half_edge)) {
             flags |= 16u << eye;
             let distance_sq = distance_sq(view.eyes[eye], center, half_edge);
             let pixels_per_radian = view.eyes[eye].pixels_per_radian;

@@ -4,8 +4,15 @@
 /// A disc's interval and diameter: from | until≪8 | diameter≪16.
 @group(0) @binding(14) var<storage, read> shapes: array<vec4<u32>>;
 
-// Which discs of a load this eye is to see. A flat cloud, which is shown before the tree stands, is seen whole.
-fn is_chosen(eye: u32, flags: u32, load: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
+fn shapes_of(load: u32, turn: u32) -> vec4<u32> {
+    if BASIC {
+        return vec4<u32>(shapes[load][turn % POINTS_PER_LOAD]);
+    }
+    return shapes[load];
+}
+
+// Which discs of a turn this eye is to see. A flat cloud, which is shown before the tree stands, is seen whole.
+fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
     if (flags & VISIBLE_DISCS) == 0u {
         return vec4<bool>(true);
     }
@@ -16,12 +23,12 @@ fn is_chosen(eye: u32, flags: u32, load: u32, x: vec4<f32>, y: vec4<f32>, z: vec
     let step = vec4<u32>(
         step_below(tolerance.x), step_below(tolerance.y), step_below(tolerance.z), step_below(tolerance.w),
     );
-    let shape = shapes[load];
+    let shape = shapes_of(load, turn);
     return (step >= (shape & vec4<u32>(255u))) & (step < ((shape >> vec4<u32>(8u)) & vec4<u32>(255u)));
 }
 
 // World units that discs are wide.
-fn diameters(load: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
-    let step = (shapes[load] >> vec4<u32>(16u)) & vec4<u32>(255u);
+fn diameters(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+    let step = (shapes_of(load, turn) >> vec4<u32>(16u)) & vec4<u32>(255u);
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
 }

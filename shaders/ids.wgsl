@@ -7,14 +7,12 @@
 @group(0) @binding(8) var<storage, read_write> ids_left: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> ids_right: array<atomic<u32>>;
 
-fn put_left(pixel: u32, w: f32, id: u32) {
-    if bitcast<u32>(w) == depth_left[pixel] {
-        atomicMin(&ids_left[pixel], 2u * chunk.first_index + id);
-    }
-}
-
-fn put_right(pixel: u32, w: f32, id: u32) {
-    if bitcast<u32>(w) == depth_right[pixel] {
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    if eye == 0u {
+        if bitcast<u32>(w) == depth_left[pixel] {
+            atomicMin(&ids_left[pixel], 2u * chunk.first_index + id);
+        }
+    } else if bitcast<u32>(w) == depth_right[pixel] {
         atomicMin(&ids_right[pixel], 2u * chunk.first_index + id);
     }
 }

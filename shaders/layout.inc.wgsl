@@ -46,7 +46,7 @@ struct ViewUniform {
     head_lo: vec3<f32>,
     forced_planes: u32,
     threshold_px: vec3<f32>,
-    lod_flags: u32,
+    flags: u32,
     ring_cos: vec2<f32>,
     ring_sin: vec2<f32>,
     fill_reach_px: f32,
@@ -83,12 +83,8 @@ struct ClearUniform {
 
 struct ResolveUniform {
     size_px: vec2<u32>,
-    first_index: u32,
-    num_points: u32,
     background: u32,
-    reserved_a: u32,
-    reserved_b: u32,
-    reserved_c: u32,
+    reserved: u32,
 }
 
 struct DilateUniform {

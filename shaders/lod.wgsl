@@ -25,7 +25,7 @@ fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
     if outside_middle > radius {
         return view.threshold_px.z;
     }
-    if (view.lod_flags & LOD_SMOOTH) == 0u {
+    if (view.flags & LOD_SMOOTH) == 0u {
         return view.threshold_px.y;
     }
     // From the first threshold to the third. Both differences are positive here, the second the larger.
@@ -69,7 +69,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if (node.flags & NODE_ROOT) != 0u {
         // Always drawn; with points by its area once it is small, or a pixel would get too many.
         state = state_of(largest * largest);
-    } else if (view.lod_flags & LOD_FADE) != 0u {
+    } else if (view.flags & LOD_FADE) != 0u {
         if largest > FADE_BEGIN {
             state = state_of((largest - FADE_BEGIN) / (FADE_END - FADE_BEGIN));
         }

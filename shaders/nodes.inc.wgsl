@@ -1,14 +1,14 @@
 // Points of flat clouds and of an octree's nodes: `cull` has chosen, and the node knows how far apart they lie.
 
-// Which points of a load this eye is to see.
-fn is_chosen(eye: u32, flags: u32, load: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
+// Which points of a turn this eye is to see.
+fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
     return vec4<bool>(true);
 }
 
 // World units that points are wide, in a batch with this longest edge and the spacing of its node.
-fn diameters(load: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+fn diameters(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
     var diameter: vec4<f32>;
-    for (var i = 0u; i < POINTS_PER_LOAD; i += 1u) {
+    for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
         let pair = unpack2x16float(spacing[octant[i] >> 1u]);
         diameter[i] = FILL_OVERLAP * edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u);
     }

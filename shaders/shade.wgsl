@@ -6,6 +6,7 @@
 @group(0) @binding(3) var<storage, read> ids: array<u32>;
 @group(0) @binding(4) var<storage, read> colors: array<u32>;
 @group(0) @binding(5) var<storage, read> filtered_colors: array<u32>;
+@group(0) @binding(6) var<uniform> chunk: ChunkUniform;
 
 fn finish(pixel: u32) {
     var w: u32;
@@ -21,8 +22,8 @@ fn finish(pixel: u32) {
         surface[pixel] = vec2<u32>(EMPTY_DEPTH, 0u);
         return;
     }
-    let point = (id >> 1u) - resolve.first_index;
-    if point < resolve.num_points {
+    let point = (id >> 1u) - chunk.first_index;
+    if point < chunk.num_points {
         if (id & 1u) != 0u {
             surface[pixel] = vec2<u32>(w, filtered_colors[point]);
         } else {

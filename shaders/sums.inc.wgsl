@@ -6,20 +6,28 @@
 @group(0) @binding(10) var<storage, read_write> wide_left: array<atomic<u32>>;
 @group(0) @binding(11) var<storage, read_write> wide_right: array<atomic<u32>>;
 
-fn counts(w: f32, nearest: u32) -> bool {
+fn counts(eye: u32, pixel: u32, w: f32) -> bool {
+    var nearest: u32;
+    if eye == 0u {
+        nearest = depth_left[pixel];
+    } else {
+        nearest = depth_right[pixel];
+    }
     return w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
 }
 
-fn add_wide_left(pixel: u32, color: u32) {
-    atomicAdd(&wide_left[4u * pixel], color & 255u);
-    atomicAdd(&wide_left[4u * pixel + 1u], (color >> 8u) & 255u);
-    atomicAdd(&wide_left[4u * pixel + 2u], (color >> 16u) & 255u);
-    atomicAdd(&wide_left[4u * pixel + 3u], 1u);
-}
-
-fn add_wide_right(pixel: u32, color: u32) {
-    atomicAdd(&wide_right[4u * pixel], color & 255u);
-    atomicAdd(&wide_right[4u * pixel + 1u], (color >> 8u) & 255u);
-    atomicAdd(&wide_right[4u * pixel + 2u], (color >> 16u) & 255u);
-    atomicAdd(&wide_right[4u * pixel + 3u], 1u);
+fn add_wide(eye: u32, pixel: u32, color: u32) {
+    let rgb = vec3<u32>(color, color >> 8u, color >> 16u) & vec3<u32>(255u);
+    let first = 4u * pixel;
+    if eye == 0u {
+        atomicAdd(&wide_left[first], rgb.r);
+        atomicAdd(&wide_left[first + 1u], rgb.g);
+        atomicAdd(&wide_left[first + 2u], rgb.b);
+        atomicAdd(&wide_left[first + 3u], 1u);
+    } else {
+        atomicAdd(&wide_right[first], rgb.r);
+        atomicAdd(&wide_right[first + 1u], rgb.g);
+        atomicAdd(&wide_right[first + 2u], rgb.b);
+        atomicAdd(&wide_right[first + 3u], 1u);
+    }
 }

@@ -14,6 +14,7 @@
 //!
 //! Dependencies point one way; `docs/ARCHITECTURE.md` says which, and a test keeps it so.
 
+pub mod bench;
 pub mod cli;
 pub mod cloud;
 pub mod config;
@@ -21,8 +22,10 @@ pub mod desktop;
 pub mod gpu;
 pub mod layout;
 pub mod look;
+pub mod method;
 pub mod progress;
 pub mod render;
+pub mod report;
 pub mod scan;
 pub mod shot;
 pub mod space;

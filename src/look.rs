@@ -2,10 +2,13 @@
 
 use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
 use crate::layout::Detail;
+use crate::method::Method;
 
 /// What a frame is to look like.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look {
+    /// How points get into pixels.
+    pub method: Method,
     /// What a pixel shows of the points in it.
     pub quality: Quality,
     /// How gaps between points are filled.
@@ -31,10 +34,13 @@ impl Look {
             ring_rad: config.fovea.ring_deg.map(f64::to_radians),
             smooth: config.fovea.smooth,
             fade: config.lod.fade,
-            fill_reach_px: (frame.fill || discs).then_some(reach_px),
+            // Threads that ask each other must have as many pixels as each other.
+            fill_reach_px: ((frame.fill || discs) && !frame.method.is_converged()).then_some(reach_px),
             error_px: discs.then_some(config.lod.error_px as f32),
+            keep_unseen: !frame.cull,
         };
-        Self { quality: frame.quality, dilate: frame.dilate, background: frame.background, detail }
+        let quality = frame.method.quality().unwrap_or(frame.quality);
+        Self { method: frame.method, quality, dilate: frame.dilate, background: frame.background, detail }
     }
 
     /// The background as the stages have it: r | g≪8 | b≪16 | 255≪24.

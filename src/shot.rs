@@ -1,9 +1,9 @@
 //! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
 //! point falls on.
 
+use crate::cloud;
 use crate::cloud::octree::build_octree;
 use crate::cloud::spt::build_spt;
-use crate::cloud::{self, Order};
 use crate::config::{Config, LodMethod};
 use crate::gpu::{Gpu, readback};
 use crate::look::Look;
@@ -132,9 +132,8 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
             octree.cloud.body(),
         ));
     }
-    // The files' order: "the smaller index at equal depths" is then something that anyone can check.
     let sorting = Progress::new("batching", "points", num_points, stop);
-    let cloud = cloud::build(&scan, Order::Original, &sorting)?;
+    let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
     drop((scan, sorting));
     Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.body()))
 }
@@ -198,7 +197,7 @@ impl Shot {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
-        let atomics = tier(gpu, config.gpu.tier)?;
+        let atomics = tier(gpu, config)?;
         let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
         let renderer = Renderer::new(gpu, setup, Look::of(config))?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, images })

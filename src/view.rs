@@ -207,8 +207,10 @@ fn load(
             Ok(buffers) => {
                 bytes = buffers.bytes;
                 let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
-                // Once it is shown, the flat cloud comes back and is freed here; an error means that the walk ended.
-                let _ = shelf.retired.recv();
+                // Once it is shown, the flat cloud comes back; if none does, the walk has ended.
+                if let Ok(flat) = shelf.retired.recv() {
+                    flat.free(gpu);
+                }
             }
             // The walk ended before it stood: nobody misses it.
             Err(error) if has_stopped(&error) => return Ok(()),

@@ -29,7 +29,8 @@ fn frame_log(folder: &std::path::Path, num_frames: usize) -> String {
     writeln!(file, "{}", scanwalk::timing::columns::names().join(",")).unwrap();
     for frame in 0..num_frames {
         let time = frame as f64 / 100.0;
-        writeln!(file, "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0").unwrap();
+        writeln!(file, "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,")
+            .unwrap();
     }
     path.into_os_string().into_string().unwrap()
 }
@@ -76,7 +77,7 @@ fn every_command_explains_its_options() {
         ("convert", &["--out"]),
         ("synth", &["terrestrial", "aerial", "photogrammetry", "--points", "--seed"]),
         ("bench", &["2021", "2022", "vr", "spt", "--json", "--csv"]),
-        ("report", &["--out", "FRAMES.csv"]),
+        ("report", &["--out", "--worst-poses", "FRAMES.csv", "RESULTS.json", "Examples:"]),
         ("doctor", &["--json"]),
     ] {
         let output = output(&[command, "--help"]);
@@ -117,6 +118,14 @@ fn wrong_usage_exits_2() {
         &["bench", "--table", "2023"],
         &["bench", "--json", "--csv"],
         &["info"],
+        &["report"],
+        &["report", "a.csv", "b.csv", "c.csv"],
+        &["report", "a.csv", "b.json"],
+        &["report", "a.csv", "b.csv", "--worst-poses", "w.poses"],
+        &["report", "a.json", "--worst-poses", "w.poses"],
+        &["report", "a.csv", "-o", "a.csv"],
+        &["report", "Cargo.toml", "-o", "./src/../Cargo.toml"],
+        &["report", "a.csv", "-o", "b", "--worst-poses", "b"],
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");
@@ -128,8 +137,7 @@ fn wrong_usage_exits_2() {
 fn what_does_not_exist_yet_is_refused_in_one_sentence() {
     for (args, words) in [
         (&["convert", "a.laz", "-o", "a.copc.laz"][..], "convert does not exist yet"),
-        (&["bench"], "bench does not exist yet"),
-        (&["report", "a.csv", "-o", "a.html"], "-o does not exist yet"),
+        (&["bench", "--table", "spt"], "the table spt does not exist yet"),
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");
@@ -180,6 +188,39 @@ fn a_report_of_a_log() {
     assert!(output.stderr.is_empty());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("frames      101 in 1.0 s") && text.contains("costliest   depth"), "{text}");
+}
+
+#[test]
+fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
+    let log = frame_log(folder.path(), 101);
+    let json = file("results.JSON");
+    std::fs::write(&json, r#"{"device": "some GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#)
+        .unwrap();
+    let page = file("page.html");
+    for (files, heading, words) in [
+        (&[&log][..], "<h1>A walk through yard.laz</h1>", "frames      101"),
+        (&[&log, &log], "<h1>A: ", "no clear difference"),
+        (&[&json], "<h1>Benchmarks on some GPU</h1>", "Nothing was measured"),
+    ] {
+        let args: Vec<&str> =
+            ["report", "-o", &page].into_iter().chain(files.iter().map(|f| f.as_str())).collect();
+        let output = output(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty() && String::from_utf8(output.stdout).unwrap().contains(words));
+        assert!(std::fs::read_to_string(&page).unwrap().contains(heading), "{heading}");
+    }
+    let nowhere = file("no/such/page.html");
+    for (args, words) in [
+        (&["report", &log, "-o", &nowhere][..], nowhere.as_str()),
+        (&["report", &log, "--worst-poses", &page], "has no head poses"),
+        (&["report", &log, &nowhere], nowhere.as_str()),
+    ] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 1, "{args:?}: {text}");
+        assert!(text.contains(words) && text.lines().count() == 1, "{args:?}: {text}");
+    }
 }
 
 #[test]

@@ -206,7 +206,7 @@ fn wrong_types_name_what_is_wanted() {
         ),
         (
             "cloud.order = \"hilbert\"",
-            "walk.toml, line 1: cloud.order must be \"original\" or \"morton\", not the text \"hilbert\"",
+            "walk.toml, line 1: cloud.order must be one of \"original\", \"morton\", \"shuffled\", \"shuffled-morton\", not the text \"hilbert\"",
         ),
     ] {
         assert_eq!(complaint(text), expected);

@@ -6,7 +6,7 @@ mod support;
 use glam::{DQuat, DVec3};
 use scanwalk::gpu::readback;
 use scanwalk::gpu::stage::Stage;
-use scanwalk::layout::{Detail, DilateUniform, SURFACE_TOLERANCE, Variant, ViewUniform};
+use scanwalk::layout::{Detail, DilateUniform, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row};
 use scanwalk::render::{shaders, tiles};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, Split, View};
 use scanwalk::twin::dilate::{dilate, radius_px};
@@ -76,7 +76,7 @@ fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<
     let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
     let eye = &view.eyes[dilate.eye as usize];
     let size_px = [eye.width, eye.height];
-    let tiles = tiles(size_px, &vec![0; (eye.width.div_ceil(32) * eye.height) as usize]);
+    let tiles = tiles(size_px, &vec![0; (mask_words_per_row(eye.width) * eye.height) as usize]);
     let poison = vec![0xab; size_of_val(surface)];
     let buffers = [
         ("view", buffer("view", bytemuck::bytes_of(view), uniform)),

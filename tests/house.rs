@@ -54,7 +54,7 @@ fn names(line: &str, word: &str) -> bool {
 }
 
 /// Which folder of `src` must not name what.
-const MUST_NOT_NAME: [(&str, &[&str]); 7] = [
+const MUST_NOT_NAME: [(&str, &[&str]); 8] = [
     ("cloud", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::xr"]),
     ("twin", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::xr"]),
     ("scan", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::twin"]),
@@ -64,6 +64,7 @@ const MUST_NOT_NAME: [(&str, &[&str]); 7] = [
         "gpu",
         &["openxr", "winit", "crate::cloud", "crate::config", "crate::scan", "crate::render", "crate::walk"],
     ),
+    ("report", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::cli"]),
     ("timing", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::walk"]),
 ];
 

@@ -10,7 +10,7 @@ use scanwalk::gpu::{Atomics, readback};
 use scanwalk::layout::{Detail, DilateUniform, EMPTY_DEPTH, ViewUniform};
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
-use scanwalk::render::{EyeImage, Overlays};
+use scanwalk::render::{CloudBuffers, EyeImage, Overlays};
 use scanwalk::space::{Eye, View};
 use scanwalk::twin::{self, Scene};
 use support::{Canvas, cloud_of, gpu, random_points, scan_of, stereo};
@@ -24,6 +24,7 @@ const DETAIL: Detail = Detail {
     fade: false,
     fill_reach_px: None,
     error_px: None,
+    keep_unseen: false,
 };
 /// As in the shaders, in sRGB.
 const PALETTE: [[f64; 3]; 3] = [[0.337, 0.706, 0.914], [0.0, 0.62, 0.451], [0.902, 0.624, 0.0]];
@@ -37,6 +38,11 @@ struct Shown {
 }
 
 fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
+    let mut overlays = Overlays::new(&canvas.renderer);
+    show_with(&mut overlays, canvas, view, overlay)
+}
+
+fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
     let gpu = gpu();
     let all = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::COPY_SRC
@@ -54,7 +60,7 @@ fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
     for (image, copy) in images.iter().zip(&copies) {
         encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), image.size());
     }
-    Overlays::new(renderer).record(renderer, &mut encoder, overlay, &copy_views.each_ref());
+    overlays.record(renderer, &mut encoder, overlay, &copy_views.each_ref());
     {
         let queue = gpu.queue.lock();
         renderer.set_view(&queue, view);
@@ -69,7 +75,7 @@ fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
 }
 
 fn look(quality: Quality, dilate: Dilate) -> Look {
-    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL }
+    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..Look::default() }
 }
 
 fn flat() -> Cloud {
@@ -308,4 +314,44 @@ fn boxes_end_at_the_near_clip() {
     let shown = show(&mut canvas, &view, Overlay::Nodes);
     let changed = shown.images[0].iter().zip(&shown.copies[0]).filter(|(a, b)| a != b).count();
     assert!((20..shown.images[0].len() / 8).contains(&changed), "{changed} pixels changed");
+}
+
+/// Overlays bind the renderer's buffers once: whatever the renderer changes, they draw what new ones would.
+#[test]
+fn overlays_follow_the_renderer() {
+    let octree = layered();
+    let view = at(&octree.cloud, 25.0);
+    let rings = look(Quality::Hqs, Dilate::Rings);
+    let mut canvas = Canvas::layered(&octree, &view, rings, gpu().atomics(), 0);
+    let mut overlays = Overlays::new(&canvas.renderer);
+    let other = scan_of(&random_points(30_000, 10.0, 8), 0.001, DVec3::new(5e5, 4e6, 100.0));
+    let other = build_octree(&other, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let set_cloud = |canvas: &mut Canvas, octree: &Octree| {
+        let buffers = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
+        canvas.renderer.set_cloud(buffers).expect("room");
+    };
+    let set_look = |canvas: &mut Canvas, look: Look| canvas.renderer.set_look(look).expect("room");
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut Canvas));
+    let changes: [Change; 5] = [
+        ("nothing", &|_| ()),
+        ("the cloud", &|canvas| set_cloud(canvas, &other)),
+        ("no dilation", &|canvas| set_look(canvas, look(Quality::Hqs, Dilate::Off))),
+        ("dilation", &|canvas| set_look(canvas, rings)),
+        ("the cloud again", &|canvas| set_cloud(canvas, &octree)),
+    ];
+    let mut before: Option<Vec<Shown>> = None;
+    for (what, change) in changes {
+        change(&mut canvas);
+        let mut all = Vec::new();
+        for overlay in [Overlay::Depth, Overlay::Overdraw, Overlay::Nodes, Overlay::Precision] {
+            let shown = show_with(&mut overlays, &mut canvas, &view, overlay);
+            assert!(shown.copies == show(&mut canvas, &view, overlay).copies, "{overlay:?} after {what}");
+            all.push(shown);
+        }
+        // The comparison can fail: each overlay shows which cloud it is.
+        if let Some(before) = before.filter(|_| what.contains("cloud")) {
+            assert!(before.iter().zip(&all).all(|(a, b)| a.copies != b.copies), "{what}");
+        }
+        before = Some(all);
+    }
 }

@@ -1,6 +1,7 @@
 //! A Vulkan driver that is not Mesa's, where `SCANWALK_SECOND_DRIVER` names its manifest (`scripts/second-driver`
 //! fetches SwiftShader, `scripts/test` sets the variable): scanwalk is not tied to one driver. SwiftShader has no
-//! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have.
+//! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have:
+//! enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
 use scanwalk::progress::Stop;
 use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
@@ -18,9 +19,9 @@ fn second_driver() -> Option<PathBuf> {
 }
 
 /// A courtyard of few points.
-fn courtyard(folder: &Path) -> PathBuf {
+fn courtyard(folder: &Path, points: u64) -> PathBuf {
     let out = folder.join("courtyard.las");
-    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 50_000, seed: 3 };
+    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: 3 };
     synth::write(&options, &Stop::default()).expect("a courtyard");
     out
 }
@@ -48,7 +49,7 @@ fn last_words(output: &Output) -> String {
 fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
     let Some(driver) = second_driver() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let (scan, out) = (courtyard(folder.path()), folder.path().join("out.png"));
+    let (scan, out) = (courtyard(folder.path(), 50_000), folder.path().join("out.png"));
     let place = &synth::viewpoints(Kind::Terrestrial)[0];
     let refused = render(Some(&driver), &scan, place, &out, &["--set", "gpu.tier=int64"]);
     let words = last_words(&refused);
@@ -60,42 +61,89 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
     assert!(drawn.status.success() && out.exists(), "{}", last_words(&drawn));
 }
 
-/// The picture and the name of the GPU that drew it.
-fn drawn(
-    driver: Option<&Path>,
-    scan: &Path,
-    place: &Viewpoint,
-    quality: &str,
-    folder: &Path,
-) -> (Vec<u8>, String) {
+/// What is compared: a place, and how it is drawn from there.
+type Shot<'a> = (&'a Viewpoint, &'a [&'a str]);
+
+/// Both eyes' pixels and the name of the GPU that drew them, in the tier that each driver has.
+fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Shot, folder: &Path) -> (Vec<Vec<u8>>, String) {
     let (out, metrics) = (folder.join("out.png"), folder.join("metrics.json"));
     let metrics_path = metrics.to_str().expect("a path of ours");
-    let more = ["--set", "gpu.tier=int32", "--quality", quality, "--metrics", metrics_path];
+    let more = [&["--stereo", "--set", "gpu.tier=int32", "--metrics", metrics_path][..], how].concat();
     let output = render(driver, scan, place, &out, &more);
     assert!(output.status.success(), "{}", last_words(&output));
-    let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the picture"));
+    let metrics = std::fs::read(&metrics).expect("the figures");
+    let metrics: serde_json::Value = serde_json::from_slice(&metrics).expect("JSON");
+    let pictures = ["left", "right"].map(|side| read_png(&folder.join(format!("out.{side}.png"))));
+    (pictures.to_vec(), metrics["device"].as_str().expect("a name").to_owned())
+}
+
+fn read_png(path: &Path) -> Vec<u8> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("the picture"));
     let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
     reader.next_frame(&mut pixels).expect("a whole PNG");
-    let metrics = std::fs::read(&metrics).expect("the figures");
-    let metrics: serde_json::Value = serde_json::from_slice(&metrics).expect("JSON");
-    (pixels, metrics["device"].as_str().expect("a name").to_owned())
+    pixels
+}
+
+/// Pixels that differ, of both eyes.
+fn num_different(a: &[Vec<u8>], b: &[Vec<u8>]) -> usize {
+    let (a, b) = (a.concat(), b.concat());
+    assert_eq!(a.len(), b.len());
+    a.chunks_exact(3).zip(b.chunks_exact(3)).filter(|(a, b)| a != b).count()
+}
+
+/// Draws each shot on both drivers, which must agree in every pixel; gives the pictures.
+fn assert_same(driver: &Path, scan: &Path, folder: &Path, shots: &[Shot]) -> Vec<Vec<Vec<u8>>> {
+    let compare = |&shot: &Shot| {
+        let (own, own_name) = drawn(None, scan, shot, folder);
+        let (second, second_name) = drawn(Some(driver), scan, shot, folder);
+        assert!(second_name.contains("SwiftShader") && !own_name.contains("SwiftShader"));
+        let different = num_different(&own, &second);
+        eprintln!("{} {:?}: {own_name} and {second_name} differ in {different} pixels", shot.0.name, shot.1);
+        assert_eq!(different, 0, "{} {:?}", shot.0.name, shot.1);
+        second
+    };
+    shots.iter().map(compare).collect()
 }
 
 #[test]
 fn both_drivers_draw_the_same_picture() {
     let Some(driver) = second_driver() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let scan = courtyard(folder.path());
+    let scan = courtyard(folder.path(), 50_000);
     let places = synth::viewpoints(Kind::Terrestrial);
-    let views = [(&places[0], "closest"), (&places[1], "closest"), (&places[1], "hqs")];
-    let pictures = views.map(|(place, quality)| {
-        let (own, own_name) = drawn(None, &scan, place, quality, folder.path());
-        let (second, second_name) = drawn(Some(&driver), &scan, place, quality, folder.path());
-        assert!(second_name.contains("SwiftShader") && !own_name.contains("SwiftShader"));
-        assert!(own == second, "{}, {quality}: {own_name} and {second_name} differ", place.name);
-        second
-    });
+    let [closest, hqs] = [["--quality", "closest"], ["--quality", "hqs"]];
+    let shots = [(&places[0], &closest[..]), (&places[1], &closest), (&places[1], &hqs)];
+    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
     // The comparison can fail: places and qualities differ.
-    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
+    assert!(num_different(&pictures[0], &pictures[1]) > 1000);
+    assert!(num_different(&pictures[1], &pictures[2]) > 1000);
+}
+
+/// As a headset would get it: an octree's nodes by rings, points that fade in, discs and dilation that close gaps.
+#[test]
+fn both_drivers_draw_the_same_whole_frame() {
+    let Some(driver) = second_driver() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = courtyard(folder.path(), 400_000);
+    let whole = ["--preset", "quality"];
+    let closest = ["--preset", "quality", "--quality", "closest"];
+    let places = synth::viewpoints(Kind::Terrestrial);
+    let shots =
+        [(&places[0], &whole[..]), (&places[1], &whole), (&places[2], &whole), (&places[1], &closest)];
+    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    // What the frame is made of shows in the picture: without any of it another comes out.
+    for without in [
+        "lod.enabled=false",
+        "lod.fade=false",
+        "frame.fill=false",
+        "frame.dilate=off",
+        "frame.quality=closest",
+    ] {
+        let (other, _) =
+            drawn(None, &scan, (&places[1], &[&whole[..], &["--set", without]].concat()), folder.path());
+        let different = num_different(&pictures[1], &other);
+        eprintln!("{without}: {different}");
+        assert!(different > 100, "{without}: {different}");
+    }
 }

@@ -14,26 +14,55 @@ fn capabilities(atomics: Atomics) -> Capabilities {
     match atomics {
         Atomics::Int32 => plain,
         Atomics::Int64Minmax => minmax,
-        Atomics::Int64 => minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS,
+        Atomics::Int64 => {
+            let all = minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+            // Of methods that not every GPU of the tier can do.
+            all | Capabilities::SUBGROUP | Capabilities::FLOAT64
+        }
     }
 }
+
+/// One point a thread, all threads together, a look first.
+const LOOPS: [(bool, bool, bool); 4] =
+    [(false, false, true), (true, false, true), (true, true, true), (true, true, false)];
 
 /// Every text that a tier's renderers hand to the driver.
 fn texts(atomics: Atomics) -> Vec<(String, String)> {
     let keys = atomics >= Atomics::Int64Minmax;
     let forms: &[Sums] =
-        if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected] } else { &[Sums::Wide] };
-    let unused = match atomics {
+        if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected, Sums::Pairs] } else { &[Sums::Wide] };
+    let mut unused = match atomics {
         Atomics::Int32 => vec!["depth", "color"],
         Atomics::Int64Minmax => vec!["ids", "color"],
         Atomics::Int64 => vec!["ids", "color32"],
     };
+    if atomics != Atomics::Int64 {
+        let methods = [
+            "just-set",
+            "count",
+            "fixed40",
+            "shade40",
+            "busy-loop",
+            "atomic-min",
+            "reduce",
+            "reduce-emulated",
+            "dedup",
+            "dedup-emulated",
+            "color-pairs",
+        ];
+        unused.extend(methods);
+    }
     let mut texts = Vec::new();
     for Shader { name, .. } in SHADERS.iter().filter(|s| !unused.contains(&s.name)) {
         for (&sums, num_eyes) in forms.iter().flat_map(|s| [(s, 1), (s, 2)]) {
             for (fill, discs) in [(false, false), (true, false), (true, true)] {
-                let variant = Variant { num_eyes, fill, discs, sums, keys };
-                texts.push((format!("{name} {variant:?}"), source(name, variant)));
+                let fixed40 = name.contains("40");
+                for (basic, converged, early_z) in LOOPS {
+                    let fill = fill && !converged;
+                    let variant =
+                        Variant { num_eyes, fill, discs, sums, keys, basic, converged, early_z, fixed40 };
+                    texts.push((format!("{name} {variant:?}"), source(name, variant)));
+                }
             }
         }
     }
@@ -83,13 +112,12 @@ fn host_structs() -> Vec<HostStruct> {
         host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level, reserved),
         host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
             gaze_in_view, reserved, tangent_origin, tangent_per_px, size_px, width, height),
-        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, lod_flags, ring_cos, ring_sin,
+        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
             fill_reach_px, step_base, reserved, eyes),
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),
-        host!(ResolveUniform: size_px, first_index, num_points, background, reserved_a, reserved_b,
-            reserved_c),
+        host!(ResolveUniform: size_px, background, reserved),
         host!(DilateUniform: eye, radius_px, reserved),
     ]
 }

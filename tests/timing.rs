@@ -1,6 +1,9 @@
 //! The frame log: what is pushed is what a report reads; and nothing that a disk does reaches the frame.
 
-use scanwalk::timing::{FrameLog, FrameRow, ReadError, Report, RunFacts, STAGES, columns, read};
+use glam::{DQuat, DVec3};
+use scanwalk::report::Summary;
+use scanwalk::space::Pose;
+use scanwalk::timing::{FrameLog, FrameRow, ReadError, RunFacts, STAGES, columns, read};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -25,7 +28,14 @@ fn row(frame: u64) -> FrameRow {
         resolution_scale: 1.0,
         quality: "closest",
         upload_bytes: 4096,
+        world_from_head: slow.then_some(pose(frame)),
     }
+}
+
+/// Far from the origin, with digits that no decimal has.
+fn pose(frame: u64) -> Pose {
+    let position = DVec3::new(4e6 + frame as f64 / 3.0, -1e-7, 1.7);
+    Pose { position, orientation: DQuat::from_rotation_z(0.1 * frame as f64) }
 }
 
 fn facts() -> RunFacts {
@@ -57,7 +67,7 @@ fn complaint(text: impl AsRef<[u8]>) -> (usize, String) {
 #[test]
 fn a_report_reads_what_was_logged() {
     let (_folder, path) = written(1000);
-    let report = Report::of(&read(&path).unwrap());
+    let report = Summary::of(&read(&path).unwrap());
     assert_eq!(report.num_frames, 1000);
     assert!((report.duration_s - 999.0 / 90.0).abs() < 1e-3);
     assert_eq!(report.num_over_budget, 100);
@@ -84,6 +94,33 @@ fn a_report_reads_what_was_logged() {
 }
 
 #[test]
+fn what_a_replay_needs_is_read_back() {
+    let (folder, path) = written(20);
+    let log = read(&path).unwrap();
+    assert_eq!(log.qualities, ["closest"]);
+    let frame = &log.frames[10];
+    assert_eq!(
+        (frame.frame, frame.lod_scale, frame.resolution_scale, frame.quality),
+        (10, 1.0, 1.0, Some(0))
+    );
+    let head = frame.world_from_head.expect("slow frames have one");
+    assert_eq!(head.position, pose(10).position, "to the last bit");
+    assert!((head.orientation.dot(pose(10).orientation) - 1.0).abs() < 1e-15);
+    assert_eq!(log.frames[11].world_from_head, None);
+    // A log of before heads were logged.
+    let text = std::fs::read_to_string(&path).unwrap();
+    let without = text.lines().map(|line| match line.starts_with('#') {
+        true => line.to_owned(),
+        false => line.split(',').take(23).collect::<Vec<_>>().join(","),
+    });
+    let old = folder.path().join("old.csv");
+    std::fs::write(&old, without.collect::<Vec<_>>().join("\n") + "\n").unwrap();
+    let old = read(&old).unwrap();
+    assert!(old.frames.iter().all(|frame| frame.world_from_head.is_none()));
+    assert_eq!(Summary::of(&old).to_string(), Summary::of(&log).to_string());
+}
+
+#[test]
 fn every_stage_has_its_column() {
     let (_folder, path) = written(1);
     let text = std::fs::read_to_string(path).unwrap();
@@ -102,7 +139,7 @@ fn times_that_the_device_did_not_give() {
     let log = FrameLog::start(&path, &facts()).unwrap();
     log.push(FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, ..row(1) });
     assert_eq!(log.finish().num_rows, 1);
-    let report = Report::of(&read(&path).unwrap());
+    let report = Summary::of(&read(&path).unwrap());
     assert_eq!(report.gpu_ms.percentile(500), None);
     assert_eq!(report.costliest(), None);
     assert!(report.to_string().contains("no GPU times"), "{report}");
@@ -137,9 +174,23 @@ fn files_that_are_no_frame_log() {
     let (line, problem) = complaint(good.replace(",gpu_ms,", ",gpu,"));
     assert_eq!((line, problem.as_str()), (num_lines - 3, "the columns lack 'gpu_ms'"));
     let (line, problem) = complaint(good.clone() + "1,2\n");
-    assert_eq!((line, problem.as_str()), (num_lines + 1, "2 cells under 23 column names"));
+    assert_eq!((line, problem.as_str()), (num_lines + 1, "2 cells under 30 column names"));
     let (line, problem) = complaint(good.replacen(",2.0000,", ",two,", 1));
     assert_eq!((line, problem.as_str()), (num_lines - 2, "'two' is no number"));
+    let (line, problem) = complaint(good.replacen(",2.0000,", ",1e300,", 1));
+    assert_eq!((line, problem.as_str()), (num_lines - 2, "'1e300' is no number"));
+    let many = (0..20).map(|i| good.lines().last().unwrap().replace("closest", &format!("q{i}")) + "\n");
+    assert_eq!(complaint(good.clone() + &many.collect::<String>()).1, "'q15' is no quality");
+    let facts: String = (0..100).map(|i| format!("# fact {i}: x\n")).collect();
+    assert_eq!(
+        complaint(good.replacen("# scan:", &(facts + "# scan:"), 1)).1,
+        "more than 64 facts of the run"
+    );
+    let stages: String = (0..100).map(|i| format!(",s{i}_ms")).collect();
+    let (_, problem) = complaint(good.replacen(",head_qw\n", &(",head_qw".to_owned() + &stages + "\n"), 1));
+    assert_eq!(problem, "more than 64 columns of stages");
+    let poseless = good.replacen(",4000000,", ",,", 1);
+    assert_eq!(complaint(poseless).1, "'' is no number", "half a pose is none");
     assert!(matches!(read(Path::new("no/such.csv")), Err(ReadError::Io { .. })));
     assert!(matches!(read(Path::new(".")), Err(ReadError::Io { .. })));
 }
@@ -147,7 +198,7 @@ fn files_that_are_no_frame_log() {
 #[test]
 fn an_empty_log_is_a_log() {
     let (_folder, path) = written(0);
-    let report = Report::of(&read(&path).unwrap());
+    let report = Summary::of(&read(&path).unwrap());
     assert!(report.to_string().contains("frames      0 in 0.0 s"), "{report}");
 }
 

@@ -3,6 +3,8 @@
 //! `docs/bench/dilate` keeps a run. Before anything is timed, both must have found the same depths.
 
 mod scene;
+#[path = "../support/timed.rs"]
+mod timed;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
@@ -11,9 +13,8 @@ use scanwalk::gpu::timer::Timer;
 use scanwalk::gpu::{Gpu, readback};
 use scanwalk::layout::{self, DilateUniform, Variant};
 use scanwalk::render::{shaders, tiles};
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
+use timed::{Spread, Timed};
 use wgpu::BufferUsages;
 use wgpu::util::DeviceExt;
 
@@ -27,41 +28,25 @@ const NAMES: [&str; 2] = ["separable", "direct"];
 /// Times the two ways to dilate an eye's image.
 #[derive(Debug, Parser)]
 struct Args {
-    /// Measured runs
-    #[arg(long, value_name = "N", default_value_t = 9)]
-    runs: usize,
+    #[command(flatten)]
+    timed: Timed,
     /// Pixels of the image
     #[arg(long, value_names = ["WIDTH", "HEIGHT"], num_args = 2, default_values_t = [1440, 1600])]
     size: Vec<u32>,
     /// Shares of pixels that no point has reached, percent
     #[arg(long, value_name = "P,P,…", value_delimiter = ',', default_value = "0,35,70,95")]
     empty: Vec<u32>,
-    /// A small image and few runs: shows that it works, not how fast
-    #[arg(long)]
-    quick: bool,
-    /// Also write every sample
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// GPU whose name contains this
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
-    /// Given by `cargo bench`; without it (`cargo test --benches`) the run is quick
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 fn main() -> Result<()> {
     let mut args = Args::parse();
-    if args.quick || !args.bench {
-        (args.size, args.runs) = (vec![143, 161], 3);
+    if args.timed.is_quick() {
+        (args.size, args.timed.runs) = (vec![143, 161], 3);
     }
-    ensure!(args.runs > 0, "--runs 0: a median needs a run");
-    let gpu = Gpu::open(args.adapter.as_deref())?;
-    let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-    ensure!(can_time, "{} cannot tell how long its work takes", gpu.name());
+    let gpu = args.timed.gpu()?;
 
     let mut out = io::stdout().lock();
-    let mut csv = args.csv.as_deref().map(create).transpose()?;
+    let mut csv = args.timed.csv()?;
     if let Some(csv) = &mut csv {
         writeln!(csv, "empty_percent,run,{}_ms,{}_ms", NAMES[0], NAMES[1])?;
     }
@@ -73,14 +58,14 @@ fn main() -> Result<()> {
         gpu.driver(),
         size_px[0],
         size_px[1],
-        args.runs
+        args.timed.runs
     )?;
     for &empty_percent in &args.empty {
-        let samples = measure(&gpu, size_px, empty_percent, args.runs)?;
-        let of = |value: fn(&[f64; 2]) -> f64| spread(samples.iter().map(value).collect());
+        let samples = measure(&gpu, size_px, empty_percent, args.timed.runs)?;
+        let of = |value: fn(&[f64; 2]) -> f64| Spread::of(samples.iter().map(value));
         writeln!(
             out,
-            "{empty_percent:>3} % empty: {} ms {}, {} ms {}, ratio {}",
+            "{empty_percent:>3} % empty: {} ms {:.3}, {} ms {:.3}, ratio {:.3}",
             NAMES[0],
             of(|s| s[0]),
             NAMES[1],
@@ -95,16 +80,6 @@ fn main() -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn create(path: &Path) -> Result<BufWriter<File>> {
-    Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
-}
-
-/// Median (smallest–largest).
-fn spread(mut values: Vec<f64>) -> String {
-    values.sort_by(f64::total_cmp);
-    format!("{:.3} ({:.3}–{:.3})", values[values.len() / 2], values[0], values[values.len() - 1])
 }
 
 /// The direct form's text: what `dilate` has in front of it, then its own file.
@@ -124,7 +99,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let surface = buffer("surface", bytemuck::cast_slice(&pixels), BufferUsages::STORAGE);
     let view = buffer("view", bytemuck::bytes_of(&scene::view(size_px)), BufferUsages::UNIFORM);
     let dilate = buffer("dilate", bytemuck::bytes_of(&DilateUniform::default()), BufferUsages::UNIFORM);
-    let nothing_hidden = vec![0; (size_px[0].div_ceil(32) * size_px[1]) as usize];
+    let nothing_hidden = vec![0; (layout::mask_words_per_row(size_px[0]) * size_px[1]) as usize];
     let tile_list = tiles(size_px, &nothing_hidden);
     let tiles = buffer("tiles", bytemuck::cast_slice(&tile_list), BufferUsages::STORAGE);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;

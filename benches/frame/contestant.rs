@@ -1,9 +1,9 @@
 //! The ways to draw both eyes that are compared: each draws whole frames of the same view and tells its times.
 
 use crate::heat::{Entry, Plan};
-use crate::point_list::{self, PointList};
 use crate::scene::Scene;
 use anyhow::{Context, Result};
+use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
 use scanwalk::gpu::{Gpu, readback};
 use scanwalk::look::Look;

@@ -2,35 +2,9 @@
 
 use crate::contestant::Sample;
 use crate::heat::{Part, Ratio};
+use crate::timed::Spread;
 use scanwalk::timing::STAGES;
-use std::fmt;
 use std::io::{self, Write};
-
-/// Median and range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// The middle one, or the mean of the two in the middle.
-    pub median: f64,
-    min: f64,
-    max: f64,
-}
-
-impl Spread {
-    /// Of at least one value.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.into_iter().collect();
-        values.sort_unstable_by(f64::total_cmp);
-        let middle = 0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2]);
-        Self { median: middle, min: values[0], max: values[values.len() - 1] }
-    }
-}
-
-impl fmt::Display for Spread {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let text = format!("{:.2} ({:.2}–{:.2})", self.median, self.min, self.max);
-        f.pad(&text)
-    }
-}
 
 /// All samples of one heat from one viewpoint.
 pub struct Figures {

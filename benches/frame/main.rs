@@ -9,10 +9,11 @@ mod check;
 mod contestant;
 mod figures;
 mod heat;
-mod point_list;
 mod scene;
+#[path = "../support/timed.rs"]
+mod timed;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Parser;
 use contestant::Contestant;
 use figures::{Figures, print_growth};
@@ -20,10 +21,9 @@ use heat::{Entry, Heat, MAX_HARDWARE_POINTS};
 use scanwalk::gpu::Gpu;
 use scanwalk::space::View;
 use scene::Scene;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
 use std::sync::Arc;
+use timed::Timed;
 
 /// Frames that are drawn before any counts.
 const WARM_UP_FRAMES: usize = 2;
@@ -37,42 +37,33 @@ struct Args {
     /// Only heats whose name contains this: eyes, tiers, octree, parts
     #[arg(long, value_name = "NAME", default_value = "")]
     heat: String,
-    /// Measured frames of each contestant
-    #[arg(long, value_name = "N", default_value_t = 9)]
-    runs: usize,
+    #[command(flatten)]
+    timed: Timed,
     /// Pixels an eye, width and height
     #[arg(long, value_name = "PX", default_value_t = 1024)]
     size: u32,
-    /// A small scan and few frames: shows that it works, not how fast
-    #[arg(long)]
-    quick: bool,
-    /// Also write every sample
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// GPU whose name contains this
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
-    /// Given by `cargo bench`; without it (`cargo test --benches`) the run is quick
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 fn main() -> Result<()> {
     let mut args = Args::parse();
-    if args.quick || !args.bench {
-        (args.points, args.runs, args.size) = (vec![0.1, 0.2], 2, 256);
+    if args.timed.is_quick() {
+        (args.points, args.timed.runs, args.size) = (vec![0.1, 0.2], 2, 256);
     }
-    ensure!(args.runs > 0, "--runs 0: a median needs a run");
-    let gpu = Arc::new(Gpu::open(args.adapter.as_deref())?);
-    let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-    ensure!(can_time, "{} cannot tell how long its work takes", gpu.name());
+    let gpu = Arc::new(args.timed.gpu()?);
 
     let mut out = io::stdout().lock();
-    let mut csv = args.csv.as_deref().map(create).transpose()?;
+    let mut csv = args.timed.csv()?;
     if let Some(csv) = &mut csv {
         Figures::csv_header(csv)?;
     }
-    writeln!(out, "{}, {}; {}² pixels an eye, {} runs", gpu.name(), gpu.driver(), args.size, args.runs)?;
+    writeln!(
+        out,
+        "{}, {}; {}² pixels an eye, {} runs",
+        gpu.name(),
+        gpu.driver(),
+        args.size,
+        args.timed.runs
+    )?;
     let mut all = Vec::new();
     for &millions in &args.points {
         // One cloud at a time: memory holds the largest, not all.
@@ -91,10 +82,6 @@ fn main() -> Result<()> {
         }
     }
     Ok(print_growth(&mut out, &all)?)
-}
-
-fn create(path: &Path) -> Result<BufWriter<File>> {
-    Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
 }
 
 /// Contestants by name.
@@ -130,7 +117,7 @@ fn measure(
     for place in scene::viewpoints() {
         let view = scene::view(place, size_px);
         check_pictures(heat, &mut contestants, &view, out).context(place.name)?;
-        let samples = samples(&mut contestants, &view, args.runs)?;
+        let samples = samples(&mut contestants, &view, args.timed.runs)?;
         let figures = Figures { num_points, viewpoint: place.name, heat: heat.name, samples };
         figures.print_times(out)?;
         heat.ratios.iter().try_for_each(|ratio| figures.print_ratio(out, ratio))?;

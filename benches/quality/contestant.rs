@@ -1,12 +1,12 @@
 //! The ways to draw that are compared, and the truth that they are compared with.
 
 use super::picture::{Picture, only_eye};
-use super::point_list::{self, PointList};
 use super::scene::Scene;
 use super::supersample::{self, FACTOR};
 use anyhow::{Context, Result};
+use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
-use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality, Tier};
+use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality};
 use scanwalk::gpu::{Gpu, readback};
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
@@ -21,15 +21,15 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// One way to draw an eye.
 pub trait Contestant {
-    /// Draws the view's one eye.
-    fn draw(&mut self, view: &View) -> Result<Picture>;
+    /// Draws the view's one eye; `lod_scale` is a factor on the thresholds of level of detail, if it knows any.
+    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture>;
 }
 
 /// Makes a contestant for a scene, to draw pictures of that size.
 pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
 
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
-pub const CONTESTANTS: [(&str, Make); 8] = [
+pub const CONTESTANTS: [(&str, Make); 9] = [
     ("point-list", |gpu, scene, size_px| Ok(Box::new(Hardware::new(gpu, &scene.cloud, size_px)?))),
     ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, Look::default())),
     ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
@@ -40,6 +40,9 @@ pub const CONTESTANTS: [(&str, Make); 8] = [
     }),
     ("lod-hqs-fade-rings", |gpu, scene, size_px| {
         layered(gpu, scene, size_px, hqs(&|c| (c.lod.fade, c.frame.dilate) = (true, Dilate::Rings)))
+    }),
+    ("lod-hqs-fill-rings", |gpu, scene, size_px| {
+        layered(gpu, scene, size_px, hqs(&|c| (c.frame.fill, c.frame.dilate) = (true, Dilate::Rings)))
     }),
     // The frame as the program draws it unless told otherwise.
     ("lod-hqs-fade-fill-rings", |gpu, scene, size_px| {
@@ -82,10 +85,10 @@ impl Truth {
 }
 
 impl Contestant for Truth {
-    fn draw(&mut self, view: &View) -> Result<Picture> {
+    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture> {
         let places = (0..FACTOR * FACTOR).map(|i| [i % FACTOR, i / FACTOR]);
         let parts: Result<Vec<Picture>> =
-            places.map(|place| self.0.draw(&supersample::part(view, place))).collect();
+            places.map(|place| self.0.draw(&supersample::part(view, place), lod_scale)).collect();
         Ok(supersample::filtered(&parts?, BACKGROUND))
     }
 }
@@ -100,7 +103,7 @@ struct Compute {
 
 impl Compute {
     fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
-        let atomics = render::tier(gpu, Tier::Auto)?;
+        let atomics = render::tier(gpu, &Config::default())?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, look)?;
         renderer.set_cloud(cloud)?;
@@ -116,8 +119,9 @@ impl Compute {
 }
 
 impl Contestant for Compute {
-    fn draw(&mut self, view: &View) -> Result<Picture> {
+    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture> {
         self.frame += 1;
+        self.renderer.set_lod_scale(lod_scale);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let color = &self.image.create_view(&Default::default());
         self.renderer.record(&mut encoder, self.frame, &[EyeImage { color, depth: None }]);
@@ -151,7 +155,7 @@ impl Hardware {
 }
 
 impl Contestant for Hardware {
-    fn draw(&mut self, view: &View) -> Result<Picture> {
+    fn draw(&mut self, view: &View, _lod_scale: f32) -> Result<Picture> {
         self.frame += 1;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.point_list.record(&mut encoder, self.frame, &[self.image.create_view(&Default::default())]);

@@ -15,26 +15,41 @@ pub struct Recording {
     pub tremor: Vec<Picture>,
     /// Of each step of the walk: the change of the patch that changes most, 0 to 255.
     pub pops: Vec<f64>,
+    /// The same where the head stands still and only the level of detail goes on as if it walked.
+    pub lod_pops: Vec<f64>,
+}
+
+/// What contestants draw.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// At least two views.
+    pub tremor: &'a [View],
+    /// At least two views; both motions start at the same one.
+    pub walk: &'a [View],
+    /// Factors on the thresholds of level of detail, at least one; before them stands 1.
+    pub approach: &'a [f32],
 }
 
 impl Recording {
-    /// Draws the frames of both motions; at least two of each, and both start at the same view.
+    /// Draws all frames; `draw` gets a view and the factor on the thresholds of level of detail.
     ///
     /// # Errors
     /// Those of `draw`.
-    pub fn new<E>(
-        tremor: &[View],
-        walk: &[View],
-        mut draw: impl FnMut(&View) -> Result<Picture, E>,
-    ) -> Result<Self, E> {
-        let tremor = tremor.iter().map(&mut draw).collect::<Result<Vec<Picture>, E>>()?;
-        let (mut before, mut pops) = (tremor[0].clone(), Vec::new());
-        for view in &walk[1..] {
-            let now = draw(view)?;
-            pops.push(largest_patch_change(&before, &now));
-            before = now;
-        }
-        Ok(Self { tremor, pops })
+    pub fn new<E>(motion: Motion, mut draw: impl FnMut(&View, f32) -> Result<Picture, E>) -> Result<Self, E> {
+        let tremor = motion.tremor.iter().map(|view| draw(view, 1.0)).collect::<Result<Vec<Picture>, E>>()?;
+        let mut pops = |frames: &mut dyn Iterator<Item = (&View, f32)>| {
+            let (mut before, mut pops) = (tremor[0].clone(), Vec::new());
+            for (view, lod_scale) in frames {
+                let now = draw(view, lod_scale)?;
+                pops.push(largest_patch_change(&before, &now));
+                before = now;
+            }
+            Ok(pops)
+        };
+        let walk_pops = pops(&mut motion.walk[1..].iter().map(|view| (view, 1.0)))?;
+        let still = &motion.tremor[0];
+        let lod_pops = pops(&mut motion.approach.iter().map(|&scale| (still, scale)))?;
+        Ok(Self { tremor, pops: walk_pops, lod_pops })
     }
 
     /// The picture that is looked at.
@@ -67,6 +82,8 @@ pub struct Figures {
     pub largest_pop: f64,
     /// Of [`Recording::pops`] the median.
     pub median_pop: f64,
+    /// Of [`Recording::lod_pops`] the largest.
+    pub largest_lod_pop: f64,
 }
 
 impl Figures {
@@ -88,6 +105,7 @@ impl Figures {
             own_flicker: mean(own_changes),
             largest_pop: pops[pops.len() - 1],
             median_pop: pops[pops.len() / 2],
+            largest_lod_pop: drawn.lod_pops.iter().copied().fold(0.0, f64::max),
         }
     }
 }
@@ -117,7 +135,7 @@ impl Table {
         writeln!(
             out,
             "scan,viewpoint,points,true_points,method,psnr_db,center_psnr_db,ssim,empty_px,behind_px,judged_px,\
-             flicker,own_flicker,largest_pop,median_pop"
+             flicker,own_flicker,largest_pop,median_pop,largest_lod_pop"
         )
     }
 
@@ -128,7 +146,8 @@ impl Table {
             write!(out, "{scan},{viewpoint},{num_points},{num_true_points},{name},")?;
             write!(out, "{:.3},{:.3},{:.5},", f.psnr_db, f.center_psnr_db, f.ssim)?;
             write!(out, "{},{},{},", f.holes.empty, f.holes.behind, f.holes.judged)?;
-            writeln!(out, "{:.4},{:.4},{:.3},{:.3}", f.flicker, f.own_flicker, f.largest_pop, f.median_pop)?;
+            write!(out, "{:.4},{:.4},", f.flicker, f.own_flicker)?;
+            writeln!(out, "{:.3},{:.3},{:.3}", f.largest_pop, f.median_pop, f.largest_lod_pop)?;
         }
         Ok(())
     }
@@ -143,7 +162,7 @@ impl Table {
         )?;
         let titles = ["PSNR dB", "centre dB", "SSIM"].map(|title| format!("{title:>11}")).concat();
         let ratios = ["holes %", "flicker", "own flicker"].map(|title| format!("{title:>16}")).concat();
-        writeln!(out, "  {:<25}{titles}{ratios}{:>14}", "", "pop (median)")?;
+        writeln!(out, "  {:<25}{titles}{ratios}{:>14}{:>9}", "", "pop (median)", "LOD pop")?;
         // The truth stands first.
         let first = self.rows[1].1;
         for (name, f) in &self.rows {
@@ -153,7 +172,7 @@ impl Table {
             write!(out, "{:>16}", ratio(f.flicker, first.flicker, 2))?;
             write!(out, "{:>16}", ratio(f.own_flicker, first.own_flicker, 2))?;
             let pop = format!("{:.1} ({:.1})", f.largest_pop, f.median_pop);
-            writeln!(out, "{pop:>14}")?;
+            writeln!(out, "{pop:>14}{:>9.2}", f.largest_lod_pop)?;
         }
         Ok(())
     }

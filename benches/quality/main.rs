@@ -8,15 +8,13 @@ mod figures;
 mod metrics;
 mod motion;
 mod picture;
-#[path = "../frame/point_list.rs"]
-mod point_list;
 mod scene;
 mod supersample;
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use contestant::{CONTESTANTS, Contestant, Truth};
-use figures::{Figures, Recording, Table};
+use figures::{Figures, Motion, Recording, Table};
 use picture::Picture;
 use scanwalk::gpu::Gpu;
 use scanwalk::space::View;
@@ -42,6 +40,9 @@ struct Args {
     /// Frames of the walk
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(2..))]
     walk: u32,
+    /// Steps of level of detail while the head stands still
+    #[arg(long, value_name = "N", default_value_t = 49, value_parser = clap::value_parser!(u32).range(2..))]
+    approach: u32,
     /// Only scans whose name contains this
     #[arg(long, value_name = "NAME", default_value = "")]
     scan: String,
@@ -70,7 +71,7 @@ fn main() -> Result<()> {
     let mut args = Args::parse();
     let quick = args.quick || !args.bench;
     if quick {
-        (args.points, args.density, args.tremor, args.walk) = (0.02, 4, 2, 2);
+        (args.points, args.density, args.tremor, args.walk, args.approach) = (0.02, 4, 2, 2, 2);
         args.scan = "terrestrial".into();
     }
     let gpu = Arc::new(Gpu::open(args.adapter.as_deref())?);
@@ -103,6 +104,16 @@ struct Stand {
     place: Viewpoint,
     tremor: Vec<View>,
     walk: Vec<View>,
+    approach: Vec<f32>,
+}
+
+impl Stand {
+    /// The frames that a contestant draws: the truth, which has no level of detail, walks two.
+    fn motion(&self, is_truth: bool) -> Motion<'_> {
+        let (walk, approach) =
+            if is_truth { (&self.walk[..2], &[][..]) } else { (&self.walk[..], &self.approach[..]) };
+        Motion { tremor: &self.tremor, walk, approach }
+    }
 }
 
 /// The figures of a scan from each viewpoint.
@@ -110,7 +121,8 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     let stand = |place: Viewpoint| {
         let view = scene::view(&place, size_px);
         let tremor = motion::tremor(&view, args.tremor as usize);
-        Stand { place, tremor, walk: motion::walk(&view, place.target, args.walk as usize) }
+        let walk = motion::walk(&view, place.target, args.walk as usize);
+        Stand { place, tremor, walk, approach: motion::approach(args.approach as usize) }
     };
     let stands: Vec<Stand> = source.places().into_iter().map(stand).collect();
     let points = (1e6 * args.points).round() as u64;
@@ -118,7 +130,7 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     // The dense scan goes before the other comes.
     let (truths, num_true_points) = {
         let dense = scene::flat(&source.dense_scan(args.density * points)?)?;
-        let truths = recordings(&mut Truth::new(gpu, &dense, size_px)?, &stands)?;
+        let truths = recordings(&mut Truth::new(gpu, &dense, size_px)?, &stands, true)?;
         (truths, dense.num_points)
     };
     let scene = Scene::new(source.scan(points)?)?;
@@ -135,7 +147,7 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
         });
     }
     for (name, make) in CONTESTANTS {
-        let drawn = recordings(make(gpu, &scene, size_px)?.as_mut(), &stands)?;
+        let drawn = recordings(make(gpu, &scene, size_px)?.as_mut(), &stands, false)?;
         for (((table, stand), drawn), truth) in tables.iter_mut().zip(&stands).zip(&drawn).zip(&truths) {
             table.rows.push((name, Figures::new(&stand.tremor[0], drawn, truth)));
             keep(args, source, stand, name, drawn.still())?;
@@ -144,8 +156,10 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     Ok(tables)
 }
 
-fn recordings(contestant: &mut dyn Contestant, stands: &[Stand]) -> Result<Vec<Recording>> {
-    let recording = |stand: &Stand| Recording::new(&stand.tremor, &stand.walk, |view| contestant.draw(view));
+fn recordings(contestant: &mut dyn Contestant, stands: &[Stand], is_truth: bool) -> Result<Vec<Recording>> {
+    let recording = |stand: &Stand| {
+        Recording::new(stand.motion(is_truth), |view, lod_scale| contestant.draw(view, lod_scale))
+    };
     stands.iter().map(recording).collect()
 }
 

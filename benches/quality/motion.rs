@@ -1,4 +1,5 @@
-//! How the head moves while pictures are compared: the tremor of somebody who stands still, and a slow walk.
+//! How the head moves while pictures are compared: the tremor of somebody who stands still, a slow walk, and what
+//! of the walk only level of detail would notice.
 
 use super::picture::{only_eye, seen_from};
 use glam::{DQuat, DVec3};
@@ -27,6 +28,11 @@ pub fn tremor(view: &View, num_frames: usize) -> Vec<View> {
         seen_from(view, Pose { orientation: (pose.orientation * turn).normalize(), ..pose })
     };
     (0..num_frames).map(turned).collect()
+}
+
+/// Factors on the thresholds of level of detail as the steps of [`walk`] would lower them for what is looked at.
+pub fn approach(num_frames: usize) -> Vec<f32> {
+    (1..num_frames).map(|frame| (1.0 - frame as f64 * STEP_SHARE) as f32).collect()
 }
 
 /// `num_frames` views on the way to `target`, looking ahead as at the start.

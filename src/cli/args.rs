@@ -1,5 +1,6 @@
 //! Arguments of the smaller commands.
 
+use super::parse;
 use crate::synth;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -54,9 +55,22 @@ pub struct BenchArgs {
     /// A LAS or LAZ file to measure with [default: made-up ones]
     #[arg(value_name = "SCAN")]
     pub scan: Option<PathBuf>,
-    /// Which paper's table
+    /// Which paper's table [default: 2021, 2022 and vr]
     #[arg(long, value_name = "TABLE")]
     pub table: Option<BenchTable>,
+    /// Millions of points of the made-up scans, one after the other [default: on a GPU 145, or what memory holds; on a
+    /// software driver 1]
+    #[arg(long, value_name = "M,M,…", value_delimiter = ',', conflicts_with = "scan", value_parser = parse::millions)]
+    pub points: Vec<f64>,
+    /// Measured frames of each row
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub runs: usize,
+    /// Pixels of every picture [default: the papers']
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub size: Option<[u32; 2]>,
+    /// Also write a page with plots
+    #[arg(short, long, value_name = "PAGE.html")]
+    pub out: Option<PathBuf>,
     /// For programs: one JSON object
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
@@ -80,15 +94,28 @@ pub enum BenchTable {
     Spt,
 }
 
-/// Say what a frame log shows.
+/// Say what measurements show.
 #[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  scanwalk report frames.csv                        percentiles, misses, the stage that costs
+  scanwalk report frames.csv -o report.html         the same with plots, and the worst frames
+  scanwalk report before.csv after.csv              is the second faster, and by how much?
+  scanwalk report results.json -o bench.html        what `scanwalk bench --json` measured
+  scanwalk report frames.csv --worst-poses worst.poses
+  scanwalk view castle.laz --pose-path worst.poses  see the worst frames again
+
+Text goes to stdout in any case. Logs that are compared should replay one pose path.")]
 pub struct ReportArgs {
-    /// What `scanwalk view --log` wrote
-    #[arg(value_name = "FRAMES.csv")]
-    pub log: PathBuf,
-    /// A page with plots (not there yet)
+    /// FRAMES.csv: what `scanwalk view --log` wrote; two are compared. RESULTS.json: what `scanwalk bench --json`
+    /// wrote
+    #[arg(value_name = "FRAMES.csv|RESULTS.json", required = true, num_args = 1..=2)]
+    pub files: Vec<PathBuf>,
+    /// Write a page with plots: one file that opens without a network
     #[arg(short, long, value_name = "REPORT.html")]
     pub out: Option<PathBuf>,
+    /// Write the worst frames as a path of the head, worst first, for `scanwalk view --pose-path`
+    #[arg(long, value_name = "OUT.poses")]
+    pub worst_poses: Option<PathBuf>,
 }
 
 /// Say what this machine has and lacks.

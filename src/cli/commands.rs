@@ -1,17 +1,15 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
 use super::{
-    Cli, Command, HeadsetChoice, RenderArgs, ReportArgs, SynthArgs, Usage, ViewArgs, WindowChoice, doctor,
+    Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, report,
 };
 use crate::config::{self, Config, ConfigError};
 use crate::progress::Stop;
 use crate::scan;
 use crate::shot::{self, ShotFov, ShotOptions};
 use crate::synth::{self, SynthOptions};
-use crate::timing::{self, Report};
 use crate::view::{self, ViewOptions, Wish};
 use glam::DVec3;
-use std::io::{self, Write};
 
 /// Runs the command that was asked for.
 pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
@@ -21,10 +19,10 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
         Command::Render(args) => render(args, &config, stop),
         Command::Info(args) => scan::info::print(&args.scans, args.json, stop),
         Command::Synth(args) => synth(args, stop),
-        Command::Report(args) => report(args),
+        Command::Report(args) => report::run(args),
         Command::Doctor(args) => doctor::run(&config, args.json),
         Command::Convert(_) => Err(not_there_yet("convert", "LAS and LAZ files can be viewed as they are")),
-        Command::Bench(_) => Err(not_there_yet("bench", "`scanwalk view --log` measures a walk")),
+        Command::Bench(args) => bench::run(args, &config, stop),
     }
 }
 
@@ -48,16 +46,6 @@ pub(super) fn settings(cli: &Cli) -> Result<Config, ConfigError> {
 /// A command that the contract names and nobody has built: wrong usage, said kindly.
 fn not_there_yet(command: &str, instead: &str) -> anyhow::Error {
     Usage(format!("{command} does not exist yet; {instead}")).into()
-}
-
-fn report(args: &ReportArgs) -> anyhow::Result<()> {
-    if args.out.is_some() {
-        let sentence = "report: -o does not exist yet; without it the report is printed";
-        return Err(Usage(sentence.into()).into());
-    }
-    let report = Report::of(&timing::read(&args.log)?);
-    write!(io::stdout().lock(), "{report}")?;
-    Ok(())
 }
 
 fn view(args: &ViewArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {

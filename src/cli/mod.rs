@@ -4,11 +4,13 @@
 //! stdout, everything else to stderr.
 
 mod args;
+mod bench;
 mod commands;
 mod doctor;
 mod exit;
 mod parse;
 mod render;
+mod report;
 mod view;
 
 pub use args::{BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SynthArgs};
@@ -71,9 +73,9 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Write a made-up scan
     Synth(SynthArgs),
-    /// Measure this machine against the papers' tables (not there yet)
+    /// Measure this machine against the papers' tables: methods, orders, flat clouds and octrees, both eyes
     Bench(BenchArgs),
-    /// Say what a frame log shows: percentiles, misses, the stage that costs
+    /// Say what measurements show: a frame log, two of them compared, benchmark results
     Report(ReportArgs),
     /// Say what this machine has and lacks, and what to install
     Doctor(DoctorArgs),

@@ -38,6 +38,13 @@ fn number(text: &str, wanted: &str, fits: impl Fn(f64) -> bool) -> Result<f64, S
     value.ok_or_else(|| format!("write {wanted}"))
 }
 
+/// Millions of points: at least one point, no more than a cloud holds.
+pub(super) fn millions(text: &str) -> Result<f64, String> {
+    number(text, "millions of points from 0.001 to 2000: for example 1,4,16", |m| {
+        (0.001..=2000.0).contains(&m)
+    })
+}
+
 /// A field of view in degrees.
 pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     number(text, "degrees, more than 0 and less than 180", |deg| deg > 0.0 && deg < 180.0)

@@ -1,7 +1,9 @@
 //! Arguments of `scanwalk render`.
 
 use super::parse;
+use crate::cloud::Order;
 use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
+use crate::method::Method;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -47,6 +49,12 @@ pub struct RenderArgs {
     /// performance: as the headset would draw; valve-index, meta-quest-3, bigscreen-beyond-2: headsets to simulate
     #[arg(long, value_name = "NAME", default_value = PLAIN)]
     pub preset: Vec<String>,
+    /// How points get into pixels, by the papers' names; all but just-set draw the same picture [default: the preset's]
+    #[arg(long, value_name = "NAME")]
+    pub method: Option<Method>,
+    /// Order of the points in memory; of equal depths the smaller number is drawn [default: the preset's]
+    #[arg(long, value_name = "NAME")]
+    pub order: Option<Order>,
     /// closest: the nearest point's color; hqs: the blend of the nearest points [default: the preset's]
     #[arg(long, value_name = "HOW")]
     pub quality: Option<Quality>,
@@ -94,7 +102,9 @@ impl RenderArgs {
     /// Settings that the command's own options win over: afterwards the configuration is the one place to
     /// look for them.
     pub fn apply_to(&self, config: &mut Config) {
-        let Config { frame, lod, .. } = config;
+        let Config { cloud, frame, lod, .. } = config;
+        frame.method = self.method.unwrap_or(frame.method);
+        cloud.order = self.order.unwrap_or(cloud.order);
         frame.quality = self.quality.unwrap_or(frame.quality);
         frame.dilate = self.dilate.unwrap_or(frame.dilate);
         frame.precision = self.precision.unwrap_or(frame.precision);

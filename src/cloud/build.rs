@@ -2,7 +2,7 @@
 
 use super::index::Index;
 use super::quantize::{Cells, planes};
-use super::{Batch, Cloud, Order, morton};
+use super::{Batch, Cloud, GROUP_POINTS, Order, morton};
 use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::progress::Progress;
 use crate::scan::Scan;
@@ -51,6 +51,8 @@ pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, Bu
     let sorted = match order {
         Order::Original => None,
         Order::Morton => Some(sort(&index, &bounds)),
+        Order::Shuffled => Some(shuffled(num_points)),
+        Order::ShuffledMorton => Some(shuffled_groups(&sort(&index, &bounds))),
     };
     if progress.stopped() {
         return Err(BuildError::Stopped);
@@ -109,6 +111,34 @@ pub(super) fn check(scan: &Scan) -> Result<(usize, Bounds), BuildError> {
         return Err(BuildError::TooWide(format!("{edge:e}")));
     }
     Ok((num_points, bounds))
+}
+
+/// A number that looks random, another for each `i`: splitmix64.
+fn scrambled(i: usize) -> u64 {
+    let z = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ z >> 31
+}
+
+/// (Random number, place) in ascending order.
+fn shuffled(count: usize) -> Vec<(u64, u32)> {
+    let mut keys: Vec<(u64, u32)> = (0..count).into_par_iter().map(|i| (scrambled(i), i as u32)).collect();
+    keys.par_sort_unstable();
+    keys
+}
+
+/// What is sorted, in groups that come at random; the last, which may be smaller, stays last.
+fn shuffled_groups(sorted: &[(u64, u32)]) -> Vec<(u64, u32)> {
+    let (whole, rest) = sorted.split_at(sorted.len() / GROUP_POINTS * GROUP_POINTS);
+    let order = shuffled(whole.len() / GROUP_POINTS);
+    let groups = order.par_iter().flat_map_iter(|&(_, group)| {
+        let first = group as usize * GROUP_POINTS;
+        whole[first..first + GROUP_POINTS].iter().copied()
+    });
+    let mut all: Vec<(u64, u32)> = groups.collect();
+    all.extend_from_slice(rest);
+    all
 }
 
 /// (Morton code, point) in ascending order; equal codes keep the files' order.

@@ -14,7 +14,9 @@ use crate::space::{Bounds, Split};
 use glam::DVec3;
 
 /// Order of the points in a cloud.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize, clap::ValueEnum,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
     /// As the files have them.
@@ -22,7 +24,14 @@ pub enum Order {
     /// By Morton code of 21 bits an axis; equal codes keep the file's order.
     #[default]
     Morton,
+    /// At random, always the same way.
+    Shuffled,
+    /// By Morton code within groups of [`GROUP_POINTS`], which come at random.
+    ShuffledMorton,
 }
+
+/// Points of a group of [`Order::ShuffledMorton`] [2021 §4].
+pub const GROUP_POINTS: usize = 128;
 
 /// A run of consecutive points and the box that they are quantised in.
 #[derive(Clone, Copy, Debug, PartialEq)]

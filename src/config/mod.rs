@@ -14,6 +14,7 @@ pub use load::{ConfigError, load};
 pub use presets::{PRESETS, Preset};
 
 use crate::cloud::Order;
+use crate::method::Method;
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set.
@@ -115,6 +116,10 @@ pub struct FrameConfig {
     pub background: [u8; 3],
     /// `auto`: coordinate bits by projected size; `full`: always 30.
     pub precision: Precision,
+    /// How points get into pixels.
+    pub method: Method,
+    /// Leave out what neither eye sees; off: every point is read, to measure what that costs.
+    pub cull: bool,
     /// What a pixel shows of the points in it.
     pub quality: Quality,
     /// How gaps between points are filled.
@@ -129,6 +134,8 @@ impl Default for FrameConfig {
             near_m: 0.05,
             background: [0, 0, 0],
             precision: Precision::Auto,
+            method: Method::Prefetch,
+            cull: true,
             quality: Quality::Hqs,
             dilate: Dilate::Rings,
             fill: true,

@@ -128,6 +128,7 @@ pub(super) mod tests {
             resolution_scale: 1.0,
             quality: "closest",
             upload_bytes: 0,
+            world_from_head: None,
         }
     }
 

@@ -168,6 +168,7 @@ fn the_panel_tells_of_frames_scan_and_machine() {
         "Both",
         "×1",
         "20 green",
+        "times above are without it",
     ];
     for text in wanted {
         assert!(words.lines().any(|line| line.contains(text)), "no '{text}' in:\n{words}");

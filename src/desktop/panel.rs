@@ -187,6 +187,7 @@ fn choices(ui: &mut Ui, row: Option<&FrameRow>, view: &mut View) -> Option<Comma
     let meaning = overlay_meaning(overlay, row);
     if !meaning.is_empty() {
         ui.label(caption(meaning));
+        ui.label(caption("The GPU's times above are without it."));
     }
     ui.horizontal(|ui| {
         if ui.button("Keys (F1)").clicked() {

@@ -40,7 +40,9 @@ pub enum GpuError {
 const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX)
-    .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS);
+    .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS)
+    .union(wgpu::Features::SUBGROUP)
+    .union(wgpu::Features::SHADER_F64);
 /// Storage buffers that the largest stage binds.
 const NUM_STORAGE_BUFFERS: u32 = 10;
 /// And with 64-bit addition.
@@ -106,6 +108,18 @@ pub(crate) fn instance_flags() -> wgpu::InstanceFlags {
 }
 
 impl Gpu {
+    /// True if shaders can count in f64.
+    #[must_use]
+    pub fn has_f64(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SHADER_F64)
+    }
+
+    /// True if threads of a subgroup can ask each other.
+    #[must_use]
+    pub fn has_subgroups(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SUBGROUP)
+    }
+
     /// What its atomics can do.
     #[must_use]
     pub fn atomics(&self) -> Atomics {

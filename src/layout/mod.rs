@@ -30,10 +30,12 @@ pub const HEAD_CELL_STEP: i32 = 1 << 18;
 pub const COUNTERS_STRIDE: u32 = 256;
 /// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
 pub const EMPTY_DEPTH: u32 = u32::MAX;
-/// [`ViewUniform::lod_flags`]: points of a node appear one by one.
+/// [`ViewUniform::flags`]: points of a node appear one by one.
 pub const LOD_FADE: u32 = 1;
-/// [`ViewUniform::lod_flags`]: thresholds grow smoothly from ring to ring.
+/// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
 pub const LOD_SMOOTH: u32 = 2;
+/// [`ViewUniform::flags`]: batches that neither eye sees are drawn too.
+pub const KEEP_UNSEEN: u32 = 4;
 /// [`Node::flags`]: drawn whole, always.
 pub const NODE_WHOLE: u32 = 1;
 /// [`Node::flags`]: drawn always, though with fewer points when it is small.
@@ -78,6 +80,18 @@ pub const TILE_PX: [u32; 2] = [32, 16];
 pub const DILATE_REACH_PX: u32 = 3;
 /// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
 pub const DILATE_FALLOFF_BITS: u32 = 2;
+
+/// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
+/// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
+pub const FIXED40_RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
+
+/// The first depths of the ranges of [`FIXED40_RANGES`].
+#[must_use]
+pub fn fixed40_firsts() -> [u64; 3] {
+    let [(a, per_a), (b, per_b), (c, _)] = FIXED40_RANGES;
+    let second = ((b - a) * per_a) as u64;
+    [0, second, second + ((c - b) * per_b) as u64]
+}
 
 /// A batch on the GPU: a run of points and the box that their coordinates are relative to.
 ///
@@ -294,6 +308,8 @@ pub struct Detail {
     pub fill_reach_px: Option<f32>,
     /// Pixels that a disc of a sequential point tree may be wrong by, ε of [SPT §3.5]; `None`: there is none to draw.
     pub error_px: Option<f32>,
+    /// Batches that neither eye sees are drawn too, so that all points are read.
+    pub keep_unseen: bool,
 }
 
 impl Default for Detail {
@@ -307,6 +323,7 @@ impl Default for Detail {
             fade: false,
             fill_reach_px: None,
             error_px: None,
+            keep_unseen: false,
         }
     }
 }
@@ -325,8 +342,8 @@ pub struct ViewUniform {
     pub forced_planes: u32,
     /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
     pub threshold_px: [f32; 3],
-    /// [`LOD_FADE`], [`LOD_SMOOTH`].
-    pub lod_flags: u32,
+    /// [`LOD_FADE`], [`LOD_SMOOTH`], [`KEEP_UNSEEN`].
+    pub flags: u32,
     /// Cosines of the angles from the gaze at which the inner and the middle ring end.
     pub ring_cos: [f32; 2],
     /// Their sines.
@@ -362,7 +379,9 @@ impl ViewUniform {
             head_lo: lo.to_array(),
             forced_planes: detail.forced_planes,
             threshold_px: detail.threshold_px,
-            lod_flags: if detail.fade { LOD_FADE } else { 0 } | if detail.smooth { LOD_SMOOTH } else { 0 },
+            flags: if detail.fade { LOD_FADE } else { 0 }
+                | if detail.smooth { LOD_SMOOTH } else { 0 }
+                | if detail.keep_unseen { KEEP_UNSEEN } else { 0 },
             ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
             fill_reach_px: detail.fill_reach_px.unwrap_or(f32::MAX),
@@ -399,24 +418,23 @@ pub struct ClearUniform {
     pub reserved: u32,
 }
 
-/// What the steps of `resolve` need: one for each eye and chunk.
+/// Words of a row of `width` pixels in a mask of a bit a pixel: pixel x is bit x mod 32 of word x / 32, and rows
+/// begin with a word of their own.
+#[must_use]
+pub fn mask_words_per_row(width: u32) -> u32 {
+    width.div_ceil(32)
+}
+
+/// What the steps of `resolve` need to know of an eye's image.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ResolveUniform {
     /// Width, height in pixels.
     pub size_px: [u32; 2],
-    /// Index of the chunk's first point in the whole pool.
-    pub first_index: u32,
-    /// Points in the chunk's planes.
-    pub num_points: u32,
     /// Color where no point is, as stored: r | g≪8 | b≪16 | 255≪24.
     pub background: u32,
     /// Always 0.
-    pub reserved_a: u32,
-    /// Always 0.
-    pub reserved_b: u32,
-    /// Always 0.
-    pub reserved_c: u32,
+    pub reserved: u32,
 }
 
 /// What `cull` tells `depth` about a batch that is seen.

@@ -2,10 +2,11 @@
 
 use super::{
     BATCH_POINTS, COORDINATE_BITS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DRAWN_WHOLE,
-    EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP,
-    HYSTERESIS, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_WHOLE,
-    PLANE_BITS, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, PROTECTED_POINTS, STEP_SHIFT, SURFACE_TOLERANCE,
-    TILE_PX, VISIBLE_DISCS, VISIBLE_FILL, WORKGROUP_SIZE,
+    EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP, FIXED40_RANGES, HEAD_CELL_LIMIT,
+    HEAD_CELL_STEP, HYSTERESIS, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_DISCS,
+    NODE_ONE_SIDED, NODE_ROOT, NODE_WHOLE, PLANE_BITS, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
+    PROTECTED_POINTS, STEP_SHIFT, SURFACE_TOLERANCE, TILE_PX, VISIBLE_DISCS, VISIBLE_FILL, WORKGROUP_SIZE,
+    fixed40_firsts,
 };
 
 /// How a pixel's colors are added up. All forms give the same sums.
@@ -19,6 +20,8 @@ pub enum Sums {
     Protected = 1,
     /// Four u32, for GPUs that cannot add 64 bits.
     Wide = 2,
+    /// Two u64 of two u32 each, where [`Sums::Wide`] has its four [2021 §3.5].
+    Pairs = 3,
 }
 
 /// What a shader's text is made for.
@@ -34,28 +37,52 @@ pub struct Variant {
     pub sums: Sums,
     /// Depth and id are the two words of one u64; else each has a buffer of its own.
     pub keys: bool,
+    /// A thread draws one point at a time, not [`POINTS_PER_LOAD`] [2022 §3.2].
+    pub basic: bool,
+    /// Threads of a workgroup come to a pixel together, those without a point too.
+    pub converged: bool,
+    /// A pixel is looked at before it is asked for [2021 §3.2].
+    pub early_z: bool,
+    /// Depths are of 40 bits, made with f64 [2019 §2.1].
+    pub fixed40: bool,
 }
 
 impl Variant {
     /// The plainest for so many eyes.
     #[must_use]
     pub fn eyes(num_eyes: u32) -> Self {
-        Self { num_eyes, fill: false, discs: false, sums: Sums::Packed, keys: true }
+        Self {
+            num_eyes,
+            fill: false,
+            discs: false,
+            sums: Sums::Packed,
+            keys: true,
+            basic: false,
+            converged: false,
+            early_z: true,
+            fixed40: false,
+        }
     }
 }
 
 /// WGSL text of every constant of the layout; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
-    let Variant { num_eyes, fill, discs, sums, keys } = variant;
+    let Variant { num_eyes, fill, discs, sums, keys, basic, converged, early_z, fixed40 } = variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
+    // Not every GPU knows f64: only those hear of it who use it.
+    let ranges = if fixed40 { fixed40_prelude() } else { String::new() };
     format!(
-        "const NUM_EYES: u32 = {num_eyes}u;\n\
+        "{ranges}\
+         const NUM_EYES: u32 = {num_eyes}u;\n\
          const FILL: bool = {fill};\n\
          const DISCS: bool = {discs};\n\
          const SUMS: u32 = {sums}u;\n\
          const KEYS: bool = {keys};\n\
+         const BASIC: bool = {basic};\n\
+         const CONVERGED: bool = {converged};\n\
+         const EARLY_Z: bool = {early_z};\n\
          const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
          const BATCH_POINTS: u32 = {BATCH_POINTS}u;\n\
          const POINTS_PER_LOAD: u32 = {POINTS_PER_LOAD}u;\n\
@@ -69,6 +96,7 @@ pub fn prelude(variant: Variant) -> String {
          const PACKED: u32 = {}u;\n\
          const PROTECTED: u32 = {}u;\n\
          const WIDE: u32 = {}u;\n\
+         const PAIRS: u32 = {}u;\n\
          const NODE_WHOLE: u32 = {NODE_WHOLE}u;\n\
          const NODE_ROOT: u32 = {NODE_ROOT}u;\n\
          const NODE_DISCS: u32 = {NODE_DISCS}u;\n\
@@ -86,6 +114,7 @@ pub fn prelude(variant: Variant) -> String {
          const ENDLESS_STEP: u32 = {ENDLESS_STEP}u;\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\
          const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
+         const KEEP_UNSEEN: u32 = {KEEP_UNSEEN}u;\n\
          const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\
          const TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n\
          const DILATE_REACH_PX: u32 = {DILATE_REACH_PX}u;\n\
@@ -93,5 +122,18 @@ pub fn prelude(variant: Variant) -> String {
         Sums::Packed as u32,
         Sums::Protected as u32,
         Sums::Wide as u32,
+        Sums::Pairs as u32,
     )
+}
+
+fn fixed40_prelude() -> String {
+    let names = ["A", "B", "C"].into_iter().zip(FIXED40_RANGES).zip(fixed40_firsts());
+    let lines = names.map(|((name, (begin, steps)), first)| {
+        format!(
+            "const RANGE_{name}_BEGIN: f64 = {begin:?}lf;\n\
+             const RANGE_{name}_STEPS: f64 = {steps:?}lf;\n\
+             const RANGE_{name}_FIRST: u64 = {first}lu;\n"
+        )
+    });
+    lines.collect()
 }

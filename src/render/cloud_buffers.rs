@@ -118,6 +118,13 @@ impl CloudBuffers {
         Ok(upload.finish())
     }
 
+    /// Frees what no frame submitted from now on draws. It happens on this thread, which waits for the frames under
+    /// way: they hold the buffers too, and would else be freed by whoever sees the last of them end.
+    pub fn free(self, gpu: &Gpu) {
+        // A lost device shows at the next submit; it holds nothing.
+        let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+    }
+
     /// How many chunks the points fill; 1 on an ordinary GPU.
     #[must_use]
     pub fn num_chunks(&self) -> usize {

@@ -1,14 +1,12 @@
-//! Bind groups: of the cloud's chunks and the targets at hand. Made anew when either changes.
+//! Bind groups: of the cloud's chunks and the targets at hand. Made anew when either changes; no buffer is.
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
+use super::drawn_part::{Clearing, DrawnPart};
 use super::pipelines::{Closest, Hqs, Pipelines};
 use super::targets::Targets;
 use crate::config::{Dilate, Quality};
 use crate::gpu::Gpu;
-use crate::layout::{
-    COUNTERS_STRIDE, ClearUniform, CullCounters, DilateUniform, EMPTY_DEPTH, ResolveUniform, Sums, TILE_PX,
-};
-use wgpu::util::DeviceExt;
+use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
 
 /// What the groups are made from.
 #[derive(Clone, Copy)]
@@ -16,14 +14,12 @@ pub(super) struct Parts<'a> {
     pub gpu: &'a Gpu,
     pub pipelines: &'a Pipelines,
     pub targets: &'a Targets,
+    pub drawn: &'a DrawnPart,
     pub cloud: Option<&'a CloudBuffers>,
     pub view: &'a wgpu::Buffer,
     pub counters: &'a wgpu::Buffer,
     pub quality: Quality,
     pub dilate: Dilate,
-    pub background: u32,
-    /// Bits of the pixels that the lenses hide, an eye each.
-    pub hidden: &'a [Vec<u32>],
 }
 
 /// Every bind group of the frame.
@@ -31,6 +27,8 @@ pub(super) struct Parts<'a> {
 pub(super) struct Groups {
     /// One for each pair of targets to clear, with the number of its 16-byte words.
     pub clear: Vec<(wgpu::BindGroup, u32)>,
+    /// The same where `resolve` has cleared the targets of the frame before.
+    pub clear_counters: Option<(wgpu::BindGroup, u32)>,
     pub lod: Option<wgpu::BindGroup>,
     /// One a chunk, and so are the next three.
     pub cull: Vec<wgpu::BindGroup>,
@@ -68,6 +66,7 @@ impl Parts<'_> {
     pub fn groups(&self) -> Groups {
         let mut groups = Groups {
             clear: self.clear(),
+            clear_counters: self.clear_counters(),
             lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, &self.of_cloud(cloud))),
             cull: vec![],
             depth: vec![],
@@ -93,31 +92,38 @@ impl Parts<'_> {
         groups
     }
 
-    /// The targets that this quality begins with, and with which value.
+    /// The targets that this quality begins with, and how.
     fn clear(&self) -> Vec<(wgpu::BindGroup, u32)> {
         let Targets { keys, depth, wide, .. } = self.targets;
-        let pairs: Vec<(&[wgpu::Buffer; 2], u64, u32)> = match self.quality {
-            Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, 8, EMPTY_DEPTH)],
-            Quality::Closest => vec![(depth, 4, EMPTY_DEPTH), (keys, 4, EMPTY_DEPTH)],
+        let DrawnPart { no_keys, no_depth, no_sums, no_wide, .. } = self.drawn;
+        let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
+            Quality::Closest if self.pipelines.closest.counts => vec![(keys, no_keys), (depth, no_depth)],
+            Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
+            // The keys' buffers hold ids, half as large.
+            Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
             Quality::Hqs => match self.hqs().sums {
-                Sums::Packed => vec![(depth, 4, EMPTY_DEPTH), (keys, 8, 0)],
-                Sums::Protected => vec![(depth, 4, EMPTY_DEPTH), (keys, 8, 0), (wide, 16, 0)],
-                Sums::Wide => vec![(depth, 4, EMPTY_DEPTH), (wide, 16, 0)],
+                Sums::Packed => vec![(depth, no_depth), (keys, no_sums)],
+                Sums::Protected => vec![(depth, no_depth), (keys, no_sums), (wide, no_wide)],
+                Sums::Wide | Sums::Pairs => vec![(depth, no_depth), (wide, no_wide)],
             },
         };
-        let group = |(pair, bytes_per_px, value): (&[wgpu::Buffer; 2], u64, u32)| {
-            let num_words = [0, 1].map(|eye| self.targets.num_words(eye, bytes_per_px));
-            let [num_left, num_right] = num_words;
-            let uniform = self.uniform(&ClearUniform { value, num_left, num_right, reserved: 0 });
-            let resources = [
-                ("clear", uniform.as_entire_binding()),
-                ("left", pair[0].as_entire_binding()),
-                ("right", pair[1].as_entire_binding()),
-                ("counters", self.counters.as_entire_binding()),
-            ];
-            (self.pipelines.clear.bind(self.gpu, &resources), num_left.max(num_right))
-        };
-        pairs.into_iter().map(group).collect()
+        pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
+    }
+
+    /// Dilation writes over the keys, so that they must be cleared after all.
+    fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
+        let clears = self.pipelines.closest.shade_clears && self.quality == Quality::Closest;
+        (clears && self.dilate == Dilate::Off).then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
+    }
+
+    fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
+        let resources = [
+            ("clear", clearing.uniform.as_entire_binding()),
+            ("left", pair[0].as_entire_binding()),
+            ("right", pair[1].as_entire_binding()),
+            ("counters", self.counters.as_entire_binding()),
+        ];
+        (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words.max(1))
     }
 
     fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> Resources<'b> {
@@ -150,12 +156,14 @@ impl Parts<'_> {
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
             ("shapes", chunk.shapes.as_entire_binding()),
         ]);
-        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 5] = [
+        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 7] = [
             (keys, ["keys_left", "keys_right"]),
             (keys, ["sums_left", "sums_right"]),
             (keys, ["ids_left", "ids_right"]),
             (depth, ["depth_left", "depth_right"]),
+            (depth, ["asked_left", "asked_right"]),
             (wide, ["wide_left", "wide_right"]),
+            (wide, ["pairs_left", "pairs_right"]),
         ];
         for (pair, names) in names {
             resources.extend([0, 1].map(|eye| (names[eye], pair[eye].as_entire_binding())));
@@ -163,80 +171,48 @@ impl Parts<'_> {
         resources
     }
 
+    /// Everything that the steps of `resolve` may bind of an eye.
+    fn of_eye(&self, eye: usize) -> Resources<'_> {
+        let (targets, part) = (self.targets, &self.drawn.eyes[eye]);
+        // Where depth is a part of the key, `shade` reads both from there.
+        let depth = match self.quality {
+            Quality::Closest if self.pipelines.closest.ids.is_none() => &targets.keys[eye],
+            _ => &targets.depth[eye],
+        };
+        vec![
+            ("resolve", part.resolve.as_entire_binding()),
+            ("tiles", part.tiles.as_entire_binding()),
+            ("hidden", part.hidden.as_entire_binding()),
+            ("dilate", part.dilate.as_entire_binding()),
+            ("depth", depth.as_entire_binding()),
+            ("keys", targets.keys[eye].as_entire_binding()),
+            ("ids", targets.keys[eye].as_entire_binding()),
+            ("sums", targets.keys[eye].as_entire_binding()),
+            ("wide", targets.wide[eye].as_entire_binding()),
+            ("surface", targets.surface[eye].as_entire_binding()),
+            ("view", self.view.as_entire_binding()),
+            ("image", targets.finished(self.dilate)[eye].as_entire_binding()),
+        ]
+    }
+
     fn eye(&self, eye: usize) -> EyeGroups {
-        let targets = self.targets;
-        let size_px = targets.drawn_px[eye];
-        let hidden = self.hidden.get(eye).filter(|bits| bits.len() == num_mask_words(size_px));
-        let nothing = vec![0u32; num_mask_words(size_px)];
-        let hidden = hidden.unwrap_or(&nothing);
-        let tiles = tiles(size_px, hidden);
-        let tiles_buffer = self.storage("tiles", if tiles.is_empty() { &[0] } else { &tiles });
-        let hidden_buffer = self.storage("hidden", hidden);
-        let uniform = |first_index: u32, num_points: u32| {
-            self.uniform(&ResolveUniform {
-                size_px,
-                first_index,
-                num_points,
-                background: self.background,
-                reserved_a: 0,
-                reserved_b: 0,
-                reserved_c: 0,
-            })
-        };
-        let plain = uniform(0, 0);
-        let by_ring = self.uniform(&DilateUniform { eye: eye as u32, ..DilateUniform::default() });
-        let shared = |resolve: &wgpu::Buffer,
-                      colors: [&wgpu::Buffer; 2],
-                      bind: &dyn Fn(&Resources) -> wgpu::BindGroup| {
-            // Where depth is a part of the key, `shade` reads both from there.
-            let depth = match self.quality {
-                Quality::Closest if self.pipelines.closest.ids.is_none() => &targets.keys[eye],
-                _ => &targets.depth[eye],
-            };
-            bind(&vec![
-                ("resolve", resolve.as_entire_binding()),
-                ("tiles", tiles_buffer.as_entire_binding()),
-                ("depth", depth.as_entire_binding()),
-                ("ids", targets.keys[eye].as_entire_binding()),
-                ("sums", targets.keys[eye].as_entire_binding()),
-                ("wide", targets.wide[eye].as_entire_binding()),
-                ("colors", colors[0].as_entire_binding()),
-                ("filtered_colors", colors[1].as_entire_binding()),
-                ("surface", targets.surface[eye].as_entire_binding()),
-                ("dilate", by_ring.as_entire_binding()),
-                ("view", self.view.as_entire_binding()),
-                ("image", targets.finished(self.dilate)[eye].as_entire_binding()),
-                ("hidden", hidden_buffer.as_entire_binding()),
-            ])
-        };
-        let shade = |chunk: &Chunk| {
-            let uniform = uniform(chunk.uniform.first_index, chunk.uniform.num_points);
-            let colors = [&chunk.colors, &chunk.filtered_colors];
-            shared(&uniform, colors, &|r| self.pipelines.closest.shade.bind(self.gpu, r))
-        };
-        let none = [&targets.depth[eye]; 2];
+        let Pipelines { closest, dilate, image, .. } = self.pipelines;
+        let resources = self.of_eye(eye);
+        let shade =
+            |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
         let surface = match self.quality {
             _ if self.cloud.is_none() => vec![],
-            Quality::Closest => self.chunks().iter().map(shade).collect(),
-            Quality::Hqs => vec![shared(&plain, none, &|r| self.hqs().blend.bind(self.gpu, r))],
+            Quality::Closest if closest.shade_clears => vec![closest.shade.bind(self.gpu, &resources)],
+            Quality::Closest => (0..self.chunks().len()).map(shade).collect(),
+            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
         };
         let dilates = self.cloud.is_some() && self.dilate == Dilate::Rings;
-        let dilate = dilates.then(|| shared(&plain, none, &|r| self.pipelines.dilate.bind(self.gpu, r)));
-        let image = shared(&plain, none, &|r| self.pipelines.image.bind(self.gpu, r));
-        EyeGroups { num_tiles: tiles.len() as u32, surface, dilate, image }
-    }
-
-    fn uniform<T: bytemuck::Pod>(&self, value: &T) -> wgpu::Buffer {
-        self.init("uniform", bytemuck::bytes_of(value), wgpu::BufferUsages::UNIFORM)
-    }
-
-    fn storage(&self, label: &str, words: &[u32]) -> wgpu::Buffer {
-        self.init(label, bytemuck::cast_slice(words), wgpu::BufferUsages::STORAGE)
-    }
-
-    fn init(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
-        self.gpu.device.create_buffer_init(&descriptor)
+        EyeGroups {
+            num_tiles: self.drawn.eyes[eye].num_tiles,
+            surface,
+            dilate: dilates.then(|| dilate.bind(self.gpu, &resources)),
+            image: image.bind(self.gpu, &resources),
+        }
     }
 }
 
@@ -245,42 +221,4 @@ pub(super) fn hqs<'a>(pipelines: &'a Pipelines, cloud: Option<&CloudBuffers>) ->
     let is_crowded = cloud.is_none_or(|cloud| cloud.is_crowded);
     // The leanest form comes first, the safest last, and there is at least one.
     &pipelines.hqs[if is_crowded { pipelines.hqs.len() - 1 } else { 0 }]
-}
-
-/// Words of a mask of one bit a pixel, rows of whole words.
-fn num_mask_words([width, height]: [u32; 2]) -> usize {
-    width.div_ceil(32) as usize * height as usize
-}
-
-/// Tiles of which at least one pixel is not hidden, x | y≪16; `hidden` has a bit a pixel, rows of whole words.
-#[must_use]
-pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
-    let [across, down] = TILE_PX;
-    let words = width.div_ceil(32);
-    let is_hidden = |x: u32, y: u32| hidden[(y * words + x / 32) as usize] >> (x % 32) & 1 == 1;
-    let is_visible = |&(tx, ty): &(u32, u32)| {
-        let mut rows = ty * down..((ty + 1) * down).min(height);
-        let columns = tx * across..((tx + 1) * across).min(width);
-        rows.any(|y| columns.clone().any(|x| !is_hidden(x, y)))
-    };
-    let tiles = (0..height.div_ceil(down)).flat_map(|y| (0..width.div_ceil(across)).map(move |x| (x, y)));
-    tiles.filter(is_visible).map(|(x, y)| x | y << 16).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tile_is_left_out_only_when_all_of_it_is_hidden() {
-        let size = [80, 20];
-        let none = vec![0; num_mask_words(size)];
-        assert_eq!(tiles(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
-        // The left 32 columns of all rows, but for one pixel.
-        let mut left = none.clone();
-        left.iter_mut().step_by(3).for_each(|word| *word = u32::MAX);
-        assert_eq!(tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
-        left[3 * 19] ^= 1 << 15;
-        assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
-    }
 }

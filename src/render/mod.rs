@@ -2,17 +2,20 @@
 //! pictures and headsets share this path. frame.md section 1 lists the stages.
 
 mod cloud_buffers;
+mod drawn_part;
 mod frame;
 mod groups;
 mod overlay;
 mod pipelines;
+mod renderer;
 pub mod shaders;
 mod targets;
 mod tier;
 
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
-pub use frame::{EyeImage, FrameTimes, Renderer, Setup};
-pub use groups::tiles;
+pub use drawn_part::tiles;
+pub use frame::{EyeImage, FrameTimes};
 pub use overlay::Overlays;
+pub use renderer::{Renderer, Setup};
 pub use targets::{TargetTooLarge, Targets};
 pub use tier::{NoSuchTier, tier};

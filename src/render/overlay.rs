@@ -1,8 +1,10 @@
 //! Overlays: what a frame knows of itself, drawn over copies of the eyes' images. The images themselves stay as they
-//! are, and a frame without an overlay costs what it did.
+//! are, and a frame without an overlay costs what it did. With one the GPU has more to do after the frame's stages,
+//! which the frame log does not count: it tells what the headset's picture costs.
 
-use super::frame::Renderer;
+use super::cloud_buffers::CloudBuffers;
 use super::groups;
+use super::renderer::Renderer;
 use super::shaders;
 use crate::config::{Dilate, Overlay, Quality};
 use crate::gpu::Gpu;
@@ -25,6 +27,17 @@ pub struct Overlays {
     batches: Pass,
     /// Says which eye it is, as `dilate` in the shaders.
     eyes: [wgpu::Buffer; 2],
+    bound: Option<Bound>,
+}
+
+/// What an overlay draws, until the renderer's buffers or the overlay change.
+#[derive(Debug)]
+struct Bound {
+    overlay: Overlay,
+    /// [`Renderer::binding`] that it goes with.
+    binding: u64,
+    /// Of each eye.
+    draws: [Vec<Draw>; 2],
 }
 
 /// A pipeline that blends over an image.
@@ -62,20 +75,33 @@ impl Overlays {
             nodes: boxes("node_box"),
             batches: boxes("batch_box"),
             eyes: [eye(0), eye(1)],
+            bound: None,
         }
+    }
+
+    /// Lets go of the renderer's buffers, until the next [`Self::record`].
+    pub fn release(&mut self) {
+        self.bound = None;
     }
 
     /// Draws an overlay of the frame that `renderer` has just recorded over copies of its images, one an eye.
     /// `overdraw` needs [`Renderer::keep_sums`], and the quality `hqs`: else, and without a cloud, nothing is drawn.
+    /// The time that it takes comes after the frame's stages and is in none of their times.
     pub fn record(
-        &self,
+        &mut self,
         renderer: &Renderer,
         encoder: &mut wgpu::CommandEncoder,
         overlay: Overlay,
-        copies: &[&wgpu::TextureView],
+        copies: &[&wgpu::TextureView; 2],
     ) {
+        let is_bound = |bound: &Bound| (bound.overlay, bound.binding) == (overlay, renderer.binding());
+        if !self.bound.as_ref().is_some_and(is_bound) {
+            self.bound = self.bind(renderer, overlay);
+        }
+        let (Some(bound), Some(pass)) = (&self.bound, self.pass(renderer, overlay)) else { return };
+        let is_boxes = matches!(overlay, Overlay::Nodes | Overlay::Precision);
+        let num_vertices = if is_boxes { BOX_VERTICES } else { 3 };
         for (eye, copy) in copies.iter().enumerate() {
-            let Some((pass, num_vertices, draws)) = self.draws(renderer, overlay, eye) else { return };
             let mut over = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("overlay"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -90,36 +116,39 @@ impl Overlays {
             over.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
             over.set_scissor_rect(0, 0, width, height);
             over.set_pipeline(&pass.pipeline);
-            for (group, num_instances) in &draws {
+            for (group, num_instances) in &bound.draws[eye] {
                 over.set_bind_group(0, group, &[]);
                 over.draw(0..num_vertices, 0..*num_instances);
             }
         }
     }
 
-    /// The pass of an overlay, its vertices an instance, and what it draws for an eye.
-    fn draws(&self, renderer: &Renderer, overlay: Overlay, eye: usize) -> Option<(&Pass, u32, Vec<Draw>)> {
+    /// The pass of an overlay, if this frame has what it shows.
+    fn pass(&self, renderer: &Renderer, overlay: Overlay) -> Option<&Pass> {
+        match overlay {
+            Overlay::None => None,
+            Overlay::Rings => Some(&self.rings),
+            Overlay::Depth => Some(&self.depth),
+            Overlay::Overdraw => self.overdraw(renderer),
+            Overlay::Nodes => Some(&self.nodes),
+            Overlay::Precision => Some(&self.batches),
+        }
+    }
+
+    fn bind(&self, renderer: &Renderer, overlay: Overlay) -> Option<Bound> {
         let cloud = renderer.cloud.as_ref()?;
-        let pass = match overlay {
-            Overlay::None => return None,
-            Overlay::Rings => &self.rings,
-            Overlay::Depth => &self.depth,
-            Overlay::Overdraw => self.overdraw(renderer)?,
-            Overlay::Nodes => &self.nodes,
-            Overlay::Precision => &self.batches,
+        let pass = self.pass(renderer, overlay)?;
+        // Chunks to draw, and the instances of each.
+        let instances: Vec<u32> = match overlay {
+            Overlay::Nodes => vec![cloud.num_nodes],
+            Overlay::Precision => cloud.chunks.iter().map(|chunk| chunk.num_batches).collect(),
+            _ => vec![1],
         };
-        let draws = match overlay {
-            Overlay::Nodes => vec![(self.bind(renderer, pass, eye, 0), cloud.num_nodes)],
-            Overlay::Precision => {
-                let draw = |(number, chunk): (usize, &super::cloud_buffers::Chunk)| {
-                    (self.bind(renderer, pass, eye, number), chunk.num_batches)
-                };
-                cloud.chunks.iter().enumerate().map(draw).collect()
-            }
-            _ => vec![(self.bind(renderer, pass, eye, 0), 1)],
-        };
-        let is_boxes = matches!(overlay, Overlay::Nodes | Overlay::Precision);
-        Some((pass, if is_boxes { BOX_VERTICES } else { 3 }, draws))
+        let draws = [0, 1].map(|eye| {
+            let draw = |(chunk, &num): (usize, &u32)| (self.group(renderer, cloud, pass, eye, chunk), num);
+            instances.iter().enumerate().map(draw).collect()
+        });
+        Some(Bound { overlay, binding: renderer.binding(), draws })
     }
 
     /// The pass for the sums that the frame adds up, if it does.
@@ -131,11 +160,17 @@ impl Overlays {
         self.overdraw.iter().find(|(form, _)| *form == sums).map(|(_, pass)| pass)
     }
 
-    /// A bind group, made anew for each frame: the renderer's buffers may have changed.
-    fn bind(&self, renderer: &Renderer, pass: &Pass, eye: usize, chunk: usize) -> wgpu::BindGroup {
+    fn group(
+        &self,
+        renderer: &Renderer,
+        cloud: &CloudBuffers,
+        pass: &Pass,
+        eye: usize,
+        chunk: usize,
+    ) -> wgpu::BindGroup {
         let targets = &renderer.targets;
         let sums = renderer.kept_sums.as_ref().unwrap_or(&targets.keys);
-        let mut resources = vec![
+        let resources = [
             ("view", renderer.view.as_entire_binding()),
             ("dilate", self.eyes[eye].as_entire_binding()),
             ("surface", targets.finished(renderer.look.dilate)[eye].as_entire_binding()),
@@ -149,14 +184,10 @@ impl Overlays {
                     size: NonZeroU64::new(size_of::<CullCounters>() as u64),
                 }),
             ),
+            ("nodes", cloud.nodes.as_entire_binding()),
+            ("states", cloud.states.as_entire_binding()),
+            ("visible", cloud.chunks[chunk].visible.as_entire_binding()),
         ];
-        if let Some(cloud) = &renderer.cloud {
-            resources.extend([
-                ("nodes", cloud.nodes.as_entire_binding()),
-                ("states", cloud.states.as_entire_binding()),
-            ]);
-            resources.extend(cloud.chunks.get(chunk).map(|c| ("visible", c.visible.as_entire_binding())));
-        }
         let layout = pass.pipeline.get_bind_group_layout(0);
         pass.bindings.bind(&renderer.gpu.device, "overlay", &layout, &resources)
     }
@@ -209,7 +240,9 @@ impl Renderer {
         let sums = groups::hqs(&self.pipelines, self.cloud.as_ref()).sums;
         let is_lost = self.look.quality == Quality::Hqs && self.look.dilate == Dilate::Rings;
         if !(keep && is_lost && sums != Sums::Wide) {
-            self.kept_sums = None;
+            if self.kept_sums.take().is_some() {
+                self.rebound();
+            }
             return;
         }
         let sizes = self.targets.keys.each_ref().map(wgpu::Buffer::size);
@@ -217,6 +250,7 @@ impl Renderer {
         if !self.kept_sums.as_ref().is_some_and(fits) {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
             self.kept_sums = Some(sizes.map(|size| self.gpu.buffer("kept sums", size, usage)));
+            self.rebound();
         }
     }
 

@@ -4,6 +4,7 @@ use super::shaders;
 use crate::gpu::stage::{Bindings, Stage, shader_module};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
+use crate::method::Method;
 
 /// Every pipeline that a renderer may need.
 #[derive(Debug)]
@@ -25,6 +26,10 @@ pub(super) struct Closest {
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage>,
     pub shade: Stage,
+    /// `shade` gets all from the keys, whatever chunk a point is of, and clears them.
+    pub shade_clears: bool,
+    /// `depth` counts the points that ask for their pixel, where `hqs` has depths; less one.
+    pub counts: bool,
 }
 
 /// The point stages of `hqs` quality.
@@ -50,19 +55,31 @@ pub(super) struct For {
     pub fill: bool,
     pub discs: bool,
     pub atomics: Atomics,
+    pub method: Method,
     pub color_format: wgpu::TextureFormat,
     pub depth_format: Option<wgpu::TextureFormat>,
 }
 
 impl Pipelines {
     pub fn new(gpu: &Gpu, what: For) -> Self {
-        let For { num_eyes, fill, discs, atomics, .. } = what;
+        let For { num_eyes, fill, discs, atomics, method, .. } = what;
         let keys = atomics >= Atomics::Int64Minmax;
-        let variant = Variant { num_eyes, fill, discs, sums: Sums::Packed, keys };
+        let variant = Variant {
+            fill,
+            discs,
+            keys,
+            basic: method.is_basic(),
+            fixed40: method == Method::Fixed40,
+            ..Variant::eyes(num_eyes)
+        };
         let stage = |name, variant| Stage::new(gpu, name, &shaders::source(name, variant));
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
-            let color = if sums == Sums::Wide { "color32" } else { "color" };
+            let color = match sums {
+                Sums::Packed | Sums::Protected => "color",
+                Sums::Wide => "color32",
+                Sums::Pairs => "color-pairs",
+            };
             Hqs {
                 sums,
                 depth: stage("depth32", variant),
@@ -70,22 +87,44 @@ impl Pipelines {
                 blend: stage("blend", variant),
             }
         };
-        let forms: &[Sums] =
-            if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected] } else { &[Sums::Wide] };
+        let forms = match method.sums() {
+            Some(sums) => vec![sums],
+            None if atomics == Atomics::Int64 => vec![Sums::Packed, Sums::Protected],
+            None => vec![Sums::Wide],
+        };
         Self {
             clear: stage("clear", variant),
             lod: stage("lod", variant),
             cull: stage("cull", variant),
             closest: Closest {
-                depth: stage(if keys { "depth" } else { "depth32" }, variant),
+                depth: if keys { closest(gpu, method, variant) } else { stage("depth32", variant) },
                 ids: (!keys).then(|| stage("ids", variant)),
-                shade: stage("shade", variant),
+                shade: stage(if method == Method::Fixed40 { "shade40" } else { "shade" }, variant),
+                shade_clears: method == Method::Fixed40,
+                counts: method == Method::Count,
             },
-            hqs: forms.iter().map(|&sums| hqs(sums)).collect(),
+            hqs: forms.into_iter().map(hqs).collect(),
             dilate: stage("dilate", variant),
             image: Image::new(gpu, what, &shaders::source("resolve", variant)),
         }
     }
+}
+
+/// The method's way to the nearest point.
+fn closest(gpu: &Gpu, method: Method, variant: Variant) -> Stage {
+    let name = match method {
+        Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Fixed40 | Method::Count => {
+            method.name()
+        }
+        Method::Reduce | Method::ReduceEarlyZ if gpu.has_subgroups() => "reduce",
+        Method::Reduce | Method::ReduceEarlyZ => "reduce-emulated",
+        Method::Dedup if gpu.has_subgroups() => "dedup",
+        Method::Dedup => "dedup-emulated",
+        // Those of high-quality shading too: the governor may ask for `closest`.
+        _ => "depth",
+    };
+    let (converged, early_z) = (method.is_converged(), method != Method::Reduce);
+    Stage::new(gpu, name, &shaders::source(name, Variant { converged, early_z, ..variant }))
 }
 
 impl Image {

@@ -16,6 +16,13 @@ const CHOICE: Shared = Shared {
 };
 /// The lengths of sequential point trees.
 const STEPS: Shared = both(include_str!("../../shaders/steps.inc.wgsl"));
+/// The targets of `closest` quality.
+const KEYS: Shared = both(include_str!("../../shaders/keys.inc.wgsl"));
+/// What threads of a subgroup tell each other, and the same without subgroups.
+const SUBGROUP: Shared = both(include_str!("../../shaders/subgroup.inc.wgsl"));
+const SUBGROUP_EMULATED: Shared = both(include_str!("../../shaders/subgroup_emulated.inc.wgsl"));
+/// Depths in 40-bit integers.
+const FIXED40: Shared = both(include_str!("../../shaders/fixed40.inc.wgsl"));
 /// The tiles that the steps of `resolve` work on.
 const TILES: Shared = both(include_str!("../../shaders/tiles.inc.wgsl"));
 /// Which points count for a pixel's color, and their sums in four u32.
@@ -58,16 +65,19 @@ pub struct Shader {
 
 macro_rules! shader {
     ($name:literal, $shared:expr) => {
-        Shader { name: $name, shared: $shared, text: include_str!(concat!("../../shaders/", $name, ".wgsl")) }
+        shader!($name, $name, $shared)
+    };
+    ($name:literal, $file:literal, $shared:expr) => {
+        Shader { name: $name, shared: $shared, text: include_str!(concat!("../../shaders/", $file, ".wgsl")) }
     };
 }
 
-/// Every shader of the frame, in its order; then the overlays'.
-pub const SHADERS: [Shader; 14] = [
+/// Every shader of the frame, in its order; then the overlays' and those of other methods.
+pub const SHADERS: [Shader; 25] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[STEPS]),
-    shader!("depth", &[POINTS, CHOICE]),
+    shader!("depth", &[POINTS, CHOICE, KEYS]),
     shader!("depth32", &[POINTS, CHOICE]),
     shader!("ids", &[POINTS, CHOICE]),
     shader!("color", &[POINTS, CHOICE, SUMS, COLORS]),
@@ -78,6 +88,17 @@ pub const SHADERS: [Shader; 14] = [
     shader!("resolve", &[SRGB]),
     shader!("overlay", &[DILATION, SRGB, OVERLAY]),
     shader!("boxes", &[DILATION, SRGB, OVERLAY]),
+    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, KEYS]),
+    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, KEYS]),
+    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, KEYS]),
+    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, KEYS, SUBGROUP]),
+    shader!("reduce-emulated", "methods/reduce", &[POINTS, CHOICE, KEYS, SUBGROUP_EMULATED]),
+    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, KEYS, SUBGROUP]),
+    shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, KEYS, SUBGROUP_EMULATED]),
+    shader!("count", "methods/count", &[POINTS, CHOICE, KEYS]),
+    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, KEYS, FIXED40]),
+    shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
+    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, SUMS, COLORS]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

@@ -1,31 +1,63 @@
 //! Which tier of atomics the frame uses: the GPU's best, or what the settings say.
 
-use crate::config::Tier;
+use crate::config::{Config, Tier};
 use crate::gpu::{Atomics, Gpu};
+use crate::method::Method;
 
-/// A tier was asked for that the GPU does not have.
+/// What the settings ask for is more than the GPU has.
 #[derive(Debug, thiserror::Error)]
-#[error("gpu.tier: the GPU '{name}' has no {wanted}; its best is {best}, and \"auto\" takes that")]
-pub struct NoSuchTier {
-    name: String,
-    wanted: &'static str,
-    best: &'static str,
+pub enum NoSuchTier {
+    /// The tier.
+    #[error("gpu.tier: the GPU '{name}' has no {wanted}; its best is {best}, and \"auto\" takes that")]
+    Tier {
+        /// The GPU.
+        name: String,
+        /// Asked for.
+        wanted: &'static str,
+        /// What there is.
+        best: &'static str,
+    },
+    /// The method's arithmetic.
+    #[error("frame.method: {method} counts in f64, which the shaders of the GPU '{name}' cannot")]
+    F64 {
+        /// The GPU.
+        name: String,
+        /// Asked for.
+        method: &'static str,
+    },
+    /// The method.
+    #[error(
+        "frame.method: {method} needs the tier int64, and this is {tier}; prefetch and basic run in every tier"
+    )]
+    Method {
+        /// Asked for.
+        method: &'static str,
+        /// What there is.
+        tier: &'static str,
+    },
 }
 
 /// The tier to draw with.
 ///
 /// # Errors
-/// If the GPU does not have the one that is asked for.
-pub fn tier(gpu: &Gpu, wanted: Tier) -> Result<Atomics, NoSuchTier> {
+/// If the GPU does not have the one that is asked for, or the method needs a better one.
+pub fn tier(gpu: &Gpu, config: &Config) -> Result<Atomics, NoSuchTier> {
     let best = gpu.atomics();
-    let wanted = match wanted {
+    let wanted = match config.gpu.tier {
         Tier::Auto => best,
         Tier::Int64 => Atomics::Int64,
         Tier::Int64Minmax => Atomics::Int64Minmax,
         Tier::Int32 => Atomics::Int32,
     };
     if wanted > best {
-        return Err(NoSuchTier { name: gpu.name(), wanted: wanted.name(), best: best.name() });
+        return Err(NoSuchTier::Tier { name: gpu.name(), wanted: wanted.name(), best: best.name() });
+    }
+    let method: Method = config.frame.method;
+    if wanted < Atomics::Int64 && !method.is_of_every_tier() {
+        return Err(NoSuchTier::Method { method: method.name(), tier: wanted.name() });
+    }
+    if method == Method::Fixed40 && !gpu.has_f64() {
+        return Err(NoSuchTier::F64 { name: gpu.name(), method: method.name() });
     }
     Ok(wanted)
 }

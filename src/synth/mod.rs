@@ -22,7 +22,7 @@ mod light;
 mod material;
 mod photogrammetry;
 mod plan;
-mod random;
+pub(crate) mod random;
 mod record;
 mod shape;
 mod span;

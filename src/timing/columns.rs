@@ -1,6 +1,7 @@
 //! The frame log's text: header, column names and rows. The writer and the report share it.
 
 use super::{FrameRow, RunFacts, STAGES};
+use crate::space::Pose;
 use std::io::{self, Write};
 
 /// How the first line of every frame log starts.
@@ -11,8 +12,8 @@ pub const DROPPED: &str = "# dropped rows: ";
 /// Column names before the stages' own.
 const BEFORE_STAGES: [&str; 6] =
     ["frame", "time_s", "predicted_display_ns", "wait_ms", "record_ms", "submit_ms"];
-/// Column names after the stages' own.
-const AFTER_STAGES: [&str; 11] = [
+/// Column names after the stages' own. New ones go to the end, where older readers pass over them.
+const AFTER_STAGES: [&str; 18] = [
     "gpu_ms",
     "budget_ms",
     "over_budget",
@@ -24,7 +25,16 @@ const AFTER_STAGES: [&str; 11] = [
     "resolution_scale",
     "quality",
     "upload_bytes",
+    HEAD[0],
+    HEAD[1],
+    HEAD[2],
+    HEAD[3],
+    HEAD[4],
+    HEAD[5],
+    HEAD[6],
 ];
+/// Columns of `world_from_head`: position, then quaternion, in the order and the spaces of a pose path.
+pub(super) const HEAD: [&str; 7] = ["head_x", "head_y", "head_z", "head_qx", "head_qy", "head_qz", "head_qw"];
 
 /// All column names, in order: one for each stage of [`STAGES`] in the middle, `clear_ms`, `cull_ms`, ….
 #[must_use]
@@ -65,7 +75,18 @@ pub(super) fn write_row(out: &mut impl Write, row: &FrameRow) -> io::Result<()> 
     write!(out, ",{},{}", u8::from(row.over_budget()), row.missed_periods)?;
     write!(out, ",{},{},{}", row.visible_nodes, row.points_read, row.points_resident)?;
     write!(out, ",{},{}", row.lod_scale, row.resolution_scale)?;
-    writeln!(out, ",{},{}", row.quality, row.upload_bytes)
+    write!(out, ",{},{}", row.quality, row.upload_bytes)?;
+    write_head(out, row.world_from_head)?;
+    writeln!(out)
+}
+
+/// The head's pose with all its digits, so that a replay draws the same picture; empty cells if there is none.
+fn write_head(out: &mut impl Write, world_from_head: Option<Pose>) -> io::Result<()> {
+    let Some(Pose { position, orientation }) = world_from_head else {
+        return HEAD.iter().try_for_each(|_| out.write_all(b","));
+    };
+    let values = position.to_array().into_iter().chain(orientation.to_array());
+    values.into_iter().try_for_each(|value| write!(out, ",{value}"))
 }
 
 /// A comma and milliseconds to a tenth of a microsecond.

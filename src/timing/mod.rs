@@ -1,14 +1,14 @@
-//! Frame timing: the row of a frame, the log that writes rows, and the report that reads them.
+//! Frame timing: the row of a frame, the log that writes rows, and the reader that gives them back.
+
+use crate::space::Pose;
 
 pub mod columns;
 pub mod log;
 pub mod percentile;
 mod read;
-pub mod report;
 
 pub use log::{FrameLog, LogError, LogSummary};
 pub use read::{FrameLogFile, LoggedFrame, ReadError, read};
-pub use report::Report;
 
 /// The stages of a frame, in order. One name everywhere: shader, host, twin, timer row, log column, test.
 pub const STAGES: [&str; 6] = ["clear", "lod", "cull", "depth", "color", "resolve"];
@@ -27,13 +27,13 @@ pub struct FrameRow {
     pub predicted_display_ns: i64,
     /// CPU: waiting for the runtime (or the simulated display).
     pub wait_ms: f32,
-    /// CPU: recording commands.
+    /// CPU: recording commands, and before that taking a cloud that has become ready.
     pub record_ms: f32,
     /// CPU: locating the eyes and submitting.
     pub submit_ms: f32,
     /// GPU time of each stage.
     pub stage_ms: StageMs,
-    /// GPU time from the first stage's start to the last one's end.
+    /// GPU time from the first stage's start to the last one's end: an overlay for the window comes after it.
     pub gpu_ms: f32,
     /// 1000 / refresh rate.
     pub budget_ms: f32,
@@ -53,6 +53,8 @@ pub struct FrameRow {
     pub quality: &'static str,
     /// Bytes sent to the GPU since the frame before: uploads of the loader too.
     pub upload_bytes: u64,
+    /// Where the head was and looked, as a pose path has it; `None` while no scan is shown.
+    pub world_from_head: Option<Pose>,
 }
 
 impl FrameRow {

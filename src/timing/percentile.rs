@@ -3,6 +3,12 @@
 /// The percentiles that reports show, in per mille: 50, 90, 99, 99.9 and the maximum.
 pub const REPORTED_PER_MILLE: [usize; 5] = [500, 900, 990, 999, 1000];
 
+/// The place of a percentile among `num` ascending values, counted from 1; 0 gives the first, 1000 the last.
+#[must_use]
+pub fn rank(num: usize, per_mille: usize) -> usize {
+    (num * per_mille.min(1000)).div_ceil(1000).max(1)
+}
+
 /// Values in ascending order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sorted(Vec<f64>);
@@ -20,8 +26,19 @@ impl Sorted {
     /// is no value. 0 gives the smallest, 1000 the largest.
     #[must_use]
     pub fn percentile(&self, per_mille: usize) -> Option<f64> {
-        let rank = (self.0.len() * per_mille.min(1000)).div_ceil(1000);
-        self.0.get(rank.saturating_sub(1)).copied()
+        self.0.get(rank(self.0.len(), per_mille) - 1).copied()
+    }
+
+    /// How many values there are.
+    #[must_use]
+    pub fn num(&self) -> usize {
+        self.0.len()
+    }
+
+    /// The values, ascending.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.0
     }
 
     /// Sum of all values.

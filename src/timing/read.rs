@@ -1,13 +1,24 @@
 //! Reading a frame log back: strictly, except that a log which is still growing, or whose program was killed,
 //! may end in the middle of a line.
 
-use super::columns::{DROPPED, TITLE};
+use super::columns::{DROPPED, HEAD, TITLE};
+use crate::space::Pose;
+use glam::{DQuat, DVec3};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// Longer lines are in no frame log.
 const MAX_LINE_BYTES: u64 = 64 << 10;
+/// More than a day at 90 Hz, and about 3 GB in memory; a pipe that never ends is no frame log.
+const MAX_FRAMES: usize = 8_000_000;
+/// There are two; another version may have a few more.
+const MAX_QUALITIES: usize = 16;
+/// A header has six facts, a frame six stages; another version may have more.
+const MAX_FACTS: usize = 64;
+const MAX_STAGES: usize = 64;
+/// No time, factor or coordinate is larger: sums stay finite.
+const MAX_NUMBER: f64 = 1e12;
 
 /// Why a file is no frame log.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +46,8 @@ pub enum ReadError {
 /// What a report needs of one row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoggedFrame {
+    /// Counts from 0.
+    pub frame: u64,
     /// Seconds since the log began.
     pub time_s: f64,
     /// CPU milliseconds: wait, record, submit.
@@ -49,6 +62,14 @@ pub struct LoggedFrame {
     pub over_budget: bool,
     /// Display periods without a new image.
     pub missed_periods: u64,
+    /// The governor's factor on the LOD thresholds; NaN where the log has none.
+    pub lod_scale: f64,
+    /// The governor's factor on the image's edge; NaN where the log has none.
+    pub resolution_scale: f64,
+    /// Which of [`FrameLogFile::qualities`]; `None` where the log has none.
+    pub quality: Option<u8>,
+    /// The head in scan coordinates; `None` where the log has none, and while no scan was shown.
+    pub world_from_head: Option<Pose>,
 }
 
 /// A frame log, read.
@@ -58,6 +79,8 @@ pub struct FrameLogFile {
     pub facts: Vec<(String, String)>,
     /// Stages whose times the log has. Another version's log may have others than ours.
     pub stages: Vec<String>,
+    /// Names of the qualities that frames were drawn in, in the order in which they first appear.
+    pub qualities: Vec<String>,
     /// Rows.
     pub frames: Vec<LoggedFrame>,
     /// Rows that the writer had no room for.
@@ -111,10 +134,15 @@ struct Columns {
     time: usize,
     cpu: [usize; 3],
     stages: Vec<usize>,
+    frame: usize,
     gpu: usize,
     budget: usize,
     over_budget: usize,
     missed_periods: usize,
+    lod_scale: Option<usize>,
+    resolution_scale: Option<usize>,
+    quality: Option<usize>,
+    head: Option<[usize; 7]>,
 }
 
 impl Reading<'_> {
@@ -135,10 +163,17 @@ impl Reading<'_> {
             self.log.num_dropped = num.trim().parse().map_err(|_| self.error(not_a("count", num)))?;
         } else if let Some(comment) = line.strip_prefix('#') {
             if let Some((name, value)) = comment.split_once(": ") {
+                if self.log.facts.len() == MAX_FACTS {
+                    return Err(self.error(format!("more than {MAX_FACTS} facts of the run")));
+                }
                 self.log.facts.push((name.trim().to_owned(), value.to_owned()));
             }
         } else if let Some(columns) = &self.columns {
-            let frame = columns.frame(line).map_err(|problem| self.error(problem))?;
+            if self.log.frames.len() == MAX_FRAMES {
+                return Err(self.error(format!("more than {MAX_FRAMES} frames; report on parts of the log")));
+            }
+            let frame = columns.frame(line, &mut self.log.qualities);
+            let frame = frame.map_err(|problem| self.error(problem))?;
             self.log.frames.push(frame);
         } else {
             let (columns, stages) = Columns::find(line).map_err(|problem| self.error(problem))?;
@@ -158,16 +193,19 @@ impl Columns {
     fn find(header: &str) -> Result<(Self, Vec<String>), String> {
         const NO_STAGE: [&str; 5] = ["wait_ms", "record_ms", "submit_ms", "gpu_ms", "budget_ms"];
         let names: Vec<&str> = header.split(',').collect();
-        let at = |wanted: &str| {
-            let found = names.iter().position(|name| *name == wanted);
-            found.ok_or_else(|| format!("the columns lack '{wanted}'"))
-        };
+        let find = |wanted: &str| names.iter().position(|name| *name == wanted);
+        let at = |wanted: &str| find(wanted).ok_or_else(|| format!("the columns lack '{wanted}'"));
+        let head: Vec<usize> = HEAD.iter().filter_map(|name| find(name)).collect();
         let is_stage = |name: &&str| name.ends_with("_ms") && !NO_STAGE.contains(name);
         let stages = names.iter().enumerate().filter(|(_, name)| is_stage(name));
-        let (stages, stage_names) =
+        let (stages, stage_names): (Vec<usize>, Vec<String>) =
             stages.map(|(at, name)| (at, name.trim_end_matches("_ms").to_owned())).unzip();
+        if stage_names.len() > MAX_STAGES {
+            return Err(format!("more than {MAX_STAGES} columns of stages"));
+        }
         let columns = Self {
             count: names.len(),
+            frame: at("frame")?,
             time: at("time_s")?,
             cpu: [at("wait_ms")?, at("record_ms")?, at("submit_ms")?],
             stages,
@@ -175,19 +213,25 @@ impl Columns {
             budget: at("budget_ms")?,
             over_budget: at("over_budget")?,
             missed_periods: at("missed_periods")?,
+            lod_scale: find("lod_scale"),
+            resolution_scale: find("resolution_scale"),
+            quality: find("quality"),
+            head: head.try_into().ok(),
         };
         Ok((columns, stage_names))
     }
 
-    /// Reads a row.
-    fn frame(&self, line: &str) -> Result<LoggedFrame, String> {
+    /// Reads a row; a quality that none before had joins `qualities`.
+    fn frame(&self, line: &str, qualities: &mut Vec<String>) -> Result<LoggedFrame, String> {
         let cells: Vec<&str> = line.split(',').collect();
         if cells.len() != self.count {
             return Err(format!("{} cells under {} column names", cells.len(), self.count));
         }
         let [wait, record, submit] = self.cpu.map(|at| number(cells[at]));
         let stages = self.stages.iter().map(|at| number_or_none(cells[*at]));
+        let factor = |column: Option<usize>| column.map_or(Ok(f64::NAN), |at| number_or_none(cells[at]));
         Ok(LoggedFrame {
+            frame: count(cells[self.frame])?,
             time_s: number(cells[self.time])?,
             cpu_ms: [wait?, record?, submit?],
             stage_ms: stages.collect::<Result<_, _>>()?,
@@ -198,17 +242,49 @@ impl Columns {
                 "1" => true,
                 other => return Err(not_a("0 or 1", other)),
             },
-            missed_periods: {
-                let cell = cells[self.missed_periods];
-                cell.parse().map_err(|_| not_a("count", cell))?
-            },
+            missed_periods: count(cells[self.missed_periods])?,
+            lod_scale: factor(self.lod_scale)?,
+            resolution_scale: factor(self.resolution_scale)?,
+            quality: self.quality.map(|at| place_of(cells[at], qualities)).transpose()?,
+            world_from_head: self.head.map(|at| head(at.map(|at| cells[at]))).transpose()?.flatten(),
         })
     }
 }
 
-/// A finite number.
+/// A number that is not beyond all measure.
 fn number(cell: &str) -> Result<f64, String> {
-    cell.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| not_a("number", cell))
+    let value = cell.parse().ok().filter(|value: &f64| value.abs() <= MAX_NUMBER);
+    value.ok_or_else(|| not_a("number", cell))
+}
+
+fn count(cell: &str) -> Result<u64, String> {
+    cell.parse().map_err(|_| not_a("count", cell))
+}
+
+/// Where `name` is in `names`, to which it is added if it is new.
+fn place_of(name: &str, names: &mut Vec<String>) -> Result<u8, String> {
+    let place = names.iter().position(|known| known == name).unwrap_or(names.len());
+    if place == names.len() {
+        names.push(name.to_owned());
+    }
+    u8::try_from(place).ok().filter(|_| place < MAX_QUALITIES).ok_or_else(|| not_a("quality", name))
+}
+
+/// A pose from its cells; `None` if they are all empty.
+fn head(cells: [&str; 7]) -> Result<Option<Pose>, String> {
+    if cells.iter().all(|cell| cell.is_empty()) {
+        return Ok(None);
+    }
+    let mut values = [0.0; 7];
+    for (value, cell) in values.iter_mut().zip(cells) {
+        *value = number(cell)?;
+    }
+    let [x, y, z, qx, qy, qz, qw] = values;
+    let orientation = DQuat::from_xyzw(qx, qy, qz, qw).normalize();
+    if !orientation.is_finite() {
+        return Err("the head's quaternion is zero".into());
+    }
+    Ok(Some(Pose { position: DVec3::new(x, y, z), orientation }))
 }
 
 /// A finite number, or NaN for an empty cell.

@@ -2,8 +2,8 @@
 
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, NODE_DISCS, NODE_ONE_SIDED, Node,
-    PRECISION_THRESHOLD_PX, VISIBLE_DISCS, VISIBLE_FILL, ViewUniform, VisibleBatch,
+    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, NODE_DISCS,
+    NODE_ONE_SIDED, Node, PRECISION_THRESHOLD_PX, VISIBLE_DISCS, VISIBLE_FILL, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -55,9 +55,8 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     let mut flags = 0;
     let mut planes = view.forced_planes.max(1);
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
-        if in_frustum(eye, view.near, center, half_edge)
-            && is_needed(view, batch, node, eye, center, half_edge)
-        {
+        let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(eye, view.near, center, half_edge);
+        if is_seen && is_needed(view, batch, node, eye, center, half_edge) {
             flags |= 16 << number;
             let distance_sq = distance_sq(eye, view.near, center, half_edge);
             if view.forced_planes == 0 {

@@ -28,7 +28,7 @@ fn node_state(view: &ViewUniform, num_eyes: usize, node: &Node, before: u32) -> 
         .fold(f32::NEG_INFINITY, f32::max);
     if node.flags & NODE_ROOT != 0 {
         state_of(largest * largest)
-    } else if view.lod_flags & LOD_FADE != 0 {
+    } else if view.flags & LOD_FADE != 0 {
         if largest > FADE_BEGIN { state_of((largest - FADE_BEGIN) / (FADE_END - FADE_BEGIN)) } else { 0 }
     } else if largest >= if before != 0 { HYSTERESIS } else { 1.0 } {
         DRAWN_WHOLE
@@ -59,7 +59,7 @@ fn threshold_px(view: &ViewUniform, gaze: [f32; 3], center: [f32; 3], radius: f3
     if outside_middle > radius {
         return third;
     }
-    if view.lod_flags & LOD_SMOOTH == 0 {
+    if view.flags & LOD_SMOOTH == 0 {
         return second;
     }
     let share = (outside_inner - radius) / (outside_inner - outside_middle);

@@ -6,6 +6,7 @@ pub mod color;
 pub mod cull;
 pub mod depth;
 pub mod dilate;
+pub mod fixed40;
 pub mod lod;
 pub mod points;
 pub mod resolve;

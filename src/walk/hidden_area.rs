@@ -4,6 +4,7 @@
 //! pixel is hidden only if hidden triangles cover its whole square: at the border a pixel too many is drawn, and
 //! none is missing.
 
+use crate::layout::mask_words_per_row;
 use crate::space::Fov;
 use glam::DVec2;
 
@@ -34,7 +35,7 @@ impl HiddenArea {
     }
 
     /// One bit a pixel of an image of `size_px`, set where the pixel is hidden: row by row from the top,
-    /// [`words_per_row`] words each, pixel x in bit x mod 32 of word x / 32. Bits beyond the width are 0.
+    /// [`mask_words_per_row`] words each. Bits beyond the width are 0.
     #[must_use]
     pub fn rasterize(&self, fov: &Fov, size_px: [u32; 2]) -> Vec<u32> {
         let triangles: Vec<Triangle> =
@@ -63,40 +64,6 @@ impl HiddenArea {
     }
 }
 
-/// Words that a row of `width` bits takes.
-#[must_use]
-pub fn words_per_row(width: u32) -> usize {
-    width.div_ceil(32) as usize
-}
-
-/// Both eyes' hidden pixels, made anew only when there is a reason to.
-#[derive(Clone, Debug, Default)]
-pub struct HiddenPixels {
-    /// `None` while the headset has told nothing.
-    areas: Option<[HiddenArea; 2]>,
-    made_for: Option<[(Fov, [u32; 2]); 2]>,
-}
-
-impl HiddenPixels {
-    /// New triangles, left then right.
-    pub fn set_areas(&mut self, areas: [HiddenArea; 2]) {
-        self.areas = Some(areas);
-        self.made_for = None;
-    }
-
-    /// Masks as [`HiddenArea::rasterize`] makes them, if triangles, fields of view or sizes are not those of the
-    /// last call.
-    pub fn update(&mut self, fovs: [Fov; 2], sizes_px: [[u32; 2]; 2]) -> Option<[Vec<u32>; 2]> {
-        let areas = self.areas.as_ref()?;
-        let wanted = [(fovs[0], sizes_px[0]), (fovs[1], sizes_px[1])];
-        if self.made_for == Some(wanted) {
-            return None;
-        }
-        self.made_for = Some(wanted);
-        Some([0, 1].map(|eye: usize| areas[eye].rasterize(&fovs[eye], sizes_px[eye])))
-    }
-}
-
 /// Bits of an image.
 struct Mask {
     words: Vec<u32>,
@@ -105,7 +72,7 @@ struct Mask {
 
 impl Mask {
     fn new([width, height]: [u32; 2]) -> Self {
-        let words_per_row = words_per_row(width);
+        let words_per_row = mask_words_per_row(width) as usize;
         Self { words: vec![0; words_per_row * height as usize], words_per_row }
     }
 

@@ -125,7 +125,7 @@ impl Locomotion {
         let [stick_right, stick_forward] = controllers.left_stick.map(dead);
         let fast = if self.held.1 { self.config.fast } else { 1.0 };
         let direction = DVec3::new(right * fast + stick_right, 0.0, -(forward * fast + stick_forward));
-        let in_world = self.world_from_head(stage_from_head) * direction + DVec3::Z * up * fast;
+        let in_world = self.world_from_head(stage_from_head).orientation * direction + DVec3::Z * up * fast;
         // A hitch of the program must not throw the viewer through a wall.
         let step = self.speed() * self.start.units_per_m * seconds.clamp(0.0, 0.1);
         self.floor_in_world += in_world * step;
@@ -147,13 +147,20 @@ impl Locomotion {
         DQuat::from_rotation_z(self.yaw) * DQuat::from_rotation_x(FRAC_PI_2)
     }
 
-    fn world_from_head(&self, stage_from_head: &Pose) -> DQuat {
-        self.world_from_stage_axes() * stage_from_head.orientation * DQuat::from_rotation_x(self.pitch)
+    /// The head in the world. The pitch turns it about itself, not about the stage's origin.
+    #[must_use]
+    pub fn world_from_head(&self, stage_from_head: &Pose) -> Pose {
+        let turn = self.world_from_stage_axes();
+        let pitch = DQuat::from_rotation_x(self.pitch);
+        Pose {
+            position: self.floor_in_world + turn * stage_from_head.position * self.start.units_per_m,
+            orientation: (turn * stage_from_head.orientation * pitch).normalize(),
+        }
     }
 
-    /// The eyes in the world with the head at `world_from_head`, as a pose path has it.
+    /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` in metres.
     #[must_use]
-    pub fn view_at(
+    pub fn view(
         &self,
         world_from_head: &Pose,
         eyes: &[StageEye; 2],
@@ -166,31 +173,6 @@ impl Locomotion {
             head_from_view.position *= scale;
             Eye {
                 world_from_view: world_from_head.then(&head_from_view),
-                fov: eye.fov,
-                size_px,
-                gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
-            }
-        };
-        View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
-    }
-
-    /// The eyes in the world. `near_m` in metres.
-    #[must_use]
-    pub fn view(&self, eyes: &[StageEye; 2], sizes_px: [[u32; 2]; 2], near_m: f64) -> View {
-        let head = head_of(eyes);
-        let turn = self.world_from_stage_axes();
-        let scale = self.start.units_per_m;
-        // Pitch turns the eyes about the head, not about the stage's origin.
-        let pitched = Pose {
-            position: head.position,
-            orientation: head.orientation * DQuat::from_rotation_x(self.pitch),
-        };
-        let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
-            let stage_from_view = pitched.then(&head.inverse().then(&eye.stage_from_view));
-            let position = self.floor_in_world + turn * stage_from_view.position * scale;
-            let orientation = (turn * stage_from_view.orientation).normalize();
-            Eye {
-                world_from_view: Pose { position, orientation },
                 fov: eye.fov,
                 size_px,
                 gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
@@ -238,11 +220,13 @@ mod tests {
         Locomotion::new(&LocomotionConfig::default(), start(), true)
     }
 
-    const SIZES: [[u32; 2]; 2] = [[100, 100]; 2];
+    fn seen(walk: &Locomotion, eyes: &[StageEye; 2]) -> View {
+        walk.view(&walk.world_from_head(&head_of(eyes)), eyes, [[100, 100]; 2], 0.05)
+    }
 
     #[test]
     fn stands_on_the_floor_looking_north_with_the_left_eye_in_the_west() {
-        let view = walk().view(&eyes(), SIZES, 0.05);
+        let view = seen(&walk(), &eyes());
         let [left, right] = [0, 1].map(|i| view.eyes[i].world_from_view);
         assert!((left.position - DVec3::new(5e5 - 0.03, 4e6, 101.7)).length() < 1e-9);
         assert!((right.position - DVec3::new(5e5 + 0.03, 4e6, 101.7)).length() < 1e-9);
@@ -255,20 +239,15 @@ mod tests {
         let [mut left, right] = eyes();
         let aside = DVec3::new(0.6, 0.0, -0.8);
         left.gaze_in_view = Some(aside);
-        let walk = walk();
-        for view in [
-            walk.view(&[left, right], SIZES, 0.05),
-            walk.view_at(&Pose::IDENTITY, &[left, right], SIZES, 0.05),
-        ] {
-            assert_eq!([0, 1].map(|i| view.eyes[i].gaze_in_view), [aside, Eye::AHEAD]);
-        }
+        let view = seen(&walk(), &[left, right]);
+        assert_eq!([0, 1].map(|i| view.eyes[i].gaze_in_view), [aside, Eye::AHEAD]);
     }
 
     #[test]
     fn units_scale_the_viewer_not_the_scan() {
         let mut walk = walk();
         walk.restart(Start { units_per_m: 1.0 / 0.3048, ..start() });
-        let view = walk.view(&eyes(), SIZES, 0.05);
+        let view = seen(&walk, &eyes());
         let gap = view.eyes[1].world_from_view.position.x - view.eyes[0].world_from_view.position.x;
         assert!((gap - 0.06 / 0.3048).abs() < 1e-9 && (view.near - 0.05 / 0.3048).abs() < 1e-9);
     }
@@ -311,9 +290,9 @@ mod tests {
             eye.stage_from_view.position += DVec3::new(0.8, 0.0, -1.2);
         }
         walk.advance(0.01, &ControllerInput::default(), &head_of(&off_center));
-        let before = walk.view(&off_center, SIZES, 0.05).head_in_world();
+        let before = seen(&walk, &off_center).head_in_world();
         walk.command(Command::Snap(3));
-        let after = walk.view(&off_center, SIZES, 0.05);
+        let after = seen(&walk, &off_center);
         assert!((after.head_in_world() - before).length() < 1e-9);
         let forward = after.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
         assert!((forward - DVec3::X).length() < 1e-9, "three times 30 degrees to the right: east");
@@ -323,7 +302,7 @@ mod tests {
     fn the_mouse_never_pitches_a_real_head() {
         let mut walk = Locomotion::new(&LocomotionConfig::default(), start(), false);
         walk.command(Command::Look { delta_px: [0.0, -200.0] });
-        let view = walk.view(&eyes(), SIZES, 0.05);
+        let view = seen(&walk, &eyes());
         assert!((view.eyes[0].world_from_view.orientation * DVec3::NEG_Z).z.abs() < 1e-12);
     }
 
@@ -346,7 +325,7 @@ mod tests {
     fn looking_up_turns_the_eyes_about_the_head() {
         let mut walk = walk();
         walk.command(Command::Look { delta_px: [0.0, -200.0] });
-        let view = walk.view(&eyes(), SIZES, 0.05);
+        let view = seen(&walk, &eyes());
         assert!((view.head_in_world() - DVec3::new(5e5, 4e6, 101.7)).length() < 1e-9);
         let forward = view.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
         assert!((forward.z - 30f64.to_radians().sin()).abs() < 1e-9, "{forward}");

@@ -1,7 +1,7 @@
 //! Masks of the pixels that the lenses hide, made on a thread of their own: an image of millions of pixels takes
 //! longer than a frame. Until a mask is there, nothing is hidden.
 
-use super::hidden_area::{HiddenArea, HiddenPixels};
+use super::hidden_area::HiddenArea;
 use crate::space::Fov;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -30,15 +30,17 @@ impl Default for Masks {
         let (requests, received) = channel();
         let (finished, results) = channel();
         std::thread::spawn(move || {
-            let mut hidden = HiddenPixels::default();
+            // `None` while the headset has told nothing.
+            let mut areas: Option<[HiddenArea; 2]> = None;
             for request in received {
-                match request {
-                    Request::Areas(areas) => hidden.set_areas(areas),
-                    Request::Masks((fovs, sizes_px)) => {
-                        let masks = hidden.update(fovs, sizes_px);
+                match (request, &areas) {
+                    (Request::Areas(new), _) => areas = Some(new),
+                    (Request::Masks((fovs, sizes_px)), Some(areas)) => {
+                        let masks = [0, 1].map(|eye: usize| areas[eye].rasterize(&fovs[eye], sizes_px[eye]));
                         // Nobody listens once the walk is over; then nobody asks either.
-                        let _ = masks.map(|masks| finished.send((sizes_px, masks)));
+                        let _ = finished.send((sizes_px, masks));
                     }
+                    (Request::Masks(_), None) => {}
                 }
             }
         });
@@ -73,26 +75,55 @@ mod tests {
     use super::*;
     use std::time::{Duration, Instant};
 
+    const FOV: Fov = Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 };
+    const PATIENCE: Duration = Duration::from_secs(10);
+
+    fn corner() -> HiddenArea {
+        HiddenArea { triangles: vec![[[-1.0, 1.0], [0.0, 1.0], [-1.0, 0.0]]] }
+    }
+
     #[test]
     fn masks_come_for_what_was_asked_last() {
-        let fov = Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 };
-        let corner = HiddenArea { triangles: vec![[[-1.0, 1.0], [0.0, 1.0], [-1.0, 0.0]]] };
         let mut masks = Masks::default();
         // Without areas nothing comes.
-        masks.ask([fov; 2], [[32, 32]; 2]);
-        masks.set_areas([corner.clone(), corner]);
-        masks.ask([fov; 2], [[64, 64]; 2]);
-        masks.ask([fov; 2], [[32, 32]; 2]);
+        masks.ask([FOV; 2], [[32, 32]; 2]);
+        masks.set_areas([corner(), corner()]);
+        masks.ask([FOV; 2], [[64, 64]; 2]);
+        masks.ask([FOV; 2], [[32, 32]; 2]);
         let began = Instant::now();
         let got = loop {
             if let Some(got) = masks.take([[32, 32]; 2]) {
                 break got;
             }
-            assert!(began.elapsed() < Duration::from_secs(10), "no mask came");
+            assert!(began.elapsed() < PATIENCE, "no mask came");
             std::thread::yield_now();
         };
         assert_eq!(got[0].len(), 32);
         assert!(got[0][0] & 1 == 1 && got[0][31] == 0, "the top left corner is hidden");
         assert!(masks.take([[32, 32]; 2]).is_none(), "once");
+    }
+    #[test]
+    fn masks_are_made_anew_for_a_reason_only() {
+        let mut masks = Masks::default();
+        let (small, large) = ([[32, 32]; 2], [[32, 32], [40, 40]]);
+        let other = Fov { left: -2.0, ..FOV };
+        let next = |masks: &Masks| masks.results.recv_timeout(PATIENCE).expect("masks");
+        masks.set_areas([corner(), HiddenArea::default()]);
+        masks.ask([FOV; 2], small);
+        let (_, [left, right]) = next(&masks);
+        assert_eq!(left, corner().rasterize(&FOV, [32, 32]));
+        assert!(right.iter().all(|word| *word == 0), "each eye has its own");
+        // What is asked for again does not come before what is new.
+        masks.ask([FOV; 2], small);
+        masks.ask([FOV; 2], large);
+        assert_eq!(next(&masks).0, large, "another size");
+        masks.ask([FOV, other], large);
+        next(&masks);
+        masks.set_areas([HiddenArea::default(), corner()]);
+        masks.ask([FOV, other], large);
+        let (_, [left, right]) = next(&masks);
+        assert!(left.iter().all(|word| *word == 0), "other triangles");
+        assert_eq!(right, corner().rasterize(&other, [40, 40]));
+        assert!(masks.results.try_recv().is_err());
     }
 }

@@ -33,6 +33,8 @@ impl Mirror {
     /// Draws this over the mirror from the next frame on.
     pub fn set_overlay(&mut self, overlay: Overlay) {
         self.overlay = overlay;
+        // An overlay that is not drawn must not keep a cloud's memory.
+        self.overlays.release();
     }
 
     /// What is drawn over the mirror.

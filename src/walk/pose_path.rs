@@ -6,9 +6,15 @@
 
 use crate::space::Pose;
 use glam::{DQuat, DVec3};
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Why a path could not be read.
+/// Names of a line's values.
+const HEADER: &str = "time_s,x,y,z,qx,qy,qz,qw";
+/// How long a jump from one held pose to the next takes: no frame falls into it.
+const JUMP_S: f64 = 1e-6;
+
+/// Why a path could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum PosePathError {
     /// The file.
@@ -79,6 +85,26 @@ impl PosePath {
         Ok(Self { poses })
     }
 
+    /// A path that holds each pose for `hold_s` seconds and then jumps to the next; `None` without a pose.
+    #[must_use]
+    pub fn holding(poses: impl IntoIterator<Item = Pose>, hold_s: f64) -> Option<Self> {
+        let held = poses.into_iter().enumerate().flat_map(|(at, pose)| {
+            let begin_s = at as f64 * hold_s;
+            [(begin_s, pose), (begin_s + hold_s - JUMP_S, pose)]
+        });
+        let poses: Vec<_> = held.collect();
+        (!poses.is_empty()).then_some(Self { poses })
+    }
+
+    /// Writes what [`PosePath::read`] reads, with all digits.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), PosePathError> {
+        std::fs::write(path, self.to_string())
+            .map_err(|source| PosePathError::Io { path: path.to_path_buf(), source })
+    }
+
     /// `world_from_head` at a time in seconds; before the first pose the first, after the last the last.
     #[must_use]
     pub fn at(&self, time_s: f64) -> Pose {
@@ -89,6 +115,20 @@ impl PosePath {
         };
         let s = (time_s - t0) / (t1 - t0);
         Pose { position: a.position.lerp(b.position, s), orientation: a.orientation.slerp(b.orientation, s) }
+    }
+}
+
+/// The file's text.
+impl fmt::Display for PosePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{HEADER}")?;
+        for (time_s, Pose { position, orientation }) in &self.poses {
+            write!(f, "{time_s}")?;
+            let values = position.to_array().into_iter().chain(orientation.to_array());
+            values.into_iter().try_for_each(|value| write!(f, ",{value}"))?;
+            writeln!(f)?;
+        }
+        Ok(())
     }
 }
 
@@ -111,6 +151,28 @@ mod tests {
         let half = path.at(2.0);
         assert!((half.position.x - 2.0).abs() < 1e-12);
         assert!((half.orientation * DVec3::X).x.abs() < 1e-9, "a quarter turn");
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_holds() {
+        let pose = |x: f64| Pose {
+            position: DVec3::new(4e6 + x / 3.0, 0.1, -7e-9),
+            orientation: DQuat::from_rotation_z(x),
+        };
+        let path = PosePath::holding([pose(1.0), pose(2.0)], 2.0).expect("two poses");
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        path.write(file.path()).expect("written");
+        let read = PosePath::read(file.path()).expect("a path");
+        for (time_s, x) in [(0.0, 1.0), (2.0, 2.0), (99.0, 2.0)] {
+            assert_eq!(read.at(time_s).position, pose(x).position, "{time_s} s: to the last bit");
+        }
+        for (time_s, x) in [(1.9, 1.0), (2.1, 2.0)] {
+            assert!(read.at(time_s).position.abs_diff_eq(pose(x).position, 1e-8), "{time_s} s");
+            let turned = read.at(time_s).orientation.dot(pose(x).orientation);
+            assert!((turned.abs() - 1.0).abs() < 1e-15, "{time_s} s");
+        }
+        assert_eq!(PosePath::holding([], 2.0), None);
+        assert!(path.write(Path::new("no/such/folder/x.poses")).is_err());
     }
 
     #[test]

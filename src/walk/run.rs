@@ -45,7 +45,7 @@ pub struct Walk<'a> {
     pub config: &'a Config,
     /// Scans as they become ready.
     pub loaded: Receiver<Loaded>,
-    /// Takes clouds that are shown no more, since freeing them may take a while.
+    /// Takes clouds that no frame draws any more once those under way have ended, for [`CloudBuffers::free`].
     pub retired: Sender<CloudBuffers>,
     /// From the desktop.
     pub commands: Receiver<Command>,
@@ -118,6 +118,8 @@ impl Walk<'_> {
 /// State from one frame to the next.
 struct Frames {
     renderer: Renderer,
+    /// The cloud before, until a frame without it is submitted.
+    retiring: Option<CloudBuffers>,
     locomotion: Option<Locomotion>,
     /// If a window shows it.
     mirror: Option<Mirror>,
@@ -138,6 +140,8 @@ struct Frames {
     scan_frames: u64,
     began: Instant,
     scan_shown: Option<Instant>,
+    /// What clouds took of this thread since the last row, for that row's `record_ms`.
+    load_ms: f32,
     last_display_ns: Option<i64>,
     stage_from_head: Pose,
     pending: VecDeque<FrameRow>,
@@ -153,7 +157,7 @@ impl Frames {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
             depth_format: headset.depth_format(),
-            atomics: tier(&walk.gpu, walk.config.gpu.tier)?,
+            atomics: tier(&walk.gpu, walk.config)?,
         };
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
@@ -161,6 +165,7 @@ impl Frames {
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
         Ok(Self {
             renderer,
+            retiring: None,
             locomotion: None,
             mirror,
             screenshots: Screenshots::default(),
@@ -176,6 +181,7 @@ impl Frames {
             scan_frames: 0,
             began: Instant::now(),
             scan_shown: None,
+            load_ms: 0.0,
             last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
             pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
@@ -186,11 +192,10 @@ impl Frames {
 
     /// The newest scan that has become ready, if any.
     fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
+        let began = Instant::now();
         while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
-            if let Some(before) = self.renderer.set_cloud(cloud)? {
-                // If nobody takes it, it is freed here.
-                let _ = walk.retired.send(before);
-            }
+            self.retire(walk);
+            self.retiring = self.renderer.set_cloud(cloud)?;
             match (&mut self.locomotion, start) {
                 (_, None) => {}
                 (Some(locomotion), Some(start)) => locomotion.restart(start),
@@ -199,7 +204,16 @@ impl Frames {
                 }
             }
         }
+        self.load_ms += ms(began.elapsed());
         Ok(())
+    }
+
+    /// Gives away the cloud that another has taken the place of.
+    fn retire(&mut self, walk: &Walk) {
+        if let Some(before) = self.retiring.take() {
+            // If nobody takes it, it is freed here.
+            let _ = walk.retired.send(before);
+        }
     }
 
     /// Applies what the desktop asked for; true if that is to end the walk.
@@ -253,18 +267,22 @@ impl Frames {
         }
         self.renderer.record(&mut encoder, self.frame, &eyes);
         self.record_copies(walk, headset, &mut encoder, &images.color);
-        let record_ms = ms(record_began.elapsed());
+        let record_ms = ms(record_began.elapsed()) + std::mem::take(&mut self.load_ms);
 
         let submit_began = Instant::now();
         let eyes = headset.locate()?;
         self.stage_from_head = head_of(&eyes);
         self.mask(headset, &eyes);
-        if let Some(view) = self.view(walk, &eyes) {
+        let world_from_head = self.world_from_head(walk, &eyes);
+        if let Some((locomotion, pose)) = self.locomotion.as_ref().zip(world_from_head.as_ref()) {
+            let view = locomotion.view(pose, &eyes, self.drawn_px, walk.config.frame.near_m);
             self.renderer.set_view(&walk.gpu.queue.lock(), &view);
             self.last_view = Some(view);
         }
         headset.submit(Some(encoder))?;
         self.renderer.submitted();
+        // Only now has everything let go of it that a frame is recorded with.
+        self.retire(walk);
         self.screenshots.submitted(&walk.gpu, &walk.link);
 
         let written_bytes = walk.gpu.queue.written_bytes();
@@ -286,6 +304,7 @@ impl Frames {
             resolution_scale: self.settings.resolution_scale,
             quality: self.settings.quality.name(),
             upload_bytes: written_bytes - self.written_bytes,
+            world_from_head,
         });
         self.written_bytes = written_bytes;
         self.last_display_ns = Some(predicted_display_ns);
@@ -310,14 +329,12 @@ impl Frames {
         Ok(())
     }
 
-    fn view(&self, walk: &Walk, eyes: &[StageEye; 2]) -> Option<View> {
-        let (locomotion, near_m) = (self.locomotion.as_ref()?, walk.config.frame.near_m);
+    /// The head, where the user or the pose path has it; `None` before a scan is shown.
+    fn world_from_head(&self, walk: &Walk, eyes: &[StageEye; 2]) -> Option<Pose> {
+        let locomotion = self.locomotion.as_ref()?;
         Some(match walk.pose_path {
-            None => locomotion.view(eyes, self.drawn_px, near_m),
-            Some(path) => {
-                let time_s = self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64());
-                locomotion.view_at(&path.at(time_s), eyes, self.drawn_px, near_m)
-            }
+            None => locomotion.world_from_head(&head_of(eyes)),
+            Some(path) => path.at(self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64())),
         })
     }
 

@@ -152,5 +152,6 @@ fn row(frame: u64, time_s: f64) -> FrameRow {
         resolution_scale: 1.0,
         quality: "closest",
         upload_bytes: 0,
+        world_from_head: None,
     }
 }

@@ -10,9 +10,9 @@ use scanwalk::space::View;
 use std::convert::Infallible;
 
 /// `slope`, brighter by `steps` a frame.
-fn brightening(steps: u8) -> impl FnMut(&View) -> Result<Picture, Infallible> {
+fn brightening(steps: u8) -> impl FnMut(&View, f32) -> Result<Picture, Infallible> {
     let mut brighter = 0;
-    move |_| {
+    move |_, _| {
         let mut picture = slope();
         picture.rgb.as_flattened_mut().iter_mut().for_each(|value| *value += brighter);
         brighter += steps;
@@ -22,7 +22,8 @@ fn brightening(steps: u8) -> impl FnMut(&View) -> Result<Picture, Infallible> {
 
 fn recording(steps: u8) -> Recording {
     let (tremor, walk) = (tremor(&view(), 3), walk(&view(), DVec3::ZERO, 4));
-    Recording::new(&tremor, &walk, brightening(steps)).unwrap()
+    let motion = Motion { tremor: &tremor, walk: &walk, approach: &[0.9, 0.8] };
+    Recording::new(motion, brightening(steps)).unwrap()
 }
 
 #[test]
@@ -31,9 +32,12 @@ fn frames_are_compared_with_the_one_before() {
     assert_eq!(recorded.still(), &slope());
     // The walk starts at the first picture, and two frames of tremor were drawn in between.
     assert_eq!(recorded.pops, [6.0, 2.0, 2.0]);
+    // So does the approach; three steps of the walk have come between.
+    assert_eq!(recorded.lod_pops, [12.0, 2.0]);
     let figures = Figures::new(&view(), &recorded, &truth);
     assert_eq!((figures.flicker, figures.own_flicker), (2.0, 2.0));
     assert_eq!((figures.largest_pop, figures.median_pop), (6.0, 2.0));
+    assert_eq!(figures.largest_lod_pop, 12.0);
     assert_eq!(figures.psnr_db, f64::INFINITY);
     let still = Figures::new(&view(), &truth, &truth);
     assert_eq!((still.flicker, still.own_flicker, still.largest_pop), (0.0, 0.0, 0.0));
@@ -63,7 +67,7 @@ fn a_row_has_the_columns_of_the_header() {
     table.csv_rows(&mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let num_columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
-    assert_eq!(num_columns, [15; 3], "{csv}");
+    assert_eq!(num_columns, [16; 3], "{csv}");
     let mut text = Vec::new();
     table.print(&mut text).unwrap();
     assert!(String::from_utf8(text).unwrap().contains("2.00 (×1.00)"));

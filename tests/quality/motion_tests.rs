@@ -39,3 +39,15 @@ fn the_walk_goes_straight_to_the_target() {
     assert!((views[500].eyes[0].world_from_view.position - target).length() < 1e-9);
     assert_eq!(views[0], view());
 }
+
+#[test]
+fn level_of_detail_approaches_as_the_walk_does() {
+    let target = DVec3::new(9.0, 4.0, 1.0);
+    let away = |view: &View| (target - view.eyes[0].world_from_view.position).length();
+    let views = walk(&view(), target, 4);
+    let scales = approach(4);
+    assert_eq!(scales.len(), 3);
+    for (view, scale) in views[1..].iter().zip(scales) {
+        assert!((away(view) / away(&views[0]) - f64::from(scale)).abs() < 1e-6);
+    }
+}

@@ -191,7 +191,7 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
         "the runtime agreed to the end: {states:?}"
     );
     let log = scanwalk::timing::read(&log).expect("a frame log");
-    let text = scanwalk::timing::Report::of(&log).to_string();
+    let text = scanwalk::report::Summary::of(&log).to_string();
     assert!(text.contains("Monado"), "{text}");
     let rows = std::fs::read_to_string(scene.file("frames.csv")).expect("the log");
     let with_scan = rows.lines().filter(|l| !l.starts_with(['#', 'f'])).filter(|l| {

@@ -1,6 +1,7 @@
 //! Without headset and window: limits, logs, failures, and the way a signal ends it.
 
 use crate::scene::Scene;
+use scanwalk::timing;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -47,6 +48,35 @@ fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
         Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("report").arg(&log).output().expect("report");
     let report = String::from_utf8_lossy(&report.stdout).into_owned();
     assert!(report.contains("costliest") && report.contains("99.9 %"), "{report}");
+}
+
+/// Each frame's row has its head, and the worst frames can be seen again from there.
+#[test]
+fn the_worst_frames_are_replayed() {
+    let scene = Scene::get();
+    let path = |name: &str| scene.file(name).into_os_string().into_string().expect("UTF-8");
+    let (first, poses, second) = (path("first.csv"), path("worst.poses"), path("second.csv"));
+    let walk = |pose_path: &str, log: &str| {
+        let output = run(&scene.courtyard, &["--frames", "30", "--pose-path", pose_path, "--log", log]);
+        assert!(output.status.success(), "{}", said(&output));
+        let log = timing::read(Path::new(log)).expect("a log");
+        log.frames.into_iter().filter_map(|frame| frame.world_from_head).collect::<Vec<_>>()
+    };
+    let heads = walk(scene.pose_path.to_str().expect("UTF-8"), &first);
+    assert!(heads.len() >= 30 && heads.iter().all(|head| head.position == scene.head.position));
+    assert!(heads.iter().all(|head| head.orientation.dot(scene.head.orientation).abs() > 1.0 - 1e-12));
+    let report = ["report", &first, "--worst-poses", &poses];
+    let report = Command::new(env!("CARGO_BIN_EXE_scanwalk")).args(report).output().expect("report");
+    assert!(report.status.success(), "{}", said(&report));
+    let again = walk(&poses, &second);
+    assert!(again.len() >= 30);
+    assert!(again.iter().all(|head| head.position.abs_diff_eq(scene.head.position, 1e-8)));
+    // Without a path the head is elsewhere, so that the comparison can fail.
+    let output = run(&scene.courtyard, &["--frames", "5", "--log", &second]);
+    assert!(output.status.success(), "{}", said(&output));
+    let free = timing::read(Path::new(&second)).expect("a log");
+    let mut heads = free.frames.iter().filter_map(|frame| frame.world_from_head);
+    assert!(heads.all(|head| head.position.distance(scene.head.position) > 0.01));
 }
 
 /// A display that no software driver keeps up with: the governor gives up all it may, in its order, and each row

@@ -14,11 +14,12 @@
 //! the work shrinks by a factor from level to level. The result does not depend on the number of threads.
 //!
 //! What an inner node guarantees:
-//! - **Spread**: no two of its points share a cell of its grid (128³, coarser where more than
-//!   [`MAX_NODE_POINTS`] would be taken), and no two are closer than half a cell, [`Node::spacing`] / 2. In a
-//!   cell, the point nearest to the centre is taken.
+//! - **Spread**: no two of its points share a cell of its grid of 128³, and no two are closer than half a cell,
+//!   [`Node::cell`] / 2. In a cell, the point nearest to the centre is taken. Where that makes more than
+//!   [`MAX_NODE_POINTS`], some go, evenly.
 //! - **Filter**: its points' filtered colours average all points of its cube, each counted once: a cell's points
-//!   count for the cell's sample, and where that one is dropped for closeness, for the nearest that was kept.
+//!   count for the cell's sample, and where that one is dropped for closeness, for the nearest that was kept, or
+//!   dropped for number, for the one before it on the curve.
 //!
 //! Leaves keep whatever is left, at most [`LEAF_POINTS`], and at most [`MAX_CROWD`] in a cell of a grid of 128³,
 //! unless the points cannot be told apart by [`MAX_LEVEL`] halvings (duplicates): then as many batches as are needed.
@@ -48,7 +49,7 @@ pub const MAX_NODE_POINTS: usize = 50_000;
 /// Points of a leaf that may share a cell of its grid: at 50 pixels an edge, a pixel and the depth tolerance
 /// reach over some tens of cells, and a pixel's packed sums hold 1023 points.
 pub const MAX_CROWD: u32 = 16;
-/// Bits an axis of a node's sampling grid, unless that takes too many points: 128³ cells.
+/// Bits an axis of a node's sampling grid: 128³ cells.
 const GRID_BITS: u32 = 7;
 
 /// A cube of the octree and its own points.
@@ -62,9 +63,6 @@ pub struct Node {
     pub min: DVec3,
     /// Edge of the cube, world units; 0 if all points of the cloud are in one place.
     pub edge: f64,
-    /// Edge of a cell of the sampling grid, world units: `edge` / 128, seldom coarser. A leaf's points may lie
-    /// closer together, or further apart.
-    pub spacing: f64,
     /// The node that it is a part of; `None` for the root. A cube between them, in which one point would have
     /// stood for all, is left out, so the parent may be more than one level up.
     pub parent: Option<u32>,
@@ -86,6 +84,12 @@ pub struct Node {
 }
 
 impl Node {
+    /// Edge of a cell of the sampling grid, world units. A leaf's points may lie closer together, or further apart.
+    #[must_use]
+    pub fn cell(&self) -> f64 {
+        self.edge / f64::from(1u32 << GRID_BITS)
+    }
+
     /// Octant of this node's cube that a node below lies in.
     #[must_use]
     pub fn octant_of(&self, below: &Node) -> usize {

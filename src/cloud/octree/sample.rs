@@ -5,6 +5,10 @@
 //! than half a cell. Which cells are taken is a bitmap in Morton order; since cells come in that order too, the
 //! number of a cell's sample is the count of bits before its own, and no hash table is needed.
 //!
+//! Where more are kept than a node may have, every so many-th of them goes, evenly along the Morton curve, which is
+//! evenly over the surface. A coarser grid would not do: a node of 64³ cells below one of 128³ has the same cells, so
+//! its parent would take every sample, and a level would be missing.
+//!
 //! Distances are taken between code cells, of which at least 2⁴ make a grid cell: the gap between two code cells
 //! is what their points are apart at least, so the guarantee holds for the points themselves.
 
@@ -56,7 +60,34 @@ pub(super) struct Sampled {
     pub num_taken: [u32; 8],
 }
 
-/// Cells that the bitmap of the finest grid has in a word.
+impl Sampled {
+    /// Keeps `limit` of them. Those that go are stood for by the one before: on the curve, a neighbour.
+    fn thin(&mut self, limit: usize) {
+        let num_samples = self.samples.len();
+        if num_samples <= limit {
+            return;
+        }
+        // The share of `limit` that is reached at a sample grows by less than one from each to the next.
+        let reached = |number: usize| number * limit / num_samples;
+        let (mut kept, mut next) = (0, 0);
+        for num_taken in &mut self.num_taken {
+            let (first, end) = (kept, next + *num_taken as usize);
+            for number in next..end {
+                let sample = self.samples[number];
+                if number == 0 || reached(number) > reached(number - 1) {
+                    self.samples[kept] = sample;
+                    kept += 1;
+                } else {
+                    self.samples[kept - 1].absorb(&sample);
+                }
+            }
+            (*num_taken, next) = ((kept - first) as u32, end);
+        }
+        self.samples.truncate(kept);
+    }
+}
+
+/// Cells that the bitmap of the grid has in a word.
 const WORD_CELLS: u64 = 64;
 
 /// Memory of a thread for sampling, used again for node after node.
@@ -132,26 +163,20 @@ impl Sampler {
         }
     }
 
-    /// Samples a node whose cube has `node_bits` bits of a code below it. `feed` gives all candidates with the
-    /// child that they come from, in Morton order, as often as it is asked to: a coarser grid is tried where
-    /// more than `limit` are taken.
+    /// Samples a node whose cube has `node_bits` bits of a code below it, at most `limit` of them, which is at
+    /// least 1. `feed` gives all candidates, in Morton order, with the child that they come from.
     pub fn sample(
         &mut self,
         node_bits: u32,
         limit: usize,
-        feed: impl Fn(&mut dyn FnMut(usize, &Sample)),
-    ) -> (Sampled, u32) {
-        let mut grid_bits = super::GRID_BITS;
-        loop {
-            self.grid = Grid { node_bits, cell_bits: node_bits / 3 - grid_bits };
-            feed(&mut |child, candidate| self.offer(child, candidate));
-            self.end_run();
-            let sampled = self.finish();
-            if sampled.samples.len() <= limit || grid_bits == 1 {
-                return (sampled, grid_bits);
-            }
-            grid_bits -= 1;
-        }
+        feed: impl FnOnce(&mut dyn FnMut(usize, &Sample)),
+    ) -> Sampled {
+        self.grid = Grid { node_bits, cell_bits: node_bits / 3 - super::GRID_BITS };
+        feed(&mut |child, candidate| self.offer(child, candidate));
+        self.end_run();
+        let mut sampled = self.finish();
+        sampled.thin(limit);
+        sampled
     }
 
     fn offer(&mut self, child: usize, candidate: &Sample) {

@@ -25,7 +25,7 @@ fn candidates(scan: &Scan) -> (Root, Vec<Sample>) {
     (root, keys.iter().enumerate().map(|(number, key)| Sample::of(key, number)).collect())
 }
 
-fn sample(root: &Root, candidates: &[Sample], limit: usize) -> (Sampled, u32) {
+fn sample(root: &Root, candidates: &[Sample], limit: usize) -> Sampled {
     let frame = Frame::new(root, Cube::ROOT);
     Sampler::new().sample(frame.bits_below(0), limit, |offer| candidates.iter().for_each(|c| offer(0, c)))
 }
@@ -60,16 +60,18 @@ proptest! {
         let mut xyz = sheet(num_points, seed);
         xyz.iter_mut().flatten().for_each(|v| *v %= edge);
         let (root, all) = candidates(&scan_of(xyz));
-        let (sampled, _) = sample(&root, &all, MAX_NODE_POINTS);
+        let sampled = sample(&root, &all, MAX_NODE_POINTS);
         prop_assert_eq!(totals(&sampled.samples), totals(&all));
         prop_assert_eq!(sampled.num_taken.iter().sum::<u32>() as usize, sampled.samples.len());
     }
 
     #[test]
-    fn a_limit_makes_the_grid_coarser_and_loses_nothing(limit in 1usize..3000, seed: u32) {
+    fn a_limit_is_kept_and_loses_nothing(limit in 1usize..3000, seed: u32) {
         let (root, all) = candidates(&scan_of(sheet(4000, seed)));
-        let (sampled, grid_bits) = sample(&root, &all, limit);
-        prop_assert!(sampled.samples.len() <= limit || grid_bits == 1);
+        let unlimited = sample(&root, &all, usize::MAX).samples.len();
+        let sampled = sample(&root, &all, limit);
+        prop_assert_eq!(sampled.samples.len(), limit.min(unlimited));
+        prop_assert_eq!(sampled.num_taken[0] as usize, sampled.samples.len());
         prop_assert_eq!(totals(&sampled.samples), totals(&all));
     }
 }
@@ -142,14 +144,42 @@ fn resampled(frame: &Frame, index: &Index, draft: &Draft, keys: &[Key]) -> Vec<S
     }
     offered.extend((next..draft.keys.end).map(own));
     let feed = |offer: &mut dyn FnMut(usize, &Sample)| offered.iter().for_each(|s| offer(0, s));
-    Sampler::new().sample(frame.bits_below(draft.cube.level), MAX_NODE_POINTS, feed).0.samples
+    Sampler::new().sample(frame.bits_below(draft.cube.level), MAX_NODE_POINTS, feed).samples
 }
 
 #[test]
 fn of_equal_candidates_the_first_is_taken_and_stands_for_all() {
     let scan = scan_of([vec![[0, 0, 0]; 5], vec![[1000, 1000, 1000]]].concat());
     let (root, all) = candidates(&scan);
-    let (sampled, _) = sample(&root, &all, MAX_NODE_POINTS);
+    let sampled = sample(&root, &all, MAX_NODE_POINTS);
     let counts: Vec<(u32, u32)> = sampled.samples.iter().map(|s| (s.key, s.num_points)).collect();
     assert_eq!(counts, [(0, 5), (5, 1)]);
+}
+
+/// Points strewn over the faces of a box, and one far off.
+fn room_and_outlier(num_points: usize, edge: i32) -> Vec<[i32; 3]> {
+    let mut state = 5u32;
+    let mut noise = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as i32 % edge
+    };
+    let mut xyz = vec![[2 * edge; 3]];
+    for number in 0..num_points {
+        let mut p = [noise(), noise(), noise()];
+        p[number % 3] = if number % 2 == 0 { 0 } else { edge - 1 };
+        xyz.push(p);
+    }
+    xyz
+}
+
+/// The root samples the box with 64³ cells, its child with 128³, and takes more than a node may have: were the child
+/// given the root's cells instead, nothing would be left to it, and a level of detail would be missing.
+#[test]
+fn a_crowded_level_keeps_points_of_its_own() {
+    let scan = scan_of(room_and_outlier(400_000, 20_000));
+    let octree = build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).unwrap();
+    let inner = |node: &&Node| !node.children.is_empty();
+    let level_1 = octree.nodes.iter().filter(inner).find(|node| node.level == 1).expect("the box");
+    assert!(level_1.num_points > 20_000, "{} points", level_1.num_points);
+    assert!(octree.nodes.iter().filter(inner).all(|node| node.num_points as usize <= MAX_NODE_POINTS));
 }

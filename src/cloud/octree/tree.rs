@@ -29,8 +29,6 @@ pub(super) struct Draft {
     pub keys: Range<usize>,
     /// Points of its own.
     pub num_points: u32,
-    /// Bits an axis of its sampling grid.
-    pub grid_bits: u32,
     /// Mean distance of neighbours among all points in each octant, world units; 0 where there are few.
     pub octant_spacing: [f64; 8],
     /// The same of all its points, most of which lie where they are dense.
@@ -125,6 +123,8 @@ impl Builder<'_> {
             // One sample would stand for all: the node would show nothing that its parent does not.
             return self.subtree(frame, level + 1, part);
         }
+        // Afterwards the codes may be those of a frame further down.
+        let cube = frame.cube(part.keys[0].code, level);
         let is_small = part.keys.len() < PARALLEL_POINTS;
         let parts = part.reborrow().split(frame.bits_below(level + 1));
         let below = |part: Part| self.subtree(frame, level + 1, part);
@@ -133,7 +133,7 @@ impl Builder<'_> {
         } else {
             parts.into_par_iter().map(below).collect()
         };
-        self.inner(frame, level, part, below)
+        self.inner(frame, cube, part, below)
     }
 
     fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
@@ -146,7 +146,6 @@ impl Builder<'_> {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: part.keys.len() as u32,
-            grid_bits: GRID_BITS,
             octant_spacing,
             spacing: share * self.root.edge(level),
             crowd,
@@ -173,7 +172,8 @@ impl Builder<'_> {
     }
 
     /// A node over its children: takes its samples from them.
-    fn inner(&self, frame: &Frame, level: u32, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+    fn inner(&self, frame: &Frame, cube: Cube, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+        let level = cube.level;
         let feed = |offer: &mut dyn FnMut(usize, &Sample)| {
             for (number, (child, offered)) in below.iter().enumerate() {
                 match offered {
@@ -183,8 +183,7 @@ impl Builder<'_> {
             }
         };
         let node_bits = frame.bits_below(level);
-        let (sampled, grid_bits) =
-            SAMPLER.with_borrow_mut(|sampler| sampler.sample(node_bits, MAX_NODE_POINTS, feed));
+        let sampled = SAMPLER.with_borrow_mut(|sampler| sampler.sample(node_bits, MAX_NODE_POINTS, feed));
         for sample in &sampled.samples {
             let at = sample.key as usize - part.first;
             part.levels[at] = level as u8;
@@ -200,10 +199,9 @@ impl Builder<'_> {
         // What was taken whole and has nothing below is no node any more.
         children.retain(|child| child.num_points > 0 || !child.children.is_empty());
         let draft = Draft {
-            cube: frame.cube(part.keys[0].code, level),
+            cube,
             keys: part.range(),
             num_points: sampled.samples.len() as u32,
-            grid_bits,
             octant_spacing,
             spacing,
             crowd: 1,

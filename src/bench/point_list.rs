@@ -1,15 +1,15 @@
 //! The method `point-list`: hardware points, a depth buffer and a draw an eye, as graphics APIs offer them.
 //! The same points in the same order as the compute frame gets, 16 bytes each.
 
+use crate::cloud::{Batch, Cloud};
+use crate::gpu::timer::Timer;
+use crate::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
+use crate::layout::BATCH_POINTS;
+use crate::space::{Eye, Split, View};
+use crate::twin::points::cells;
 use anyhow::Result;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4, Mat4};
-use scanwalk::cloud::{Batch, Cloud};
-use scanwalk::gpu::timer::Timer;
-use scanwalk::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
-use scanwalk::layout::BATCH_POINTS;
-use scanwalk::space::{Eye, Split, View};
-use scanwalk::twin::points::cells;
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
 
@@ -154,7 +154,8 @@ impl EyeTarget {
 }
 
 fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
-    let module = shader_module(&gpu.device, "point-list", include_str!("point_list.wgsl"));
+    let module =
+        shader_module(&gpu.device, "point-list", include_str!("../../shaders/methods/point_list.wgsl"));
     let attributes = [
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Float32x3,

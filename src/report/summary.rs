@@ -1,12 +1,13 @@
 //! What a frame log says: percentiles, frames over budget, missed periods, the stage that costs.
 
-use super::percentile::{REPORTED_PER_MILLE, Sorted};
-use super::read::{FrameLogFile, LoggedFrame};
+use super::table::{Table, ms, percent};
+use crate::timing::percentile::{REPORTED_PER_MILLE, Sorted};
+use crate::timing::{FrameLogFile, LoggedFrame};
 use std::fmt;
 
-/// A summary of a frame log; its `Display` is the text for people.
+/// A frame log in figures; its `Display` is the text for people, and the page has the same.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct Summary {
     /// The log's facts, name and value.
     pub facts: Vec<(String, String)>,
     /// Rows in the log.
@@ -31,7 +32,7 @@ pub struct Report {
     pub cpu_ms: [(&'static str, Sorted); 3],
 }
 
-impl Report {
+impl Summary {
     /// Summarises a log.
     #[must_use]
     pub fn of(log: &FrameLogFile) -> Self {
@@ -70,67 +71,80 @@ impl Report {
         (total > 0.0).then(|| (costliest.0.as_str(), costliest.1.sum() / total))
     }
 
-    fn write_counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// What is counted rather than timed, name and figure.
+    pub(super) fn counts(&self) -> Vec<(&'static str, String)> {
         let Self { num_frames, duration_s, budget_ms: (low, high), .. } = *self;
-        write!(f, "frames      {num_frames} in {duration_s:.1} s")?;
-        if duration_s > 0.0 {
-            write!(f, ", {:.1} a second", (num_frames.saturating_sub(1)) as f64 / duration_s)?;
-        }
-        writeln!(f)?;
+        let rate = match duration_s > 0.0 {
+            true => format!(", {:.1} a second", (num_frames.saturating_sub(1)) as f64 / duration_s),
+            false => String::new(),
+        };
+        let mut counts = vec![("frames", format!("{num_frames} in {duration_s:.1} s{rate}"))];
         if self.num_dropped > 0 {
-            writeln!(f, "dropped     {} more rows: the disk did not keep up", self.num_dropped)?;
+            counts.push(("dropped", format!("{} more rows: the disk did not keep up", self.num_dropped)));
         }
         if self.cut_off {
-            writeln!(f, "cut off     the last line, which is left out")?;
+            counts.push(("cut off", "the last line, which is left out".into()));
         }
-        if num_frames == 0 {
-            return Ok(());
+        if num_frames > 0 {
+            let most = if low == high { String::new() } else { format!(" to {high:.2}") };
+            counts.push(("budget", format!("{low:.2}{most} ms")));
+            let share = percent(self.num_over_budget as f64, num_frames as f64);
+            counts.push(("over", format!("{} frames, {share}", self.num_over_budget)));
+            counts.push(("missed", format!("{} display periods", self.missed_periods)));
         }
-        if low == high {
-            writeln!(f, "budget      {low:.2} ms")?;
-        } else {
-            writeln!(f, "budget      {low:.2} to {high:.2} ms")?;
+        counts
+    }
+
+    /// Percentiles of all times.
+    pub(super) fn times(&self) -> Table {
+        let mut table = Table::new(["ms", "50 %", "90 %", "99 %", "99.9 %", "max"]);
+        let mut row = |name: String, times: &Sorted| {
+            table.row(name, REPORTED_PER_MILLE.map(|per_mille| ms(times.percentile(per_mille))));
+        };
+        row("GPU".into(), &self.gpu_ms);
+        for (stage, times) in &self.stages_ms {
+            row(format!("  {stage}"), times);
         }
-        let percent = 100.0 * self.num_over_budget as f64 / num_frames as f64;
-        writeln!(f, "over        {} frames, {percent:.2} %", self.num_over_budget)?;
-        writeln!(f, "missed      {} display periods", self.missed_periods)
+        for (step, times) in &self.cpu_ms {
+            row(format!("CPU {step}"), times);
+        }
+        table
+    }
+
+    /// Where most of the GPU's time goes, in a sentence without its first word.
+    pub(super) fn costliest_in_words(&self) -> Option<String> {
+        let (stage, part) = self.costliest()?;
+        Some(format!("{stage}, {:.0} % of the stages' GPU time", 100.0 * part))
+    }
+
+    /// Up to where a plot of GPU times should reach, in milliseconds: past the budget and past nearly all frames,
+    /// so that a few very long ones (of a short log a few are one in a hundred) do not flatten all others.
+    pub(super) fn plotted_ms(&self) -> f64 {
+        let of = |per_mille| self.gpu_ms.percentile(per_mille).unwrap_or_default();
+        let budget_ms = self.budget_ms.1;
+        let nearly_all = (1.1 * of(999)).min(2.0 * of(900));
+        nearly_all.max(1.5 * budget_ms).min((1.05 * of(1000)).max(1.2 * budget_ms))
     }
 }
 
-impl fmt::Display for Report {
+/// What is said of a log without GPU times.
+pub(super) const NO_GPU_TIMES: &str = "The log has no GPU times: the device gave no timestamps.";
+
+impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (name, value) in &self.facts {
             writeln!(f, "{name:<11} {value}")?;
         }
-        self.write_counts(f)?;
+        for (name, figure) in self.counts() {
+            writeln!(f, "{name:<11} {figure}")?;
+        }
         if self.num_frames == 0 {
             return Ok(());
         }
-        writeln!(f, "\n{:<12}{:>9}{:>9}{:>9}{:>9}{:>9}", "ms", "50 %", "90 %", "99 %", "99.9 %", "max")?;
-        write_times(f, "GPU", &self.gpu_ms)?;
-        for (stage, times) in &self.stages_ms {
-            write_times(f, &format!("  {stage}"), times)?;
-        }
-        for (step, times) in &self.cpu_ms {
-            write_times(f, &format!("CPU {step}"), times)?;
-        }
-        match self.costliest() {
-            Some((stage, part)) => {
-                writeln!(f, "\ncostliest   {stage}, {:.0} % of the stages' GPU time", 100.0 * part)
-            }
-            None => writeln!(f, "\nThe log has no GPU times: the device gave no timestamps."),
+        write!(f, "\n{}\n", self.times())?;
+        match self.costliest_in_words() {
+            Some(words) => writeln!(f, "costliest   {words}"),
+            None => writeln!(f, "{NO_GPU_TIMES}"),
         }
     }
-}
-
-/// A line of percentiles; a dash where nothing was measured.
-fn write_times(f: &mut fmt::Formatter<'_>, name: &str, times: &Sorted) -> fmt::Result {
-    write!(f, "{name:<12}")?;
-    for per_mille in REPORTED_PER_MILLE {
-        match times.percentile(per_mille) {
-            Some(ms) => write!(f, "{ms:>9.3}")?,
-            None => write!(f, "{:>9}", "-")?,
-        }
-    }
-    writeln!(f)
 }

@@ -1,0 +1,67 @@
+//! What benchmarks share whose every step happens in a process of its own, so that its peak memory is its own.
+//! They print CSV rows.
+
+use anyhow::{Result, ensure};
+use clap::Parser;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Arguments of each of them.
+#[derive(Debug, Parser)]
+struct Args {
+    /// Millions of points of each made-up file
+    #[arg(long, value_name = "M", default_value_t = 10.0)]
+    points: f64,
+    /// Measured runs of each step
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    runs: u64,
+    /// Small files, one run: shows that it works, not how fast
+    #[arg(long)]
+    quick: bool,
+    /// Given by `cargo bench`; without it (`cargo test --benches`) the run is quick
+    #[arg(long, hide = true)]
+    bench: bool,
+    /// Given to the processes of the steps
+    #[arg(long, hide = true, num_args = 2, value_names = ["STEP", "FILE"])]
+    step: Vec<PathBuf>,
+}
+
+/// Runs `bench` with a folder for its files, a number of points and a number of runs; or, in a process that
+/// [`in_child`] has started, `step` on a file.
+///
+/// # Errors
+/// Theirs.
+pub fn run(
+    bench: impl FnOnce(&Path, u64, u64) -> Result<()>,
+    step: impl FnOnce(&str, &Path) -> Result<()>,
+) -> Result<()> {
+    let mut args = Args::parse();
+    if let [name, path] = &args.step[..] {
+        return step(&name.to_string_lossy(), path);
+    }
+    if args.quick || !args.bench {
+        (args.points, args.runs) = (0.05, 1);
+    }
+    let folder = tempfile::tempdir()?;
+    bench(folder.path(), (1e6 * args.points).round() as u64, args.runs)
+}
+
+/// What a step prints, in a process of its own.
+///
+/// # Errors
+/// If the step fails: its words.
+pub fn in_child(step: &str, path: &Path) -> Result<String> {
+    let output = Command::new(std::env::current_exe()?).args(["--step", step]).arg(path).output()?;
+    ensure!(output.status.success(), "{step} failed: {}", String::from_utf8_lossy(&output.stderr));
+    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+}
+
+/// Largest memory of this process so far, bytes a point; NaN where the system does not say.
+pub fn peak_bytes_per_point(num_points: usize) -> f64 {
+    let peak_kib = || {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+        line.split_whitespace().nth(1)?.parse::<f64>().ok()
+    };
+    peak_kib().map_or(f64::NAN, |kib| 1024.0 * kib / num_points as f64)
+}

@@ -1,0 +1,21 @@
+// color, as the first form of high-quality shading has it: sums of 32 bits, two to a 64-bit addition. [2021 §3.5]
+
+@group(0) @binding(12) var<storage, read_write> pairs_left: array<atomic<u64>>;
+@group(0) @binding(13) var<storage, read_write> pairs_right: array<atomic<u64>>;
+
+fn add_pair(eye: u32, at: u32, first: u32, second: u32) {
+    let pair = u64(first) | (u64(second) << 32u);
+    if eye == 0u {
+        atomicAdd(&pairs_left[at], pair);
+    } else {
+        atomicAdd(&pairs_right[at], pair);
+    }
+}
+
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    if counts(eye, pixel, w) {
+        let color = color_of(id);
+        add_pair(eye, 2u * pixel, color & 255u, (color >> 8u) & 255u);
+        add_pair(eye, 2u * pixel + 1u, (color >> 16u) & 255u, 1u);
+    }
+}

@@ -1,0 +1,30 @@
+// fixed40: depth in 40 bits, from f64, and color in 24 below it. Of equal depths the smaller color stays. [2019 §2.1]
+
+@group(0) @binding(8) var<storage, read> colors: array<u32>;
+@group(0) @binding(9) var<storage, read> filtered_colors: array<u32>;
+
+// The point's depth again, in f64: from its cells, which are exact, and the head's place among them.
+fn exact_depth(eye: u32, point: u32) -> f64 {
+    let batch = visible[this_group];
+    let lane = point % POINTS_PER_LOAD;
+    let cells = cells_of(point / POINTS_PER_LOAD, lane, batch.flags & 3u);
+    let at = select(lane, 0u, BASIC);
+    let steps = vec3<i32>(vec3<u32>(cells.x[at], cells.y[at], cells.z[at])) - batch.head_cell;
+    let x = f64(steps.x) * f64(batch.cell.x) + f64(batch.offset.x);
+    let y = f64(steps.y) * f64(batch.cell.y) + f64(batch.offset.y);
+    let z = f64(steps.z) * f64(batch.cell.z) + f64(batch.offset.z);
+    let row = view.eyes[eye].row_w;
+    return f64(row.x) * x + f64(row.y) * y + f64(row.z) * z + f64(row.w);
+}
+
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    let point = id >> 1u;
+    var color = colors[point];
+    if (id & 1u) != 0u {
+        color = filtered_colors[point];
+    }
+    let key = (depth40_of(exact_depth(eye, point)) << 24u) | u64(color & 0xffffffu);
+    if key < key_in(eye, pixel) {
+        min_key(eye, pixel, key);
+    }
+}

@@ -1,0 +1,13 @@
+// just-set: whoever comes last has the pixel. Wrong, and as fast as writing can be. [2021 §5]
+
+fn set_key(eye: u32, pixel: u32, key: u64) {
+    if eye == 0u {
+        atomicStore(&keys_left[pixel], key);
+    } else {
+        atomicStore(&keys_right[pixel], key);
+    }
+}
+
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    set_key(eye, pixel, key_of(w, id));
+}

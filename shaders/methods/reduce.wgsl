@@ -1,0 +1,17 @@
+// reduce, reduce-early-z: where a subgroup has only one pixel, the thread with the smallest depth asks for it; where only
+// a pair of threads shares one, the nearer of the two does. [2021 §3.3]
+
+fn put(eye: u32, pixel: u32, w: f32, id: u32) {
+    let depth = bitcast<u32>(w);
+    let of_all = least_if_same(pixel, depth);
+    let of_pair = vec2<u32>(neighbours(pixel), neighbours(depth));
+    let least = min(of_all, select(depth, of_pair.y, of_pair.x == pixel));
+    if pixel == NO_PIXEL || depth > least {
+        return;
+    }
+    // Of equal depths all ask: the smallest id wins, as ever.
+    let key = key_of(w, id);
+    if !EARLY_Z || key < key_in(eye, pixel) {
+        min_key(eye, pixel, key);
+    }
+}

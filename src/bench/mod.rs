@@ -1,0 +1,122 @@
+//! The papers' tables on this machine: every method, order and viewpoint, timed by the GPU's own clock.
+//!
+//! Contestants take turns, so that whatever else the machine does meets them all; a turn draws a frame that does not
+//! count before one that does. What a frame reads and draws is counted in a frame of its own, without a clock.
+
+mod contestant;
+mod copy;
+mod papers;
+pub mod point_list;
+mod subject;
+mod tables;
+mod way;
+
+use crate::config::Config;
+use crate::gpu::Gpu;
+use crate::progress::Stop;
+use crate::report::BenchResults;
+use anyhow::{Context, Result, ensure};
+use std::path::PathBuf;
+use std::sync::Arc;
+use subject::Subject;
+
+pub use papers::{PaperFigure, figure};
+
+/// Points of a made-up scan on a software driver, which is slow.
+const SOFTWARE_POINTS: u64 = 1_000_000;
+/// On a GPU: the size of the 2021 paper's Retz.
+const GPU_POINTS: u64 = 145_000_000;
+/// Bytes of memory that a point takes at most, while scan, cloud and octree are made.
+const BYTES_PER_POINT: u64 = 100;
+
+/// A table of a paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// Methods × orders × viewpoints.
+    Paper2021,
+    /// Flat clouds and octrees.
+    Paper2022,
+    /// Where the time of a headset's frame goes.
+    Vr,
+}
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct BenchOptions {
+    /// A scan; `None`: made-up ones.
+    pub scan: Option<PathBuf>,
+    /// Which tables.
+    pub tables: Vec<Table>,
+    /// Points of the made-up scans; empty: as many as the papers had, or as there is room for.
+    pub points: Vec<u64>,
+    /// Frames that count, of each row.
+    pub num_runs: usize,
+    /// Width and height of every picture; `None`: the papers'.
+    pub size_px: Option<[u32; 2]>,
+}
+
+/// Measures.
+///
+/// # Errors
+/// A GPU that tells no times or lacks 64-bit atomics, an unreadable scan, too little memory.
+pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<BenchResults> {
+    ensure!(options.num_runs > 0, "--runs 0: a median needs a run");
+    let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
+    let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    ensure!(
+        can_time,
+        "{} cannot tell how long its work takes; choose another GPU with --adapter",
+        gpu.name()
+    );
+    let bench = tables::Bench {
+        gpu: &gpu,
+        chunk_limit: u64::from(config.gpu.chunk_mib) << 20,
+        num_runs: options.num_runs,
+        size_px: options.size_px,
+        stop,
+    };
+    let mut results = BenchResults {
+        device: gpu.name(),
+        driver: gpu.driver(),
+        copy_gb_per_s: Some(copy::gb_per_s(&gpu)?),
+        rows: Vec::new(),
+    };
+    let mut measure = |subject: &Subject| -> Result<()> {
+        for table in &options.tables {
+            results.rows.extend(match table {
+                Table::Paper2021 => bench.table_2021(subject)?,
+                Table::Paper2022 => bench.table_2022(subject)?,
+                Table::Vr => bench.table_vr(subject)?,
+            });
+        }
+        Ok(())
+    };
+    if let Some(path) = &options.scan {
+        measure(&Subject::read(path, stop)?)?;
+    } else {
+        let sizes =
+            if options.points.is_empty() { vec![default_points(&gpu)] } else { options.points.clone() };
+        for points in sizes {
+            let subject = Subject::made_up(points, stop).context("the made-up scan")?;
+            measure(&subject)?;
+        }
+    }
+    Ok(results)
+}
+
+/// As many points as the papers had, as memory holds, or as a software driver can draw in time.
+fn default_points(gpu: &Gpu) -> u64 {
+    if gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu {
+        return SOFTWARE_POINTS;
+    }
+    available_bytes()
+        .map_or(GPU_POINTS / 4, |bytes| GPU_POINTS.min(bytes / BYTES_PER_POINT))
+        .max(SOFTWARE_POINTS)
+}
+
+/// Memory that programs may take, where the system says so.
+fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}

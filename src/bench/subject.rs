@@ -1,0 +1,139 @@
+//! What is drawn: a scan, in any order, and where from.
+
+use crate::cloud::octree::{Octree, build_octree};
+use crate::cloud::{self, Cloud, Order};
+use crate::progress::{Progress, Stop};
+use crate::scan::{self, Scan};
+use crate::space::{Bounds, Eye, Fov, Pose, View};
+use crate::synth::{self, Kind, SynthOptions};
+use crate::walk::start::start;
+use anyhow::Result;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// Of made-up scans: always the same one.
+const SEED: u64 = 1;
+/// The eye above the floor, metres.
+const EYE_HEIGHT_M: f64 = 1.7;
+const NEAR_M: f64 = 0.05;
+/// Vertical field of view of pictures with one eye.
+const FOV_Y_DEG: f64 = 60.0;
+/// Half angles of a headset's left eye in degrees: outer, inner, up, down.
+const HEADSET_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
+const EYE_DISTANCE_M: f64 = 0.063;
+
+/// Where the camera stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// `overview`, `close-up` or `outside-frustum`.
+    pub name: &'static str,
+    /// World space.
+    pub eye: DVec3,
+    /// World space.
+    pub target: DVec3,
+}
+
+/// A scan to measure with.
+pub struct Subject {
+    scan: Scan,
+    /// The whole, a place inside, and the whole behind one's back.
+    pub places: [Place; 3],
+}
+
+impl Subject {
+    /// A courtyard of so many points, made up.
+    ///
+    /// # Errors
+    /// If there is no room for its file, or on request.
+    pub fn made_up(points: u64, stop: &Stop) -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let out = folder.path().join("courtyard.las");
+        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, stop)?;
+        let place = |name| {
+            let mut places = synth::viewpoints(Kind::Terrestrial).iter();
+            places.find(|place| place.name == name).map(|place| (place.eye, place.target))
+        };
+        let scan = scan::read(&[out], stop)?;
+        // Both names are the courtyard's own.
+        let both = place("overview").zip(place("hall")).unwrap_or_default();
+        let places = places(&scan.bounds(), both.0, both.1);
+        Ok(Self { scan, places })
+    }
+
+    /// A scan from a file.
+    ///
+    /// # Errors
+    /// If it cannot be read or is empty.
+    pub fn read(path: &Path, stop: &Stop) -> Result<Self> {
+        let paths: [PathBuf; 1] = [path.to_owned()];
+        let scan = scan::read(&paths, stop)?;
+        let cloud = cloud::build(&scan, Order::Original, &Progress::silent(stop))?;
+        let start = start(&cloud, scan.unit_m.unwrap_or(1.0));
+        let up = DVec3::Z * EYE_HEIGHT_M * start.units_per_m;
+        let above = |floor: DVec3| floor + up;
+        let center = cloud.body().center();
+        let inside = above(start.floor_in_world);
+        let ahead = inside + DVec3::Y;
+        let places = places(&scan.bounds(), (above(start.overview.0), center), (inside, ahead));
+        Ok(Self { scan, places })
+    }
+
+    /// Points of the scan.
+    #[must_use]
+    pub fn num_points(&self) -> u64 {
+        self.scan.num_points() as u64
+    }
+
+    /// All points in an order.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn flat(&self, order: Order, stop: &Stop) -> Result<Cloud> {
+        let sorting = Progress::new("sorting", "points", self.num_points(), stop);
+        Ok(cloud::build(&self.scan, order, &sorting)?)
+    }
+
+    /// The octree.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn layered(&self, stop: &Stop) -> Result<Octree> {
+        let building = Progress::new("building the octree", "points", 2 * self.num_points(), stop);
+        Ok(build_octree(&self.scan, &building, &mut |_, _| ())?)
+    }
+}
+
+fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> [Place; 3] {
+    let (eye, target) = overview;
+    let away = (eye - target).normalize_or(DVec3::NEG_Y);
+    let outside = bounds.center() + away * bounds.size().length();
+    [
+        Place { name: "overview", eye, target },
+        Place { name: "close-up", eye: inside.0, target: inside.1 },
+        Place { name: "outside-frustum", eye: outside, target: outside + away },
+    ]
+}
+
+impl Place {
+    /// One eye that looks there.
+    #[must_use]
+    pub fn mono(&self, size_px: [u32; 2]) -> View {
+        let [width, height] = size_px.map(f64::from);
+        let fov = Fov::symmetric(FOV_Y_DEG.to_radians(), width / height);
+        let world_from_view = Pose::look_at(self.eye, self.target, DVec3::Z);
+        View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: NEAR_M }
+    }
+
+    /// Both eyes of somebody with a headset.
+    #[must_use]
+    pub fn stereo(&self, size_px: [u32; 2]) -> View {
+        let head = Pose::look_at(self.eye, self.target, DVec3::Z);
+        let [outer, inner, up, down] = HEADSET_DEG.map(f64::to_radians);
+        let left = Fov::from_angles(-outer, inner, up, -down);
+        let eye = |side: f64, fov| {
+            let sideways = Pose { position: DVec3::X * side * 0.5 * EYE_DISTANCE_M, ..Pose::IDENTITY };
+            Eye { world_from_view: head.then(&sideways), fov, size_px, gaze_in_view: Eye::AHEAD }
+        };
+        View { eyes: vec![eye(-1.0, left), eye(1.0, left.mirrored())], near: NEAR_M }
+    }
+}

@@ -1,0 +1,61 @@
+//! The ways to draw that tables compare.
+
+use crate::config::{Dilate, Precision, Quality};
+use crate::layout::Detail;
+use crate::look::Look;
+use crate::method::Method;
+
+/// A way to draw, by the name that its rows have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// As in the papers.
+    pub name: &'static str,
+    /// Hardware points if `None`.
+    pub method: Option<Method>,
+    /// What a pixel shows.
+    pub quality: Quality,
+    /// The octree's nodes that matter rather than every point.
+    pub lod: bool,
+    /// Without what the eye does not see.
+    pub cull: bool,
+    /// Coordinate bits that are read.
+    pub precision: Precision,
+}
+
+impl Way {
+    /// Hardware points.
+    pub const POINT_LIST: Self = Self {
+        name: "point-list",
+        method: None,
+        quality: Quality::Closest,
+        lod: false,
+        cull: false,
+        precision: Precision::Full,
+    };
+
+    /// As the 2021 paper draws: every point, all coordinate bits.
+    #[must_use]
+    pub fn paper_2021(method: Method) -> Self {
+        let quality = method.quality().unwrap_or_default();
+        Self { name: method.name(), method: Some(method), quality, ..Self::POINT_LIST }
+    }
+
+    /// As the 2022 paper draws: culled, with as many bits as it takes.
+    #[must_use]
+    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, lod: bool) -> Self {
+        Self { name, method: Some(method), quality, lod, cull: true, precision: Precision::Auto }
+    }
+
+    /// What its frames look like.
+    #[must_use]
+    pub fn look(&self) -> Look {
+        let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
+        Look {
+            method: self.method.unwrap_or_default(),
+            quality: self.quality,
+            dilate: Dilate::Off,
+            background: [0; 3],
+            detail: Detail { forced_planes, keep_unseen: !self.cull, ..Detail::default() },
+        }
+    }
+}

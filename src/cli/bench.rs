@@ -1,0 +1,64 @@
+//! `scanwalk bench`: the papers' tables on this machine, as text, CSV or JSON on stdout, and as a page.
+
+use super::{BenchArgs, BenchTable, Usage};
+use crate::bench::{self, BenchOptions, Table};
+use crate::config::Config;
+use crate::progress::Stop;
+use crate::report::{BenchResults, bench_page};
+use anyhow::Context;
+use std::io::{self, Write};
+
+/// Measures, writes the page if one is wanted, prints the results.
+pub(super) fn run(args: &BenchArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+    let tables = match args.table {
+        None => vec![Table::Paper2021, Table::Paper2022, Table::Vr],
+        Some(BenchTable::Paper2021) => vec![Table::Paper2021],
+        Some(BenchTable::Paper2022) => vec![Table::Paper2022],
+        Some(BenchTable::Vr) => vec![Table::Vr],
+        Some(BenchTable::Spt) => {
+            return Err(Usage("bench: the table spt does not exist yet; 2021, 2022 and vr do".into()).into());
+        }
+    };
+    let options = BenchOptions {
+        scan: args.scan.clone(),
+        tables,
+        points: args.points.iter().map(|millions| (1e6 * millions).round() as u64).collect(),
+        num_runs: args.runs,
+        size_px: args.size,
+    };
+    let results = bench::run(&options, config, stop)?;
+    if let Some(out) = &args.out {
+        std::fs::write(out, bench_page(&results))
+            .with_context(|| format!("the page {} cannot be written", out.display()))?;
+    }
+    let mut stdout = io::stdout().lock();
+    if args.json {
+        writeln!(stdout, "{}", serde_json::to_string_pretty(&results)?)?;
+    } else if args.csv {
+        print_csv(&mut stdout, &results)?;
+    } else {
+        write!(stdout, "{results}")?;
+    }
+    Ok(())
+}
+
+/// A row a line. Names hold neither commas nor quotes, except those of the papers' GPUs and scans.
+fn print_csv(out: &mut impl Write, results: &BenchResults) -> anyhow::Result<()> {
+    writeln!(
+        out,
+        "table,method,order,viewpoint,points,points_read,points_drawn,nodes,nodes_drawn,median_ms,min_ms,max_ms,\
+         m_points_per_s,gb_per_s,ratio_to_point_list,paper_ms,paper_device"
+    )?;
+    let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
+    let count = |value: Option<u64>| value.map_or_else(String::new, |v| v.to_string());
+    for row in &results.rows {
+        write!(out, "{},{},{},{},", row.table, row.method, row.order, row.viewpoint)?;
+        write!(out, "{},{},{},", row.points, row.points_read, row.points_drawn)?;
+        write!(out, "{},{},", count(row.nodes), count(row.nodes_drawn))?;
+        write!(out, "{:.4},{:.4},{:.4},", row.gpu_ms.median, row.gpu_ms.min, row.gpu_ms.max)?;
+        write!(out, "{:.2},{},", row.m_points_per_s, number(row.gb_per_s))?;
+        write!(out, "{},{},", number(row.ratio_to_point_list), number(row.paper_ms))?;
+        writeln!(out, "\"{}\"", row.paper_device.as_deref().unwrap_or_default())?;
+    }
+    Ok(())
+}

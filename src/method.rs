@@ -1,0 +1,123 @@
+//! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`],
+//! [`Method::Hqs1`] where a pixel gets more points than it can count, and [`Method::Fixed40`] where two points are
+//! equally far to its precision, of which it shows the smaller color; they differ in how long it takes.
+
+use crate::config::Quality;
+use crate::layout::Sums;
+use serde::{Deserialize, Serialize};
+
+/// How points get into pixels. Names as in the papers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Four points a thread, loaded at once, and a look at the pixel first [2022 §3.4]: the frame's own.
+    #[default]
+    Prefetch,
+    /// The same with one point a thread at a time [2022 §3.2].
+    Basic,
+    /// Whoever comes last has the pixel: wrong, and as fast as writing can be [2021 §5].
+    JustSet,
+    /// Compare and exchange until nobody comes between [2021 §5].
+    BusyLoop,
+    /// Every point asks for its pixel [2021 §3.1].
+    AtomicMin,
+    /// A look at the pixel first [2021 §3.2].
+    EarlyZ,
+    /// A subgroup that has only one pixel asks once, and so do pairs of threads [2021 §3.3].
+    Reduce,
+    /// The same with a look at the pixel first.
+    ReduceEarlyZ,
+    /// A subgroup asks for each of its pixels once [2021 §3.4].
+    Dedup,
+    /// High-quality shading by two 64-bit additions a point [2021 §3.5].
+    Hqs,
+    /// By one, exact up to 1023 points a pixel [2021 §3.5.1].
+    Hqs1,
+    /// By one, and further additions where that is not enough [2021 §3.5.1].
+    Hqs1r,
+    /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
+    Fixed40,
+    /// [`Self::EarlyZ`], and how many points asked for their pixel: for tables, not for settings.
+    #[serde(skip)]
+    #[value(skip)]
+    Count,
+}
+
+impl Method {
+    /// All that settings may name.
+    pub const ALL: [Self; 13] = [
+        Self::Prefetch,
+        Self::Basic,
+        Self::JustSet,
+        Self::BusyLoop,
+        Self::AtomicMin,
+        Self::EarlyZ,
+        Self::Reduce,
+        Self::ReduceEarlyZ,
+        Self::Dedup,
+        Self::Hqs,
+        Self::Hqs1,
+        Self::Hqs1r,
+        Self::Fixed40,
+    ];
+
+    /// As settings, tables and the papers write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Prefetch => "prefetch",
+            Self::Basic => "basic",
+            Self::JustSet => "just-set",
+            Self::BusyLoop => "busy-loop",
+            Self::AtomicMin => "atomic-min",
+            Self::EarlyZ => "early-z",
+            Self::Reduce => "reduce",
+            Self::ReduceEarlyZ => "reduce-early-z",
+            Self::Dedup => "dedup",
+            Self::Hqs => "hqs",
+            Self::Hqs1 => "hqs1",
+            Self::Hqs1r => "hqs1r",
+            Self::Fixed40 => "fixed40",
+            Self::Count => "count",
+        }
+    }
+
+    /// The quality that it is a method of; `None`: either.
+    #[must_use]
+    pub fn quality(self) -> Option<Quality> {
+        match self {
+            Self::Prefetch | Self::Basic => None,
+            Self::Hqs | Self::Hqs1 | Self::Hqs1r => Some(Quality::Hqs),
+            _ => Some(Quality::Closest),
+        }
+    }
+
+    /// The form of sums that it insists on.
+    #[must_use]
+    pub fn sums(self) -> Option<Sums> {
+        match self {
+            Self::Hqs => Some(Sums::Pairs),
+            Self::Hqs1 => Some(Sums::Packed),
+            Self::Hqs1r => Some(Sums::Protected),
+            _ => None,
+        }
+    }
+
+    /// True if a thread draws one point at a time, as in the 2021 paper.
+    #[must_use]
+    pub fn is_basic(self) -> bool {
+        self != Self::Prefetch
+    }
+
+    /// True if threads of a subgroup ask each other, for which they must come to a pixel together.
+    #[must_use]
+    pub fn is_converged(self) -> bool {
+        matches!(self, Self::Reduce | Self::ReduceEarlyZ | Self::Dedup)
+    }
+
+    /// True if it runs in every tier; the others need 64-bit atomics of all kinds.
+    #[must_use]
+    pub fn is_of_every_tier(self) -> bool {
+        matches!(self, Self::Prefetch | Self::Basic)
+    }
+}

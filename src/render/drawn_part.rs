@@ -1,0 +1,146 @@
+//! What the stages are told of the eyes' drawn part: sizes, tiles, hidden pixels. These buffers are made anew when
+//! that changes, and never with the cloud: a cloud takes another's place without a new buffer.
+
+use super::targets::Targets;
+use crate::gpu::Gpu;
+use crate::layout::{ClearUniform, DilateUniform, EMPTY_DEPTH, ResolveUniform, TILE_PX, mask_words_per_row};
+use wgpu::util::DeviceExt;
+
+/// Both eyes' drawn part, as the shaders know it.
+#[derive(Debug)]
+pub(super) struct DrawnPart {
+    /// Pairs of targets of 8 bytes a pixel, in which nothing is near.
+    pub no_keys: Clearing,
+    /// Of 4 bytes, the same.
+    pub no_depth: Clearing,
+    /// Of 8 bytes, in which nothing is added up.
+    pub no_sums: Clearing,
+    /// Of 16 bytes, the same.
+    pub no_wide: Clearing,
+    /// Of any, which stay as they are: for the counters.
+    pub as_it_is: Clearing,
+    /// Of each eye.
+    pub eyes: Vec<EyePart>,
+}
+
+/// How a pair of targets begins.
+#[derive(Debug)]
+pub(super) struct Clearing {
+    /// A [`ClearUniform`].
+    pub uniform: wgpu::Buffer,
+    /// 16-byte words of the larger eye.
+    pub num_words: u32,
+}
+
+/// An eye's drawn part.
+#[derive(Debug)]
+pub(super) struct EyePart {
+    /// Tiles that somebody sees.
+    pub num_tiles: u32,
+    /// They; see [`tiles`].
+    pub tiles: wgpu::Buffer,
+    /// A bit a pixel; see [`mask_words_per_row`].
+    pub hidden: wgpu::Buffer,
+    /// A [`ResolveUniform`].
+    pub resolve: wgpu::Buffer,
+    /// A [`DilateUniform`].
+    pub dilate: wgpu::Buffer,
+}
+
+impl DrawnPart {
+    /// Of the part that `targets` says is drawn; `hidden` has the bits of the pixels that the lenses hide, an eye
+    /// each, and counts where it fits. `background` is the color of a pixel without points.
+    pub fn new(gpu: &Gpu, targets: &Targets, hidden: &[Vec<u32>], background: u32) -> Self {
+        let make = Make { gpu, targets };
+        Self {
+            no_keys: make.clearing(8, EMPTY_DEPTH),
+            no_depth: make.clearing(4, EMPTY_DEPTH),
+            no_sums: make.clearing(8, 0),
+            no_wide: make.clearing(16, 0),
+            as_it_is: make.clearing(0, 0),
+            eyes: (0..targets.drawn_px.len())
+                .map(|eye| make.eye(eye, hidden.get(eye).map_or(&[], |bits| bits), background))
+                .collect(),
+        }
+    }
+}
+
+/// What the buffers are made with.
+struct Make<'a> {
+    gpu: &'a Gpu,
+    targets: &'a Targets,
+}
+
+impl Make<'_> {
+    fn clearing(&self, bytes_per_px: u64, value: u32) -> Clearing {
+        let [num_left, num_right] = [0, 1].map(|eye| self.targets.num_words(eye, bytes_per_px));
+        let uniform = self.uniform("clear", &ClearUniform { value, num_left, num_right, reserved: 0 });
+        Clearing { uniform, num_words: num_left.max(num_right) }
+    }
+
+    fn eye(&self, eye: usize, hidden: &[u32], background: u32) -> EyePart {
+        let size_px = self.targets.drawn_px[eye];
+        let nothing = vec![0; num_mask_words(size_px)];
+        let hidden = if hidden.len() == nothing.len() { hidden } else { &nothing };
+        let tiles = tiles(size_px, hidden);
+        EyePart {
+            num_tiles: tiles.len() as u32,
+            // There are no empty bindings.
+            tiles: self.storage("tiles", if tiles.is_empty() { &[0] } else { &tiles }),
+            hidden: self.storage("hidden", hidden),
+            resolve: self.uniform("resolve", &ResolveUniform { size_px, background, reserved: 0 }),
+            dilate: self.uniform("dilate", &DilateUniform { eye: eye as u32, ..DilateUniform::default() }),
+        }
+    }
+
+    fn uniform<T: bytemuck::Pod>(&self, label: &str, value: &T) -> wgpu::Buffer {
+        self.buffer(label, bytemuck::bytes_of(value), wgpu::BufferUsages::UNIFORM)
+    }
+
+    fn storage(&self, label: &str, words: &[u32]) -> wgpu::Buffer {
+        self.buffer(label, bytemuck::cast_slice(words), wgpu::BufferUsages::STORAGE)
+    }
+
+    fn buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        self.gpu.device.create_buffer_init(&descriptor)
+    }
+}
+
+fn num_mask_words([width, height]: [u32; 2]) -> usize {
+    (mask_words_per_row(width) * height) as usize
+}
+
+/// Tiles of which at least one pixel is not hidden, x | y≪16; `hidden` has a bit a pixel, in rows of
+/// [`mask_words_per_row`].
+#[must_use]
+pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
+    let [across, down] = TILE_PX;
+    let words = mask_words_per_row(width);
+    let is_hidden = |x: u32, y: u32| hidden[(y * words + x / 32) as usize] >> (x % 32) & 1 == 1;
+    let is_visible = |&(tx, ty): &(u32, u32)| {
+        let mut rows = ty * down..((ty + 1) * down).min(height);
+        let columns = tx * across..((tx + 1) * across).min(width);
+        rows.any(|y| columns.clone().any(|x| !is_hidden(x, y)))
+    };
+    let tiles = (0..height.div_ceil(down)).flat_map(|y| (0..width.div_ceil(across)).map(move |x| (x, y)));
+    tiles.filter(is_visible).map(|(x, y)| x | y << 16).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_is_left_out_only_when_all_of_it_is_hidden() {
+        let size = [80, 20];
+        let none = vec![0; num_mask_words(size)];
+        assert_eq!(tiles(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        // The left 32 columns of all rows, but for one pixel.
+        let mut left = none.clone();
+        left.iter_mut().step_by(3).for_each(|word| *word = u32::MAX);
+        assert_eq!(tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
+        left[3 * 19] ^= 1 << 15;
+        assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+    }
+}

@@ -1,0 +1,289 @@
+//! The renderer: what the frame needs from one to the next, and what may change in between.
+
+use super::cloud_buffers::{Chunk, CloudBuffers};
+use super::drawn_part::DrawnPart;
+use super::groups::{self, Groups, Parts};
+use super::pipelines::{For, Pipelines};
+use super::targets::{TargetTooLarge, Targets};
+use crate::config::Quality;
+use crate::gpu::timer::Timer;
+use crate::gpu::{Atomics, Gpu};
+use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform};
+use crate::look::Look;
+use crate::space::Split;
+use crate::timing::STAGES;
+use std::sync::Arc;
+
+/// Chunks for which there are counters from the start; few clouds have more.
+const NUM_COUNTERS: u64 = 16;
+
+/// What a renderer draws to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setup {
+    /// Width, height of each eye's image; one or two.
+    pub sizes_px: Vec<[u32; 2]>,
+    /// Format of the images, sRGB.
+    pub color_format: wgpu::TextureFormat,
+    /// Format of the depth images, if there are any.
+    pub depth_format: Option<wgpu::TextureFormat>,
+    /// The tier; see [`super::tier`].
+    pub atomics: Atomics,
+}
+
+/// Draws frames of one or two eyes. Create once, give it a cloud, then for every frame: [`Renderer::record`],
+/// [`Renderer::set_view`] as late as possible, submit, [`Renderer::submitted`].
+#[derive(Debug)]
+pub struct Renderer {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) setup: Setup,
+    pub(super) look: Look,
+    /// Factor on the thresholds of level of detail.
+    pub(super) lod_scale: f32,
+    pub(super) pipelines: Pipelines,
+    pub(super) view: wgpu::Buffer,
+    pub(super) cloud: Option<CloudBuffers>,
+    pub(super) counters: wgpu::Buffer,
+    pub(super) targets: Targets,
+    /// Sums of the frame's colors, which `dilate` writes over; see [`Self::keep_sums`].
+    pub(super) kept_sums: Option<[wgpu::Buffer; 2]>,
+    /// Bits of the pixels that the lenses hide, an eye each.
+    hidden: Vec<Vec<u32>>,
+    drawn: DrawnPart,
+    pub(super) groups: Groups,
+    /// The frame before has cleared its targets, and nothing has changed since.
+    pub(super) targets_are_clear: bool,
+    /// See [`Self::binding`].
+    binding: u64,
+    pub(super) timer: Timer,
+}
+
+impl Renderer {
+    /// A renderer without a cloud.
+    ///
+    /// # Errors
+    /// If the sizes do not fit the device.
+    pub fn new(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
+        let pipelines = Pipelines::new(gpu, what(&setup, &look));
+        let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
+        let has_wide = needs_wide(&pipelines, None, look.quality);
+        let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
+        let drawn = DrawnPart::new(gpu, &targets, &[], look.background_word());
+        let counters = counters_buffer(gpu, NUM_COUNTERS);
+        let timer = Timer::new(gpu, STAGES.len(), counters.size());
+        let mut renderer = Self {
+            gpu: Arc::clone(gpu),
+            setup,
+            look,
+            lod_scale: 1.0,
+            pipelines,
+            view,
+            cloud: None,
+            counters,
+            targets,
+            kept_sums: None,
+            hidden: vec![],
+            drawn,
+            groups: Groups::default(),
+            targets_are_clear: false,
+            binding: 0,
+            timer,
+        };
+        renderer.rebind();
+        Ok(renderer)
+    }
+
+    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. Takes
+    /// no longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
+    ///
+    /// # Errors
+    /// If what the cloud's sums need does not fit the device; then nothing has changed.
+    pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
+        let num_chunks = cloud.chunks.len() as u64;
+        if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
+            // More than it needs: the same scan's octree may have another chunk.
+            self.counters = counters_buffer(&self.gpu, 2 * num_chunks);
+            // Frames under way go without times.
+            self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
+        }
+        let before = self.cloud.replace(cloud);
+        self.rebind();
+        Ok(before)
+    }
+
+    /// Shows nothing from the next frame on, and gives back the cloud.
+    pub fn take_cloud(&mut self) -> Option<CloudBuffers> {
+        let cloud = self.cloud.take();
+        self.rebind();
+        cloud
+    }
+
+    /// New image sizes, one an eye.
+    ///
+    /// # Errors
+    /// If they do not fit the device.
+    pub fn resize(&mut self, sizes_px: &[[u32; 2]]) -> Result<(), TargetTooLarge> {
+        if self.setup.sizes_px != sizes_px {
+            self.targets = Targets::new(&self.gpu, sizes_px, self.targets.has_wide())?;
+            self.setup.sizes_px = sizes_px.to_vec();
+            self.set_hidden(vec![]);
+        }
+        Ok(())
+    }
+
+    /// Draws only this much of each image, from its top left corner on: no larger than the image. The views'
+    /// eyes must have these sizes.
+    pub fn set_drawn(&mut self, drawn_px: &[[u32; 2]]) {
+        if self.targets.drawn_px != drawn_px {
+            self.targets.drawn_px = drawn_px.to_vec();
+            self.set_hidden(vec![]);
+        }
+    }
+
+    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, in rows of
+    /// [`crate::layout::mask_words_per_row`].
+    pub fn set_hidden(&mut self, hidden: Vec<Vec<u32>>) {
+        self.hidden = hidden;
+        self.tell_drawn_part();
+        self.rebind();
+    }
+
+    /// How frames look from the next one on. A change of the method, or of [`crate::layout::Detail::fill_reach_px`] from
+    /// or to `None`, compiles pipelines; all else is quick.
+    ///
+    /// # Errors
+    /// If what the quality needs does not fit the device; then nothing has changed.
+    pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
+        if what(&self.setup, &look) != what(&self.setup, &self.look) {
+            self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look));
+        }
+        let is_same_background = look.background == self.look.background;
+        self.look = look;
+        if !is_same_background {
+            self.tell_drawn_part();
+        }
+        self.rebind();
+        Ok(())
+    }
+
+    /// What a pixel shows from the next frame on.
+    ///
+    /// # Errors
+    /// See [`Self::set_look`].
+    pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
+        if quality == self.look.quality { Ok(()) } else { self.set_look(Look { quality, ..self.look }) }
+    }
+
+    /// Makes room for four-word sums where there is none.
+    fn fit_targets(&mut self, needs_wide: bool) -> Result<(), TargetTooLarge> {
+        if needs_wide && !self.targets.has_wide() {
+            let targets = Targets::new(&self.gpu, &self.setup.sizes_px, true)?;
+            let drawn_px = std::mem::take(&mut self.targets.drawn_px);
+            self.targets = Targets { drawn_px, ..targets };
+        }
+        Ok(())
+    }
+
+    /// How frames look.
+    #[must_use]
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Factor on the thresholds of level of detail, 1 or more.
+    pub fn set_lod_scale(&mut self, scale: f32) {
+        self.lod_scale = scale;
+    }
+
+    /// Points and bytes on the GPU.
+    #[must_use]
+    pub fn resident(&self) -> (u64, u64) {
+        self.cloud.as_ref().map_or((0, 0), |c| (c.num_points, c.bytes))
+    }
+
+    /// How world positions become the shown cloud's pairs of f32.
+    #[must_use]
+    pub fn split(&self) -> Option<&Split> {
+        self.cloud.as_ref().map(|c| &c.split)
+    }
+
+    /// The eyes' pixels, for pictures and tests.
+    #[must_use]
+    pub fn targets(&self) -> &Targets {
+        &self.targets
+    }
+
+    /// An eye's finished pixels, (depth, color), for pictures.
+    #[must_use]
+    pub fn pixels(&self, eye: usize) -> &wgpu::Buffer {
+        &self.targets.finished(self.look.dilate)[eye]
+    }
+
+    /// Visible lists of each chunk, the counters and the nodes' states, for tests.
+    #[must_use]
+    pub fn cull_results(&self) -> (Vec<&wgpu::Buffer>, &wgpu::Buffer, Option<&wgpu::Buffer>) {
+        let visible = self.chunks().iter().map(|c| &c.visible).collect();
+        (visible, &self.counters, self.cloud.as_ref().map(|c| &c.states))
+    }
+
+    pub(super) fn chunks(&self) -> &[Chunk] {
+        self.cloud.as_ref().map_or(&[], |c| &c.chunks)
+    }
+
+    /// Tells the stages of another drawn part, other hidden pixels or another background.
+    fn tell_drawn_part(&mut self) {
+        let background = self.look.background_word();
+        self.drawn = DrawnPart::new(&self.gpu, &self.targets, &self.hidden, background);
+    }
+
+    /// Makes every bind group anew; after a change of cloud, sizes or look.
+    fn rebind(&mut self) {
+        let parts = Parts {
+            gpu: &self.gpu,
+            pipelines: &self.pipelines,
+            targets: &self.targets,
+            drawn: &self.drawn,
+            cloud: self.cloud.as_ref(),
+            view: &self.view,
+            counters: &self.counters,
+            quality: self.look.quality,
+            dilate: self.look.dilate,
+        };
+        self.groups = parts.groups();
+        self.targets_are_clear = false;
+        self.rebound();
+    }
+
+    /// Another number whenever bind groups of this renderer's buffers are out of date.
+    pub(super) fn binding(&self) -> u64 {
+        self.binding
+    }
+
+    pub(super) fn rebound(&mut self) {
+        self.binding += 1;
+    }
+}
+
+fn what(setup: &Setup, look: &Look) -> For {
+    For {
+        num_eyes: setup.sizes_px.len() as u32,
+        fill: look.detail.fill_reach_px.is_some(),
+        atomics: setup.atomics,
+        discs: look.detail.error_px.is_some(),
+        method: look.method,
+        color_format: setup.color_format,
+        depth_format: setup.depth_format,
+    }
+}
+
+/// True if a frame of this cloud and quality adds up in four u32.
+fn needs_wide(pipelines: &Pipelines, cloud: Option<&CloudBuffers>, quality: Quality) -> bool {
+    quality == Quality::Hqs && groups::hqs(pipelines, cloud).sums != Sums::Packed
+}
+
+fn counters_buffer(gpu: &Gpu, num_chunks: u64) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
+    gpu.buffer("counters", num_chunks * u64::from(COUNTERS_STRIDE), usage)
+}

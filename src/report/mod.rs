@@ -1,0 +1,36 @@
+//! What measurements say, as text for people and as pages of HTML: frame logs, two of them compared, and benchmark
+//! results. Both forms come from the same figures.
+//!
+//! ```text
+//!  FRAMES.csv ──timing::read──▶ Summary ──────▶ text
+//!                                  └─ walk_page: timeline · histogram · stack · steps · worst ──▶ Page (HTML)
+//!  two of them ────────────────▶ Comparison (bootstrap) ──▶ text, page
+//!  RESULTS.json ───────────────▶ BenchResults ──▶ text, bench_page (bars)
+//! ```
+
+mod axis;
+mod bars;
+mod bench_page;
+mod bench_results;
+mod bootstrap;
+mod compare;
+mod histogram;
+mod markup;
+mod page;
+mod reduce;
+mod stack;
+mod steps;
+mod summary;
+mod svg;
+mod table;
+mod timeline;
+mod walk_page;
+mod worst;
+
+pub use bench_page::bench_page;
+pub use bench_results::{BenchError, BenchResults, BenchRow, GpuMs};
+pub use bootstrap::Interval;
+pub use compare::{Comparison, Difference};
+pub use summary::Summary;
+pub use walk_page::walk_page;
+pub use worst::{HOLD_S, worst, worst_poses};

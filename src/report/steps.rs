@@ -1,0 +1,60 @@
+//! What the governor gave up and gave back along the walk: a lane for each of its means.
+
+use super::axis::{Axis, label};
+use super::markup::Markup;
+use super::page;
+use super::reduce::held;
+use super::svg::Plot;
+use super::timeline::{SIDES, along_time, steps, time_axis};
+use crate::timing::{FrameLogFile, LoggedFrame};
+
+const HEIGHT: f64 = 46.0;
+
+/// A figure of a frame; NaN where the log has none.
+type Figure = fn(&LoggedFrame) -> f64;
+
+/// The figure; `None` if the log says nothing of the governor.
+pub(super) fn governor(log: &FrameLogFile) -> Option<Markup> {
+    let scales: [(&str, Figure); 2] =
+        [("LOD scale", |frame| frame.lod_scale), ("resolution scale", |frame| frame.resolution_scale)];
+    let mut lanes: Vec<Markup> = Vec::new();
+    for (name, figure) in scales {
+        let values = || log.frames.iter().map(figure).filter(|value| !value.is_nan());
+        if values().next().is_none() {
+            continue;
+        }
+        let ends = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+        lanes.push(lane(log, name, figure, &ends.map(|end| (end, label(end)))));
+    }
+    if !log.qualities.is_empty() {
+        let marks = log.qualities.iter().enumerate().map(|(at, name)| (at as f64, name.clone()));
+        let figure = |frame: &LoggedFrame| frame.quality.map_or(f64::NAN, f64::from);
+        lanes.push(lane(log, "quality", figure, &marks.collect::<Vec<_>>()));
+    }
+    let caption = "What frames were drawn with. LOD scale: the factor on the pixels that a node needs to be drawn, 1 \
+                   is all detail. Resolution scale: the factor on the width and height that are drawn, 1 is all \
+                   pixels.";
+    (!lanes.is_empty()).then(|| page::figure(lanes.into_iter().collect::<Markup>(), caption))
+}
+
+/// One figure along the time, with these values marked.
+fn lane(
+    log: &FrameLogFile,
+    name: &str,
+    figure: impl Fn(&LoggedFrame) -> f64,
+    marks: &[(f64, String)],
+) -> Markup {
+    let of = |f: fn(f64, f64) -> f64, start| marks.iter().map(|(value, _)| *value).fold(start, f);
+    let (low, high) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
+    // A line along the edge would look cut off.
+    let margin = if high > low { 0.15 * (high - low) } else { 0.5 };
+    let mut plot =
+        Plot::new(name, [time_axis(log), Axis::linear(low - margin, high + margin)], SIDES, HEIGHT);
+    plot.mark_x(name);
+    for (value, text) in marks {
+        plot.mark_y_at(*value, text);
+    }
+    let columns = held(along_time(&plot, &log.frames, figure));
+    plot.path("step", steps(&plot, &columns));
+    plot.finish()
+}

@@ -1,0 +1,87 @@
+//! `scanwalk bench` at a size where nothing is worth timing: every row is there, and what it counts is true.
+
+use scanwalk::bench::{self, BenchOptions, Table};
+use scanwalk::config::Config;
+use scanwalk::method::Method;
+use scanwalk::progress::Stop;
+use scanwalk::report::{BenchResults, BenchRow, bench_page};
+
+const POINTS: u64 = 20_000;
+
+fn measure(table: Table) -> BenchResults {
+    let options = BenchOptions {
+        scan: None,
+        tables: vec![table],
+        points: vec![POINTS],
+        num_runs: 1,
+        size_px: Some([96, 54]),
+    };
+    bench::run(&options, &Config::default(), &Stop::default()).expect("a software driver has all it takes")
+}
+
+fn row<'a>(results: &'a BenchResults, method: &str, order: &str, viewpoint: &str) -> &'a BenchRow {
+    let is = |row: &&BenchRow| row.method == method && row.order == order && row.viewpoint == viewpoint;
+    results.rows.iter().find(is).unwrap_or_else(|| panic!("{method} {order} {viewpoint}"))
+}
+
+#[test]
+fn the_table_of_2021_has_every_method_order_and_viewpoint() {
+    let results = measure(Table::Paper2021);
+    assert!(results.copy_gb_per_s.is_some_and(|rate| rate > 0.0));
+    assert_eq!(results.rows.len(), 11 * 4 * 3);
+    let methods =
+        ["point-list", "just-set", "busy-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup"];
+    for method in methods.into_iter().chain(["hqs", "hqs1", "hqs1r"]) {
+        for order in ["original", "morton", "shuffled", "shuffled-morton"] {
+            for viewpoint in ["overview", "close-up", "outside-frustum"] {
+                let row = row(&results, method, order, viewpoint);
+                // Nothing is culled: that is the 2021 paper's way.
+                assert_eq!((row.points, row.points_read), (POINTS, POINTS), "{method} {order} {viewpoint}");
+                assert!(row.gpu_ms.median > 0.0 && row.ratio_to_point_list.is_some());
+                assert_eq!(
+                    row.points_drawn == 0,
+                    viewpoint == "outside-frustum",
+                    "{method} {order} {viewpoint}"
+                );
+                // The paper has no hqs1.
+                assert_eq!(row.paper_ms.is_some(), method != "hqs1", "{method}");
+            }
+        }
+    }
+    // Of points in their files' order the first of a pixel is rarely the nearest; all ask at least once a pixel.
+    let drawn = row(&results, "early-z", "morton", "overview").points_drawn;
+    assert!(drawn > 1000 && drawn < POINTS, "{drawn}");
+    let page = bench_page(&results);
+    assert!(Method::ALL.iter().filter(|m| methods.contains(&m.name())).all(|m| page.contains(m.name())));
+}
+
+#[test]
+fn the_table_of_2022_counts_what_culling_and_precision_save() {
+    let results = measure(Table::Paper2022);
+    let row = |method, viewpoint| row(&results, method, "morton", viewpoint);
+    for viewpoint in ["overview", "close-up"] {
+        assert_eq!(row("basic-no-cull", viewpoint).points_read, POINTS);
+        let [culled, all] = ["prefetch", "prefetch-no-cull"].map(|method| row(method, viewpoint));
+        assert!(culled.points_read <= all.points_read && culled.nodes_drawn <= all.nodes_drawn);
+        // Both see the same points, and who asks first differs from run to run.
+        assert!(culled.points_drawn.abs_diff(all.points_drawn) * 5 < all.points_drawn);
+        assert!(row("lod", viewpoint).points_read <= POINTS);
+        assert!(row("hqs", viewpoint).gb_per_s > Some(0.0));
+    }
+    let rate = |method| row(method, "overview").gb_per_s.zip(Some(row(method, "overview").gpu_ms.median));
+    let bytes = |method| rate(method).map(|(rate, ms)| rate * ms * 1e6).expect("a rate");
+    let ratio = bytes("prefetch-full-precision") / bytes("prefetch");
+    assert!(ratio > 1.5 && ratio < 3.01, "{ratio} times as many bytes at full precision");
+}
+
+#[test]
+fn the_table_of_vr_breaks_the_frame_down() {
+    let results = measure(Table::Vr);
+    let names: Vec<&str> = results.rows.iter().map(|row| row.method.as_str()).collect();
+    let wanted = ["total", "clear", "lod", "cull", "depth-both-eyes", "depth-one-eye", "color-both-eyes"];
+    assert!(wanted.iter().all(|name| names.contains(name)), "{names:?}");
+    let ms = |name: &str| results.rows[names.iter().position(|n| *n == name).expect(name)].gpu_ms.median;
+    let parts: f64 =
+        ["clear", "lod", "cull", "depth-both-eyes", "color-both-eyes", "resolve"].map(ms).iter().sum();
+    assert!((0.5..1.5).contains(&(parts / ms("total"))), "parts {parts} of {}", ms("total"));
+}

@@ -1,0 +1,96 @@
+//! Points of a node that level of detail adds appear one by one: no patch of the picture changes at once, as it
+//! does without fading.
+//!
+//! The head stands still, and level of detail goes on as if it walked: what changes, changes by level of detail
+//! alone. (On a walk, points that come from behind others change more than any of it; `benches/quality` has both.)
+
+mod support;
+
+use scanwalk::cloud::octree::{Octree, build_octree};
+use scanwalk::config::{Dilate, Quality};
+use scanwalk::layout::Detail;
+use scanwalk::look::Look;
+use scanwalk::progress::{Progress, Stop};
+use scanwalk::scan;
+use scanwalk::space::{Eye, Fov, Pose, View};
+use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+use support::{Canvas, gpu};
+
+const SIZE_PX: u32 = 256;
+/// Edge of the patches that are compared from frame to frame.
+const PATCH_PX: usize = 16;
+const NUM_STEPS: u32 = 80;
+/// Of the way to what is seen: at 90 frames a second and 5 m, a walk of 1.1 m/s.
+const STEP_SHARE: f32 = 0.0025;
+
+fn courtyard() -> Octree {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("courtyard.las");
+    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 600_000, seed: 7 };
+    synth::write(&options, &Stop::default()).expect("a courtyard");
+    let scan = scan::read(&[out], &Stop::default()).expect("a scan");
+    build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+}
+
+fn view(place: &Viewpoint) -> View {
+    let fov = Fov { left: -0.7, right: 0.7, up: 0.7, down: -0.7 };
+    let world_from_view = Pose::look_at(place.eye, place.target, glam::DVec3::Z);
+    let eye = Eye { world_from_view, fov, size_px: [SIZE_PX; 2], gaze_in_view: Eye::AHEAD };
+    View { eyes: vec![eye], near: 0.05 }
+}
+
+/// Mean change of a channel in the patch that changes most, 0 to 255.
+fn largest_patch_change(before: &[u32], now: &[u32]) -> f64 {
+    let (width, patches) = (SIZE_PX as usize, SIZE_PX as usize / PATCH_PX);
+    let mut sums = vec![0u32; patches * patches];
+    for (number, (a, b)) in before.iter().zip(now).enumerate() {
+        let change: u32 = (0..3).map(|c| (a >> (8 * c) & 255).abs_diff(b >> (8 * c) & 255)).sum();
+        sums[number / width / PATCH_PX * patches + number % width / PATCH_PX] += change;
+    }
+    f64::from(sums.into_iter().max().unwrap_or(0)) / (3 * PATCH_PX * PATCH_PX) as f64
+}
+
+/// The largest change from one frame to the next while thresholds fall step by step.
+fn largest_pop(octree: &Octree, look: Look) -> f64 {
+    let view = view(&synth::viewpoints(Kind::Terrestrial)[0]);
+    let mut canvas = Canvas::layered(octree, &view, look, gpu().atomics(), 0);
+    let mut before = canvas.draw(&view).images.remove(0);
+    let mut largest = 0.0;
+    for step in 1..=NUM_STEPS {
+        canvas.renderer.set_lod_scale(1.0 / (1.0 + STEP_SHARE * step as f32));
+        let now = canvas.draw(&view).images.remove(0);
+        largest = f64::max(largest, largest_patch_change(&before, &now));
+        before = now;
+    }
+    largest
+}
+
+#[test]
+fn fading_keeps_patches_from_popping() {
+    let octree = courtyard();
+    for (name, dilate, fill_reach_px, aim) in
+        [("points alone", Dilate::Off, None, 0.1), ("whole frame", Dilate::Rings, Some(2.0), 0.5)]
+    {
+        let pop = |fade| {
+            let detail = Detail { fade, fill_reach_px, ..Detail::default() };
+            largest_pop(
+                &octree,
+                Look { quality: Quality::Hqs, dilate, background: [0; 3], detail, ..Look::default() },
+            )
+        };
+        let (faded, popped) = (pop(true), pop(false));
+        println!("{name}: largest change {popped:.2} without fading, {faded:.2} with");
+        // Without fading it must pop, or the test shows nothing.
+        assert!(popped > 3.0, "{name}: {popped}");
+        assert!(faded < aim * popped, "{name}: {faded} with fading, {popped} without");
+    }
+}
+
+#[test]
+fn a_patch_that_changes_is_found() {
+    let before = vec![0; (SIZE_PX * SIZE_PX) as usize];
+    let mut now = before.clone();
+    assert_eq!(largest_patch_change(&before, &now), 0.0);
+    now[(SIZE_PX * 17 + 40) as usize] = 0x00ff_ffff;
+    assert_eq!(largest_patch_change(&before, &now), 255.0 / (PATCH_PX * PATCH_PX) as f64);
+}
