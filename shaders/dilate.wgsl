@@ -70,8 +70,8 @@ fn load(corner: vec2<i32>, thread: u32) {
     let size = vec2<u32>(view.eyes[dilate.eye].width, view.eyes[dilate.eye].height);
     var far = 0u;
     var near = EMPTY_DEPTH;
-    var local = vec2<u32>(thread % NUM_COLUMNS, thread / NUM_COLUMNS);
-    while local.y < NUM_ROWS {
+    for (var i = thread; i < NUM_COLUMNS * NUM_ROWS; i += NUM_THREADS) {
+        let local = vec2<u32>(i % NUM_COLUMNS, i / NUM_COLUMNS);
         // Left of the image and above it, coordinates wrap to large ones.
         let pixel = vec2<u32>(corner) + local;
         let inside = all(pixel < size);
@@ -80,11 +80,6 @@ fn load(corner: vec2<i32>, thread: u32) {
         far = max(far, select(0u, point.x, inside));
         near = min(near, loaded.x);
         tile[local.y * TILE_STRIDE + local.x] = loaded;
-        // NUM_THREADS further on, without dividing again.
-        local += vec2<u32>(NUM_THREADS % NUM_COLUMNS, NUM_THREADS / NUM_COLUMNS);
-        if local.x >= NUM_COLUMNS {
-            local += vec2<u32>(0u - NUM_COLUMNS, 1u);
-        }
     }
     atomicMax(&farthest, far);
     atomicMax(&nearness, ~near);
