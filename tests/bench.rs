@@ -8,11 +8,11 @@ use scanwalk::report::{BenchResults, BenchRow, bench_page};
 
 const POINTS: u64 = 20_000;
 
-fn measure(table: Table) -> BenchResults {
+fn measure(table: Table, points: u64) -> BenchResults {
     let options = BenchOptions {
         scan: None,
         tables: vec![table],
-        points: vec![POINTS],
+        points: vec![points],
         num_runs: 1,
         size_px: Some([96, 54]),
     };
@@ -26,7 +26,7 @@ fn row<'a>(results: &'a BenchResults, method: &str, order: &str, viewpoint: &str
 
 #[test]
 fn the_table_of_2021_has_every_method_order_and_viewpoint() {
-    let results = measure(Table::Paper2021);
+    let results = measure(Table::Paper2021, POINTS);
     assert!(results.copy_gb_per_s.is_some_and(|rate| rate > 0.0));
     assert_eq!(results.rows.len(), 11 * 4 * 3);
     let methods =
@@ -57,7 +57,9 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
 
 #[test]
 fn the_table_of_2022_counts_what_culling_and_precision_save() {
-    let results = measure(Table::Paper2022);
+    // Enough batches for some to be far.
+    const POINTS: u64 = 150_000;
+    let results = measure(Table::Paper2022, POINTS);
     let row = |method, viewpoint| row(&results, method, "morton", viewpoint);
     for viewpoint in ["overview", "close-up"] {
         assert_eq!(row("basic-no-cull", viewpoint).points_read, POINTS);
@@ -71,12 +73,12 @@ fn the_table_of_2022_counts_what_culling_and_precision_save() {
     let rate = |method| row(method, "overview").gb_per_s.zip(Some(row(method, "overview").gpu_ms.median));
     let bytes = |method| rate(method).map(|(rate, ms)| rate * ms * 1e6).expect("a rate");
     let ratio = bytes("prefetch-full-precision") / bytes("prefetch");
-    assert!(ratio > 1.5 && ratio < 3.01, "{ratio} times as many bytes at full precision");
+    assert!(ratio > 1.2 && ratio < 3.01, "{ratio} times as many bytes at full precision");
 }
 
 #[test]
 fn the_table_of_vr_breaks_the_frame_down() {
-    let results = measure(Table::Vr);
+    let results = measure(Table::Vr, POINTS);
     let names: Vec<&str> = results.rows.iter().map(|row| row.method.as_str()).collect();
     let wanted = ["total", "clear", "lod", "cull", "depth-both-eyes", "depth-one-eye", "color-both-eyes"];
     assert!(wanted.iter().all(|name| names.contains(name)), "{names:?}");
@@ -84,4 +86,16 @@ fn the_table_of_vr_breaks_the_frame_down() {
     let parts: f64 =
         ["clear", "lod", "cull", "depth-both-eyes", "color-both-eyes", "resolve"].map(ms).iter().sum();
     assert!((0.5..1.5).contains(&(parts / ms("total"))), "parts {parts} of {}", ms("total"));
+}
+
+#[test]
+fn the_table_of_spt_compares_trees() {
+    let results = measure(Table::Spt, POINTS);
+    for viewpoint in ["overview", "close-up"] {
+        let row = |method| row(&results, method, "morton", viewpoint);
+        assert!(row("spt").points_read > 0 && row("spt-hqs").gpu_ms.median > 0.0);
+        // A disc stands for many points where they are small.
+        let drawn = row("spt").points_drawn;
+        assert!(drawn > 0 && drawn < row("prefetch").points_read, "{drawn}");
+    }
 }

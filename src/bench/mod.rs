@@ -38,6 +38,8 @@ pub enum Table {
     Paper2022,
     /// Where the time of a headset's frame goes.
     Vr,
+    /// Sequential point trees beside octrees.
+    Spt,
 }
 
 /// What to measure.
@@ -87,6 +89,7 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
                 Table::Paper2021 => bench.table_2021(subject)?,
                 Table::Paper2022 => bench.table_2022(subject)?,
                 Table::Vr => bench.table_vr(subject)?,
+                Table::Spt => bench.table_spt(subject)?,
             });
         }
         Ok(())

@@ -100,7 +100,8 @@ pub fn figure(table: &str, method: &str, order: &str, viewpoint: &str) -> Option
                 _ => None,
             }
         }
-        "vr" => {
+        // The paper's size alone.
+        "vr" if viewpoint.ends_with("2478x2740") => {
             let &(_, ms) = TABLE_VR.iter().find(|(name, _)| *name == method)?;
             Some(PaperFigure { ms, device: VR })
         }
@@ -119,7 +120,8 @@ mod tests {
         assert_eq!(ms("2021", "dedup", "morton", "close-up"), Some(3.07));
         assert_eq!(ms("2021", "point-list", "shuffled", "overview"), Some(39.52));
         assert_eq!(ms("2022", "lod-hqs", "morton", "close-up"), Some(4.6));
-        assert_eq!(ms("vr", "resolve", "", ""), Some(2.7));
+        assert_eq!(ms("vr", "resolve", "octree", "overview 2478x2740"), Some(2.7));
+        assert_eq!(ms("vr", "resolve", "octree", "overview 1440x1600"), None);
         assert_eq!(ms("2021", "hqs1", "morton", "overview"), None);
         assert_eq!(ms("2022", "lod", "morton", "outside-frustum"), None);
     }

@@ -1,6 +1,7 @@
 //! What is drawn: a scan, in any order, and where from.
 
 use crate::cloud::octree::{Octree, build_octree};
+use crate::cloud::spt::{SequentialCloud, build_spt};
 use crate::cloud::{self, Cloud, Order};
 use crate::progress::{Progress, Stop};
 use crate::scan::{self, Scan};
@@ -91,6 +92,16 @@ impl Subject {
     pub fn flat(&self, order: Order, stop: &Stop) -> Result<Cloud> {
         let sorting = Progress::new("sorting", "points", self.num_points(), stop);
         Ok(cloud::build(&self.scan, order, &sorting)?)
+    }
+
+    /// The sequential point tree.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn sequential(&self, stop: &Stop) -> Result<SequentialCloud> {
+        // Points are counted twice, discs once.
+        let building = Progress::new("building the point tree", "points", 7 * self.num_points() / 2, stop);
+        Ok(build_spt(&self.scan, None, &building)?)
     }
 
     /// The octree.

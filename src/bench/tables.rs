@@ -3,7 +3,7 @@
 use super::contestant::{Compute, Hardware, Load, Sample};
 use super::papers;
 use super::subject::{Place, Subject};
-use super::way::Way;
+use super::way::{Form, Way};
 use crate::cloud::Order;
 use crate::config::{Config, Precision, Quality};
 use crate::gpu::Gpu;
@@ -66,11 +66,16 @@ pub struct Bench<'a> {
 struct Clouds {
     flat: Option<CloudBuffers>,
     layered: Option<CloudBuffers>,
+    sequential: Option<CloudBuffers>,
 }
 
 impl Clouds {
     fn of(&mut self, way: &Way) -> &mut Option<CloudBuffers> {
-        if way.lod { &mut self.layered } else { &mut self.flat }
+        match way.form {
+            Form::Flat => &mut self.flat,
+            Form::Octree => &mut self.layered,
+            Form::Spt => &mut self.sequential,
+        }
     }
 }
 
@@ -95,7 +100,7 @@ impl Bench<'_> {
             let flat =
                 CloudBuffers::upload(self.gpu, &cloud, self.chunk_limit, &Progress::silent(self.stop))?;
             drop(cloud);
-            let mut clouds = Clouds { flat: Some(flat), layered: None };
+            let mut clouds = Clouds { flat: Some(flat), ..Clouds::default() };
             let views = subject.places.map(|place| (place, place.mono(size_px)));
             rows.extend(self.rows("2021", name, subject, &ways, &mut hardware, &mut clouds, &views)?);
         }
@@ -104,7 +109,7 @@ impl Bench<'_> {
 
     /// Flat clouds and octrees, with and without what makes them fast [2022, tables 1 and 2].
     pub fn table_2022(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, false);
+        let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, Form::Flat);
         let (basic, prefetch) = (flat("basic", Method::Basic), flat("prefetch", Method::Prefetch));
         let full = |name, way| Way { name, precision: Precision::Full, ..way };
         let unculled = |name, way| Way { name, cull: false, ..way };
@@ -116,9 +121,9 @@ impl Bench<'_> {
             full("prefetch-full-precision", prefetch),
             unculled("prefetch-no-cull", prefetch),
             Way { name: "just-set", method: Some(Method::JustSet), ..basic },
-            Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, false),
-            Way::paper_2022("lod", Method::Prefetch, Quality::Closest, true),
-            Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, true),
+            Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
+            Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
+            Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
         ];
         let cloud = subject.flat(Order::Morton, self.stop)?;
         let size_px = self.size_px.unwrap_or(SIZE_2022_PX);
@@ -128,12 +133,43 @@ impl Bench<'_> {
         drop(cloud);
         let layered =
             CloudBuffers::upload_layered(self.gpu, &subject.layered(self.stop)?, self.chunk_limit, &silent)?;
-        let mut clouds = Clouds { flat: Some(flat), layered: Some(layered) };
+        let mut clouds = Clouds { flat: Some(flat), layered: Some(layered), sequential: None };
         let views = [0, 1].map(|number| {
             let place: Place = subject.places[number];
             (place, place.mono(size_px))
         });
         self.rows("2022", "morton", subject, &ways, &mut hardware, &mut clouds, &views)
+    }
+
+    /// Sequential point trees beside octrees and every point [SPT §6].
+    pub fn table_spt(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
+        let way = |name, quality, form| Way::paper_2022(name, Method::Prefetch, quality, form);
+        let ways = [
+            way("prefetch", Quality::Closest, Form::Flat),
+            way("lod", Quality::Closest, Form::Octree),
+            way("spt", Quality::Closest, Form::Spt),
+            way("hqs", Quality::Hqs, Form::Flat),
+            way("lod-hqs", Quality::Hqs, Form::Octree),
+            way("spt-hqs", Quality::Hqs, Form::Spt),
+        ];
+        let size_px = self.size_px.unwrap_or(SIZE_2022_PX);
+        let silent = Progress::silent(self.stop);
+        let cloud = subject.flat(Order::Morton, self.stop)?;
+        let mut hardware = Hardware::new(self.gpu, &cloud, size_px)?;
+        let flat = CloudBuffers::upload(self.gpu, &cloud, self.chunk_limit, &silent)?;
+        drop(cloud);
+        let octree = subject.layered(self.stop)?;
+        let layered = CloudBuffers::upload_layered(self.gpu, &octree, self.chunk_limit, &silent)?;
+        drop(octree);
+        let spt = subject.sequential(self.stop)?;
+        let sequential = CloudBuffers::upload_sequential(self.gpu, &spt, self.chunk_limit, &silent)?;
+        drop(spt);
+        let mut clouds = Clouds { flat: Some(flat), layered: Some(layered), sequential: Some(sequential) };
+        let views = [0, 1].map(|number| {
+            let place: Place = subject.places[number];
+            (place, place.mono(size_px))
+        });
+        self.rows("spt", "morton", subject, &ways, &mut hardware, &mut clouds, &views)
     }
 
     /// A row for each way and hardware points from each viewpoint.
@@ -221,7 +257,7 @@ impl Bench<'_> {
         let one_eye = View { eyes: both_eyes.eyes[..1].to_vec(), near: both_eyes.near };
         let mut both = Compute::with_look(self.gpu, &[size_px; 2], look)?;
         let mut one = Compute::with_look(self.gpu, &[size_px], look)?;
-        let way = Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, true);
+        let way = Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree);
         let load = Compute::load(self.gpu, &way, cloud, &both_eyes)?;
         let load_one = Compute::load(self.gpu, &way, cloud, &one_eye)?;
         let (mut of_both, mut of_one) = (Vec::new(), Vec::new());

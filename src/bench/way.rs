@@ -1,9 +1,20 @@
 //! The ways to draw that tables compare.
 
-use crate::config::{Dilate, Precision, Quality};
+use crate::config::{Dilate, LodConfig, Precision, Quality};
 use crate::layout::Detail;
 use crate::look::Look;
 use crate::method::Method;
+
+/// The forms of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Every point.
+    Flat,
+    /// An octree: the nodes that matter.
+    Octree,
+    /// A sequential point tree: the discs that matter.
+    Spt,
+}
 
 /// A way to draw, by the name that its rows have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,8 +25,8 @@ pub struct Way {
     pub method: Option<Method>,
     /// What a pixel shows.
     pub quality: Quality,
-    /// The octree's nodes that matter rather than every point.
-    pub lod: bool,
+    /// What is drawn of the scan.
+    pub form: Form,
     /// Without what the eye does not see.
     pub cull: bool,
     /// Coordinate bits that are read.
@@ -28,7 +39,7 @@ impl Way {
         name: "point-list",
         method: None,
         quality: Quality::Closest,
-        lod: false,
+        form: Form::Flat,
         cull: false,
         precision: Precision::Full,
     };
@@ -42,20 +53,27 @@ impl Way {
 
     /// As the 2022 paper draws: culled, with as many bits as it takes.
     #[must_use]
-    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, lod: bool) -> Self {
-        Self { name, method: Some(method), quality, lod, cull: true, precision: Precision::Auto }
+    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, form: Form) -> Self {
+        Self { name, method: Some(method), quality, form, cull: true, precision: Precision::Auto }
     }
 
     /// What its frames look like.
     #[must_use]
     pub fn look(&self) -> Look {
         let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
+        let plain = Detail { forced_planes, keep_unseen: !self.cull, ..Detail::default() };
+        // Discs are as wide as they are; that nothing is filled between them leaves them no less wide.
+        let discs = Detail {
+            error_px: Some(LodConfig::default().error_px as f32),
+            fill_reach_px: Some(1.0),
+            ..plain
+        };
         Look {
             method: self.method.unwrap_or_default(),
             quality: self.quality,
             dilate: Dilate::Off,
             background: [0; 3],
-            detail: Detail { forced_planes, keep_unseen: !self.cull, ..Detail::default() },
+            detail: if self.form == Form::Spt { discs } else { plain },
         }
     }
 }

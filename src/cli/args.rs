@@ -55,7 +55,7 @@ pub struct BenchArgs {
     /// A LAS or LAZ file to measure with [default: made-up ones]
     #[arg(value_name = "SCAN")]
     pub scan: Option<PathBuf>,
-    /// Which paper's table [default: 2021, 2022 and vr]
+    /// Which paper's table [default: all]
     #[arg(long, value_name = "TABLE")]
     pub table: Option<BenchTable>,
     /// Millions of points of the made-up scans, one after the other [default: on a GPU 145, or what memory holds; on a

@@ -1,6 +1,6 @@
 //! `scanwalk bench`: the papers' tables on this machine, as text, CSV or JSON on stdout, and as a page.
 
-use super::{BenchArgs, BenchTable, Usage};
+use super::{BenchArgs, BenchTable};
 use crate::bench::{self, BenchOptions, Table};
 use crate::config::Config;
 use crate::progress::Stop;
@@ -11,13 +11,11 @@ use std::io::{self, Write};
 /// Measures, writes the page if one is wanted, prints the results.
 pub(super) fn run(args: &BenchArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let tables = match args.table {
-        None => vec![Table::Paper2021, Table::Paper2022, Table::Vr],
+        None => vec![Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
         Some(BenchTable::Paper2021) => vec![Table::Paper2021],
         Some(BenchTable::Paper2022) => vec![Table::Paper2022],
         Some(BenchTable::Vr) => vec![Table::Vr],
-        Some(BenchTable::Spt) => {
-            return Err(Usage("bench: the table spt does not exist yet; 2021, 2022 and vr do".into()).into());
-        }
+        Some(BenchTable::Spt) => vec![Table::Spt],
     };
     let options = BenchOptions {
         scan: args.scan.clone(),

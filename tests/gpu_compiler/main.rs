@@ -75,7 +75,10 @@ fn our_shaders() -> Vec<Shader> {
     for shader in SHADERS {
         for num_eyes in [1, 2] {
             let plain = Variant::eyes(num_eyes);
-            let plain = Variant { keys: shader.name != "ids", ..plain };
+            // Methods of the papers: threads that ask each other go together, and draw one point at a time.
+            let converged = ["reduce", "dedup"].iter().any(|name| shader.name.starts_with(name));
+            let fixed40 = shader.name.contains("40");
+            let plain = Variant { keys: shader.name != "ids", fixed40, converged, basic: converged, ..plain };
             add(format!("{}-{num_eyes}", shader.name), shader.name, plain);
             if ["depth", "depth32", "color"].contains(&shader.name) {
                 let fill = Variant { fill: true, ..plain };

@@ -52,6 +52,7 @@ impl NullGpu {
         let extensions = [ash::khr::pipeline_executable_properties::NAME.as_ptr()];
         let features = vk::PhysicalDeviceFeatures::default()
             .shader_int64(true)
+            .shader_float64(true)
             .fragment_stores_and_atomics(true)
             .shader_storage_image_extended_formats(true);
         let mut features_12 = vk::PhysicalDeviceVulkan12Features::default()
