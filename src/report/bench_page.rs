@@ -84,7 +84,8 @@ fn heading(table: &str) -> String {
 fn bar(row: &BenchRow) -> Bar {
     let GpuMs { median, min, max } = row.gpu_ms;
     let paper = row.paper_ms.map_or_else(String::new, |ms| {
-        let device = row.paper_device.as_deref().unwrap_or("its GPU");
+        // The GPU; the scan, which may follow, stands in the table below.
+        let device = row.paper_device.as_deref().and_then(|text| text.split(',').next()).unwrap_or("its GPU");
         format!("; paper {} on {device}", short(ms))
     });
     Bar {
