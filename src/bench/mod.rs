@@ -70,6 +70,12 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
         "{} cannot tell how long its work takes; choose another GPU with --adapter",
         gpu.name()
     );
+    if options.tables.contains(&Table::Paper2021) && !gpu.has_subgroups() {
+        eprintln!(
+            "scanwalk: {} has no subgroup operations: reduce, reduce-early-z and dedup are measured with a stand-in",
+            gpu.name()
+        );
+    }
     let bench = tables::Bench {
         gpu: &gpu,
         chunk_limit: u64::from(config.gpu.chunk_mib) << 20,
