@@ -171,16 +171,8 @@ impl Hardware {
 impl Contestant for Hardware {
     fn draw(&mut self, view: &View) -> Result<Sample> {
         self.frame += 1;
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let views = [0, 1].map(|eye: usize| self.images[eye].create_view(&Default::default()));
-        self.point_list.record(&mut encoder, self.frame, &views);
-        let began = Instant::now();
-        {
-            let queue = self.gpu.queue.lock();
-            self.point_list.set_view(&queue, view);
-            queue.submit([encoder.finish()]);
-        }
-        self.point_list.submitted();
+        let began = self.point_list.draw(&self.gpu, self.frame, &views, view);
         let wall_ms = wait(&self.gpu, began)?;
         let gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?;
         Ok(Sample {

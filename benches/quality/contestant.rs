@@ -157,14 +157,8 @@ impl Hardware {
 impl Contestant for Hardware {
     fn draw(&mut self, view: &View, _lod_scale: f32) -> Result<Picture> {
         self.frame += 1;
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.point_list.record(&mut encoder, self.frame, &[self.image.create_view(&Default::default())]);
-        {
-            let queue = self.gpu.queue.lock();
-            self.point_list.set_view(&queue, view);
-            queue.submit([encoder.finish()]);
-        }
-        self.point_list.submitted();
+        let image = self.image.create_view(&Default::default());
+        self.point_list.draw(&self.gpu, self.frame, &[image], view);
         let rgb = colors(&self.gpu, &self.image)?;
         self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?;
         let depth = self.point_list.depths(&self.gpu, 0, view.near)?;

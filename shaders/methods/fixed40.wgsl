@@ -1,7 +1,6 @@
 // fixed40: depth in 40 bits, from f64, and color in 24 below it. Of equal depths the smaller color stays. [2019 §2.1]
 
 @group(0) @binding(8) var<storage, read> colors: array<u32>;
-@group(0) @binding(9) var<storage, read> filtered_colors: array<u32>;
 
 // The point's depth again, in f64: from its cells, which are exact, and the head's place among them.
 fn exact_depth(eye: u32, point: u32) -> f64 {
@@ -18,12 +17,7 @@ fn exact_depth(eye: u32, point: u32) -> f64 {
 }
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
-    let point = id >> 1u;
-    var color = colors[point];
-    if (id & 1u) != 0u {
-        color = filtered_colors[point];
-    }
-    let key = (depth40_of(exact_depth(eye, point)) << 24u) | u64(color & 0xffffffu);
+    let key = (depth40_of(exact_depth(eye, id >> 1u)) << 24u) | u64(color_of(id) & 0xffffffu);
     if key < key_in(eye, pixel) {
         min_key(eye, pixel, key);
     }

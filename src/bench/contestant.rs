@@ -3,9 +3,10 @@
 use super::point_list::{self, PointList};
 use super::way::Way;
 use crate::cloud::Cloud;
-use crate::config::Config;
+use crate::config::{Config, Quality};
 use crate::gpu::{Gpu, readback};
-use crate::layout::VisibleBatch;
+use crate::layout::{COUNTERS_STRIDE, VisibleBatch};
+use crate::look::Look;
 use crate::method::Method;
 use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use crate::space::View;
@@ -61,7 +62,7 @@ impl Compute {
     ///
     /// # Errors
     /// If the sizes do not fit the GPU.
-    pub fn with_look(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: crate::look::Look) -> Result<Self> {
+    pub fn with_look(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
         let mut config = Config::default();
         config.frame.method = look.method;
         let setup = Setup {
@@ -111,9 +112,8 @@ impl Compute {
     pub fn load(gpu: &Arc<Gpu>, way: &Way, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
         let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| eye.size_px).collect();
         let look = way.look();
-        let quality = crate::config::Quality::Closest;
-        let mut counter =
-            Self::with_look(gpu, &sizes_px, crate::look::Look { method: Method::Count, quality, ..look })?;
+        let quality = Quality::Closest;
+        let mut counter = Self::with_look(gpu, &sizes_px, Look { method: Method::Count, quality, ..look })?;
         counter.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
         let times = counter.frame(view);
         let load = times.and_then(|times| counter.counted(&times, sizes_px.len()));
@@ -129,7 +129,7 @@ impl Compute {
         }
         let (visible, counters, _) = self.renderer.cull_results();
         let counters = readback::read_buffer(&self.gpu, counters)?;
-        let stride = crate::layout::COUNTERS_STRIDE as usize;
+        let stride = COUNTERS_STRIDE as usize;
         let (mut plane_bytes, mut num_batches) = (0, 0);
         for (number, list) in visible.into_iter().enumerate() {
             let count: u32 = bytemuck::pod_read_unaligned(&counters[number * stride..number * stride + 4]);
@@ -176,14 +176,8 @@ impl Hardware {
         let mut gpu_ms = f64::NAN;
         for _ in 0..num_frames {
             self.frame += 1;
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            self.point_list.record(&mut encoder, self.frame, &[self.image.create_view(&Default::default())]);
-            {
-                let queue = self.gpu.queue.lock();
-                self.point_list.set_view(&queue, view);
-                queue.submit([encoder.finish()]);
-            }
-            self.point_list.submitted();
+            let image = self.image.create_view(&Default::default());
+            self.point_list.draw(&self.gpu, self.frame, &[image], view);
             wait(&self.gpu)?;
             gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?.into();
         }

@@ -11,6 +11,7 @@ use anyhow::Result;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4, Mat4};
 use std::mem::offset_of;
+use std::time::Instant;
 use wgpu::util::DeviceExt;
 
 /// Colours are stored sRGB-encoded and go to the image as they are: no stage converts them.
@@ -61,7 +62,7 @@ impl PointList {
     }
 
     /// Records a frame into `images` of [`FORMAT`], one an eye.
-    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[wgpu::TextureView]) {
+    fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[wgpu::TextureView]) {
         self.timer.begin(encoder, frame);
         for (number, (eye, image)) in self.eyes.iter().zip(images).enumerate() {
             let depth = eye.depth.create_view(&wgpu::TextureViewDescriptor::default());
@@ -98,16 +99,25 @@ impl PointList {
     }
 
     /// Sets the eyes of the frame that is submitted next through the same guard.
-    pub fn set_view(&self, queue: &QueueGuard, view: &View) {
+    fn set_view(&self, queue: &QueueGuard, view: &View) {
         for (target, eye) in self.eyes.iter().zip(&view.eyes) {
             let matrix = clip_from_cloud(eye, self.split.origin, view.near);
             queue.write_buffer(&target.matrix, 0, bytemuck::bytes_of(&matrix));
         }
     }
 
-    /// To be called after the frame's submit.
-    pub fn submitted(&mut self) {
+    /// Draws frame number `frame` into `images` of [`FORMAT`], one an eye; does not wait for it. When it was sent off.
+    pub fn draw(&mut self, gpu: &Gpu, frame: u64, images: &[wgpu::TextureView], view: &View) -> Instant {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.record(&mut encoder, frame, images);
+        let began = Instant::now();
+        {
+            let queue = gpu.queue.lock();
+            self.set_view(&queue, view);
+            queue.submit([encoder.finish()]);
+        }
         self.timer.submitted();
+        began
     }
 
     /// GPU time in milliseconds of a frame that is done.

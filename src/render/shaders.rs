@@ -96,7 +96,7 @@ pub const SHADERS: [Shader; 25] = [
     shader!("dedup", "methods/dedup", &[POINTS, CHOICE, KEYS, SUBGROUP]),
     shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, KEYS, SUBGROUP_EMULATED]),
     shader!("count", "methods/count", &[POINTS, CHOICE, KEYS]),
-    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, KEYS, FIXED40]),
+    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, KEYS, COLORS, FIXED40]),
     shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
     shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, SUMS, COLORS]),
 ];

@@ -1,6 +1,7 @@
 //! What `scanwalk bench --json` writes and `scanwalk report RESULTS.json` reads: one set of types for both.
 
 use super::table::{Table, in_order, ms};
+use crate::scan::info::grouped_by;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::File;
@@ -218,15 +219,7 @@ impl fmt::Display for BenchResults {
 
 /// A count with its thousands apart.
 pub(super) fn count(num: u64) -> String {
-    let digits = num.to_string();
-    let mut apart = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            apart.push(' ');
-        }
-        apart.push(digit);
-    }
-    apart
+    grouped_by(num, ' ')
 }
 
 #[cfg(test)]

@@ -159,11 +159,16 @@ fn decimals(headers: &[Header]) -> usize {
 
 /// 1234567 as 1,234,567.
 pub(crate) fn grouped(count: usize) -> String {
+    grouped_by(count as u64, ',')
+}
+
+/// A count whose thousands have `separator` between them.
+pub(crate) fn grouped_by(count: u64, separator: char) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
         if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
+            text.push(separator);
         }
         text.push(digit);
     }

@@ -102,15 +102,9 @@ impl Cone {
 #[cfg(test)]
 mod tests {
     use super::super::normals::pack;
+    use super::super::normals::tests::direction;
     use super::*;
     use proptest::prelude::*;
-
-    fn direction() -> impl Strategy<Value = DVec3> {
-        [-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0]
-            .prop_map(DVec3::from_array)
-            .prop_filter("a direction", |v| v.length() > 0.1)
-            .prop_map(DVec3::normalize)
-    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]

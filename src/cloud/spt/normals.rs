@@ -80,11 +80,12 @@ fn fold(x: f64, y: f64) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn direction() -> impl Strategy<Value = DVec3> {
+    /// Any.
+    pub fn direction() -> impl Strategy<Value = DVec3> {
         [-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0]
             .prop_map(DVec3::from_array)
             .prop_filter("a direction", |v| v.length() > 0.1)
