@@ -10,10 +10,10 @@ use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
 use scanwalk::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
 use scanwalk::look::Look;
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, Scan};
+use scanwalk::progress::Progress;
+use scanwalk::scan::Scan;
 use scanwalk::space::{Eye, Fov, Pose, View};
-use scanwalk::synth::{self, Kind, SynthOptions};
+use scanwalk::synth::{self, Kind};
 use scanwalk::twin::{self, Frame, Scene};
 use std::sync::OnceLock;
 use support::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
@@ -22,11 +22,7 @@ use support::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
 fn courtyard() -> &'static (Scan, Octree) {
     static COURTYARD: OnceLock<(Scan, Octree)> = OnceLock::new();
     COURTYARD.get_or_init(|| {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let out = folder.path().join("courtyard.las");
-        let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 600_000, seed: 7 };
-        synth::write(&options, &Stop::default()).expect("a courtyard");
-        let scan = scan::read(&[out], &Stop::default()).expect("a scan");
+        let scan = support::courtyard();
         let octree = octree_of(&scan);
         (scan, octree)
     })

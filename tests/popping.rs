@@ -10,10 +10,9 @@ use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::layout::Detail;
 use scanwalk::look::Look;
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan;
+use scanwalk::progress::Progress;
 use scanwalk::space::{Eye, Fov, Pose, View};
-use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+use scanwalk::synth::{self, Kind, Viewpoint};
 use support::{Canvas, gpu};
 
 const SIZE_PX: u32 = 256;
@@ -24,12 +23,7 @@ const NUM_STEPS: u32 = 80;
 const STEP_SHARE: f32 = 0.0025;
 
 fn courtyard() -> Octree {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("courtyard.las");
-    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 600_000, seed: 7 };
-    synth::write(&options, &Stop::default()).expect("a courtyard");
-    let scan = scan::read(&[out], &Stop::default()).expect("a scan");
-    build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(&support::courtyard(), &Progress::hidden(), &mut |_, _| ()).expect("an octree")
 }
 
 fn view(place: &Viewpoint) -> View {

@@ -8,10 +8,11 @@ use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::gpu::{Atomics, Gpu, readback};
 use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
 use scanwalk::look::Look;
-use scanwalk::progress::Progress;
+use scanwalk::progress::{Progress, Stop};
 use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, Targets};
-use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
+use scanwalk::scan::{self, ColorSource, Lattice, Points, Scan, ScanFile};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
+use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin::resolve::Pixel;
 use std::sync::{Arc, OnceLock};
 
@@ -36,6 +37,15 @@ impl Random {
     pub fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
+}
+
+/// A courtyard as a scanner sees it, made up: 600 000 points.
+pub fn courtyard() -> Scan {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("courtyard.las");
+    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 600_000, seed: 7 };
+    synth::write(&options, &Stop::default()).expect("a courtyard");
+    scan::read(&[out], &Stop::default()).expect("a scan")
 }
 
 /// Points in a box of `edge` world units, in steps of a millimetre.
