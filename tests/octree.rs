@@ -30,9 +30,9 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let lattice = Lattice { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
     let rgb = (0..xyz.len()).map(|i| [i, i >> 8, i >> 16].map(|c| c as u16 & 255)).collect();
-    let points = Points { xyz, rgb, intensity: vec![] };
+    let points = Points { xyz, rgb, intensity: vec![], ..Points::default() };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    let file = ScanFile { path, format, lattice, points, color, bounds };
+    let file = ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] };
     Scan { files: vec![file], ..Scan::default() }
 }
 

@@ -57,9 +57,10 @@ mod tests {
         let lattice = Lattice { scale: DVec3::ONE, offset: DVec3::ZERO };
         let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
         let rgb = vec![[0; 3]; xyz.len()];
-        let points = Points { xyz, rgb, intensity: vec![] };
+        let points = Points { xyz, rgb, intensity: vec![], ..Points::default() };
         let (path, format) = ("made-up".into(), "made up".into());
-        let file = ScanFile { path, format, lattice, points, color: ColorSource::Rgb8, bounds };
+        let file =
+            ScanFile { path, format, lattice, points, color: ColorSource::Rgb8, bounds, triangles: vec![] };
         let scan = Scan { files: vec![file], ..Scan::default() };
         let cloud = build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud");
         (cloud.body(), bounds)

@@ -167,6 +167,7 @@ mod tests {
             color: source(&stats),
             points,
             bounds: Bounds::EMPTY,
+            triangles: vec![],
         }
     }
 
@@ -174,11 +175,21 @@ mod tests {
     fn sixteen_bits_round_and_eight_bits_stay() {
         for c in 0..=u16::MAX {
             let bright = [u16::MAX, c, 0];
-            let file = file(Points { xyz: vec![[0; 3]], rgb: vec![bright], intensity: vec![0] });
+            let file = file(Points {
+                xyz: vec![[0; 3]],
+                rgb: vec![bright],
+                intensity: vec![0],
+                ..Points::default()
+            });
             let expected = (f64::from(c) / 257.0).round() as u32;
             assert_eq!(file.color(0), 255 | expected << 8 | 255 << 24);
         }
-        let file = file(Points { xyz: vec![[0; 3]], rgb: vec![[255, 1, 2]], intensity: vec![0] });
+        let file = file(Points {
+            xyz: vec![[0; 3]],
+            rgb: vec![[255, 1, 2]],
+            intensity: vec![0],
+            ..Points::default()
+        });
         assert_eq!(file.color, ColorSource::Rgb8);
         assert_eq!(file.color(0), 255 | 1 << 8 | 2 << 16 | 255 << 24);
     }
@@ -188,8 +199,8 @@ mod tests {
         let black = vec![[0; 3]; 2];
         let xyz = vec![[0; 3], [0, 0, 8]];
         let mut files = [
-            file(Points { xyz: xyz.clone(), rgb: black.clone(), intensity: vec![3, 9] }),
-            file(Points { xyz, rgb: black, intensity: vec![7, 7] }),
+            file(Points { xyz: xyz.clone(), rgb: black.clone(), intensity: vec![3, 9], ..Points::default() }),
+            file(Points { xyz, rgb: black, intensity: vec![7, 7], ..Points::default() }),
         ];
         share_ranges(&mut files);
         assert_eq!(files[0].color, ColorSource::Intensity { low: 3.0, high: 9.0 });
@@ -201,7 +212,14 @@ mod tests {
     #[test]
     fn outliers_do_not_set_the_ends_and_tiles_share_them() {
         let intensity = |from: u16| (0..1000).map(|i| if i == 0 { 60_000 } else { from + i % 100 }).collect();
-        let tile = |from| file(Points { xyz: vec![[0; 3]; 1000], rgb: vec![], intensity: intensity(from) });
+        let tile = |from| {
+            file(Points {
+                xyz: vec![[0; 3]; 1000],
+                rgb: vec![],
+                intensity: intensity(from),
+                ..Points::default()
+            })
+        };
         let mut files = [tile(100), tile(300)];
         share_ranges(&mut files);
         assert_eq!(files[0].color, files[1].color);

@@ -188,12 +188,17 @@ mod tests {
 
     #[test]
     fn json_has_the_names_of_the_contract() {
-        let points =
-            Points { xyz: vec![[1, 2, 3], [-1, 0, 9]], rgb: vec![[300, 0, 0]; 2], intensity: vec![0; 2] };
+        let points = Points {
+            xyz: vec![[1, 2, 3], [-1, 0, 9]],
+            rgb: vec![[300, 0, 0]; 2],
+            intensity: vec![0; 2],
+            ..Points::default()
+        };
         let lattice = Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO };
         let bounds = Bounds { min: DVec3::new(-0.5, 0.0, 1.5), max: DVec3::new(0.5, 1.0, 4.5) };
         let (path, color) = (PathBuf::from("a.las"), ColorSource::Rgb16);
-        let file = ScanFile { path, format: "LAS 1.2".into(), lattice, points, color, bounds };
+        let file =
+            ScanFile { path, format: "LAS 1.2".into(), lattice, points, color, bounds, triangles: vec![] };
         let scan = Scan { files: vec![file], ..Scan::default() };
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({

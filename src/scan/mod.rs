@@ -50,6 +50,8 @@ pub struct Points {
     pub rgb: Vec<[u16; 3]>,
     /// Intensity as stored.
     pub intensity: Vec<u16>,
+    /// Unit normals, world axes, pointing to the side from which the surface was seen. NaN where a point has none.
+    pub normals: Vec<[f32; 3]>,
 }
 
 /// Where a file's point colours come from; decided once the whole file (for ramps: the whole scan) is read.
@@ -90,6 +92,9 @@ pub struct ScanFile {
     pub color: ColorSource,
     /// True box of the points read, world space.
     pub bounds: Bounds,
+    /// Triangles of a mesh, of point numbers in this file, each less than the number of its points; counter-clockwise
+    /// where the surface is seen from. Empty for all that is no mesh.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Several files as one cloud.
@@ -166,6 +171,8 @@ trait Reader {
 #[derive(Debug)]
 struct Columns {
     points: Points,
+    /// See [`ScanFile::triangles`].
+    triangles: Vec<[u32; 3]>,
     stats: Stats,
     /// What was odd, as sentences whose subject is the file.
     warnings: Vec<String>,
@@ -173,7 +180,7 @@ struct Columns {
 
 impl Default for Columns {
     fn default() -> Self {
-        Self { points: Points::default(), stats: Stats::EMPTY, warnings: Vec::new() }
+        Self { points: Points::default(), triangles: Vec::new(), stats: Stats::EMPTY, warnings: Vec::new() }
     }
 }
 

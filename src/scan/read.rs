@@ -73,6 +73,7 @@ fn add(scan: &mut Scan, header: &Header, mut columns: Columns) {
         format: header.format.clone(),
         lattice: header.lattice,
         points: columns.points,
+        triangles: columns.triangles,
         color,
         bounds: Bounds::EMPTY.with(corners[0]).with(corners[1]),
     });

@@ -61,13 +61,14 @@ pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
     let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
     let rgb =
         (0..xyz.len()).map(|i| [i as u16 & 255, (i >> 8) as u16 & 255, (i >> 16) as u16 & 255]).collect();
-    let points = Points { xyz: xyz.to_vec(), rgb, intensity: vec![] };
+    let points = Points { xyz: xyz.to_vec(), rgb, intensity: vec![], ..Points::default() };
     let file = ScanFile {
         path: "made-up".into(),
         format: "made up".into(),
         lattice,
         points,
         color: ColorSource::Rgb8,
+        triangles: vec![],
         bounds,
     };
     Scan { files: vec![file], ..Scan::default() }

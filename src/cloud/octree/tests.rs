@@ -13,9 +13,12 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let lattice = Lattice { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
     let rgb = (0..xyz.len() as u32).map(|i| [i * 7 % 256, i * 31 % 256, i / 5 % 256].map(|c| c as u16));
-    let points = Points { rgb: rgb.collect(), xyz, intensity: vec![] };
+    let points = Points { rgb: rgb.collect(), xyz, intensity: vec![], ..Points::default() };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    Scan { files: vec![ScanFile { path, format, lattice, points, color, bounds }], ..Scan::default() }
+    Scan {
+        files: vec![ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] }],
+        ..Scan::default()
+    }
 }
 
 /// Keys in the root's frame, every point its own candidate.

@@ -20,9 +20,13 @@ fn noise(seed: u32) -> impl FnMut(i32) -> i32 {
 fn scan_of(xyz: Vec<[i32; 3]>, color: impl Fn(usize) -> [u16; 3]) -> Scan {
     let lattice = Lattice { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
-    let points = Points { rgb: (0..xyz.len()).map(color).collect(), xyz, intensity: vec![] };
+    let points =
+        Points { rgb: (0..xyz.len()).map(color).collect(), xyz, intensity: vec![], ..Points::default() };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    Scan { files: vec![ScanFile { path, format, lattice, points, color, bounds }], ..Scan::default() }
+    Scan {
+        files: vec![ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] }],
+        ..Scan::default()
+    }
 }
 
 fn motley(i: usize) -> [u16; 3] {

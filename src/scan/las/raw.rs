@@ -141,6 +141,7 @@ fn columns(num_points: u64, layout: &Layout) -> Option<Points> {
         xyz: zeros([0; 3], num_points)?,
         rgb: zeros([0; 3], num_colors)?,
         intensity: zeros(0, num_points)?,
+        ..Points::default()
     })
 }
 

@@ -94,7 +94,7 @@ mod tests {
         records.chunks(36).for_each(|record| layout.push(record, &mut pushed));
         let (mut xyz, mut rgb, mut intensity) = (vec![[0; 3]; 5], vec![[0; 3]; 5], vec![0; 5]);
         layout.parse(&records, &mut xyz, &mut rgb, &mut intensity);
-        assert_eq!(pushed, Points { xyz, rgb, intensity });
+        assert_eq!(pushed, Points { xyz, rgb, intensity, ..Points::default() });
         // The comparison can fail: one byte further is another point.
         let shifted = Layout { core_offset: 1, ..layout };
         let mut other = Points::default();
