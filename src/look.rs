@@ -34,8 +34,7 @@ impl Look {
             ring_rad: config.fovea.ring_deg.map(f64::to_radians),
             smooth: config.fovea.smooth,
             fade: config.lod.fade,
-            // Threads that ask each other must have as many pixels as each other.
-            fill_reach_px: ((frame.fill || discs) && !frame.method.is_converged()).then_some(reach_px),
+            fill_reach_px: ((frame.fill || discs) && !frame.method.draws_pixels()).then_some(reach_px),
             error_px: discs.then_some(config.lod.error_px as f32),
             keep_unseen: !frame.cull,
         };

@@ -1,6 +1,7 @@
 //! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`],
-//! [`Method::Hqs1`] where a pixel gets more points than it can count, and [`Method::Fixed40`] where two points are
-//! equally far to its precision, of which it shows the smaller color; they differ in how long it takes.
+//! [`Method::Hqs1`] where a pixel gets more points than it can count, and two where points are equally far:
+//! [`Method::PointList`] shows any of them, [`Method::Fixed40`], to whose precision more are, the smaller color. They
+//! differ in how long it takes.
 
 use crate::config::Quality;
 use crate::layout::Sums;
@@ -10,6 +11,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
+    /// The hardware's own points: what the papers measure against [2022 §4.1].
+    PointList,
     /// Four points a thread, loaded at once, and a look at the pixel first [2022 §3.4]: the frame's own.
     #[default]
     Prefetch,
@@ -45,7 +48,8 @@ pub enum Method {
 
 impl Method {
     /// All that settings may name.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
+        Self::PointList,
         Self::Prefetch,
         Self::Basic,
         Self::JustSet,
@@ -65,6 +69,7 @@ impl Method {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::PointList => "point-list",
             Self::Prefetch => "prefetch",
             Self::Basic => "basic",
             Self::JustSet => "just-set",
@@ -109,6 +114,13 @@ impl Method {
         self != Self::Prefetch
     }
 
+    /// True if a point is always one pixel: hardware knows no other, and threads of a subgroup that ask each other must
+    /// come with as many pixels each.
+    #[must_use]
+    pub fn draws_pixels(self) -> bool {
+        self == Self::PointList || self.is_converged()
+    }
+
     /// True if threads of a subgroup ask each other, for which they must come to a pixel together.
     #[must_use]
     pub fn is_converged(self) -> bool {
@@ -118,6 +130,6 @@ impl Method {
     /// True if it runs in every tier; the others need 64-bit atomics of all kinds.
     #[must_use]
     pub fn is_of_every_tier(self) -> bool {
-        matches!(self, Self::Prefetch | Self::Basic)
+        matches!(self, Self::PointList | Self::Prefetch | Self::Basic)
     }
 }

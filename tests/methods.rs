@@ -6,11 +6,12 @@ use glam::DVec3;
 use scanwalk::cloud::octree::build_octree;
 use scanwalk::cloud::{Cloud, GROUP_POINTS, Order};
 use scanwalk::config::{Dilate, Quality};
+use scanwalk::gpu::Atomics;
 use scanwalk::layout::{Detail, ViewUniform, VisibleBatch};
 use scanwalk::look::Look;
 use scanwalk::method::Method;
 use scanwalk::progress::Progress;
-use scanwalk::space::View;
+use scanwalk::space::{Eye, View};
 use scanwalk::twin::{fixed40, points};
 use support::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
 
@@ -94,6 +95,38 @@ fn methods_draw_octrees_too() {
             assert!(same_as(method, &draw(method), &reference), "{} {quality:?}", method.name());
         }
     }
+}
+
+/// Hardware points need no atomics; several chunks and a part of the image change nothing.
+#[test]
+fn hardware_points_are_of_every_tier() {
+    let octree =
+        build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ())
+            .unwrap();
+    let view = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), [61, 48]);
+    let draw = |method, atomics, chunk_limit| {
+        let look = look(method, Quality::Closest);
+        let mut canvas = Canvas::layered(&octree, &larger(&view), look, atomics, chunk_limit);
+        canvas.renderer.set_drawn(&[[61, 48]; 2]);
+        canvas.draw(&view)
+    };
+    let reference = draw(Method::Prefetch, gpu().atomics(), 0);
+    for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
+        if atomics <= gpu().atomics() {
+            assert!(same(&draw(Method::PointList, atomics, 40_000), &reference), "{}", atomics.name());
+        }
+    }
+    let other = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.6), [61, 48]);
+    let look = look(Method::PointList, Quality::Closest);
+    let mut canvas = Canvas::layered(&octree, &larger(&view), look, Atomics::Int32, 0);
+    canvas.renderer.set_drawn(&[[61, 48]; 2]);
+    assert!(!same(&canvas.draw(&other), &reference), "another view is another picture");
+}
+
+/// The same eyes with larger images, of which only a part is drawn.
+fn larger(view: &View) -> View {
+    let eyes = view.eyes.iter().map(|eye| Eye { size_px: SIZE_PX, ..*eye }).collect();
+    View { eyes, ..*view }
 }
 
 /// Each pixel's depth is that of a point which the twin puts there, and no other point's is nearer.

@@ -1,5 +1,6 @@
-//! The method `point-list`: hardware points, a depth buffer and a draw an eye, as graphics APIs offer them.
-//! The same points in the same order as the compute frame gets, 16 bytes each.
+//! Hardware points as the papers draw them: vertices of 16 bytes, a depth buffer and a draw an eye, straight into the
+//! image. The same points in the same order as the compute frame gets. It is what `bench` compares with, rather than
+//! the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
 use crate::cloud::{Batch, Cloud};
 use crate::gpu::timer::Timer;
@@ -165,7 +166,7 @@ impl EyeTarget {
 
 fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
     let module =
-        shader_module(&gpu.device, "point-list", include_str!("../../shaders/methods/point_list.wgsl"));
+        shader_module(&gpu.device, "point-list", include_str!("../../shaders/methods/vertex_list.wgsl"));
     let attributes = [
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Float32x3,

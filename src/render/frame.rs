@@ -116,6 +116,9 @@ impl Renderer {
     }
 
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder) {
+        if self.look.quality == Quality::Closest && self.pipelines.closest.point_list.is_some() {
+            return self.record_point_list(encoder);
+        }
         let mut pass = self.compute_pass(encoder, DEPTH);
         let depth = match self.look.quality {
             Quality::Closest => &self.pipelines.closest.depth,
@@ -124,6 +127,20 @@ impl Renderer {
         self.dispatch_visible(&mut pass, depth, &self.groups.depth);
         if let Some(ids) = &self.pipelines.closest.ids {
             self.dispatch_visible(&mut pass, ids, &self.groups.ids);
+        }
+    }
+
+    fn record_point_list(&self, encoder: &mut wgpu::CommandEncoder) {
+        let (Some(point_list), Some((images, draws))) = (&self.pipelines.closest.point_list, &self.points)
+        else {
+            return;
+        };
+        draws.record(encoder, &self.counters, self.chunks());
+        let num_eyes = self.groups.point_list.len();
+        for (eye, groups) in self.groups.point_list.iter().enumerate() {
+            let times = self.timer.render(DEPTH, eye == 0, eye + 1 == num_eyes);
+            let size_px = self.targets.drawn_px[eye];
+            point_list.record(encoder, (eye, images), size_px, (groups, draws), times);
         }
     }
 

@@ -3,6 +3,7 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::{Clearing, DrawnPart};
 use super::pipelines::{Closest, Hqs, Pipelines};
+use super::point_list::PointImages;
 use super::targets::Targets;
 use crate::config::{Dilate, Quality};
 use crate::gpu::Gpu;
@@ -15,6 +16,7 @@ pub(super) struct Parts<'a> {
     pub pipelines: &'a Pipelines,
     pub targets: &'a Targets,
     pub drawn: &'a DrawnPart,
+    pub points: Option<&'a PointImages>,
     pub cloud: Option<&'a CloudBuffers>,
     pub view: &'a wgpu::Buffer,
     pub counters: &'a wgpu::Buffer,
@@ -35,6 +37,8 @@ pub(super) struct Groups {
     pub depth: Vec<wgpu::BindGroup>,
     pub ids: Vec<wgpu::BindGroup>,
     pub color: Vec<wgpu::BindGroup>,
+    /// Of each eye, then of each chunk.
+    pub point_list: Vec<Vec<wgpu::BindGroup>>,
     /// Of each eye.
     pub eyes: Vec<EyeGroups>,
 }
@@ -72,6 +76,7 @@ impl Parts<'_> {
             depth: vec![],
             ids: vec![],
             color: vec![],
+            point_list: self.point_list(),
             eyes: (0..self.targets.sizes_px.len()).map(|eye| self.eye(eye)).collect(),
         };
         for number in 0..self.chunks().len() {
@@ -79,8 +84,10 @@ impl Parts<'_> {
             groups.cull.push(self.pipelines.cull.bind(self.gpu, &resources));
             match self.quality {
                 Quality::Closest => {
-                    let Closest { depth, ids, .. } = &self.pipelines.closest;
-                    groups.depth.push(depth.bind(self.gpu, &resources));
+                    let Closest { depth, ids, point_list, .. } = &self.pipelines.closest;
+                    if point_list.is_none() {
+                        groups.depth.push(depth.bind(self.gpu, &resources));
+                    }
                     groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, &resources)));
                 }
                 Quality::Hqs => {
@@ -95,8 +102,10 @@ impl Parts<'_> {
     /// The targets that this quality begins with, and how.
     fn clear(&self) -> Vec<(wgpu::BindGroup, u32)> {
         let Targets { keys, depth, wide, .. } = self.targets;
-        let DrawnPart { no_keys, no_depth, no_sums, no_wide, .. } = self.drawn;
+        let DrawnPart { no_keys, no_depth, no_sums, no_wide, as_it_is, .. } = self.drawn;
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
+            // Hardware clears its own images.
+            Quality::Closest if self.pipelines.closest.point_list.is_some() => vec![(keys, as_it_is)],
             Quality::Closest if self.pipelines.closest.counts => vec![(keys, no_keys), (depth, no_depth)],
             Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
             // The keys' buffers hold ids, half as large.
@@ -124,6 +133,17 @@ impl Parts<'_> {
             ("counters", self.counters.as_entire_binding()),
         ];
         (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words.max(1))
+    }
+
+    /// What the hardware draws in an eye, if it does.
+    fn point_list(&self) -> Vec<Vec<wgpu::BindGroup>> {
+        let Some(point_list) = &self.pipelines.closest.point_list else { return vec![] };
+        let chunks = 0..self.chunks().len();
+        let of_eye = |eye| {
+            let bind = |number| point_list.bind(self.gpu, eye, &self.of_chunk(number));
+            chunks.clone().map(bind).collect()
+        };
+        (0..self.targets.sizes_px.len()).map(of_eye).collect()
     }
 
     fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> Resources<'b> {
@@ -179,7 +199,7 @@ impl Parts<'_> {
             Quality::Closest if self.pipelines.closest.ids.is_none() => &targets.keys[eye],
             _ => &targets.depth[eye],
         };
-        vec![
+        let mut resources = vec![
             ("resolve", part.resolve.as_entire_binding()),
             ("tiles", part.tiles.as_entire_binding()),
             ("hidden", part.hidden.as_entire_binding()),
@@ -192,7 +212,10 @@ impl Parts<'_> {
             ("surface", targets.surface[eye].as_entire_binding()),
             ("view", self.view.as_entire_binding()),
             ("image", targets.finished(self.dilate)[eye].as_entire_binding()),
-        ]
+        ];
+        let points = self.points.map(|images| wgpu::BindingResource::TextureView(&images.points[eye]));
+        resources.extend(points.map(|points| ("points", points)));
+        resources
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {

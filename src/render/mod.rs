@@ -7,6 +7,7 @@ mod frame;
 mod groups;
 mod overlay;
 mod pipelines;
+mod point_list;
 mod renderer;
 pub mod shaders;
 mod targets;

@@ -1,5 +1,6 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
+use super::point_list::PointList;
 use super::shaders;
 use crate::gpu::stage::{Bindings, Stage, shader_module};
 use crate::gpu::{Atomics, Gpu};
@@ -23,6 +24,8 @@ pub(super) struct Pipelines {
 #[derive(Debug)]
 pub(super) struct Closest {
     pub depth: Stage,
+    /// Instead of it, if the hardware is to draw.
+    pub point_list: Option<PointList>,
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage>,
     pub shade: Stage,
@@ -98,8 +101,16 @@ impl Pipelines {
             cull: stage("cull", variant),
             closest: Closest {
                 depth: if keys { closest(gpu, method, variant) } else { stage("depth32", variant) },
-                ids: (!keys).then(|| stage("ids", variant)),
-                shade: stage(if method == Method::Fixed40 { "shade40" } else { "shade" }, variant),
+                point_list: (method == Method::PointList).then(|| PointList::new(gpu, variant)),
+                ids: (!keys && method != Method::PointList).then(|| stage("ids", variant)),
+                shade: stage(
+                    match method {
+                        Method::Fixed40 => "shade40",
+                        Method::PointList => "shade-points",
+                        _ => "shade",
+                    },
+                    variant,
+                ),
                 shade_clears: method == Method::Fixed40,
                 counts: method == Method::Count,
             },

@@ -4,6 +4,7 @@ use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::DrawnPart;
 use super::groups::{self, Groups, Parts};
 use super::pipelines::{For, Pipelines};
+use super::point_list::{Draws, PointImages};
 use super::targets::{TargetTooLarge, Targets};
 use crate::config::Quality;
 use crate::gpu::timer::Timer;
@@ -46,6 +47,8 @@ pub struct Renderer {
     pub(super) targets: Targets,
     /// Sums of the frame's colors, which `dilate` writes over; see [`Self::keep_sums`].
     pub(super) kept_sums: Option<[wgpu::Buffer; 2]>,
+    /// Of the method `point-list`.
+    pub(super) points: Option<(PointImages, Draws)>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
     drawn: DrawnPart,
@@ -82,6 +85,7 @@ impl Renderer {
             counters,
             targets,
             kept_sums: None,
+            points: None,
             hidden: vec![],
             drawn,
             groups: Groups::default(),
@@ -240,11 +244,13 @@ impl Renderer {
 
     /// Makes every bind group anew; after a change of cloud, sizes or look.
     fn rebind(&mut self) {
+        self.fit_points();
         let parts = Parts {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             targets: &self.targets,
             drawn: &self.drawn,
+            points: self.points.as_ref().map(|(images, _)| images),
             cloud: self.cloud.as_ref(),
             view: &self.view,
             counters: &self.counters,
@@ -254,6 +260,16 @@ impl Renderer {
         self.groups = parts.groups();
         self.targets_are_clear = false;
         self.rebound();
+    }
+
+    /// What hardware points need, if they are wanted.
+    fn fit_points(&mut self) {
+        let images = self.points.take().map(|(images, _)| images);
+        if self.pipelines.closest.point_list.is_some() {
+            let images = images.filter(|images| images.fit(&self.targets));
+            let images = images.unwrap_or_else(|| PointImages::new(&self.gpu, &self.targets));
+            self.points = Some((images, Draws::new(&self.gpu, self.chunks().len())));
+        }
     }
 
     /// Another number whenever bind groups of this renderer's buffers are out of date.

@@ -4,8 +4,10 @@ use crate::layout::{self, Variant};
 
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
-/// The geometry stages' loop over points.
+/// Points, read and projected.
 const POINTS: Shared = both(include_str!("../../shaders/points.inc.wgsl"));
+/// The geometry stages' loop over them.
+const LOOP: Shared = both(include_str!("../../shaders/loop.inc.wgsl"));
 /// Which points it draws, and how large.
 const CHOICE: Shared = Shared {
     nodes: include_str!("../../shaders/nodes.inc.wgsl"),
@@ -34,6 +36,8 @@ const COLORS: Shared = Shared {
 };
 /// The walk over the pixels of a tile.
 const SURFACE: Shared = both(include_str!("../../shaders/surface.inc.wgsl"));
+/// Ids to colors.
+const CHUNK_COLORS: Shared = both(include_str!("../../shaders/chunk_colors.inc.wgsl"));
 /// The rule of dilation.
 const DILATION: Shared = both(include_str!("../../shaders/dilation.inc.wgsl"));
 /// Stored colors to linear light.
@@ -73,32 +77,34 @@ macro_rules! shader {
 }
 
 /// Every shader of the frame, in its order; then the overlays' and those of other methods.
-pub const SHADERS: [Shader; 25] = [
+pub const SHADERS: [Shader; 27] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[STEPS]),
-    shader!("depth", &[POINTS, CHOICE, KEYS]),
-    shader!("depth32", &[POINTS, CHOICE]),
-    shader!("ids", &[POINTS, CHOICE]),
-    shader!("color", &[POINTS, CHOICE, SUMS, COLORS]),
-    shader!("color32", &[POINTS, CHOICE, SUMS, COLORS]),
-    shader!("shade", &[TILES, SURFACE]),
+    shader!("depth", &[POINTS, CHOICE, LOOP, KEYS]),
+    shader!("depth32", &[POINTS, CHOICE, LOOP]),
+    shader!("ids", &[POINTS, CHOICE, LOOP]),
+    shader!("color", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
+    shader!("color32", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
+    shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
     shader!("blend", &[TILES, SURFACE]),
     shader!("dilate", &[TILES, DILATION]),
     shader!("resolve", &[SRGB]),
     shader!("overlay", &[DILATION, SRGB, OVERLAY]),
     shader!("boxes", &[DILATION, SRGB, OVERLAY]),
-    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, KEYS]),
-    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, KEYS]),
-    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, KEYS]),
-    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, KEYS, SUBGROUP]),
-    shader!("reduce-emulated", "methods/reduce", &[POINTS, CHOICE, KEYS, SUBGROUP_EMULATED]),
-    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, KEYS, SUBGROUP]),
-    shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, KEYS, SUBGROUP_EMULATED]),
-    shader!("count", "methods/count", &[POINTS, CHOICE, KEYS]),
-    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, KEYS, COLORS, FIXED40]),
+    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, LOOP, KEYS]),
+    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, LOOP, KEYS]),
+    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, LOOP, KEYS]),
+    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP]),
+    shader!("reduce-emulated", "methods/reduce", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP_EMULATED]),
+    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP]),
+    shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP_EMULATED]),
+    shader!("count", "methods/count", &[POINTS, CHOICE, LOOP, KEYS]),
+    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, LOOP, KEYS, COLORS, FIXED40]),
     shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
-    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, SUMS, COLORS]),
+    shader!("point-list", "methods/point_list", &[POINTS, CHOICE]),
+    shader!("shade-points", "methods/shade_points", &[TILES, SURFACE, CHUNK_COLORS]),
+    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

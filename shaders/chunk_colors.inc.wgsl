@@ -1,0 +1,21 @@
+// Ids to colors, one eye, one chunk of the pool a dispatch. [2022 §3.3]
+
+@group(0) @binding(4) var<storage, read> colors: array<u32>;
+@group(0) @binding(5) var<storage, read> filtered_colors: array<u32>;
+@group(0) @binding(6) var<uniform> chunk: ChunkUniform;
+
+// A pixel with the point `id` at depth `w`, in bits; EMPTY_DEPTH where there is none.
+fn show(pixel: u32, w: u32, id: u32) {
+    if w == EMPTY_DEPTH {
+        surface[pixel] = vec2<u32>(EMPTY_DEPTH, 0u);
+        return;
+    }
+    let point = (id >> 1u) - chunk.first_index;
+    if point < chunk.num_points {
+        if (id & 1u) != 0u {
+            surface[pixel] = vec2<u32>(w, filtered_colors[point]);
+        } else {
+            surface[pixel] = vec2<u32>(w, colors[point]);
+        }
+    }
+}

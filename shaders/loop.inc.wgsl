@@ -1,0 +1,89 @@
+// The loop of the geometry stages: a workgroup a visible batch, each point read once and put into both eyes' pixels.
+//
+// A stage adds its targets from binding 5 on, and what it does with a point in a pixel of an eye, 0 or 1:
+//   fn put(eye: u32, pixel: u32, w: f32, id: u32)
+// Where the stage is CONVERGED, all threads of a workgroup come to `put` together, those without a point too: their
+// pixel is NO_PIXEL.
+
+// Where this thread is; for those who ask in `put`.
+var<private> this_group: u32;
+var<private> this_thread: u32;
+
+// A point that is `diameter` world units wide, as a disc of pixels round its own.
+fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32) {
+    if pixel == NO_PIXEL {
+        return;
+    }
+    let diameter_px = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
+    let radius = i32(ceil(clamp(0.5 * (diameter_px - view.fill_reach_px), 0.0, f32(MAX_FILL_RADIUS))));
+    if radius == 0 {
+        put(eye, pixel, w, id);
+        return;
+    }
+    let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
+    let center = vec2<i32>(i32(pixel) % size.x, i32(pixel) / size.x);
+    let first = max(center - radius, vec2<i32>(0));
+    let last = min(center + radius, size - 1);
+    for (var y = first.y; y <= last.y; y += 1) {
+        for (var x = first.x; x <= last.x; x += 1) {
+            let d = vec2<i32>(x, y) - center;
+            if d.x * d.x + d.y * d.y <= radius * (radius + 1) {
+                put(eye, u32(y * size.x + x), w, id);
+            }
+        }
+    }
+}
+
+fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
+    if CONVERGED || pixel != NO_PIXEL {
+        put(eye, pixel, w, id);
+    }
+}
+
+fn draw(eye: u32, p: Projected, id: vec4<u32>, diameter: vec4<f32>, is_wide: bool) {
+    if FILL && is_wide {
+        for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
+            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i]);
+        }
+        return;
+    }
+    put_seen(eye, p.pixel.x, p.w.x, id.x);
+    if !BASIC {
+        put_seen(eye, p.pixel.y, p.w.y, id.y);
+        put_seen(eye, p.pixel.z, p.w.z, id.z);
+        put_seen(eye, p.pixel.w, p.w.w, id.w);
+    }
+}
+
+fn draw_eye(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
+    let chosen = points.exists & is_chosen(eye, batch.flags, points.load, points.number, points.x, points.y, points.z);
+    let p = project(eye, points.x, points.y, points.z, chosen);
+    draw(eye, p, points.id, diameter, (batch.flags & VISIBLE_FILL) != 0u);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    this_group = group.x;
+    this_thread = thread;
+    let batch = visible[group.x];
+    let num_turns = (batch.num_points + POINTS_PER_TURN - 1u) / POINTS_PER_TURN;
+
+    for (var first = 0u; first < num_turns; first += WORKGROUP_SIZE) {
+        let turn = first + thread;
+        if !CONVERGED && turn >= num_turns {
+            break;
+        }
+        let points = points_of(batch, turn);
+        var diameter = vec4<f32>(0.0);
+        if FILL && (batch.flags & VISIBLE_FILL) != 0u {
+            let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
+            diameter = diameters(points.load, turn, points.octant, edge, batch.spacing);
+        }
+        if sees(0u, batch) {
+            draw_eye(0u, batch, points, diameter);
+        }
+        if NUM_EYES == 2u && sees(1u, batch) {
+            draw_eye(1u, batch, points, diameter);
+        }
+    }
+}
