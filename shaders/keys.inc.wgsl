@@ -5,18 +5,20 @@
 @group(0) @binding(6) var<storage, read_write> keys_left: array<atomic<u64>>;
 @group(0) @binding(7) var<storage, read_write> keys_right: array<atomic<u64>>;
 
-fn key_of(w: f32, id: u32) -> u64 {
+alias Key = u64;
+
+fn key_of(w: f32, id: u32) -> Key {
     return (u64(bitcast<u32>(w)) << 32u) | u64(2u * chunk.first_index + id);
 }
 
-fn key_in(eye: u32, pixel: u32) -> u64 {
+fn key_in(eye: u32, pixel: u32) -> Key {
     if eye == 0u {
         return atomicLoad(&keys_left[pixel]);
     }
     return atomicLoad(&keys_right[pixel]);
 }
 
-fn min_key(eye: u32, pixel: u32, key: u64) {
+fn min_key(eye: u32, pixel: u32, key: Key) {
     if eye == 0u {
         atomicMin(&keys_left[pixel], key);
     } else {

@@ -127,9 +127,20 @@ impl Method {
         matches!(self, Self::Reduce | Self::ReduceEarlyZ | Self::Dedup)
     }
 
-    /// True if it runs in every tier; the others need 64-bit atomics of all kinds.
+    /// True if it needs 64-bit atomics of all kinds. The others take minima, which all tiers can, of depths alone if need
+    /// be; hardware points take none.
     #[must_use]
-    pub fn is_of_every_tier(self) -> bool {
-        matches!(self, Self::PointList | Self::Prefetch | Self::Basic)
+    pub fn needs_int64(self) -> bool {
+        match self {
+            Self::JustSet
+            | Self::BusyLoop
+            | Self::Hqs
+            | Self::Hqs1
+            | Self::Hqs1r
+            | Self::Fixed40
+            | Self::Count => true,
+            Self::PointList | Self::Prefetch | Self::Basic | Self::AtomicMin | Self::EarlyZ => false,
+            Self::Reduce | Self::ReduceEarlyZ | Self::Dedup => false,
+        }
     }
 }

@@ -97,9 +97,9 @@ fn methods_draw_octrees_too() {
     }
 }
 
-/// Hardware points need no atomics; several chunks and a part of the image change nothing.
+/// Most methods are of every tier; several chunks and a part of the image change nothing.
 #[test]
-fn hardware_points_are_of_every_tier() {
+fn methods_of_every_tier_draw_the_same_in_each() {
     let octree =
         build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ())
             .unwrap();
@@ -111,9 +111,11 @@ fn hardware_points_are_of_every_tier() {
         canvas.draw(&view)
     };
     let reference = draw(Method::Prefetch, gpu().atomics(), 0);
-    for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
-        if atomics <= gpu().atomics() {
-            assert!(same(&draw(Method::PointList, atomics, 40_000), &reference), "{}", atomics.name());
+    let tiers = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
+    for atomics in tiers.into_iter().filter(|&atomics| atomics <= gpu().atomics()) {
+        for method in methods(Quality::Closest).filter(|method| !method.needs_int64()) {
+            let drawn = draw(method, atomics, 40_000);
+            assert!(same(&drawn, &reference), "{} {}", method.name(), atomics.name());
         }
     }
     let other = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.6), [61, 48]);

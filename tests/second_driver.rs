@@ -120,6 +120,38 @@ fn both_drivers_draw_the_same_picture() {
     assert!(num_different(&pictures[1], &pictures[2]) > 1000);
 }
 
+/// What `doctor` finds out about a driver.
+fn has_subgroups(driver: &Path) -> bool {
+    let mut doctor = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    doctor.args(["doctor", "--json"]).env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
+    let checks = doctor.stdin(Stdio::null()).output().expect("scanwalk starts").stdout;
+    let checks: serde_json::Value = serde_json::from_slice(&checks).expect("JSON");
+    let of = |name: &str| {
+        checks.as_array().and_then(|all| all.iter().find(|check| check["check"] == name).cloned())
+    };
+    of("gpu subgroups").is_some_and(|check| check["found"] == "yes")
+}
+
+/// This driver has subgroup operations, which Mesa's software driver lacks: there their stand-ins draw.
+#[test]
+fn both_drivers_draw_the_same_picture_by_every_method() {
+    let Some(driver) = second_driver() else { return };
+    assert!(has_subgroups(&driver));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = courtyard(folder.path(), 50_000);
+    let place = &synth::viewpoints(Kind::Terrestrial)[1];
+    let methods = ["prefetch", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup", "point-list"];
+    let ways = methods.map(|method| ["--preset", "plain", "--method", method]);
+    let shots = ways.each_ref().map(|way| (place, &way[..]));
+    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    for (picture, method) in pictures.iter().zip(methods) {
+        assert_eq!(num_different(picture, &pictures[0]), 0, "{method}");
+    }
+    let (other, _) =
+        drawn(Some(&driver), &scan, (&synth::viewpoints(Kind::Terrestrial)[0], &ways[0]), folder.path());
+    assert!(num_different(&other, &pictures[0]) > 1000);
+}
+
 /// As a headset would get it: an octree's nodes by rings, points that fade in, discs and dilation that close gaps.
 #[test]
 fn both_drivers_draw_the_same_whole_frame() {

@@ -88,7 +88,10 @@ fn gpu(config: &Config) -> Vec<Check> {
             "64-bit atomics in shaders are missing: pictures are the same, frames take longer; a newer driver may have them",
         ),
     };
-    vec![kind, atomics, clock]
+    // No walk needs them.
+    let subgroups =
+        if gpu.has_subgroups() { "yes" } else { "none: reduce and dedup are drawn by a stand-in" };
+    vec![kind, atomics, Check::good("gpu subgroups", subgroups), clock]
 }
 
 /// Something that a window can open on.

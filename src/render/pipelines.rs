@@ -100,7 +100,7 @@ impl Pipelines {
             lod: stage("lod", variant),
             cull: stage("cull", variant),
             closest: Closest {
-                depth: if keys { closest(gpu, method, variant) } else { stage("depth32", variant) },
+                depth: closest(gpu, method, variant),
                 point_list: (method == Method::PointList).then(|| PointList::new(gpu, variant)),
                 ids: (!keys && method != Method::PointList).then(|| stage("ids", variant)),
                 shade: stage(

@@ -4,60 +4,61 @@ use crate::layout::{self, Variant};
 
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
+
+/// What several shaders have in common, in a variant of theirs.
+type Shared = fn(Variant) -> &'static str;
+
+macro_rules! shared {
+    ($file:literal) => {
+        |_| include_str!(concat!("../../shaders/", $file, ".inc.wgsl"))
+    };
+}
+
 /// Points, read and projected.
-const POINTS: Shared = both(include_str!("../../shaders/points.inc.wgsl"));
-/// The geometry stages' loop over them.
-const LOOP: Shared = both(include_str!("../../shaders/loop.inc.wgsl"));
-/// Which points it draws, and how large.
-const CHOICE: Shared = Shared {
-    nodes: include_str!("../../shaders/nodes.inc.wgsl"),
-    discs: concat!(
-        include_str!("../../shaders/steps.inc.wgsl"),
-        include_str!("../../shaders/discs.inc.wgsl")
-    ),
+const POINTS: Shared = shared!("points");
+/// Which points are drawn, and how large.
+const CHOICE: Shared = |variant| match variant.discs {
+    false => include_str!("../../shaders/nodes.inc.wgsl"),
+    true => {
+        concat!(include_str!("../../shaders/steps.inc.wgsl"), include_str!("../../shaders/discs.inc.wgsl"))
+    }
 };
+/// The geometry stages' loop over them.
+const LOOP: Shared = shared!("loop");
 /// The lengths of sequential point trees.
-const STEPS: Shared = both(include_str!("../../shaders/steps.inc.wgsl"));
+const STEPS: Shared = shared!("steps");
 /// The targets of `closest` quality.
-const KEYS: Shared = both(include_str!("../../shaders/keys.inc.wgsl"));
+const KEYS: Shared =
+    |variant| if variant.keys { include_str!("../../shaders/keys.inc.wgsl") } else { DEPTHS(variant) };
+/// Depths alone.
+const DEPTHS: Shared = shared!("depths");
 /// What threads of a subgroup tell each other, and the same without subgroups.
-const SUBGROUP: Shared = both(include_str!("../../shaders/subgroup.inc.wgsl"));
-const SUBGROUP_EMULATED: Shared = both(include_str!("../../shaders/subgroup_emulated.inc.wgsl"));
+const SUBGROUP: Shared = shared!("subgroup");
+const SUBGROUP_EMULATED: Shared = shared!("subgroup_emulated");
 /// Depths in 40-bit integers.
-const FIXED40: Shared = both(include_str!("../../shaders/fixed40.inc.wgsl"));
+const FIXED40: Shared = shared!("fixed40");
 /// The tiles that the steps of `resolve` work on.
-const TILES: Shared = both(include_str!("../../shaders/tiles.inc.wgsl"));
+const TILES: Shared = shared!("tiles");
 /// Which points count for a pixel's color, and their sums in four u32.
-const SUMS: Shared = both(include_str!("../../shaders/sums.inc.wgsl"));
+const SUMS: Shared = shared!("sums");
 /// The points' colors.
-const COLORS: Shared = Shared {
-    nodes: include_str!("../../shaders/node_colors.inc.wgsl"),
-    discs: include_str!("../../shaders/disc_colors.inc.wgsl"),
+const COLORS: Shared = |variant| match variant.discs {
+    false => include_str!("../../shaders/node_colors.inc.wgsl"),
+    true => include_str!("../../shaders/disc_colors.inc.wgsl"),
 };
 /// The walk over the pixels of a tile.
-const SURFACE: Shared = both(include_str!("../../shaders/surface.inc.wgsl"));
+const SURFACE: Shared = shared!("surface");
 /// Ids to colors.
-const CHUNK_COLORS: Shared = both(include_str!("../../shaders/chunk_colors.inc.wgsl"));
+const CHUNK_COLORS: Shared = shared!("chunk_colors");
 /// The rule of dilation.
-const DILATION: Shared = both(include_str!("../../shaders/dilation.inc.wgsl"));
+const DILATION: Shared = shared!("dilation");
 /// Stored colors to linear light.
-const SRGB: Shared = both(include_str!("../../shaders/srgb.inc.wgsl"));
+const SRGB: Shared = shared!("srgb");
 /// What overlays share.
-const OVERLAY: Shared = both(include_str!("../../shaders/overlay.inc.wgsl"));
-
-/// What several shaders have in common: in a frame of points, and in one of discs ([`Variant::discs`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Shared {
-    nodes: &'static str,
-    discs: &'static str,
-}
-
-const fn both(text: &'static str) -> Shared {
-    Shared { nodes: text, discs: text }
-}
+const OVERLAY: Shared = shared!("overlay");
 
 /// A shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Shader {
     /// Its name, as the file's.
     pub name: &'static str,
@@ -82,7 +83,7 @@ pub const SHADERS: [Shader; 27] = [
     shader!("lod", &[]),
     shader!("cull", &[STEPS]),
     shader!("depth", &[POINTS, CHOICE, LOOP, KEYS]),
-    shader!("depth32", &[POINTS, CHOICE, LOOP]),
+    shader!("depth32", "depth", &[POINTS, CHOICE, LOOP, DEPTHS]),
     shader!("ids", &[POINTS, CHOICE, LOOP]),
     shader!("color", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
     shader!("color32", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
@@ -114,7 +115,6 @@ pub const SHADERS: [Shader; 27] = [
 #[must_use]
 pub fn source(name: &str, variant: Variant) -> String {
     let Some(shader) = SHADERS.iter().find(|s| s.name == name) else { panic!("no shader called {name}") };
-    let form = |shared: &Shared| if variant.discs { shared.discs } else { shared.nodes };
-    let shared: String = shader.shared.iter().map(form).collect();
+    let shared: String = shader.shared.iter().map(|shared| shared(variant)).collect();
     format!("{}{LAYOUT}{shared}{}", layout::prelude(variant), shader.text)
 }

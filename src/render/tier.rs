@@ -26,9 +26,7 @@ pub enum NoSuchTier {
         method: &'static str,
     },
     /// The method.
-    #[error(
-        "frame.method: {method} needs the tier int64, and this is {tier}; prefetch and basic run in every tier"
-    )]
+    #[error("frame.method: {method} needs the tier int64, and this is {tier}; prefetch runs in every tier")]
     Method {
         /// Asked for.
         method: &'static str,
@@ -53,7 +51,7 @@ pub fn tier(gpu: &Gpu, config: &Config) -> Result<Atomics, NoSuchTier> {
         return Err(NoSuchTier::Tier { name: gpu.name(), wanted: wanted.name(), best: best.name() });
     }
     let method: Method = config.frame.method;
-    if wanted < Atomics::Int64 && !method.is_of_every_tier() {
+    if wanted < Atomics::Int64 && method.needs_int64() {
         return Err(NoSuchTier::Method { method: method.name(), tier: wanted.name() });
     }
     if method == Method::Fixed40 && !gpu.has_f64() {
