@@ -40,6 +40,10 @@ pub enum Method {
     Hqs1r,
     /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
     Fixed40,
+    /// [`Self::JustSet`] in the loop of [`Self::Prefetch`]: for tables, not for settings.
+    #[serde(skip)]
+    #[value(skip)]
+    PrefetchJustSet,
     /// [`Self::EarlyZ`], and how many points asked for their pixel: for tables, not for settings.
     #[serde(skip)]
     #[value(skip)]
@@ -73,6 +77,7 @@ impl Method {
             Self::Prefetch => "prefetch",
             Self::Basic => "basic",
             Self::JustSet => "just-set",
+            Self::PrefetchJustSet => "prefetch-just-set",
             Self::BusyLoop => "busy-loop",
             Self::AtomicMin => "atomic-min",
             Self::EarlyZ => "early-z",
@@ -111,7 +116,7 @@ impl Method {
     /// True if a thread draws one point at a time, as in the 2021 paper.
     #[must_use]
     pub fn is_basic(self) -> bool {
-        self != Self::Prefetch
+        !matches!(self, Self::Prefetch | Self::PrefetchJustSet)
     }
 
     /// True if a point is always one pixel: hardware knows no other, and threads of a subgroup that ask each other must
@@ -131,16 +136,9 @@ impl Method {
     /// be; hardware points take none.
     #[must_use]
     pub fn needs_int64(self) -> bool {
-        match self {
-            Self::JustSet
-            | Self::BusyLoop
-            | Self::Hqs
-            | Self::Hqs1
-            | Self::Hqs1r
-            | Self::Fixed40
-            | Self::Count => true,
-            Self::PointList | Self::Prefetch | Self::Basic | Self::AtomicMin | Self::EarlyZ => false,
-            Self::Reduce | Self::ReduceEarlyZ | Self::Dedup => false,
-        }
+        use Method as M;
+        let takes_minima = matches!(self, M::Prefetch | M::Basic | M::AtomicMin | M::EarlyZ)
+            || matches!(self, M::Reduce | M::ReduceEarlyZ | M::Dedup);
+        !takes_minima && self != M::PointList
     }
 }

@@ -69,6 +69,11 @@ fn the_table_of_2022_counts_what_culling_and_precision_save() {
         assert!(culled.points_drawn.abs_diff(all.points_drawn) * 5 < all.points_drawn);
         assert!(row("lod", viewpoint).points_read <= POINTS);
         assert!(row("hqs", viewpoint).gb_per_s > Some(0.0));
+        for method in ["prefetch", "prefetch-just-set", "lod-hqs"] {
+            let row = row(method, viewpoint);
+            assert!(row.geometry_ms > Some(0.0) && row.geometry_ms < Some(row.gpu_ms.median), "{method}");
+        }
+        assert_eq!(row("point-list", viewpoint).geometry_ms, None);
     }
     let rate = |method| row(method, "overview").gb_per_s.zip(Some(row(method, "overview").gpu_ms.median));
     let bytes = |method| rate(method).map(|(rate, ms)| rate * ms * 1e6).expect("a rate");

@@ -121,6 +121,7 @@ impl Bench<'_> {
             full("prefetch-full-precision", prefetch),
             unculled("prefetch-no-cull", prefetch),
             Way { name: "just-set", method: Some(Method::JustSet), ..basic },
+            flat("prefetch-just-set", Method::PrefetchJustSet),
             Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
             Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
             Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
@@ -214,7 +215,9 @@ impl Bench<'_> {
             }
             let rows_here = all.iter().map(|timed| {
                 let ms = gpu_ms(timed.samples.iter().map(|sample| sample.gpu_ms));
-                row(table, order, place.name, subject.num_points(), timed, ms)
+                let geometry = gpu_ms(timed.samples.iter().map(geometry_ms)).median;
+                let row = row(table, order, place.name, subject.num_points(), timed, ms);
+                BenchRow { geometry_ms: Some(geometry).filter(|ms| *ms > 0.0), ..row }
             });
             let mut rows_here: Vec<BenchRow> = rows_here.collect();
             let point_list_ms = rows_here[0].gpu_ms.median;
@@ -299,6 +302,12 @@ fn hardware_load(subject: &Subject, drawn: Load) -> Load {
     Load { points_read, plane_bytes: 16 * points_read, num_batches_drawn: drawn.num_batches, ..drawn }
 }
 
+/// What the stages take that read points; NaN for hardware points.
+fn geometry_ms(sample: &Sample) -> f64 {
+    let of_points = |(stage, _): &(&&str, &f64)| matches!(**stage, "depth" | "color");
+    STAGES.iter().zip(&sample.stage_ms).filter(of_points).map(|(_, ms)| ms).sum()
+}
+
 fn gpu_ms(values: impl Iterator<Item = f64>) -> GpuMs {
     let sorted = Sorted::new(values);
     let [min, median, max] = [0, 500, 1000].map(|per_mille| sorted.percentile(per_mille).unwrap_or(0.0));
@@ -319,6 +328,7 @@ fn row(table: &str, order: &str, viewpoint: &str, points: u64, timed: &Timed, gp
         nodes: Some(timed.load.num_batches),
         nodes_drawn: Some(timed.load.num_batches_drawn),
         gpu_ms,
+        geometry_ms: None,
         m_points_per_s: per_s(timed.load.points_read) / 1e6,
         gb_per_s: Some(per_s(timed.num_passes * timed.load.plane_bytes) / 1e9),
         ratio_to_point_list: None,

@@ -45,7 +45,7 @@ fn print_csv(out: &mut impl Write, results: &BenchResults) -> anyhow::Result<()>
     writeln!(
         out,
         "table,method,order,viewpoint,points,points_read,points_drawn,nodes,nodes_drawn,median_ms,min_ms,max_ms,\
-         m_points_per_s,gb_per_s,ratio_to_point_list,paper_ms,paper_device"
+         geometry_ms,m_points_per_s,gb_per_s,ratio_to_point_list,paper_ms,paper_device"
     )?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
     let count = |value: Option<u64>| value.map_or_else(String::new, |v| v.to_string());
@@ -54,6 +54,7 @@ fn print_csv(out: &mut impl Write, results: &BenchResults) -> anyhow::Result<()>
         write!(out, "{},{},{},", row.points, row.points_read, row.points_drawn)?;
         write!(out, "{},{},", count(row.nodes), count(row.nodes_drawn))?;
         write!(out, "{:.4},{:.4},{:.4},", row.gpu_ms.median, row.gpu_ms.min, row.gpu_ms.max)?;
+        write!(out, "{},", number(row.geometry_ms))?;
         write!(out, "{:.2},{},", row.m_points_per_s, number(row.gb_per_s))?;
         write!(out, "{},{},", number(row.ratio_to_point_list), number(row.paper_ms))?;
         writeln!(out, "\"{}\"", row.paper_device.as_deref().unwrap_or_default())?;

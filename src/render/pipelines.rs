@@ -127,6 +127,7 @@ fn closest(gpu: &Gpu, method: Method, variant: Variant) -> Stage {
         Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Fixed40 | Method::Count => {
             method.name()
         }
+        Method::PrefetchJustSet => "just-set",
         Method::Reduce | Method::ReduceEarlyZ if gpu.has_subgroups() => "reduce",
         Method::Reduce | Method::ReduceEarlyZ => "reduce-emulated",
         Method::Dedup if gpu.has_subgroups() => "dedup",

@@ -52,7 +52,7 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
     }
     page.add(page::figure(
         results.text_table(table).markup(),
-        "x point list: how many times as fast as point-list, the hardware's own points, with the same points, order \
+        "geometry: of the median, the stages that read points. x point list: how many times as fast as point-list, the hardware's own points, with the same points, order \
          and viewpoint on this GPU.",
     ));
 }

@@ -51,6 +51,10 @@ pub struct BenchRow {
     pub nodes_drawn: Option<u64>,
     /// GPU time of a frame.
     pub gpu_ms: GpuMs,
+    /// Median of the stages that read points: a frame without clearing, culling and resolving. `None` for what has no
+    /// stages.
+    #[serde(default)]
+    pub geometry_ms: Option<f64>,
     /// Points read a microsecond of the median frame.
     pub m_points_per_s: f64,
     /// Bytes of coordinates read, 10⁹ a second of the median frame.
@@ -152,6 +156,7 @@ impl BenchResults {
             "median ms",
             "min",
             "max",
+            "geometry",
             "M points/s",
             "GB/s",
             "x point list",
@@ -176,6 +181,7 @@ impl BenchResults {
                     median,
                     min,
                     max,
+                    ms(row.geometry_ms),
                     format!("{:.0}", row.m_points_per_s),
                     row.gb_per_s.map_or_else(|| "-".into(), |rate| format!("{rate:.1}")),
                     row.ratio_to_point_list.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}")),
@@ -192,7 +198,7 @@ impl BenchRow {
     /// Times in their order, nothing negative: what a clock can give.
     fn is_possible(&self) -> bool {
         let GpuMs { median, min, max } = self.gpu_ms;
-        let others = [self.ratio_to_point_list, self.paper_ms, Some(self.m_points_per_s)];
+        let others = [self.ratio_to_point_list, self.paper_ms, self.geometry_ms, Some(self.m_points_per_s)];
         let is_amount = |value: f64| (0.0..=1e12).contains(&value);
         is_amount(min)
             && min <= median
