@@ -9,10 +9,15 @@ use scanwalk::report::{BenchResults, BenchRow, bench_page};
 const POINTS: u64 = 20_000;
 
 fn measure(table: Table, points: u64) -> BenchResults {
+    measure_some(table, points, &[])
+}
+
+fn measure_some(table: Table, points: u64, methods: &[&str]) -> BenchResults {
     let options = BenchOptions {
         scan: None,
         tables: vec![table],
         points: vec![points],
+        methods: methods.iter().map(|&name| name.into()).collect(),
         num_runs: 1,
         size_px: Some([96, 54]),
     };
@@ -28,10 +33,10 @@ fn row<'a>(results: &'a BenchResults, method: &str, order: &str, viewpoint: &str
 fn the_table_of_2021_has_every_method_order_and_viewpoint() {
     let results = measure(Table::Paper2021, POINTS);
     assert!(results.copy_gb_per_s.is_some_and(|rate| rate > 0.0));
-    assert_eq!(results.rows.len(), 11 * 4 * 3);
+    assert_eq!(results.rows.len(), 13 * 4 * 3);
     let methods =
         ["point-list", "just-set", "busy-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup"];
-    for method in methods.into_iter().chain(["hqs", "hqs1", "hqs1r"]) {
+    for method in methods.into_iter().chain(["hqs", "hqs1", "hqs1r", "fixed40", "prefetch"]) {
         for order in ["original", "morton", "shuffled", "shuffled-morton"] {
             for viewpoint in ["overview", "close-up", "outside-frustum"] {
                 let row = row(&results, method, order, viewpoint);
@@ -43,8 +48,9 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
                     viewpoint == "outside-frustum",
                     "{method} {order} {viewpoint}"
                 );
-                // The paper has no hqs1.
-                assert_eq!(row.paper_ms.is_some(), method != "hqs1", "{method}");
+                // The paper's table lacks these.
+                let is_ours = ["hqs1", "fixed40", "prefetch"].contains(&method);
+                assert_eq!(row.paper_ms.is_none(), is_ours, "{method}");
             }
         }
     }
@@ -79,6 +85,15 @@ fn the_table_of_2022_counts_what_culling_and_precision_save() {
     let bytes = |method| rate(method).map(|(rate, ms)| rate * ms * 1e6).expect("a rate");
     let ratio = bytes("prefetch-full-precision") / bytes("prefetch");
     assert!(ratio > 1.2 && ratio < 3.01, "{ratio} times as many bytes at full precision");
+}
+
+/// Hardware points always: the others' ratios are to them.
+#[test]
+fn some_methods_of_a_table_can_be_measured_alone() {
+    let results = measure_some(Table::Paper2022, POINTS, &["lod", "prefetch"]);
+    let names: Vec<&str> = results.rows.iter().map(|row| row.method.as_str()).collect();
+    assert_eq!(names, ["point-list", "prefetch", "lod", "point-list", "prefetch", "lod"]);
+    assert!(bench::methods(&[Table::Paper2022, Table::Spt]).contains(&"spt-hqs"));
 }
 
 #[test]

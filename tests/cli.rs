@@ -117,6 +117,7 @@ fn wrong_usage_exits_2() {
         &["synth", "aerial", "-o", "a.las", "--points", "0"],
         &["bench", "--table", "2023"],
         &["bench", "--json", "--csv"],
+        &["bench", "--table", "2021", "--method", "lod"],
         &["info"],
         &["report"],
         &["report", "a.csv", "b.csv", "c.csv"],

@@ -51,10 +51,21 @@ pub struct BenchOptions {
     pub tables: Vec<Table>,
     /// Points of the made-up scans; empty: as many as the papers had, or as there is room for.
     pub points: Vec<u64>,
+    /// Rows that are wanted beside hardware points, by their methods' names; empty: all.
+    pub methods: Vec<String>,
     /// Frames that count, of each row.
     pub num_runs: usize,
     /// Width and height of every picture; `None`: the papers'.
     pub size_px: Option<[u32; 2]>,
+}
+
+/// What [`BenchOptions::methods`] may name in these tables: their rows, each once.
+#[must_use]
+pub fn methods(tables: &[Table]) -> Vec<&'static str> {
+    let mut names: Vec<&str> = tables.iter().flat_map(|&table| tables::names(table)).collect();
+    let mut seen = std::collections::HashSet::new();
+    names.retain(|name| seen.insert(*name));
+    names
 }
 
 /// Measures.
@@ -81,6 +92,7 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
         chunk_limit: u64::from(config.gpu.chunk_mib) << 20,
         num_runs: options.num_runs,
         size_px: options.size_px,
+        methods: &options.methods,
         stop,
     };
     let mut results = BenchResults {

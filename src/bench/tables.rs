@@ -1,9 +1,9 @@
 //! The papers' tables: who takes part, from where, and what of it becomes a row.
 
 use super::contestant::{Compute, Hardware, Load, Sample};
-use super::papers;
 use super::subject::{Place, Subject};
 use super::way::{Form, Way};
+use super::{Table, papers};
 use crate::cloud::Order;
 use crate::config::{Config, Precision, Quality};
 use crate::gpu::Gpu;
@@ -35,8 +35,8 @@ const ORDERS: [(Order, &str); 4] = [
     (Order::Shuffled, "shuffled"),
     (Order::ShuffledMorton, "shuffled-morton"),
 ];
-/// Methods of the 2021 paper.
-const METHODS_2021: [Method; 10] = [
+/// Methods of the 2021 paper, that of the poster of 2019, and the frame's own.
+const METHODS_2021: [Method; 12] = [
     Method::JustSet,
     Method::BusyLoop,
     Method::AtomicMin,
@@ -47,6 +47,8 @@ const METHODS_2021: [Method; 10] = [
     Method::Hqs,
     Method::Hqs1,
     Method::Hqs1r,
+    Method::Fixed40,
+    Method::Prefetch,
 ];
 
 /// What all tables need.
@@ -58,6 +60,8 @@ pub struct Bench<'a> {
     pub num_runs: usize,
     /// Of every picture; `None`: the papers'.
     pub size_px: Option<[u32; 2]>,
+    /// Only these, beside hardware points; empty: all.
+    pub methods: &'a [String],
     pub stop: &'a Stop,
 }
 
@@ -88,10 +92,61 @@ struct Timed {
     num_passes: u64,
 }
 
+/// Those of [`Bench::table_2021`].
+fn ways_2021() -> Vec<Way> {
+    METHODS_2021.into_iter().map(Way::paper_2021).collect()
+}
+
+/// Those of [`Bench::table_2022`].
+fn ways_2022() -> Vec<Way> {
+    let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, Form::Flat);
+    let (basic, prefetch) = (flat("basic", Method::Basic), flat("prefetch", Method::Prefetch));
+    let full = |name, way| Way { name, precision: Precision::Full, ..way };
+    let unculled = |name, way| Way { name, cull: false, ..way };
+    vec![
+        basic,
+        full("basic-full-precision", basic),
+        unculled("basic-no-cull", basic),
+        prefetch,
+        full("prefetch-full-precision", prefetch),
+        unculled("prefetch-no-cull", prefetch),
+        Way { name: "just-set", method: Some(Method::JustSet), ..basic },
+        flat("prefetch-just-set", Method::PrefetchJustSet),
+        Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
+        Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
+        Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
+    ]
+}
+
+/// Those of [`Bench::table_spt`].
+fn ways_spt() -> Vec<Way> {
+    let way = |name, quality, form| Way::paper_2022(name, Method::Prefetch, quality, form);
+    vec![
+        way("prefetch", Quality::Closest, Form::Flat),
+        way("lod", Quality::Closest, Form::Octree),
+        way("spt", Quality::Closest, Form::Spt),
+        way("hqs", Quality::Hqs, Form::Flat),
+        way("lod-hqs", Quality::Hqs, Form::Octree),
+        way("spt-hqs", Quality::Hqs, Form::Spt),
+    ]
+}
+
+/// Names that rows of a table have, beside hardware points; none for one whose rows are no methods.
+pub fn names(table: Table) -> Vec<&'static str> {
+    let ways = match table {
+        Table::Paper2021 => ways_2021(),
+        Table::Paper2022 => ways_2022(),
+        Table::Spt => ways_spt(),
+        Table::Vr => vec![],
+    };
+    ways.into_iter().map(|way| way.name).collect()
+}
+
 impl Bench<'_> {
     /// Methods × orders × viewpoints [2021, tables 4 and 5].
     pub fn table_2021(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let ways: Vec<Way> = METHODS_2021.into_iter().map(Way::paper_2021).collect();
+        let mut ways = ways_2021();
+        ways.retain(|way| way.method != Some(Method::Fixed40) || self.gpu.has_f64());
         let mut rows = Vec::new();
         for (order, name) in ORDERS {
             let cloud = subject.flat(order, self.stop)?;
@@ -109,23 +164,7 @@ impl Bench<'_> {
 
     /// Flat clouds and octrees, with and without what makes them fast [2022, tables 1 and 2].
     pub fn table_2022(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, Form::Flat);
-        let (basic, prefetch) = (flat("basic", Method::Basic), flat("prefetch", Method::Prefetch));
-        let full = |name, way| Way { name, precision: Precision::Full, ..way };
-        let unculled = |name, way| Way { name, cull: false, ..way };
-        let ways = [
-            basic,
-            full("basic-full-precision", basic),
-            unculled("basic-no-cull", basic),
-            prefetch,
-            full("prefetch-full-precision", prefetch),
-            unculled("prefetch-no-cull", prefetch),
-            Way { name: "just-set", method: Some(Method::JustSet), ..basic },
-            flat("prefetch-just-set", Method::PrefetchJustSet),
-            Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
-            Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
-            Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
-        ];
+        let ways = ways_2022();
         let cloud = subject.flat(Order::Morton, self.stop)?;
         let size_px = self.size_px.unwrap_or(SIZE_2022_PX);
         let mut hardware = Hardware::new(self.gpu, &cloud, size_px)?;
@@ -144,15 +183,7 @@ impl Bench<'_> {
 
     /// Sequential point trees beside octrees and every point [SPT §6].
     pub fn table_spt(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let way = |name, quality, form| Way::paper_2022(name, Method::Prefetch, quality, form);
-        let ways = [
-            way("prefetch", Quality::Closest, Form::Flat),
-            way("lod", Quality::Closest, Form::Octree),
-            way("spt", Quality::Closest, Form::Spt),
-            way("hqs", Quality::Hqs, Form::Flat),
-            way("lod-hqs", Quality::Hqs, Form::Octree),
-            way("spt-hqs", Quality::Hqs, Form::Spt),
-        ];
+        let ways = ways_spt();
         let size_px = self.size_px.unwrap_or(SIZE_2022_PX);
         let silent = Progress::silent(self.stop);
         let cloud = subject.flat(Order::Morton, self.stop)?;
@@ -187,8 +218,11 @@ impl Bench<'_> {
     ) -> Result<Vec<BenchRow>> {
         let mut rows = Vec::new();
         let size_px = views[0].1.eyes[0].size_px;
+        let is_wanted =
+            |way: &&Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
+        let ways: Vec<&Way> = ways.iter().filter(is_wanted).collect();
         let mut contestants = Vec::new();
-        for way in ways {
+        for &way in &ways {
             contestants.push((way, Compute::new(self.gpu, &[size_px], way)?));
         }
         for (place, view) in views {
@@ -198,7 +232,7 @@ impl Bench<'_> {
                 samples: Vec::new(),
                 num_passes: 1,
             }];
-            for way in ways {
+            for way in &ways {
                 let num_passes = if way.quality == Quality::Hqs { 2 } else { 1 };
                 let load = self.load(way, clouds, view)?;
                 all.push(Timed { name: way.name.into(), load, samples: Vec::new(), num_passes });

@@ -62,6 +62,9 @@ pub struct BenchArgs {
     /// software driver 1]
     #[arg(long, value_name = "M,M,…", value_delimiter = ',', conflicts_with = "scan", value_parser = parse::millions)]
     pub points: Vec<f64>,
+    /// Only these rows, beside hardware points: methods as the tables name them [default: all]
+    #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',')]
+    pub method: Vec<String>,
     /// Measured frames of each row
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub runs: usize,

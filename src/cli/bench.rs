@@ -1,5 +1,6 @@
 //! `scanwalk bench`: the papers' tables on this machine, as text, CSV or JSON on stdout, and as a page.
 
+use super::exit::Usage;
 use super::{BenchArgs, BenchTable};
 use crate::bench::{self, BenchOptions, Table};
 use crate::config::Config;
@@ -17,10 +18,16 @@ pub(super) fn run(args: &BenchArgs, config: &Config, stop: &Stop) -> anyhow::Res
         Some(BenchTable::Vr) => vec![Table::Vr],
         Some(BenchTable::Spt) => vec![Table::Spt],
     };
+    let known = bench::methods(&tables);
+    if let Some(unknown) = args.method.iter().find(|name| !known.contains(&name.as_str())) {
+        let known = known.join(", ");
+        return Err(Usage(format!("--method {unknown}: not in these tables, which have: {known}")).into());
+    }
     let options = BenchOptions {
         scan: args.scan.clone(),
         tables,
         points: args.points.iter().map(|millions| (1e6 * millions).round() as u64).collect(),
+        methods: args.method.clone(),
         num_runs: args.runs,
         size_px: args.size,
     };
