@@ -134,7 +134,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 planes = max(planes, planes_needed(longest * pixels_per_radian, distance_sq));
             }
             let diameter_px = diameter * pixels_per_radian;
-            if diameter_px * diameter_px > view.fill_reach_px * view.fill_reach_px * distance_sq {
+            if diameter_px * diameter_px > view.fill_reach_px.x * view.fill_reach_px.x * distance_sq {
                 flags |= VISIBLE_FILL;
             }
         }

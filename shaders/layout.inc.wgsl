@@ -49,9 +49,8 @@ struct ViewUniform {
     flags: u32,
     ring_cos: vec2<f32>,
     ring_sin: vec2<f32>,
-    fill_reach_px: f32,
+    fill_reach_px: vec3<f32>,
     step_base: u32,
-    reserved: vec2<u32>,
     eyes: array<EyeUniform, 2>,
 }
 

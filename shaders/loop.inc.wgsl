@@ -9,13 +9,28 @@
 var<private> this_group: u32;
 var<private> this_thread: u32;
 
+// Pixels that points may be wide without being drawn larger than one, by the ring in which the eye sees them: what
+// dilation closes there in any case. The terms are added in the twin's order.
+fn reach_px(eye: u32, points: Turn) -> vec4<f32> {
+    let gaze = view.eyes[eye].gaze_in_head;
+    let x = points.x - view.eyes[eye].eye_in_head.x;
+    let y = points.y - view.eyes[eye].eye_in_head.y;
+    let z = points.z - view.eyes[eye].eye_in_head.z;
+    let along = x * gaze.x + y * gaze.y + z * gaze.z;
+    let along_sq = along * abs(along);
+    let distance_sq = x * x + y * y + z * z;
+    let cos_sq = view.ring_cos * abs(view.ring_cos);
+    let outer = select(vec4<f32>(view.fill_reach_px.z), vec4<f32>(view.fill_reach_px.y), along_sq >= cos_sq.y * distance_sq);
+    return select(outer, vec4<f32>(view.fill_reach_px.x), along_sq >= cos_sq.x * distance_sq);
+}
+
 // A point that is `diameter` world units wide, as a disc of pixels round its own.
-fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32) {
+fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32, reach_px: f32) {
     if pixel == NO_PIXEL {
         return;
     }
     let diameter_px = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
-    let radius = i32(ceil(clamp(0.5 * (diameter_px - view.fill_reach_px), 0.0, f32(MAX_FILL_RADIUS))));
+    let radius = i32(ceil(clamp(0.5 * (diameter_px - reach_px), 0.0, f32(MAX_FILL_RADIUS))));
     if radius == 0 {
         put(eye, pixel, w, id);
         return;
@@ -40,10 +55,14 @@ fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
     }
 }
 
-fn draw(eye: u32, p: Projected, id: vec4<u32>, diameter: vec4<f32>, is_wide: bool) {
-    if FILL && is_wide {
+fn draw(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
+    let chosen = points.exists & is_chosen(eye, batch.flags, points.load, points.number, points.x, points.y, points.z);
+    let p = project(eye, points.x, points.y, points.z, chosen);
+    let id = points.id;
+    if FILL && (batch.flags & VISIBLE_FILL) != 0u {
+        let reach = reach_px(eye, points);
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
-            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i]);
+            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i], reach[i]);
         }
         return;
     }
@@ -53,12 +72,6 @@ fn draw(eye: u32, p: Projected, id: vec4<u32>, diameter: vec4<f32>, is_wide: boo
         put_seen(eye, p.pixel.z, p.w.z, id.z);
         put_seen(eye, p.pixel.w, p.w.w, id.w);
     }
-}
-
-fn draw_eye(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
-    let chosen = points.exists & is_chosen(eye, batch.flags, points.load, points.number, points.x, points.y, points.z);
-    let p = project(eye, points.x, points.y, points.z, chosen);
-    draw(eye, p, points.id, diameter, (batch.flags & VISIBLE_FILL) != 0u);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -80,10 +93,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             diameter = diameters(points.load, turn, points.octant, edge, batch.spacing);
         }
         if sees(0u, batch) {
-            draw_eye(0u, batch, points, diameter);
+            draw(0u, batch, points, diameter);
         }
         if NUM_EYES == 2u && sees(1u, batch) {
-            draw_eye(1u, batch, points, diameter);
+            draw(1u, batch, points, diameter);
         }
     }
 }

@@ -70,7 +70,7 @@ fn fuzzy_blending_is_high_quality_shading() {
     let spt = courtyard();
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view: View = stereo(place.eye, place.target, SIZE_PX);
-    let detail = Detail { error_px: Some(1.0), fill_reach_px: Some(1.0), ..Detail::default() };
+    let detail = Detail { error_px: Some(1.0), fill_reach_px: Some([1.0; 3]), ..Detail::default() };
     let look = Look { quality: Quality::Hqs, detail, ..Look::default() };
     let frame = Canvas::sequential(&spt, &view, look, gpu().atomics(), 0).draw(&view);
 

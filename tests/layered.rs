@@ -68,7 +68,7 @@ fn layered_frames_equal_their_twin_in_every_tier() {
         ("plain", plain),
         ("fade", Detail { fade: true, ..plain }),
         ("smooth, fine", Detail { smooth: true, threshold_px: [50.0, 80.0, 120.0], ..plain }),
-        ("fill", Detail { fade: true, fill_reach_px: Some(1.0), ..plain }),
+        ("fill", Detail { fade: true, fill_reach_px: Some([1.0; 3]), ..plain }),
     ];
     for (name, detail) in details {
         for (quality, dilate) in
@@ -298,7 +298,7 @@ proptest! {
         let octree = octree_of(&scan);
         let center = octree.cloud.bounds.center();
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
-        let look = hqs(Detail { fade, fill_reach_px: Some(3.0), ..Detail::default() });
+        let look = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
         let drawn = Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view);
         let want = twin::frame(&Scene::layered(&octree), &view, &look, None);
         prop_assert!(drawn.pixels == want.pixels);
@@ -337,7 +337,7 @@ fn close_up_the_surface_is_closed_and_keeps_its_edge() {
     view.eyes.truncate(1);
     let eye = Eye { fov: Fov::symmetric(std::f64::consts::FRAC_PI_2, 1.0), ..view.eyes[0] };
     view.eyes[0] = Eye { world_from_view: Pose::look_at(center - DVec3::Y, center, DVec3::Z), ..eye };
-    let drawn = |fill_reach_px: Option<f32>| {
+    let drawn = |fill_reach_px: Option<[f32; 3]>| {
         let detail = Detail { fill_reach_px, ..Detail::default() };
         let look = Look { dilate: Dilate::Rings, ..hqs(detail) };
         Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
@@ -349,7 +349,7 @@ fn close_up_the_surface_is_closed_and_keeps_its_edge() {
             pixels.fold((0, 0), |(all, empty), (_, p)| (all + 1, empty + u32::from(p[0] == u32::MAX)));
         f64::from(empty) / f64::from(all)
     };
-    let (filled, bare) = (drawn(Some(2.0)), drawn(None));
+    let (filled, bare) = (drawn(Some([2.5, 4.0, 5.5])), drawn(None));
     assert!(
         empty(&bare, 20..470) > 0.3,
         "without filling the wall is full of holes: {}",

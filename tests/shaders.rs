@@ -101,7 +101,7 @@ fn host_structs() -> Vec<HostStruct> {
         host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
             gaze_in_view, reserved, tangent_origin, tangent_per_px, size_px, width, height),
         host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
-            fill_reach_px, step_base, reserved, eyes),
+            fill_reach_px, step_base, eyes),
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),

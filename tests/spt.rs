@@ -44,7 +44,7 @@ fn inside(size_px: [u32; 2]) -> View {
 
 /// Discs that may be wrong by so many pixels.
 fn discs(error_px: f32) -> Detail {
-    Detail { error_px: Some(error_px), fill_reach_px: Some(1.0), ..Detail::default() }
+    Detail { error_px: Some(error_px), fill_reach_px: Some([1.0; 3]), ..Detail::default() }
 }
 
 fn hqs(detail: Detail) -> Look {
@@ -269,9 +269,10 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
     for (number, place) in synth::viewpoints(Kind::Photogrammetry).iter().enumerate() {
         let view = stereo(place.eye, place.target, [400, 400]);
         let look = |detail: Detail| Look { dilate: Dilate::Rings, ..hqs(detail) };
-        let fine = Detail { threshold_px: [50.0; 3], fill_reach_px: Some(2.0), ..Detail::default() };
+        let fine =
+            Detail { threshold_px: [50.0; 3], fill_reach_px: Some([2.5, 4.0, 5.5]), ..Detail::default() };
         let want = twin::frame(&Scene::layered(&octree), &view, &look(fine), None);
-        let detail = Detail { fill_reach_px: Some(2.0), ..discs(1.0) };
+        let detail = Detail { fill_reach_px: Some([2.5, 4.0, 5.5]), ..discs(1.0) };
         let got = twin::frame(&scene, &view, &look(detail), None);
         let psnr = psnr_db(&got, &want);
         println!(

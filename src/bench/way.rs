@@ -65,7 +65,7 @@ impl Way {
         // Discs are as wide as they are; that nothing is filled between them leaves them no less wide.
         let discs = Detail {
             error_px: Some(LodConfig::default().error_px as f32),
-            fill_reach_px: Some(1.0),
+            fill_reach_px: Some([1.0; 3]),
             ..plain
         };
         Look {

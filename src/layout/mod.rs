@@ -304,8 +304,9 @@ pub struct Detail {
     pub smooth: bool,
     /// Points of a node appear one by one.
     pub fade: bool,
-    /// Pixels between points that need no filling; `None`: points are one pixel large always.
-    pub fill_reach_px: Option<f32>,
+    /// Points narrower than this, in pixels of the inner, middle and outer ring, are drawn as one pixel; `None`: all are,
+    /// always.
+    pub fill_reach_px: Option<[f32; 3]>,
     /// Pixels that a disc of a sequential point tree may be wrong by, ε of [SPT §3.5]; `None`: there is none to draw.
     pub error_px: Option<f32>,
     /// Batches that neither eye sees are drawn too, so that all points are read.
@@ -348,12 +349,10 @@ pub struct ViewUniform {
     pub ring_cos: [f32; 2],
     /// Their sines.
     pub ring_sin: [f32; 2],
-    /// Pixels between points that need no filling.
-    pub fill_reach_px: f32,
+    /// Points narrower than this, in pixels of the inner, middle and outer ring, are drawn as one pixel.
+    pub fill_reach_px: [f32; 3],
     /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale::base`].
     pub step_base: u32,
-    /// Always 0.
-    pub reserved: [u32; 2],
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
 }
@@ -384,9 +383,8 @@ impl ViewUniform {
                 | if detail.keep_unseen { KEEP_UNSEEN } else { 0 },
             ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
-            fill_reach_px: detail.fill_reach_px.unwrap_or(f32::MAX),
+            fill_reach_px: detail.fill_reach_px.unwrap_or([f32::MAX; 3]),
             step_base: 0,
-            reserved: [0; 2],
             eyes: [eye(0), eye(1)],
         }
     }

@@ -63,7 +63,7 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
                 planes = planes.max(planes_needed(longest * eye.pixels_per_radian, distance_sq));
             }
             let diameter_px = diameter * eye.pixels_per_radian;
-            if diameter_px * diameter_px > view.fill_reach_px * view.fill_reach_px * distance_sq {
+            if diameter_px * diameter_px > view.fill_reach_px[0] * view.fill_reach_px[0] * distance_sq {
                 flags |= VISIBLE_FILL;
             }
         }

@@ -61,8 +61,8 @@ pub fn points(
                 let Some((pixel, w)) = project(uniform, view.near, p_in_head) else { continue };
                 if fill && batch.flags & VISIBLE_FILL != 0 {
                     let diameter_px = diameter * uniform.pixels_per_radian * (1.0 / w);
-                    let radius =
-                        (0.5 * (diameter_px - view.fill_reach_px)).clamp(0.0, MAX_FILL_RADIUS as f32);
+                    let radius = (0.5 * (diameter_px - reach_px(view, uniform, p_in_head)))
+                        .clamp(0.0, MAX_FILL_RADIUS as f32);
                     pixels_round(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
                         put(Put { eye, pixel, w, id });
                     });
@@ -71,6 +71,20 @@ pub fn points(
                 }
             }
         }
+    }
+}
+
+/// Pixels that a point may be wide without being drawn larger than one: by its ring.
+fn reach_px(view: &ViewUniform, eye: &EyeUniform, p_in_head: [f32; 3]) -> f32 {
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let from_eye: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
+    let along = dot(from_eye, eye.gaze_in_head);
+    let [inner, middle, outer] = view.fill_reach_px;
+    let inside = |cos: f32| along * along.abs() >= cos * cos.abs() * dot(from_eye, from_eye);
+    match view.ring_cos.map(inside) {
+        [true, _] => inner,
+        [false, true] => middle,
+        [false, false] => outer,
     }
 }
 
