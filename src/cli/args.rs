@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Say what is in the files.
 #[derive(Clone, Debug, Args)]
 pub struct InfoArgs {
-    /// LAS or LAZ files; several are one scan
+    /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
     /// For programs: one JSON object
@@ -19,7 +19,7 @@ pub struct InfoArgs {
 /// Write scans as a level-of-detail octree.
 #[derive(Clone, Debug, Args)]
 pub struct ConvertArgs {
-    /// LAS or LAZ files; several are one scan
+    /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
     /// OUT.copc.laz, or a folder for Potree 2
@@ -52,7 +52,7 @@ pub struct SynthArgs {
 /// Measure this machine.
 #[derive(Clone, Debug, Args)]
 pub struct BenchArgs {
-    /// A LAS or LAZ file to measure with [default: made-up ones]
+    /// A LAS, LAZ or PLY file to measure with [default: made-up ones]
     #[arg(value_name = "SCAN")]
     pub scan: Option<PathBuf>,
     /// Which paper's table [default: all]
