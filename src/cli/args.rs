@@ -32,14 +32,15 @@ pub struct ConvertArgs {
 #[command(after_help = "Examples:
   scanwalk synth terrestrial -o yard.laz
   scanwalk synth aerial -o land.las --points 50000000 --seed 7
+  scanwalk synth photogrammetry -o statue.ply          a mesh: triangles between about that many points
 
 The same kind, points and seed give the same bytes on every machine.")]
 pub struct SynthArgs {
     /// What to make, each in the point order that such a device writes
     #[arg(value_name = "KIND")]
     pub kind: synth::Kind,
-    /// The file to write
-    #[arg(short, long, value_name = "OUT.las|OUT.laz")]
+    /// The file to write; .ply, a mesh with normals, for photogrammetry only
+    #[arg(short, long, value_name = "OUT.las|OUT.laz|OUT.ply")]
     pub out: PathBuf,
     /// How many points
     #[arg(long, value_name = "N", default_value = "4000000", value_parser = clap::value_parser!(u64).range(1..))]
