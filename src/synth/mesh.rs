@@ -193,7 +193,7 @@ mod tests {
         let edges = edges(&mesh.triangles);
         let lowest = mesh.vertices.iter().map(|vertex| vertex.p.z).fold(f64::MAX, f64::min);
         let at_bottom = |i: u32| mesh.vertices[i as usize].p.z == lowest;
-        let alone = |[a, b]: [u32; 2]| !edges.contains_key(&[b, a]) && !(at_bottom(a) && at_bottom(b));
+        let alone = |[a, b]: [u32; 2]| !(edges.contains_key(&[b, a]) || at_bottom(a) && at_bottom(b));
         edges.iter().filter(|(edge, count)| **count != 1 || alone(**edge)).count()
     }
 
