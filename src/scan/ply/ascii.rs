@@ -10,7 +10,7 @@ use crate::scan::source::Source;
 use rayon::prelude::*;
 
 /// Text that is read before it is parsed.
-const GROUP_BYTES: u64 = 16 << 20;
+const GROUP_BYTES: u64 = 4 << 20;
 /// Lines of a task for a core.
 const BLOCK_LINES: usize = 1 << 12;
 

@@ -10,10 +10,11 @@ use crate::scan::source::Source;
 use rayon::prelude::*;
 use std::io::{self, BufReader};
 
-/// Points of a block: a task for a core.
+/// Points of a block, a task for a core: so many at most, and so many bytes.
 const BLOCK_ROWS: u64 = 1 << 14;
-/// Points that are read before they are put behind the others: enough blocks for many cores.
-const GROUP_ROWS: u64 = 64 * BLOCK_ROWS;
+const BLOCK_BYTES: u64 = 1 << 20;
+/// Blocks that are read before they are put behind the others: enough for many cores.
+const GROUP_BLOCKS: u64 = 64;
 /// Rows with lists between two looks at whether to stop.
 const ROWS_BETWEEN_LOOKS: u64 = 1 << 12;
 
@@ -35,7 +36,8 @@ pub(super) fn read(
             ((row_bytes, true), Purpose::Points(has)) => file.read_points(plan, has, at, row_bytes)?,
             ((row_bytes, true), _) => at.saturating_add(plan.count.saturating_mul(row_bytes)),
             (_, _) => file.read_lists(plan, at)?,
-        };
+        }
+        .min(source.len());
     }
     Ok(file.body)
 }
@@ -52,13 +54,15 @@ impl File<'_> {
     fn read_points(&mut self, plan: &Plan, has: Kept, at: u64, row_bytes: u64) -> Result<u64, ScanError> {
         let num_rows = plan.count.min(self.source.len().saturating_sub(at) / row_bytes);
         self.body.reserve(self.source, num_rows, has)?;
-        for first in (0..num_rows).step_by(GROUP_ROWS as usize) {
-            let end = num_rows.min(first + GROUP_ROWS);
-            let starts: Vec<u64> = (first..end).step_by(BLOCK_ROWS as usize).collect();
+        let block_rows = (BLOCK_BYTES / row_bytes).clamp(1, BLOCK_ROWS);
+        let group_rows = GROUP_BLOCKS * block_rows;
+        for first in (0..num_rows).step_by(group_rows as usize) {
+            let end = num_rows.min(first + group_rows);
+            let starts: Vec<u64> = (first..end).step_by(block_rows as usize).collect();
             let blocks: Vec<(Rows, u64, Option<io::Error>)> = starts
                 .into_par_iter()
                 .map(|start| {
-                    let wanted = BLOCK_ROWS.min(end - start);
+                    let wanted = block_rows.min(end - start);
                     let (rows, error) = self.read_block(plan, at + start * row_bytes, wanted * row_bytes);
                     self.progress.add(rows.places.len() as u64);
                     (rows, wanted, error)
@@ -72,7 +76,8 @@ impl File<'_> {
                 self.body.rows.append(rows);
                 if !whole {
                     // The file shrank since it was opened, or the disk failed: what follows has no place.
-                    self.body.fail(self.source, at, error)?;
+                    let num_read = self.body.rows.places.len() as u64;
+                    self.body.fail(self.source, at + num_read * row_bytes, error)?;
                     return Ok(u64::MAX);
                 }
             }

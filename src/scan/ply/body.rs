@@ -59,9 +59,13 @@ impl Body {
             let line = String::from_utf8_lossy(line.trim_ascii());
             format!("line {number}, {:?}", line.chars().take(40).collect::<String>())
         });
-        if let Purpose::Points(has) = plan.purpose {
-            self.num_bad_points += 1;
-            self.rows.push_point(has, &[f64::NAN; NUM_SLOTS]);
+        match plan.purpose {
+            Purpose::Points(has) => {
+                self.num_bad_points += 1;
+                self.rows.push_point(has, &[f64::NAN; NUM_SLOTS]);
+            }
+            Purpose::Faces | Purpose::Strips => self.rows.num_faces += 1,
+            Purpose::Unused => {}
         }
     }
 

@@ -129,7 +129,7 @@ impl PlyFile {
         let sentence = |what, announced: u64, read: u64| {
             format!("announces {announced} {what}, but only {read} could be read (the file has {end} bytes)")
         };
-        let faces = self.plans.iter().filter(|plan| plan.purpose == Purpose::Faces);
+        let faces = self.plans.iter().filter(|plan| matches!(plan.purpose, Purpose::Faces | Purpose::Strips));
         let num_faces_announced = faces.map(|plan| plan.count).fold(0, u64::saturating_add);
         let mut sentences = Vec::new();
         if num_points < self.num_announced {

@@ -25,7 +25,7 @@ pub(super) struct Rows {
     pub normals: Vec<[f32; 3]>,
     /// Of the numbers that points have in the file.
     pub triangles: Vec<[u32; 3]>,
-    /// Faces and strips, also those without triangles.
+    /// Rows of faces or strips, also those without triangles.
     pub num_faces: u64,
     /// Faces and strips that name points which there are not.
     pub num_bad_faces: u64,
@@ -87,12 +87,12 @@ impl Rows {
 
     /// Adds the strips of `corners`: each triangle has two corners of the one before, and the other orientation.
     pub fn push_strips(&mut self) {
+        self.num_faces += 1;
         let mut start = 0;
         for end in 0..=self.corners.len() {
             if self.corners.get(end).is_some_and(|corner| *corner >= 0.0) {
                 continue;
             }
-            self.num_faces += u64::from(end > start);
             if self.corners[start..end].iter().all(|corner| self.names_a_point(*corner)) {
                 for i in start + 2..end {
                     let flipped = (i - start) % 2;
@@ -172,7 +172,7 @@ mod tests {
         let strips = |corners: &[f64]| triangles(corners, Rows::push_strips);
         assert_eq!(strips(&[0.0, 1.0, 2.0, 3.0, 4.0]), (vec![[0, 1, 2], [2, 1, 3], [2, 3, 4]], 1, 0));
         let parted = [0.0, 1.0, 2.0, -1.0, 1.0, 2.0, 3.0, -1.0, 4.0, 5.0, 6.0, -1.0];
-        assert_eq!(strips(&parted), (vec![[0, 1, 2], [1, 2, 3]], 3, 1));
+        assert_eq!(strips(&parted), (vec![[0, 1, 2], [1, 2, 3]], 1, 1));
     }
 
     #[test]
