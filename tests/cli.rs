@@ -75,7 +75,7 @@ fn every_command_explains_its_options() {
         ("render", &render[..]),
         ("info", &["--json"]),
         ("convert", &["--out"]),
-        ("synth", &["terrestrial", "aerial", "photogrammetry", "--points", "--seed"]),
+        ("synth", &["terrestrial", "aerial", "photogrammetry", "--points", "--seed", "statue.ply"]),
         ("bench", &["2021", "2022", "vr", "spt", "--json", "--csv"]),
         ("report", &["--out", "--worst-poses", "FRAMES.csv", "RESULTS.json", "Examples:"]),
         ("doctor", &["--json"]),

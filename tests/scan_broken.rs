@@ -33,7 +33,7 @@ fn other_files_are_named_for_what_they_are() {
     assert_refused(b"", "it is empty");
     assert_refused(b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1\n", "git lfs pull");
     assert_refused(b"ASTM-E57\x01\x00\x00\x00", "E57 file; this is not supported yet");
-    assert_refused(b"ply\nformat binary_little_endian 1.0\n", "PLY file; this is not supported yet");
+    assert_refused(b"# .PCD v0.7\n", "PCD file; this is not supported yet");
     assert_refused(b"1.0 2.0 3.0\n", "it is text");
     assert_refused(&[0x8f, 1, 2, 3, 0, 0], "8f 01 02 03");
 }

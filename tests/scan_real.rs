@@ -163,7 +163,6 @@ fn unreadable_files_say_why() {
         ("malformed/las/lfs-pointer.laz", "git lfs pull"),
         ("malformed/las/ept-invalid-tile-2-2-2-2.laz", "header is damaged"),
         ("e57/bunnyInt21.e57", "E57 file; this is not supported yet"),
-        ("ply/Guanyin.ply", "PLY file"),
         ("pcd/milk.pcd", "PCD file"),
     ] {
         let error = read_in(&folder, name).map(|scan| scan.num_points()).unwrap_err();

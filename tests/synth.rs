@@ -227,16 +227,45 @@ fn errors_name_the_file_and_the_remedy() {
     assert!(error.to_string().contains(&missing.display().to_string()), "{error}");
     assert!(error.to_string().contains("folder"), "{error}");
 
-    let error = fails(folder.path().join("scan.ply"), 10);
+    let error = fails(folder.path().join("scan.e57"), 10);
     assert!(matches!(error, SynthError::Extension { .. }) && error.to_string().contains(".laz"), "{error}");
     assert!(matches!(fails(folder.path().join("scan"), 10), SynthError::Extension { .. }));
     assert!(matches!(fails(folder.path().join("scan.las"), 0), SynthError::NoPoints));
     assert!(matches!(fails(folder.path().join("scan.las"), 1 << 33), SynthError::TooManyPoints { .. }));
+    assert!(matches!(fails(folder.path().join("scan.ply"), 1 << 30), SynthError::TooManyPoints { .. }));
+    let options =
+        SynthOptions { kind: Kind::Aerial, out: folder.path().join("scan.ply"), points: 10, seed: 0 };
+    assert!(matches!(write(&options, &Stop::default()).unwrap_err(), SynthError::NoMesh { .. }));
 
     fs::create_dir(folder.path().join("folder.las")).unwrap();
     let error = fails(folder.path().join("folder.las"), 10);
     assert!(matches!(error, SynthError::Folder { .. }), "{error}");
     assert_eq!(num_files(folder.path()), 1);
+}
+
+#[test]
+fn the_statue_is_a_mesh_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, summary) = make(folder.path(), "statue.ply", Kind::Photogrammetry, 30_000, 1);
+    assert_eq!(summary.file_bytes, fs::metadata(&path).unwrap().len());
+    let scan = scanwalk::scan::read(std::slice::from_ref(&path), &Stop::default()).unwrap();
+    let (file, num_points) = (&scan.files[0], scan.num_points());
+    assert_eq!((num_points as u64, scan.warnings.len()), (summary.num_points, 0));
+    assert!((27_000..33_000).contains(&num_points), "{num_points}");
+    assert!((file.bounds.min - summary.bounds.min).abs().max_element() < 1e-8);
+    assert!((file.bounds.max - summary.bounds.max).abs().max_element() < 1e-8);
+    // A surface with one border: two triangles a point.
+    let per_point = file.triangles.len() as f64 / num_points as f64;
+    assert!((1.9..2.0).contains(&per_point), "{per_point}");
+    assert!(file.points.normals.iter().all(|n| (n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-4));
+    assert!(file.points.rgb.iter().any(|rgb| rgb[0] > 150));
+    let bytes = |threads: usize, seed| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let make = || make(folder.path(), "again.ply", Kind::Photogrammetry, 30_000, seed).0;
+        pool.install(|| fs::read(make()).unwrap())
+    };
+    assert!(bytes(3, 1) == fs::read(&path).unwrap(), "threads change the bytes");
+    assert!(bytes(1, 2) != fs::read(&path).unwrap(), "the seed changes nothing");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Say what is in the files.
 #[derive(Clone, Debug, Args)]
 pub struct InfoArgs {
-    /// LAS or LAZ files; several are one scan
+    /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
     /// For programs: one JSON object
@@ -19,7 +19,7 @@ pub struct InfoArgs {
 /// Write scans as a level-of-detail octree.
 #[derive(Clone, Debug, Args)]
 pub struct ConvertArgs {
-    /// LAS or LAZ files; several are one scan
+    /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
     /// OUT.copc.laz, or a folder for Potree 2
@@ -32,14 +32,15 @@ pub struct ConvertArgs {
 #[command(after_help = "Examples:
   scanwalk synth terrestrial -o yard.laz
   scanwalk synth aerial -o land.las --points 50000000 --seed 7
+  scanwalk synth photogrammetry -o statue.ply          a mesh: triangles between about that many points
 
 The same kind, points and seed give the same bytes on every machine.")]
 pub struct SynthArgs {
     /// What to make, each in the point order that such a device writes
     #[arg(value_name = "KIND")]
     pub kind: synth::Kind,
-    /// The file to write
-    #[arg(short, long, value_name = "OUT.las|OUT.laz")]
+    /// The file to write; .ply, a mesh with normals, for photogrammetry only
+    #[arg(short, long, value_name = "OUT.las|OUT.laz|OUT.ply")]
     pub out: PathBuf,
     /// How many points
     #[arg(long, value_name = "N", default_value = "4000000", value_parser = clap::value_parser!(u64).range(1..))]
@@ -52,7 +53,7 @@ pub struct SynthArgs {
 /// Measure this machine.
 #[derive(Clone, Debug, Args)]
 pub struct BenchArgs {
-    /// A LAS or LAZ file to measure with [default: made-up ones]
+    /// A LAS, LAZ or PLY file to measure with [default: made-up ones]
     #[arg(value_name = "SCAN")]
     pub scan: Option<PathBuf>,
     /// Which paper's table [default: all]

@@ -21,7 +21,9 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
         Command::Synth(args) => synth(args, stop),
         Command::Report(args) => report::run(args),
         Command::Doctor(args) => doctor::run(&config, args.json),
-        Command::Convert(_) => Err(not_there_yet("convert", "LAS and LAZ files can be viewed as they are")),
+        Command::Convert(_) => {
+            Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
+        }
         Command::Bench(args) => bench::run(args, &config, stop),
     }
 }

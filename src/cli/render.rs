@@ -15,7 +15,7 @@ const PLAIN: &str = "plain";
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RenderArgs {
-    /// LAS or LAZ files; several are one scan
+    /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
     /// The picture; with --stereo OUT.left.png and OUT.right.png

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArgs {
-    /// LAS or LAZ files; several are one scan
+    /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
     /// auto: the headset if one answers, else the desktop; require: fail without one

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ScanError {
     /// No file was named.
-    #[error("no scan was named: give one or more LAS or LAZ files")]
+    #[error("no scan was named: give one or more LAS, LAZ or PLY files")]
     NoFiles,
     /// The user asked to stop.
     #[error("reading was stopped before the end")]
@@ -33,7 +33,7 @@ pub enum ScanError {
         advice: &'static str,
     },
     /// The file is something else.
-    #[error("{path}: is not a LAS or LAZ file: {looks_like}; {advice}", path = path.display())]
+    #[error("{path}: is not a LAS, LAZ or PLY file: {looks_like}; {advice}", path = path.display())]
     NotAScan {
         /// The file.
         path: PathBuf,
@@ -52,6 +52,16 @@ pub enum ScanError {
         /// The field's name in the format's specification.
         field: &'static str,
         /// What is wrong and what to do, as the end of a sentence.
+        problem: String,
+    },
+    /// A line of text makes no sense.
+    #[error("{path}: line {line}: {problem}", path = path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Its number, from 1.
+        line: u64,
+        /// What is wrong and what to do.
         problem: String,
     },
     /// The file ends too early for anything to be read.

@@ -16,6 +16,8 @@ struct Description {
     format: String,
     attributes: Vec<String>,
     color_bits: Option<u8>,
+    normals: bool,
+    triangles: usize,
     crs: Option<String>,
     unit_m: Option<f64>,
     files: Vec<FileDescription>,
@@ -57,6 +59,8 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
         format: distinct(headers.iter().map(|header| header.format.clone())).join("; "),
         attributes: distinct(headers.iter().flat_map(|header| header.attributes.clone())),
         color_bits: scan.files.iter().filter_map(color_bits).max(),
+        normals: scan.files.iter().any(|file| !file.points.normals.is_empty()),
+        triangles: scan.files.iter().map(|file| file.triangles.len()).sum(),
         crs: scan.crs.clone(),
         unit_m: scan.unit_m,
         files: scan.files.iter().map(file).collect(),
@@ -88,7 +92,7 @@ fn distinct(values: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 fn for_people(scan: &Scan, headers: &[Header]) -> String {
-    let decimals = decimals(headers);
+    let decimals = decimals(&scan.files);
     let described = describe(scan, headers);
     let mut lines: Vec<(&str, String)> = Vec::new();
     lines.push(("points", grouped(described.points)));
@@ -96,6 +100,9 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     lines.push(("format", described.format));
     lines.push(("attributes", described.attributes.join(", ")));
     lines.push(("colour", distinct(scan.files.iter().map(|file| color_words(file.color))).join("; ")));
+    lines.push(("normals", if described.normals { "yes".into() } else { String::new() }));
+    let triangles = (described.triangles > 0).then(|| grouped(described.triangles));
+    lines.push(("triangles", triangles.unwrap_or_default()));
     lines.push(("system", described.crs.unwrap_or_else(|| "not stated".into())));
     lines.push(("unit", unit_words(scan.unit_m)));
     let software = distinct(headers.iter().filter_map(|header| header.software.clone()));
@@ -151,9 +158,13 @@ fn unit_words(unit_m: Option<f64>) -> String {
     }
 }
 
-/// Digits behind the point that the finest lattice needs, within reason.
-fn decimals(headers: &[Header]) -> usize {
-    let finest = headers.iter().map(|header| header.lattice.scale.abs().min_element()).fold(1.0, f64::min);
+/// Digits behind the point that the finest lattice needs, within reason: seven of a file's size are enough.
+fn decimals(files: &[ScanFile]) -> usize {
+    let step = |file: &ScanFile| {
+        let readable = 1e-7 * file.bounds.size().max_element();
+        file.lattice.scale.abs().min_element().max(readable)
+    };
+    let finest = files.iter().map(step).fold(1.0, f64::min);
     (-finest.log10()).ceil().clamp(0.0, 9.0) as usize
 }
 
@@ -203,7 +214,7 @@ mod tests {
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({
             "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],
-            "color_bits": 16, "crs": null, "unit_m": null, "warnings": [],
+            "color_bits": 16, "normals": false, "triangles": 0, "crs": null, "unit_m": null, "warnings": [],
             "files": [{"path": "a.las", "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]]}],
         });
         assert_eq!(json, expected);

@@ -9,6 +9,7 @@ mod error;
 mod guard;
 pub mod info;
 mod las;
+mod ply;
 mod read;
 mod sniff;
 mod source;
@@ -24,7 +25,8 @@ use source::Source;
 use stats::Stats;
 use std::path::PathBuf;
 
-/// The integer grid of a file's coordinates: `p_in_world = offset + scale · xyz`, exactly as LAS stores it.
+/// The integer grid of a file's coordinates: `p_in_world = offset + scale · xyz`, exactly as LAS stores it, and as
+/// readers choose it for formats that store other numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// World units a step, an axis; finite and not zero.
@@ -135,8 +137,6 @@ pub struct Header {
     pub num_points: u64,
     /// Names of what is stored for each point beside its place.
     pub attributes: Vec<String>,
-    /// Grid of the coordinates.
-    pub lattice: Lattice,
     /// Coordinate reference system.
     pub crs: Option<String>,
     /// Metres a world unit.
@@ -170,6 +170,8 @@ trait Reader {
 /// The points of a file and what was learnt on the way.
 #[derive(Debug)]
 struct Columns {
+    /// Grid of the points' coordinates.
+    lattice: Lattice,
     points: Points,
     /// See [`ScanFile::triangles`].
     triangles: Vec<[u32; 3]>,
@@ -180,11 +182,13 @@ struct Columns {
 
 impl Default for Columns {
     fn default() -> Self {
-        Self { points: Points::default(), triangles: Vec::new(), stats: Stats::EMPTY, warnings: Vec::new() }
+        let lattice = Lattice { scale: DVec3::ONE, offset: DVec3::ZERO };
+        let (points, triangles) = (Points::default(), Vec::new());
+        Self { lattice, points, triangles, stats: Stats::EMPTY, warnings: Vec::new() }
     }
 }
 
 /// All formats that can be read.
-const FORMATS: [&dyn Format; 1] = [&las::Las];
+const FORMATS: [&dyn Format; 2] = [&las::Las, &ply::Ply];
 /// Bytes from a file's start that tell its format.
 const HEAD_BYTES: u64 = 512;

@@ -67,11 +67,11 @@ fn add(scan: &mut Scan, header: &Header, mut columns: Columns) {
         columns.points.rgb = Vec::new();
     }
     // Scales may be negative, so either corner of the lattice may be the smaller one.
-    let corners = [stats.xyz_min, stats.xyz_max].map(|xyz| header.lattice.p_in_world(xyz));
+    let corners = [stats.xyz_min, stats.xyz_max].map(|xyz| columns.lattice.p_in_world(xyz));
     scan.files.push(ScanFile {
         path: header.path.clone(),
         format: header.format.clone(),
-        lattice: header.lattice,
+        lattice: columns.lattice,
         points: columns.points,
         triangles: columns.triangles,
         color,

@@ -6,7 +6,6 @@ use std::path::Path;
 /// First bytes, what they mean.
 const SIGNATURES: &[(&[u8], &str)] = &[
     (b"ASTM-E57", "it is an E57 file"),
-    (b"ply", "it is a PLY file"),
     (b"# .PCD", "it is a PCD file"),
     (b"VERSION .7", "it is a PCD file"),
     (b"PK\x03\x04", "it is a ZIP archive"),
@@ -27,7 +26,7 @@ pub(crate) fn not_a_scan(path: &Path, head: &[u8]) -> ScanError {
 }
 
 fn describe(head: &[u8]) -> (String, &'static str) {
-    const CONVERT: &str = "this is not supported yet, convert it to LAS or LAZ";
+    const CONVERT: &str = "this is not supported yet, convert it to LAS, LAZ or PLY";
     if head.is_empty() {
         return ("it is empty".into(), "copy or download it again");
     }
@@ -48,8 +47,8 @@ fn describe(head: &[u8]) -> (String, &'static str) {
         return ("it is text".into(), CONVERT);
     }
     let start: Vec<String> = head.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
-    let looks_like = format!("it starts with the bytes {}, not with LASF", start.join(" "));
-    (looks_like, "it is damaged or of another kind; get it again or convert it to LAS or LAZ")
+    let looks_like = format!("it starts with the bytes {}, as no scan does", start.join(" "));
+    (looks_like, "it is damaged or of another kind; get it again or convert it to LAS, LAZ or PLY")
 }
 
 /// Printable characters and white space only. A cut multi-byte character at the end is no counter-proof.
@@ -70,11 +69,10 @@ mod tests {
 
     #[test]
     fn says_what_it_sees() {
-        let cases: [(&[u8], &str); 7] = [
+        let cases: [(&[u8], &str); 6] = [
             (b"", "empty"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:", "Git LFS"),
             (b"ASTM-E57\x01\0\0\0", "E57"),
-            (b"ply\nformat ascii", "PLY"),
             (b"  <html>", "web page"),
             ("1.0 2.0 3.0 \u{e9}\n".as_bytes(), "text"),
             (b"\x8f\x00\x01\x02", "8f 00 01 02"),

@@ -1,4 +1,4 @@
-//! Writes what a device measures as LAS or LAZ: blocks of lines in parallel, bytes in order, a temporary
+//! Writes what a device measures as LAS or LAZ (a mesh: see `ply`): blocks of lines in parallel, bytes in order, a temporary
 //! name until the file is whole.
 
 use super::device::Device;
@@ -25,8 +25,8 @@ pub enum SynthError {
     /// Nothing to write.
     #[error("a scan needs at least one point; --points was 0")]
     NoPoints,
-    /// LAS 1.2 counts points in 32 bits.
-    #[error("{path}: {points} points do not fit in this kind of file (LAS 1.2); the most is {most}")]
+    /// LAS 1.2 counts points in 32 bits; a mesh is held in memory.
+    #[error("{path}: {points} points are too many for this kind of scan and file; the most is {most}")]
     TooManyPoints {
         /// The file.
         path: PathBuf,
@@ -35,9 +35,15 @@ pub enum SynthError {
         /// Possible.
         most: u64,
     },
-    /// Neither LAS nor LAZ.
-    #[error("{path}: the name must end in .las or .laz; it says which of the two is written")]
+    /// Nothing that can be written.
+    #[error("{path}: the name must end in .las, .laz or .ply; it says which of them is written")]
     Extension {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Only the statue is a mesh.
+    #[error("{path}: only photogrammetry can be made as a mesh; name the file .las or .laz")]
+    NoMesh {
         /// The file.
         path: PathBuf,
     },
@@ -84,20 +90,38 @@ pub enum SynthError {
 /// A file that may be written: its name and size make sense.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
-    path: &'a Path,
-    compressed: bool,
+    pub(super) path: &'a Path,
+    form: Form,
 }
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Las,
+    Laz,
+    /// A mesh as PLY.
+    Ply,
+}
+
+/// Points of a mesh; what is held in memory meanwhile is about 150 bytes each.
+const MOST_MESH_POINTS: u64 = 100_000_000;
 
 impl<'a> Target<'a> {
     /// Looks at the name and the number of points; touches nothing.
     pub fn check(path: &'a Path, kind: Kind, points: u64) -> Result<Self, SynthError> {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let compressed = match extension.as_deref() {
-            Some("las") => false,
-            Some("laz") => true,
+        let form = match extension.as_deref() {
+            Some("las") => Form::Las,
+            Some("laz") => Form::Laz,
+            Some("ply") => Form::Ply,
             _ => return Err(SynthError::Extension { path: path.into() }),
         };
-        let most = if kind == Kind::Photogrammetry { u64::from(u32::MAX) } else { u64::MAX / 64 };
+        let most = match (form, kind) {
+            (Form::Ply, Kind::Photogrammetry) => MOST_MESH_POINTS,
+            (Form::Ply, _) => return Err(SynthError::NoMesh { path: path.into() }),
+            (_, Kind::Photogrammetry) => u64::from(u32::MAX),
+            (_, _) => u64::MAX / 64,
+        };
         if points == 0 {
             Err(SynthError::NoPoints)
         } else if points > most {
@@ -105,8 +129,13 @@ impl<'a> Target<'a> {
         } else if path.is_dir() {
             Err(SynthError::Folder { path: path.into() })
         } else {
-            Ok(Self { path, compressed })
+            Ok(Self { path, form })
         }
+    }
+
+    /// True for a mesh.
+    pub fn is_mesh(&self) -> bool {
+        self.form == Form::Ply
     }
 
     /// Measures everything and writes it.
@@ -117,7 +146,7 @@ impl<'a> Target<'a> {
         let Layout { format, lattice } = device.layout();
         let record_bytes = u64::from(format.record_bytes());
         let needed_mb = device.plan().points().saturating_mul(record_bytes).div_ceil(1_000_000);
-        let mut header = Header::new(format, lattice, self.compressed);
+        let mut header = Header::new(format, lattice, self.form == Form::Laz);
         let written = (|| {
             let mut points = PointWriter::start(&header, file)?;
             let whole = write_points(device, seed, progress, &mut points, &mut header.totals)?;
@@ -262,17 +291,17 @@ impl PointWriter {
 }
 
 /// A file under a temporary name beside its goal; removed unless kept.
-struct Partial(PathBuf);
+pub(super) struct Partial(PathBuf);
 
 impl Partial {
-    fn create(goal: &Path) -> io::Result<(Self, File)> {
+    pub fn create(goal: &Path) -> io::Result<(Self, File)> {
         let name = goal.file_name().unwrap_or_default().to_string_lossy();
         let path = goal.with_file_name(format!(".{name}.{}.part", std::process::id()));
         let file = OpenOptions::new().write(true).create(true).truncate(true).open(&path)?;
         Ok((Self(path), file))
     }
 
-    fn keep(self, goal: &Path) -> io::Result<()> {
+    pub fn keep(self, goal: &Path) -> io::Result<()> {
         fs::rename(&self.0, goal)
     }
 }

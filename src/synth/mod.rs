@@ -6,6 +6,8 @@
 //!             └ ray-casts a scene of analytic shapes                     └ temporary name, then renamed
 //! ```
 //!
+//! Photogrammetry also makes meshes: the statue's surface as triangles, in a PLY file.
+//!
 //! A device hands over its points line by line, in the order in which a real one writes them. Every line has
 //! its own stream of random numbers and its own exact share of the points, so lines are made in parallel and
 //! the result depends neither on the number of threads nor on their timing. Arithmetic is IEEE `+ − × ÷ √`
@@ -20,8 +22,10 @@ mod header;
 mod landscape;
 mod light;
 mod material;
+mod mesh;
 mod photogrammetry;
 mod plan;
+mod ply;
 pub(crate) mod random;
 mod record;
 mod shape;
@@ -43,7 +47,8 @@ pub enum Kind {
     Terrestrial,
     /// 1 km² of land with a village, from an aircraft: strips, up to three returns (LAS 1.4, point format 7).
     Aerial,
-    /// A statue, from photographs: dense, noisy, tile by tile (LAS 1.2, point format 2, 8-bit colours).
+    /// A statue, from photographs: dense, noisy, tile by tile (LAS 1.2, point format 2, 8-bit colours); or, as
+    /// .ply, its mesh, smooth and complete.
     Photogrammetry,
 }
 
@@ -52,9 +57,9 @@ pub enum Kind {
 pub struct SynthOptions {
     /// Kind of scan.
     pub kind: Kind,
-    /// File to write; `.las` or `.laz`. An existing file is replaced once the new one is whole.
+    /// File to write; `.las` or `.laz`, or for a mesh `.ply`. An existing file is replaced once the new one is whole.
     pub out: PathBuf,
-    /// Exactly so many points; at least 1.
+    /// Exactly so many points, at least 1; of a mesh about so many, at least some 20 000.
     pub points: u64,
     /// Same seed, same bytes.
     pub seed: u64,
@@ -92,7 +97,7 @@ pub fn viewpoints(kind: Kind) -> &'static [Viewpoint] {
     }
 }
 
-/// Makes a scan and writes it; memory does not grow with the number of points.
+/// Makes a scan and writes it; memory does not grow with the number of points, except for a mesh.
 ///
 /// # Errors
 /// When the options make no sense, when the file cannot be written, and when `stop` was requested. In each
@@ -101,6 +106,9 @@ pub fn write(options: &SynthOptions, stop: &Stop) -> Result<Summary, SynthError>
     let progress = Progress::new("making", "points", options.points, stop);
     let SynthOptions { kind, points, seed, .. } = *options;
     let target = file::Target::check(&options.out, kind, points)?;
+    if target.is_mesh() {
+        return target.write_mesh(points, seed, &progress);
+    }
     match kind {
         Kind::Terrestrial => target.write(&terrestrial::Scanner::new(points), seed, &progress),
         Kind::Aerial => target.write(&aerial::Aircraft::new(points), seed, &progress),

@@ -95,6 +95,7 @@ impl Reader for LasFile {
             Packing::Raw(layout) => raw::read(source, las, *layout, progress)?,
             Packing::Laz(laz) => laz.read(source, las, progress)?,
         };
+        columns.lattice = las.lattice;
         let num_points = columns.points.xyz.len() as u64;
         if num_points == 0 {
             let reason = format!("its header announces {announced}, none could be read");
@@ -141,7 +142,6 @@ fn describe(source: &Source, las: &LasHeader, vlrs: &[Vlr], packing: &Packing) -
         format: format!("{kind} 1.{}, point format {}", las.minor, las.point_format),
         num_points: las.announced_points,
         attributes: attributes(las, vlrs, packing),
-        lattice: las.lattice,
         crs: crs.name,
         unit_m: crs.unit_m,
         software: Some(las.software.clone()).filter(|name| !name.is_empty()),

@@ -1,0 +1,165 @@
+//! Positions of any numbers to a lattice of 32-bit integers, an axis at a time.
+//!
+//! A step is a power of two: the smallest with which the axis' extent has at most 2³² − 3 steps. So a coordinate
+//! moves by half a step at most, which is less than the extent / 4 · 10⁹; and a f32 whose magnitude is 2²⁴ steps
+//! or more, a 128th of the extent at most, does not move at all, and no f64 does where the extent is less than a
+//! 2²¹th of the distance from zero. The lattice's origin is a whole number of steps from zero.
+
+use crate::scan::Lattice;
+use crate::space::Bounds;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Coordinates beyond this are no place: sums and differences of them might not be finite.
+const FARTHEST: f64 = 1e300;
+
+/// Step where all coordinates are equal, so that any would do: about a millimetre.
+const ANY_STEP: f64 = 1.0 / 1024.0;
+
+/// True for what can be put on a lattice.
+pub(super) fn is_place(p: &[f64; 3]) -> bool {
+    // NaN compares as false.
+    p.iter().all(|c| c.abs() <= FARTHEST)
+}
+
+/// The box of places.
+pub(super) fn bounds(places: &[[f64; 3]]) -> Bounds {
+    let add = |bounds: Bounds, p: &[f64; 3]| bounds.with(DVec3::from_array(*p));
+    places.par_iter().fold(|| Bounds::EMPTY, add).reduce(|| Bounds::EMPTY, Bounds::union)
+}
+
+/// The lattice for a box that holds something.
+pub(super) fn lattice(bounds: Bounds) -> Lattice {
+    let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
+    Lattice {
+        scale: DVec3::from_array(axes.map(|(step, _)| step)),
+        offset: DVec3::from_array(axes.map(|(_, origin)| origin)),
+    }
+}
+
+/// The nearest lattice points of places within the lattice's box.
+pub(super) fn snap(lattice: &Lattice, places: &[[f64; 3]]) -> Vec<[i32; 3]> {
+    let (offset, per_unit) = (lattice.offset.to_array(), lattice.scale.recip().to_array());
+    // The reciprocal of a power of two is exact. `as` saturates, which half a step beyond the box would need.
+    let step = |c: f64, axis: usize| ((c - offset[axis]) * per_unit[axis]).round() as i32;
+    places.par_iter().map(|p| std::array::from_fn(|axis| step(p[axis], axis))).collect()
+}
+
+/// Step and origin for coordinates from `low` to `high`.
+fn axis_grid(low: f64, high: f64) -> (f64, f64) {
+    if low == high {
+        return (ANY_STEP, low);
+    }
+    let half_extent = 0.5 * (high - low);
+    let needed = power_of_two_from(half_extent / f64::from(i32::MAX - 1));
+    // Half of the largest coordinate's last bit: the next smaller power of two has bits that fine.
+    let farthest = low.abs().max(high.abs());
+    let finest = 0.5 * f64::EPSILON * power_of_two_below(farthest);
+    // Positive subnormal steps would have no finite reciprocal.
+    let step = needed.max(finest).max(f64::MIN_POSITIVE);
+    (step, ((low + half_extent) / step).round() * step)
+}
+
+const MANTISSA: u64 = (1 << 52) - 1;
+
+/// The smallest power of two that is not below `value`, which is positive and finite.
+fn power_of_two_from(value: f64) -> f64 {
+    f64::from_bits((value.to_bits() + MANTISSA) & !MANTISSA)
+}
+
+/// The largest power of two that is not above `value`, which is positive and finite; 0 of subnormal ones.
+fn power_of_two_below(value: f64) -> f64 {
+    f64::from_bits(value.to_bits() & !MANTISSA)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn on_lattice(places: &[[f64; 3]]) -> (Lattice, Vec<[f64; 3]>) {
+        let lattice = lattice(bounds(places));
+        let xyz = snap(&lattice, places);
+        (lattice, xyz.into_iter().map(|xyz| lattice.p_in_world(xyz).to_array()).collect())
+    }
+
+    fn axis(places: &[[f64; 3]]) -> Vec<f64> {
+        places.iter().map(|p| p[0]).collect()
+    }
+
+    fn extent(values: &[f64]) -> f64 {
+        values.iter().fold(f64::MIN, |a, &b| a.max(b)) - values.iter().fold(f64::MAX, |a, &b| a.min(b))
+    }
+
+    /// Any finite coordinate, the large and the tiny as likely as others.
+    fn coordinate() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            -1e300..1e300,
+            -1e3..1e3,
+            (-300..300i32, 1.0..10.0, any::<bool>()).prop_map(|(e, m, s): (i32, f64, bool)| if s {
+                m
+            } else {
+                -m
+            } * 10f64
+                .powi(e)),
+            5e6..5.001e6,
+            Just(0.0),
+            (0..100u64).prop_map(f64::from_bits),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_moves_by_more_than_half_a_step(values in proptest::collection::vec(coordinate(), 1..20)) {
+            let places: Vec<[f64; 3]> = values.iter().map(|&v| [v; 3]).collect();
+            let (lattice, moved) = on_lattice(&places);
+            let step = lattice.scale.x;
+            prop_assert!(step > 0.0 && step.is_finite() && lattice.offset.is_finite());
+            let extent = extent(&values);
+            prop_assert!(step == ANY_STEP || step <= extent / 2e9 || step == f64::MIN_POSITIVE || extent < values[0].abs() / 1e6);
+            for (was, is) in values.iter().zip(axis(&moved)) {
+                // The difference is rounded, by far less than a step.
+                let most = if extent == 0.0 { 0.0 } else { 0.5 * step * (1.0 + 1e-6) };
+                prop_assert!((was - is).abs() <= most, "{was} to {is}, step {step}");
+                let bound = (extent / 4e9).max(f64::MIN_POSITIVE);
+                prop_assert!((was - is).abs() <= bound, "{was} to {is}, extent {extent}");
+            }
+        }
+
+        #[test]
+        fn floats_move_only_near_zero(values in proptest::collection::vec(-1000f32..1000.0, 2..50)) {
+            let places: Vec<[f64; 3]> = values.iter().map(|&v| [f64::from(v); 3]).collect();
+            let (lattice, moved) = on_lattice(&places);
+            for (was, is) in axis(&places).into_iter().zip(axis(&moved)) {
+                prop_assert!(was == is || was.abs() < lattice.scale.x * f64::from(1 << 24), "{was} to {is}");
+            }
+        }
+
+        #[test]
+        fn doubles_far_from_zero_do_not_move(base in 1e6..2e6, deltas in proptest::collection::vec(0.0..0.4, 2..50)) {
+            let places: Vec<[f64; 3]> = deltas.iter().map(|delta| [base + delta; 3]).collect();
+            prop_assert_eq!(on_lattice(&places).1, places);
+        }
+    }
+
+    #[test]
+    fn the_bound_is_one_that_can_be_broken() {
+        let values = [0.0, 1.0, 0.3];
+        let places = values.map(|v| [v; 3]);
+        let lattice = lattice(bounds(&places));
+        let coarse = Lattice { scale: lattice.scale * 8.0, ..lattice };
+        let moved = coarse.p_in_world(snap(&coarse, &places)[2]).x;
+        assert!((moved - 0.3).abs() > 1.0 / 4e9, "{moved}");
+    }
+
+    #[test]
+    fn one_place_is_kept_and_none_is_refused() {
+        let place = [1.234_57, 12_345.678_9, 1_234_567_890.123_45];
+        let (lattice, moved) = on_lattice(&[place, place]);
+        assert_eq!((lattice.scale, moved), (DVec3::splat(ANY_STEP), vec![place; 2]));
+        for none in [f64::NAN, f64::INFINITY, -1e301] {
+            assert!(!is_place(&[0.0, none, 0.0]));
+        }
+        assert!(is_place(&[1e300, -1e300, 0.0]));
+    }
+}
