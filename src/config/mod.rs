@@ -15,6 +15,7 @@ pub use presets::{PRESETS, Preset};
 
 use crate::cloud::Order;
 use crate::method::Method;
+use crate::scan::Up;
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set.
@@ -104,6 +105,8 @@ pub enum Tier {
 pub struct CloudConfig {
     /// Order of the points in memory.
     pub order: Order,
+    /// Axis of the files that points up.
+    pub up: Up,
 }
 
 /// `[frame]`

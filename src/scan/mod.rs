@@ -14,9 +14,11 @@ mod read;
 mod sniff;
 mod source;
 mod stats;
+mod up;
 
 pub use error::ScanError;
 pub use read::{peek, read};
+pub use up::Up;
 
 use crate::progress::Progress;
 use crate::space::Bounds;
