@@ -5,7 +5,7 @@
 // A stage adds its targets from binding 5 on, and what it does with a point in a pixel of an eye, 0 or 1:
 //   fn put(eye: u32, pixel: u32, w: f32, id: u32)
 // `w` is linear depth, whose IEEE bits order like the number itself; `id` is twice the point's number in the chunk,
-// and one more if its filtered color counts. Where the stage is CONVERGED, all threads of a workgroup come to `put`
+// and one more if its filtered color counts, or if it is of a triangle. Where the stage is CONVERGED, all threads of a workgroup come to `put`
 // together, those without a point too: their pixel is NO_PIXEL.
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
@@ -151,6 +151,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     this_group = group.x;
     this_thread = thread;
     let batch = visible[group.x];
+    if (batch.flags & VISIBLE_TRIANGLES) != 0u {
+        draw_triangles(batch);
+        return;
+    }
     let planes = batch.flags & 3u;
     let is_wide = (batch.flags & VISIBLE_FILL) != 0u;
     let first_load = batch.first_point / POINTS_PER_LOAD;

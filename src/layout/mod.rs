@@ -40,10 +40,13 @@ pub const KEEP_UNSEEN: u32 = 4;
 pub const NODE_WHOLE: u32 = 1;
 /// [`Node::flags`]: drawn always, though with fewer points when it is small.
 pub const NODE_ROOT: u32 = 2;
-/// [`Node::flags`]: a run of a sequential point tree; its points are discs.
+/// [`Node::flags`]: a run of a sequential point tree, drawn at an interval of tolerances; its points are discs, or
+/// corners of [`NODE_TRIANGLES`].
 pub const NODE_DISCS: u32 = 4;
 /// [`Node::flags`]: a run whose discs have a back, which nobody is to see.
 pub const NODE_ONE_SIDED: u32 = 8;
+/// [`Node::flags`]: a run of triangles.
+pub const NODE_TRIANGLES: u32 = 16;
 /// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
 /// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
 pub const DRAWN_WHOLE: u32 = u32::MAX;
@@ -67,6 +70,10 @@ pub const PROTECTED_POINTS: u32 = 255;
 pub const VISIBLE_FILL: u32 = 64;
 /// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
 pub const VISIBLE_DISCS: u32 = 128;
+/// [`VisibleBatch::flags`]: points are corners of triangles.
+pub const VISIBLE_TRIANGLES: u32 = 256;
+/// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
+pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
 /// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
@@ -114,7 +121,7 @@ pub struct Batch {
     pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
-    /// Of discs: the steps of tolerance that some of them are drawn at: from | until≪8.
+    /// Of discs and triangles: the steps of tolerance that some of them are drawn at: from | until≪8.
     pub interval: u32,
 }
 
@@ -158,7 +165,7 @@ pub struct Node {
     pub spacing: [u32; 4],
     /// Bit o: there is a child in octant o = x | y≪1 | z≪2.
     pub child_mask: u32,
-    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`].
+    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`], [`NODE_TRIANGLES`].
     pub flags: u32,
     /// Halvings from the root's cube.
     pub level: u32,
@@ -189,12 +196,13 @@ impl Node {
             [x, y, z, libm::sin(behind.angle)].map(|v| (v as f32).to_bits())
         };
         let side = if run.behind.is_some() { NODE_ONE_SIDED } else { 0 };
+        let triangles = if run.has_triangles { NODE_TRIANGLES } else { 0 };
         Self {
             min_hi: hi.to_array(),
             min_lo: lo.to_array(),
             edge: run.bounds.size().max_element() as f32,
             spacing: run.behind.as_ref().map_or([0; 4], sided),
-            flags: NODE_WHOLE | NODE_DISCS | side,
+            flags: NODE_WHOLE | NODE_DISCS | side | triangles,
             ..Self::FLAT
         }
     }
@@ -454,7 +462,8 @@ pub struct VisibleBatch {
     pub num_points: u32,
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
-    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`].
+    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
+    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`].
     pub flags: u32,
     /// [`Node::spacing`].
     pub spacing: [u32; 4],

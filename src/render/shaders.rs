@@ -4,8 +4,17 @@ use crate::layout::{self, Variant};
 
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../shaders/layout.inc.wgsl");
-/// The geometry stages' loop over points.
-const POINTS: Shared = both(include_str!("../../shaders/points.inc.wgsl"));
+/// The geometry stages' loop over points, and triangles where there may be some.
+const POINTS: Shared = Shared {
+    nodes: concat!(
+        include_str!("../../shaders/points.inc.wgsl"),
+        include_str!("../../shaders/no_triangles.inc.wgsl")
+    ),
+    discs: concat!(
+        include_str!("../../shaders/points.inc.wgsl"),
+        include_str!("../../shaders/triangles.inc.wgsl")
+    ),
+};
 /// Which points it draws, and how large.
 const CHOICE: Shared = Shared {
     nodes: include_str!("../../shaders/nodes.inc.wgsl"),
