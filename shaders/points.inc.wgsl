@@ -151,7 +151,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     this_group = group.x;
     this_thread = thread;
     let batch = visible[group.x];
-    if (batch.flags & VISIBLE_TRIANGLES) != 0u {
+    if DISCS && (batch.flags & VISIBLE_TRIANGLES) != 0u {
         draw_triangles(batch);
         return;
     }

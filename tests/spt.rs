@@ -164,8 +164,8 @@ const OUTLINE: f64 = 0.005;
 fn share_of_others(a: &Frame, b: &Frame) -> f64 {
     let depth = |pixel: &[u32; 2]| f64::from(twin::resolve::depth_of(*pixel));
     let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
-    let is_other = |a: f64, b: f64| a != b && !((a - b).abs() <= 0.01 * a.min(b));
-    let others = pairs().filter(|(a, b)| is_other(depth(a), depth(b))).count();
+    let is_same = |a: f64, b: f64| a == b || a.max(b) < 1.01 * a.min(b);
+    let others = pairs().filter(|(a, b)| !is_same(depth(a), depth(b))).count();
     others as f64 / pairs().filter(|(a, _)| depth(a).is_finite()).count() as f64
 }
 

@@ -1,8 +1,13 @@
 //! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
 //! generated [`prelude`]; struct offsets are compared with naga's in `tests/shaders.rs`.
 
+mod flags;
 mod prelude;
 
+pub use flags::{
+    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
+    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
+};
 pub use prelude::{Sums, Variant, prelude};
 
 use crate::cloud::{self, octree, spt};
@@ -30,23 +35,6 @@ pub const HEAD_CELL_STEP: i32 = 1 << 18;
 pub const COUNTERS_STRIDE: u32 = 256;
 /// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
 pub const EMPTY_DEPTH: u32 = u32::MAX;
-/// [`ViewUniform::flags`]: points of a node appear one by one.
-pub const LOD_FADE: u32 = 1;
-/// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
-pub const LOD_SMOOTH: u32 = 2;
-/// [`ViewUniform::flags`]: batches that neither eye sees are drawn too.
-pub const KEEP_UNSEEN: u32 = 4;
-/// [`Node::flags`]: drawn whole, always.
-pub const NODE_WHOLE: u32 = 1;
-/// [`Node::flags`]: drawn always, though with fewer points when it is small.
-pub const NODE_ROOT: u32 = 2;
-/// [`Node::flags`]: a run of a sequential point tree, drawn at an interval of tolerances; its points are discs, or
-/// corners of [`NODE_TRIANGLES`].
-pub const NODE_DISCS: u32 = 4;
-/// [`Node::flags`]: a run whose discs have a back, which nobody is to see.
-pub const NODE_ONE_SIDED: u32 = 8;
-/// [`Node::flags`]: a run of triangles.
-pub const NODE_TRIANGLES: u32 = 16;
 /// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
 /// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
 pub const DRAWN_WHOLE: u32 = u32::MAX;
@@ -66,12 +54,6 @@ pub const FILL_OVERLAP: f32 = 1.5;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
-/// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
-pub const VISIBLE_FILL: u32 = 64;
-/// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
-pub const VISIBLE_DISCS: u32 = 128;
-/// [`VisibleBatch::flags`]: points are corners of triangles.
-pub const VISIBLE_TRIANGLES: u32 = 256;
 /// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
 pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
 /// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
