@@ -308,6 +308,39 @@ fn the_transition_has_no_holes() {
     assert!(ends[1].0 == 0 && ends[1].1 > 0, "far: {ends:?}");
 }
 
+/// A flat sheet whose cells grow from millimetres to half a metre, each way by itself: many are eighty times as long as
+/// wide.
+#[test]
+fn uneven_sheets_have_no_holes() {
+    let edge = 60;
+    let at = |i: i32| i * i * 40;
+    let xyz: Vec<[i32; 3]> = (0..edge * edge).map(|i| [at(i % edge), 0, at(i / edge)]).collect();
+    let mut scan = scan_of(&xyz, 1e-4, OFFSET);
+    let cells = (0..(edge - 1) * (edge - 1)).map(|i| (i / (edge - 1) * edge + i % (edge - 1)) as u32);
+    let (across, up) = (1, edge as u32);
+    scan.files[0].triangles =
+        cells.flat_map(|a| [[a, a + across, a + up + across], [a, a + up + across, a + up]]).collect();
+    let spt = spt_of(&scan, false);
+    let scene = Scene::sequential(&spt);
+    let (size_px, size) = ([240, 240], f64::from(at(edge - 1)) * 1e-4);
+    let center = OFFSET + DVec3::new(0.5 * size, 0.0, 0.5 * size);
+    for step in 0..12 {
+        let distance = 15.0 * 1.4f64.powi(step);
+        let view = mono(center - DVec3::Y * distance, center, TANGENT, size_px);
+        for error_px in [1.0, 3.0] {
+            let frame = twin::frame(&scene, &view, &hqs(discs(error_px)), None);
+            let half = 0.97 * 0.5 * size / distance / TANGENT;
+            let inside = |i: usize| ((2.0 * i as f64 + 1.0) / 240.0 - 1.0).abs() < half;
+            let pixels =
+                frame.pixels[0].iter().enumerate().filter(|(i, _)| inside(i % 240) && inside(i / 240));
+            let num_inside = pixels.clone().count();
+            let num_holes = pixels.filter(|(_, pixel)| pixel[0] == u32::MAX).count();
+            assert!(num_inside > 100);
+            assert_eq!(num_holes, 0, "{distance} m, {error_px} px, of {num_inside} pixels");
+        }
+    }
+}
+
 /// Where discs are drawn from the triangles' sizes on but no wider than a pixel, there are holes: they can be seen.
 #[test]
 fn holes_are_noticed() {

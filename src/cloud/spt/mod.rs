@@ -40,7 +40,8 @@
 //! **Fuzzy blending.** The depth test with a tolerance and running average that [SPT §5] asks of future hardware is
 //! what `hqs` does in two dispatches: the nearest depth first, then the mean of all within a tolerance of it.
 //!
-//! Left out: the test with view-dependent error, which the paper found to gain nothing [SPT §3.7].
+//! Left out: the test with view-dependent error, which the paper found to gain nothing [SPT §3.7]; more than one
+//! workgroup for a triangle, however many pixels it covers.
 
 mod batches;
 pub mod clusters;
