@@ -145,6 +145,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if DISCS && (node.flags & NODE_DISCS) != 0u {
         flags |= VISIBLE_FILL | VISIBLE_DISCS;
     }
+    if DISCS && (node.flags & NODE_TRIANGLES) != 0u {
+        flags |= VISIBLE_TRIANGLES;
+        // Corners are where those of the batches beside put them: half a pixel away there would be gaps.
+        planes = 3u;
+    }
 
     // The head's cell, in coarse steps: step and cell have 12 bits each, so their product is exact.
     let limit = vec3<f32>(f32(HEAD_CELL_LIMIT / HEAD_CELL_STEP));

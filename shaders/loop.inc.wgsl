@@ -79,6 +79,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     this_group = group.x;
     this_thread = thread;
     let batch = visible[group.x];
+    if DISCS && (batch.flags & VISIBLE_TRIANGLES) != 0u {
+        draw_triangles(batch);
+        return;
+    }
     let num_turns = (batch.num_points + POINTS_PER_TURN - 1u) / POINTS_PER_TURN;
 
     for (var first = 0u; first < num_turns; first += WORKGROUP_SIZE) {

@@ -27,7 +27,7 @@ struct Cells {
 }
 
 /// The points of a turn, in head space. `id` is twice the point's number in the chunk, and one more if its filtered
-/// color counts.
+/// color counts, or if it is of a triangle.
 struct Turn {
     load: u32,
     number: u32,

@@ -118,7 +118,7 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
     if config.lod.enabled && config.lod.method == LodMethod::Spt {
         // Points are counted twice, discs once.
         let building = Progress::new("building the point tree", "points", 7 * num_points / 2, stop);
-        let spt = build_spt(&scan, None, &building)?;
+        let spt = build_spt(&scan, config.lod.cull_backfaces, &building)?;
         drop((scan, building));
         let buffers = CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending())?;
         return Ok((buffers, spt.cloud.body()));

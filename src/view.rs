@@ -200,7 +200,7 @@ fn load(
             }
             LodMethod::Spt => {
                 step("building the point tree", 0.4);
-                sequential(gpu, scan, chunk_limit, stop)
+                sequential(gpu, scan, chunk_limit, config.lod.cull_backfaces, stop)
             }
         };
         match detailed {
@@ -245,10 +245,16 @@ fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, stop: &Stop) -> Result
 }
 
 /// Builds the sequential point tree of a scan and sends it to the GPU.
-fn sequential(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, stop: &Stop) -> anyhow::Result<CloudBuffers> {
+fn sequential(
+    gpu: &Gpu,
+    scan: scan::Scan,
+    chunk_limit: u64,
+    cull_backfaces: bool,
+    stop: &Stop,
+) -> anyhow::Result<CloudBuffers> {
     // Points are counted twice, discs once.
     let building = Progress::new("building the point tree", "points", 7 * scan.num_points() as u64 / 2, stop);
-    let spt = build_spt(&scan, None, &building)?;
+    let spt = build_spt(&scan, cull_backfaces, &building)?;
     drop((scan, building));
     Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &Progress::silent(stop))?)
 }
@@ -260,7 +266,10 @@ fn has_stopped(error: &anyhow::Error) -> bool {
 
 fn is_too_large(error: &anyhow::Error) -> bool {
     matches!(error.downcast_ref(), Some(UploadError::OutOfMemory { .. }))
-        || matches!(error.downcast_ref(), Some(BuildError::TooManyDiscs(_)))
+        || matches!(
+            error.downcast_ref(),
+            Some(BuildError::TooManyDiscs(_) | BuildError::TooManyTriangles { .. })
+        )
 }
 
 /// What the window's panel says of the scan.

@@ -23,7 +23,7 @@ fn courtyard() -> SequentialCloud {
     let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 200_000, seed: 7 };
     synth::write(&options, &Stop::default()).expect("a file");
     let scan = scan::read(&[out], &Stop::default()).expect("a scan");
-    build_spt(&scan, None, &Progress::hidden()).expect("a point tree")
+    build_spt(&scan, false, &Progress::hidden()).expect("a point tree")
 }
 
 /// A pixel of the proposed hardware: color and alpha, which counts, since all splats are opaque here.

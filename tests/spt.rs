@@ -3,12 +3,11 @@
 
 mod support;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use proptest::prelude::*;
 use scanwalk::cloud::octree::build_octree;
-use scanwalk::cloud::spt::{self, SequentialCloud, build_spt};
+use scanwalk::cloud::spt::{self, SequentialCloud};
 use scanwalk::config::{Dilate, Quality};
-use scanwalk::gpu::Atomics;
 use scanwalk::layout::{Detail, ViewUniform};
 use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
@@ -17,12 +16,12 @@ use scanwalk::space::View;
 use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin::{self, Frame, Scene};
 use std::sync::OnceLock;
-use support::{Canvas, Drawn, gpu, scan_of, stereo};
+use support::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
 
 /// The point tree of a courtyard, made up.
 fn courtyard() -> &'static SequentialCloud {
     static COURTYARD: OnceLock<SequentialCloud> = OnceLock::new();
-    COURTYARD.get_or_init(|| spt_of(&made_up(Kind::Terrestrial), None))
+    COURTYARD.get_or_init(|| spt_of(&made_up(Kind::Terrestrial), false))
 }
 
 fn made_up(kind: Kind) -> Scan {
@@ -33,41 +32,9 @@ fn made_up(kind: Kind) -> Scan {
     scan::read(&[out], &Stop::default()).expect("a scan")
 }
 
-fn spt_of(scan: &Scan, normals: Option<&[Vec3]>) -> SequentialCloud {
-    build_spt(scan, normals, &Progress::hidden()).expect("a point tree")
-}
-
 fn inside(size_px: [u32; 2]) -> View {
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     stereo(place.eye, place.target, size_px)
-}
-
-/// Discs that may be wrong by so many pixels.
-fn discs(error_px: f32) -> Detail {
-    Detail { error_px: Some(error_px), fill_reach_px: Some([1.0; 3]), ..Detail::default() }
-}
-
-fn hqs(detail: Detail) -> Look {
-    Look { quality: Quality::Hqs, background: [1, 2, 3], detail, ..Look::default() }
-}
-
-fn tiers() -> Vec<Atomics> {
-    let all = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
-    all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
-}
-
-/// What of a frame differs from the twin's.
-fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
-    if drawn.visible != want.visible {
-        return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));
-    }
-    for eye in 0..want.pixels.len() {
-        let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
-        if differing > 0 || drawn.images[eye] != want.images[eye] {
-            return Some(format!("eye {eye}: {differing} pixels"));
-        }
-    }
-    None
 }
 
 #[test]
@@ -175,8 +142,8 @@ fn what_is_drawn_lies_in_the_prefix() {
     );
 }
 
-/// Points on a sphere and their outward normals.
-fn ball(num_points: usize) -> (Scan, Vec<Vec3>) {
+/// Points on a sphere with outward normals.
+fn ball(num_points: usize) -> Scan {
     let direction = |i: usize| {
         let z = 1.0 - (2.0 * i as f64 + 1.0) / num_points as f64;
         let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
@@ -184,33 +151,53 @@ fn ball(num_points: usize) -> (Scan, Vec<Vec3>) {
     };
     let normals: Vec<DVec3> = (0..num_points).map(direction).collect();
     let xyz: Vec<[i32; 3]> = normals.iter().map(|n| (n * 5e3).to_array().map(|v| v as i32)).collect();
-    let scan = scan_of(&xyz, 0.001, DVec3::new(5e5, 4e6, 0.0));
-    (scan, normals.iter().map(|n| n.as_vec3()).collect())
+    let mut scan = scan_of(&xyz, 0.001, DVec3::new(5e5, 4e6, 0.0));
+    scan.files[0].points.normals = normals.iter().map(|n| n.as_vec3().to_array()).collect();
+    scan
 }
 
-/// With oriented normals, the far side of a ball is not read, and nobody misses it.
+/// Share of pixels that may show something else where backs are culled: at the outline, discs whose points face away
+/// reach over it.
+const OUTLINE: f64 = 0.005;
+
+/// Pixels in which one frame shows something and the other does not, or something else, of all that show something.
+fn share_of_others(a: &Frame, b: &Frame) -> f64 {
+    let depth = |pixel: &[u32; 2]| f64::from(twin::resolve::depth_of(*pixel));
+    let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
+    let is_same = |a: f64, b: f64| a == b || a.max(b) < 1.01 * a.min(b);
+    let others = pairs().filter(|(a, b)| !is_same(depth(a), depth(b))).count();
+    others as f64 / pairs().filter(|(a, _)| depth(a).is_finite()).count() as f64
+}
+
+/// With the normals of its file, the far side of a ball is not read, and nobody misses it.
 #[test]
 fn backs_are_culled_where_normals_have_sides() {
-    let (scan, normals) = ball(300_000);
-    let (sided, plain) = (spt_of(&scan, Some(&normals)), spt_of(&scan, None));
+    let scan = ball(400_000);
+    let (sided, plain) = (spt_of(&scan, true), spt_of(&scan, false));
     assert!(sided.runs.iter().filter(|run| run.behind.is_some()).count() > 100);
     assert!(plain.runs.len() == 1 && plain.runs[0].behind.is_none());
     let center = plain.cloud.bounds.center();
-    let view = stereo(center - DVec3::new(9.0, 7.0, 5.0), center, [300, 300]);
-    let look = hqs(discs(0.5));
-    let want = twin::frame(&Scene::sequential(&sided), &view, &look, None);
-    let drawn = Canvas::sequential(&sided, &view, look, gpu().atomics(), 0).draw(&view);
-    assert_eq!(difference(&drawn, &want), None);
-    let whole = twin::frame(&Scene::sequential(&plain), &view, &look, None);
-    let (front, all) = (want.points_read(), whole.points_read());
-    assert!(10 * front < 8 * all, "{front} of {all} points are read");
-    // The near side hides the far one: what is seen has no deeper pixels where discs close the surface.
-    let far = |frame: &Frame| {
-        let depths = frame.pixels[0].iter().filter(|p| p[0] != u32::MAX).map(|p| f32::from_bits(p[0]));
-        depths.fold(0.0, f32::max)
-    };
-    let distance = DVec3::new(9.0, 7.0, 5.0).length() as f32;
-    assert!(far(&want) < distance + 0.5, "{} at a distance of {distance}", far(&want));
+    let from = DVec3::new(9.0, 7.0, 5.0).normalize();
+    for (distance, error_px, most) in [(12.5, 0.5, 0.75), (25.0, 0.3, 0.75)] {
+        let view = stereo(center - distance * from, center, [300, 300]);
+        let look = hqs(discs(error_px));
+        let want = twin::frame(&Scene::sequential(&sided), &view, &look, None);
+        let drawn = Canvas::sequential(&sided, &view, look, gpu().atomics(), 0).draw(&view);
+        assert_eq!(difference(&drawn, &want), None);
+        let whole = twin::frame(&Scene::sequential(&plain), &view, &look, None);
+        let read = want.points_read() as f64 / whole.points_read() as f64;
+        let (others, psnr) = (share_of_others(&whole, &want), psnr_db(&whole, &want));
+        println!(
+            "{distance}: {read:.3} of the points are read; {others:.4} of the pixels differ, {psnr:.1} dB"
+        );
+        assert!(read < most, "{read} of the points are read");
+        assert!(others < OUTLINE, "{others} of the pixels show something else");
+        // The measure sees what is missing: the wrong side's.
+        let mut inverted = sided.clone();
+        inverted.runs.iter_mut().filter_map(|run| run.behind.as_mut()).for_each(|cone| cone.axis *= -1.0);
+        let wrong = twin::frame(&Scene::sequential(&inverted), &view, &look, None);
+        assert!(share_of_others(&whole, &wrong) > 10.0 * OUTLINE);
+    }
 }
 
 /// A flat cloud, which is shown while the tree is built, looks the same whatever it waits for.
@@ -255,7 +242,7 @@ const LEAST_PSNR_DB: f64 = 27.0;
 fn the_picture_is_the_octrees_within_a_stated_difference() {
     // The courtyard is too thin in places: there, pictures differ by how gaps are filled.
     let statue = made_up(Kind::Photogrammetry);
-    let spt = spt_of(&statue, None);
+    let spt = spt_of(&statue, false);
     let octree = build_octree(&statue, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
     let scene = Scene::sequential(&spt);
     let mut wrong = spt.clone();
@@ -304,7 +291,7 @@ proptest! {
         xyz.extend((0..500).map(|i| [i % 40, 7, 0]));
         xyz.extend(vec![[39, 39, 2]; 700]);
         let scan = scan_of(&xyz, 0.1, DVec3::new(5e5, 4e6, 0.0));
-        let spt = spt_of(&scan, None);
+        let spt = spt_of(&scan, false);
         prop_assert_eq!(spt.num_points, xyz.len() as u64);
         let center = spt.cloud.bounds.center();
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);

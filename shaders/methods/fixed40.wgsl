@@ -1,4 +1,5 @@
 // fixed40: depth in 40 bits, from f64, and color in 24 below it. Of equal depths the smaller color stays. [2019 §2.1]
+// Of a triangle, whose ids are odd beside discs, the depth is the f32 that all methods have, and the color a corner's.
 
 @group(0) @binding(8) var<storage, read> colors: array<u32>;
 
@@ -17,7 +18,13 @@ fn exact_depth(eye: u32, point: u32) -> f64 {
 }
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
-    let key = (depth40_of(exact_depth(eye, id >> 1u)) << 24u) | u64(color_of(id) & 0xffffffu);
+    let is_triangle = DISCS && (id & 1u) != 0u;
+    var depth = f64(w);
+    if !is_triangle {
+        depth = exact_depth(eye, id >> 1u);
+    }
+    let color = color_of(select(id, id ^ 1u, is_triangle));
+    let key = (depth40_of(depth) << 24u) | u64(color & 0xffffffu);
     if key < key_in(eye, pixel) {
         min_key(eye, pixel, key);
     }

@@ -101,7 +101,7 @@ impl Subject {
     pub fn sequential(&self, stop: &Stop) -> Result<SequentialCloud> {
         // Points are counted twice, discs once.
         let building = Progress::new("building the point tree", "points", 7 * self.num_points() / 2, stop);
-        Ok(build_spt(&self.scan, None, &building)?)
+        Ok(build_spt(&self.scan, false, &building)?)
     }
 
     /// The octree.

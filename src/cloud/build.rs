@@ -26,6 +26,16 @@ pub enum BuildError {
         "the scan has {0} points; a sequential point tree holds 1 000 000 000: open fewer files at once, or use the octree"
     )]
     TooManyDiscs(usize),
+    /// As [`BuildError::TooManyDiscs`], of one with triangles.
+    #[error(
+        "the scan's {num_points} points and {num_triangles} triangles do not fit one sequential point tree: open fewer files at once, or use the octree"
+    )]
+    TooManyTriangles {
+        /// Points of the scan.
+        num_points: usize,
+        /// Its triangles.
+        num_triangles: usize,
+    },
     /// Coordinates beyond what f32 spans.
     #[error("the scan's box is {0} units wide: its coordinates or its scale are broken")]
     TooWide(String),

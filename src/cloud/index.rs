@@ -29,6 +29,12 @@ impl<'a> Index<'a> {
         (file, i - self.starts[file])
     }
 
+    /// The normal that its file has of a point, as it is there.
+    pub(super) fn normal(&self, i: usize) -> Option<[f32; 3]> {
+        let (file, i) = self.locate(i);
+        self.scan.files[file].points.normals.get(i).copied()
+    }
+
     /// World position.
     pub(super) fn position(&self, i: usize) -> DVec3 {
         let (file, i) = self.locate(i);

@@ -209,6 +209,8 @@ pub struct LodConfig {
     pub fade: bool,
     /// Of a sequential point tree: a disc may be wrong by this many pixels.
     pub error_px: f64,
+    /// Of a sequential point tree: discs that show the eye their backs, by the files' normals, are not read.
+    pub cull_backfaces: bool,
 }
 
 /// What level of detail goes by.
@@ -230,6 +232,7 @@ impl Default for LodConfig {
             threshold_px: [100.0, 200.0, 300.0],
             fade: true,
             error_px: 1.0,
+            cull_backfaces: false,
         }
     }
 }

@@ -1,8 +1,13 @@
 //! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
 //! generated [`prelude`]; struct offsets are compared with naga's in `tests/shaders.rs`.
 
+mod flags;
 mod prelude;
 
+pub use flags::{
+    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
+    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
+};
 pub use prelude::{Sums, Variant, prelude};
 
 use crate::cloud::{self, octree, spt};
@@ -30,20 +35,6 @@ pub const HEAD_CELL_STEP: i32 = 1 << 18;
 pub const COUNTERS_STRIDE: u32 = 256;
 /// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
 pub const EMPTY_DEPTH: u32 = u32::MAX;
-/// [`ViewUniform::flags`]: points of a node appear one by one.
-pub const LOD_FADE: u32 = 1;
-/// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
-pub const LOD_SMOOTH: u32 = 2;
-/// [`ViewUniform::flags`]: batches that neither eye sees are drawn too.
-pub const KEEP_UNSEEN: u32 = 4;
-/// [`Node::flags`]: drawn whole, always.
-pub const NODE_WHOLE: u32 = 1;
-/// [`Node::flags`]: drawn always, though with fewer points when it is small.
-pub const NODE_ROOT: u32 = 2;
-/// [`Node::flags`]: a run of a sequential point tree; its points are discs.
-pub const NODE_DISCS: u32 = 4;
-/// [`Node::flags`]: a run whose discs have a back, which nobody is to see.
-pub const NODE_ONE_SIDED: u32 = 8;
 /// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
 /// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
 pub const DRAWN_WHOLE: u32 = u32::MAX;
@@ -63,10 +54,8 @@ pub const FILL_OVERLAP: f32 = 1.5;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
-/// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
-pub const VISIBLE_FILL: u32 = 64;
-/// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
-pub const VISIBLE_DISCS: u32 = 128;
+/// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
+pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
 /// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
@@ -114,7 +103,7 @@ pub struct Batch {
     pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
-    /// Of discs: the steps of tolerance that some of them are drawn at: from | until≪8.
+    /// Of discs and triangles: the steps of tolerance that some of them are drawn at: from | until≪8.
     pub interval: u32,
 }
 
@@ -158,7 +147,7 @@ pub struct Node {
     pub spacing: [u32; 4],
     /// Bit o: there is a child in octant o = x | y≪1 | z≪2.
     pub child_mask: u32,
-    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`].
+    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`], [`NODE_TRIANGLES`].
     pub flags: u32,
     /// Halvings from the root's cube.
     pub level: u32,
@@ -189,12 +178,13 @@ impl Node {
             [x, y, z, libm::sin(behind.angle)].map(|v| (v as f32).to_bits())
         };
         let side = if run.behind.is_some() { NODE_ONE_SIDED } else { 0 };
+        let triangles = if run.has_triangles { NODE_TRIANGLES } else { 0 };
         Self {
             min_hi: hi.to_array(),
             min_lo: lo.to_array(),
             edge: run.bounds.size().max_element() as f32,
             spacing: run.behind.as_ref().map_or([0; 4], sided),
-            flags: NODE_WHOLE | NODE_DISCS | side,
+            flags: NODE_WHOLE | NODE_DISCS | side | triangles,
             ..Self::FLAT
         }
     }
@@ -452,7 +442,8 @@ pub struct VisibleBatch {
     pub num_points: u32,
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
-    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`].
+    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
+    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`].
     pub flags: u32,
     /// [`Node::spacing`].
     pub spacing: [u32; 4],

@@ -23,8 +23,16 @@ const CHOICE: Shared = |variant| match variant.discs {
         concat!(include_str!("../../shaders/steps.inc.wgsl"), include_str!("../../shaders/discs.inc.wgsl"))
     }
 };
-/// The geometry stages' loop over them.
-const LOOP: Shared = shared!("loop");
+/// The geometry stages' loop over them, and over triangles where there may be some.
+const LOOP: Shared = |variant| match variant.discs {
+    false => concat!(
+        include_str!("../../shaders/loop.inc.wgsl"),
+        include_str!("../../shaders/no_triangles.inc.wgsl")
+    ),
+    true => {
+        concat!(include_str!("../../shaders/loop.inc.wgsl"), include_str!("../../shaders/triangles.inc.wgsl"))
+    }
+};
 /// The lengths of sequential point trees.
 const STEPS: Shared = shared!("steps");
 /// The targets of `closest` quality.

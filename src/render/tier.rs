@@ -1,6 +1,6 @@
 //! Which tier of atomics the frame uses: the GPU's best, or what the settings say.
 
-use crate::config::{Config, Tier};
+use crate::config::{Config, LodMethod, Tier};
 use crate::gpu::{Atomics, Gpu};
 use crate::method::Method;
 
@@ -22,6 +22,14 @@ pub enum NoSuchTier {
     F64 {
         /// The GPU.
         name: String,
+        /// Asked for.
+        method: &'static str,
+    },
+    /// The method and what it is to draw.
+    #[error(
+        "frame.method: {method} draws points of one pixel, and a point tree has discs and triangles; set lod.method = \"octree\""
+    )]
+    Sizes {
         /// Asked for.
         method: &'static str,
     },
@@ -53,6 +61,9 @@ pub fn tier(gpu: &Gpu, config: &Config) -> Result<Atomics, NoSuchTier> {
     let method: Method = config.frame.method;
     if wanted < Atomics::Int64 && method.needs_int64() {
         return Err(NoSuchTier::Method { method: method.name(), tier: wanted.name() });
+    }
+    if method == Method::PointList && config.lod.enabled && config.lod.method == LodMethod::Spt {
+        return Err(NoSuchTier::Sizes { method: method.name() });
     }
     if method == Method::Fixed40 && !gpu.has_f64() {
         return Err(NoSuchTier::F64 { name: gpu.name(), method: method.name() });

@@ -3,7 +3,8 @@
 use crate::cloud::spt::Scale;
 use crate::layout::{
     Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, NODE_DISCS,
-    NODE_ONE_SIDED, Node, PRECISION_THRESHOLD_PX, VISIBLE_DISCS, VISIBLE_FILL, ViewUniform, VisibleBatch,
+    NODE_ONE_SIDED, NODE_TRIANGLES, Node, PRECISION_THRESHOLD_PX, VISIBLE_DISCS, VISIBLE_FILL,
+    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -73,6 +74,10 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     }
     if node.flags & NODE_DISCS != 0 {
         flags |= VISIBLE_FILL | VISIBLE_DISCS;
+    }
+    if node.flags & NODE_TRIANGLES != 0 {
+        flags |= VISIBLE_TRIANGLES;
+        planes = 3;
     }
 
     let limit = (HEAD_CELL_LIMIT / HEAD_CELL_STEP) as f32;

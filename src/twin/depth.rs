@@ -3,7 +3,7 @@
 use super::points::Put;
 
 /// `closest` quality: depth ≪ 32 | id.
-pub fn key(keys: &mut [Vec<u64>], Put { eye, pixel, w, id }: Put) {
+pub fn key(keys: &mut [Vec<u64>], Put { eye, pixel, w, id, .. }: Put) {
     let key = u64::from(w.to_bits()) << 32 | u64::from(id);
     keys[eye][pixel] = keys[eye][pixel].min(key);
 }

@@ -10,6 +10,7 @@ pub mod fixed40;
 pub mod lod;
 pub mod points;
 pub mod resolve;
+pub mod triangles;
 
 use crate::cloud::Cloud;
 use crate::cloud::octree::Octree;
@@ -76,6 +77,12 @@ impl<'a> Scene<'a> {
         let colors = if id & 1 == 1 { self.filtered_colors } else { &self.cloud.colors };
         colors[(id >> 1) as usize]
     }
+
+    /// The colour that `hqs` adds to a pixel.
+    fn color_put(&self, put: &points::Put) -> u32 {
+        let mixed = |mixture: triangles::Mixture| mixture.color(&self.cloud.colors);
+        put.mixture.map_or_else(|| self.color(put.id), mixed)
+    }
 }
 
 /// What a frame leaves, an entry an eye where it is of pixels.
@@ -133,7 +140,7 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
             frame.depth = view.eyes.iter().map(|e| clear::pixels(e.size_px, EMPTY_DEPTH)).collect();
             frame.sums = view.eyes.iter().map(|e| clear::pixels(e.size_px, [0; 4])).collect();
             points(&mut |put| depth::nearest(&mut frame.depth, put));
-            points(&mut |put| color::add(&mut frame.sums, &frame.depth, put, scene.color(put.id)));
+            points(&mut |put| color::add(&mut frame.sums, &frame.depth, put, scene.color_put(&put)));
             let eyes = frame.depth.iter().zip(&frame.sums);
             frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums)).collect();
         }

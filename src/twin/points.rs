@@ -1,10 +1,11 @@
 //! Twin of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
 
 use super::cull::shares;
+use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
     DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, VISIBLE_DISCS, VISIBLE_FILL,
-    ViewUniform, VisibleBatch,
+    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -19,8 +20,10 @@ pub struct Put {
     pub pixel: usize,
     /// Linear depth.
     pub w: f32,
-    /// Twice the point's number, and one more if its filtered colour counts.
+    /// Twice the point's number, and one more if its filtered colour counts, or if it is of a triangle.
     pub id: u32,
+    /// Of a triangle.
+    pub mixture: Option<Mixture>,
 }
 
 /// Hands every point in every pixel to `put`. `planes` are the chunk's, and so are `shapes`, if its points are discs;
@@ -35,6 +38,10 @@ pub fn points(
     put: &mut dyn FnMut(Put),
 ) {
     for batch in visible {
+        if let Some(shapes) = shapes.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {
+            triangles(view, num_eyes, batch, planes, shapes, put);
+            continue;
+        }
         for i in 0..batch.num_points {
             let rank = i.reverse_bits();
             if batch.drawn != DRAWN_WHOLE && rank >= batch.drawn {
@@ -64,10 +71,10 @@ pub fn points(
                     let radius = (0.5 * (diameter_px - reach_px(view, uniform, p_in_head)))
                         .clamp(0.0, MAX_FILL_RADIUS as f32);
                     pixels_round(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
-                        put(Put { eye, pixel, w, id });
+                        put(Put { eye, pixel, w, id, mixture: None });
                     });
                 } else {
-                    put(Put { eye, pixel, w, id });
+                    put(Put { eye, pixel, w, id, mixture: None });
                 }
             }
         }

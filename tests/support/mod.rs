@@ -3,9 +3,11 @@
 
 use glam::{DQuat, DVec3};
 use scanwalk::cloud::octree::Octree;
-use scanwalk::cloud::spt::SequentialCloud;
+use scanwalk::cloud::spt::{SequentialCloud, build_spt};
 use scanwalk::cloud::{Cloud, Order, build};
+use scanwalk::config::Quality;
 use scanwalk::gpu::{Atomics, Gpu, readback};
+
 use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
 use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
@@ -13,6 +15,7 @@ use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, Targ
 use scanwalk::scan::{self, ColorSource, Lattice, Points, Scan, ScanFile};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, SynthOptions};
+use scanwalk::twin::Frame;
 use scanwalk::twin::resolve::Pixel;
 use std::sync::{Arc, OnceLock};
 
@@ -229,4 +232,36 @@ pub fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
         Eye { world_from_view: head.then(&cant), fov, size_px, gaze_in_view: Eye::AHEAD }
     };
     View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
+}
+
+pub fn spt_of(scan: &Scan, cull_backfaces: bool) -> SequentialCloud {
+    build_spt(scan, cull_backfaces, &Progress::hidden()).expect("a point tree")
+}
+
+/// Discs that may be wrong by so many pixels.
+pub fn discs(error_px: f32) -> Detail {
+    Detail { error_px: Some(error_px), fill_reach_px: Some([1.0; 3]), ..Detail::default() }
+}
+
+pub fn hqs(detail: Detail) -> Look {
+    Look { quality: Quality::Hqs, background: [1, 2, 3], detail, ..Look::default() }
+}
+
+pub fn tiers() -> Vec<Atomics> {
+    let all = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
+    all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
+}
+
+/// What of a frame differs from the twin's.
+pub fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
+    if drawn.visible != want.visible {
+        return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));
+    }
+    for eye in 0..want.pixels.len() {
+        let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
+        if differing > 0 || drawn.images[eye] != want.images[eye] {
+            return Some(format!("eye {eye}: {differing} pixels"));
+        }
+    }
+    None
 }

@@ -1,7 +1,8 @@
 //! The list as a cloud: runs cut into batches, quantised, with a word for each disc's interval and size beside its
-//! color.
+//! color; and triangles, cut into batches of their own.
 
 use super::clusters::{Cone, cone_of};
+use super::meshlets::{Meshlet, meshlets};
 use super::sequence::{MAX_SPREAD, Sequence, Shape, octave};
 use super::steps::Scale;
 use super::tree::PointTree;
@@ -13,9 +14,11 @@ use crate::space::{Bounds, Split};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A batch ends with its octave, unless it is smaller than this: within an octave, points that follow each other are
-/// neighbours.
+/// A batch ends with its octave, unless it is smaller than this or an eighth of its run: within an octave, points that
+/// follow each other are neighbours.
 const MIN_BATCH_POINTS: u32 = 2048;
+/// What a batch has at least, however short its run: a few discs a thread.
+const MIN_RUN_BATCH_POINTS: u32 = 256;
 /// Discs of a batch. Fewer than the GPU allows, for smaller boxes: a batch is all that is culled.
 const MAX_BATCH_POINTS: u32 = 4096;
 const _: () = assert!(MAX_BATCH_POINTS <= BATCH_POINTS);
@@ -23,15 +26,16 @@ const _: () = assert!(MAX_BATCH_POINTS <= BATCH_POINTS);
 /// A sequential point tree as the GPU wants it.
 #[derive(Clone, Debug)]
 pub struct SequentialCloud {
-    /// The discs: their centres and mean colors.
+    /// The discs: their centres and mean colors. After them the triangles' corners.
     pub cloud: Cloud,
-    /// Beside `cloud.colors`: [`Shape::word`]. Gaps hold zeros, intervals that no tolerance lies in.
+    /// Beside `cloud.colors`: [`Shape::word`], and in a batch of triangles one of these: corner | corner≪8 |
+    /// corner≪16 | step≪24, drawn below that step. Gaps hold zeros, which no tolerance draws.
     pub shapes: Vec<u32>,
     /// What the steps in `shapes` and `intervals` mean.
     pub scale: Scale,
-    /// Of each batch: the smallest `min` and the largest `max` of its discs.
+    /// Of each batch: the smallest `min` and the largest `max` of its discs; of triangles, 0 and the largest step.
     pub intervals: Vec<[u8; 2]>,
-    /// Batches whose discs face the same way.
+    /// Batches whose discs face the same way; the last run is of triangles, if there are any.
     pub runs: Vec<BatchRun>,
     /// Points of the scan.
     pub num_points: u64,
@@ -44,80 +48,134 @@ pub struct BatchRun {
     pub batches: Range<u32>,
     /// Their box, world space.
     pub bounds: Bounds,
-    /// The directions that lead away from all of its discs' fronts; `None` for discs that are seen from any side.
+    /// The directions that lead away from all of its discs' fronts; `None` for discs that are seen from any side,
+    /// as triangles are.
     pub behind: Option<Cone>,
+    /// Its batches are of triangles.
+    pub has_triangles: bool,
 }
 
 /// What a batch is made of.
-struct Plan {
-    entries: Range<usize>,
+struct Plan<'a> {
+    /// Nodes of its entries.
+    nodes: &'a [u32],
+    beside: Beside<'a>,
     first_point: u32,
 }
 
+/// What stands beside the entries of a batch.
+enum Beside<'a> {
+    Discs(&'a [Shape]),
+    Triangles(&'a Meshlet),
+}
+
+impl Beside<'_> {
+    fn word(&self, entry: usize) -> u32 {
+        match self {
+            Self::Discs(shapes) => shapes[entry].word(),
+            Self::Triangles(meshlet) => meshlet.words[entry],
+        }
+    }
+
+    /// Smallest `min` and largest `max`.
+    fn interval(&self) -> [u8; 2] {
+        match self {
+            Self::Discs(shapes) => {
+                shapes.iter().fold([u8::MAX, 0], |[min, max], shape| [min.min(shape.min), max.max(shape.max)])
+            }
+            Self::Triangles(meshlet) => [0, meshlet.max],
+        }
+    }
+}
+
+/// Batches one after the other.
+#[derive(Default)]
+struct Plans<'a> {
+    plans: Vec<Plan<'a>>,
+    /// Words that their columns take.
+    size: u64,
+}
+
+impl<'a> Plans<'a> {
+    fn push(&mut self, nodes: &'a [u32], beside: Beside<'a>) {
+        self.plans.push(Plan { nodes, beside, first_point: self.size as u32 });
+        self.size += (nodes.len() as u64).next_multiple_of(u64::from(POINTS_PER_LOAD));
+    }
+}
+
 impl SequentialCloud {
-    /// Quantises the discs of a tree. `progress` counts each of them.
+    /// Quantises the discs and the triangles of a tree. `progress` counts each disc and each corner.
     ///
-    /// Peak memory above tree and list: 20 B a disc.
+    /// Peak memory above tree and list: 20 B a disc, and 40 B a triangle.
     ///
     /// # Errors
     /// See [`BuildError`].
     pub fn new(tree: &PointTree, sequence: &Sequence, progress: &Progress) -> Result<Self, BuildError> {
-        let mut plans = Vec::new();
-        let mut size = 0u64;
+        let meshlets = meshlets(tree, &sequence.scale);
+        let mut plans = Plans::default();
         let mut run_starts = Vec::new();
         for run in &sequence.runs {
-            run_starts.push(plans.len() as u32);
+            run_starts.push(plans.plans.len() as u32);
             for entries in cut(&sequence.shapes, run.entries.clone()) {
-                let num_points = entries.len() as u64;
-                plans.push(Plan { entries, first_point: size as u32 });
-                size += num_points.next_multiple_of(u64::from(POINTS_PER_LOAD));
+                plans.push(&sequence.nodes[entries.clone()], Beside::Discs(&sequence.shapes[entries]));
             }
         }
-        run_starts.push(plans.len() as u32);
+        run_starts.push(plans.plans.len() as u32);
+        meshlets.iter().for_each(|meshlet| plans.push(&meshlet.nodes, Beside::Triangles(meshlet)));
+        let Plans { plans, size } = plans;
         let num_points = tree.nodes.last().map_or(0, |root| root.num_points);
         if size > u64::from(u32::MAX / 2) {
-            return Err(BuildError::TooManyDiscs(num_points as usize));
+            let num_points = num_points as usize;
+            return Err(match tree.triangles.len() {
+                0 => BuildError::TooManyDiscs(num_points),
+                num_triangles => BuildError::TooManyTriangles { num_points, num_triangles },
+            });
         }
         let mut columns = [(); 5].map(|()| vec![0u32; size as usize]);
-        let filled = fill(tree, sequence, &plans, &mut columns, progress);
+        let filled = fill(tree, &plans, &mut columns, progress);
         if progress.stopped() {
             return Err(BuildError::Stopped);
         }
-        let runs = sequence.runs.iter().zip(run_starts.windows(2)).map(|(run, starts)| {
+        let bounds_of = |batches: &Range<u32>| {
+            let of_run = &filled[batches.start as usize..batches.end as usize];
+            of_run.iter().fold(Bounds::EMPTY, |b, (_, bounds)| b.union(*bounds))
+        };
+        let of_discs = sequence.runs.iter().zip(run_starts.windows(2)).map(|(run, starts)| {
             let batches = starts[0]..starts[1];
-            let of_run = &filled[starts[0] as usize..starts[1] as usize];
-            let bounds = of_run.iter().fold(Bounds::EMPTY, |b, (_, bounds)| b.union(*bounds));
             let behind = run.cluster.and_then(|cluster| cone_of(cluster).behind(f64::from(MAX_SPREAD)));
-            BatchRun { batches, bounds, behind }
+            BatchRun { bounds: bounds_of(&batches), batches, behind, has_triangles: false }
         });
-        let runs = runs.collect();
+        let batches = plans.len() as u32 - meshlets.len() as u32..plans.len() as u32;
+        let of_triangles = (!batches.is_empty()).then(|| BatchRun {
+            bounds: bounds_of(&batches),
+            batches,
+            behind: None,
+            has_triangles: true,
+        });
+        let runs = of_discs.chain(of_triangles).collect();
         let [hi, mid, lo, colors, shapes] = columns;
-        let intervals = plans.iter().map(|plan| interval(&sequence.shapes[plan.entries.clone()])).collect();
+        let intervals = plans.iter().map(|plan| plan.beside.interval()).collect();
         let cloud = Cloud {
             split: Split::of(&tree.bounds),
             bounds: tree.bounds,
             batches: filled.into_iter().map(|(batch, _)| batch).collect(),
             planes: [hi, mid, lo],
             colors,
-            num_points: sequence.nodes.len() as u64,
+            num_points: plans.iter().map(|plan| plan.nodes.len() as u64).sum(),
         };
         Ok(Self { cloud, shapes, scale: sequence.scale, intervals, runs, num_points: u64::from(num_points) })
     }
-}
-
-/// Smallest `min` and largest `max` of some discs.
-fn interval(shapes: &[Shape]) -> [u8; 2] {
-    shapes.iter().fold([u8::MAX, 0], |[min, max], shape| [min.min(shape.min), max.max(shape.max)])
 }
 
 /// A run's entries, batch by batch.
 fn cut(shapes: &[Shape], run: Range<usize>) -> Vec<Range<usize>> {
     let mut batches = Vec::new();
     let mut start = run.start;
+    let min_points = (run.len() as u32 / 8).clamp(MIN_RUN_BATCH_POINTS, MIN_BATCH_POINTS);
     for entry in run.clone() {
         let (num_points, next) = ((entry + 1 - start) as u32, shapes[..run.end].get(entry + 1));
         let falls = next.is_none_or(|next| octave(next.max) < octave(shapes[entry].max));
-        if num_points == MAX_BATCH_POINTS || falls && num_points >= MIN_BATCH_POINTS || entry + 1 == run.end {
+        if num_points == MAX_BATCH_POINTS || falls && num_points >= min_points || entry + 1 == run.end {
             batches.push(start..entry + 1);
             start = entry + 1;
         }
@@ -128,7 +186,6 @@ fn cut(shapes: &[Shape], run: Range<usize>) -> Vec<Range<usize>> {
 /// Fills the planes, the colors and the shapes, and tells each batch with its true box.
 fn fill(
     tree: &PointTree,
-    sequence: &Sequence,
     plans: &[Plan],
     columns: &mut [Vec<u32>; 5],
     progress: &Progress,
@@ -136,7 +193,7 @@ fn fill(
     let mut rest = columns.each_mut().map(|column| &mut column[..]);
     let mut slots = Vec::with_capacity(plans.len());
     for plan in plans {
-        let count = plan.entries.len().next_multiple_of(POINTS_PER_LOAD as usize);
+        let count = plan.nodes.len().next_multiple_of(POINTS_PER_LOAD as usize);
         slots.push(rest.each_mut().map(|column| {
             let (own, later) = std::mem::take(column).split_at_mut(count);
             *column = later;
@@ -144,7 +201,7 @@ fn fill(
         }));
     }
     let of_batch = |(plan, [hi, mid, lo, colors, shapes]): (&Plan, [&mut [u32]; 5])| {
-        let nodes = &sequence.nodes[plan.entries.clone()];
+        let nodes = plan.nodes;
         let positions = || nodes.iter().map(|&node| tree.position(node as usize));
         let bounds = positions().fold(Bounds::EMPTY, Bounds::with);
         let cells = Cells::covering(&bounds);
@@ -152,7 +209,7 @@ fn fill(
             for (i, (p, &node)) in positions().zip(nodes).enumerate() {
                 [hi[i], mid[i], lo[i]] = planes(cells.quantize(p));
                 colors[i] = tree.nodes[node as usize].color;
-                shapes[i] = sequence.shapes[plan.entries.start + i].word();
+                shapes[i] = plan.beside.word(i);
             }
             progress.add(nodes.len() as u64);
         }

@@ -24,21 +24,33 @@
 //! million points seen from within, half as many are read as in the paper's order. Lengths are kept in
 //! steps of an eighth of an octave ([`Scale`]), so that a disc's interval and size are three bytes.
 //!
-//! **Sides.** Normals are estimated from neighbours ([`normals`]), and which side of a surface the scanner saw is
-//! unknown. Until a file tells, a normal is an axis: before normals are averaged they are turned into one
-//! hemisphere, and nothing is culled for facing away. Given oriented normals, the list is cut into one run for each
-//! of the clusters of [SPT §3.10], see [`clusters`].
+//! **Sides.** A point's normal is its file's; else the mean of its triangles', by their areas; else estimated from
+//! neighbours ([`normals`]), and then which side of a surface was seen is unknown: the normal is an axis. Axes are
+//! turned into one hemisphere before they are averaged, and nothing is culled for facing away. Where sides are known
+//! and wanted, the list is cut into one run for each of the clusters of [SPT §3.10], see [`clusters`]. Files with and
+//! without may mix: a disc has a side if all of its points have. Sides are wanted only on request, since files'
+//! normals are often wrong; without, they are axes too.
+//!
+//! **Triangles** of meshes are drawn where they are larger than the tolerance, and the discs there are not [SPT §3.8]:
+//! see [`mesh`]. They are batches beside those of the discs, culled in the same way, and the stages that draw points
+//! draw them into the same pixels. A triangle is tested as a whole, at its corner nearest to the eye, where the paper
+//! tests each corner and lets the hardware cut the triangle: rather too many are drawn than too few. Both of its faces
+//! are, always.
 //!
 //! **Fuzzy blending.** The depth test with a tolerance and running average that [SPT §5] asks of future hardware is
 //! what `hqs` does in two dispatches: the nearest depth first, then the mean of all within a tolerance of it.
 //!
-//! Left out: triangles above the threshold [SPT §3.8], since no input has any; the test with view-dependent error,
-//! which the paper found to gain nothing [SPT §3.7].
+//! Left out: the test with view-dependent error, which the paper found to gain nothing [SPT §3.7]; more than one
+//! workgroup for a triangle, however many pixels it covers.
 
 mod batches;
 pub mod clusters;
 mod cubes;
 pub mod error;
+pub mod mesh;
+#[cfg(test)]
+mod mesh_tests;
+mod meshlets;
 mod neighbors;
 pub mod normals;
 mod sequence;
@@ -48,6 +60,7 @@ mod tests;
 mod tree;
 
 pub use batches::{BatchRun, SequentialCloud};
+pub use mesh::Triangle;
 pub use sequence::{Run, Sequence, Shape};
 pub use steps::Scale;
 pub use tree::{Node, PointTree};
@@ -57,7 +70,6 @@ use super::build::{check, sort};
 use super::index::Index;
 use crate::progress::Progress;
 use crate::scan::Scan;
-use glam::Vec3;
 
 /// The radians that the tolerance may span at most: ε / pixels per radian. The overlap of neighbouring intervals is
 /// made for it, so that a surface seen from different distances has no holes [SPT §3.6].
@@ -76,39 +88,36 @@ struct Sorted<'a> {
 /// Morton code, and number in the [`Index`].
 type Key = (u64, u32);
 
-/// Builds the sequential point tree of a scan, ready for the GPU; see [`build_point_tree`].
+/// Builds the sequential point tree of a scan, ready for the GPU; see [`build_point_tree`]. With `cull_backfaces`,
+/// discs whose sides are known are not read where they show the eye their backs.
 ///
 /// `progress` counts each point twice and each disc once: three and a half times as many as points, about.
 ///
-/// Peak memory above the scan: 110 B a point, where inner nodes are half as many as points.
+/// Peak memory above the scan: 110 B a point, where inner nodes are half as many as points, and 56 B a triangle.
 ///
 /// # Errors
 /// See [`BuildError`].
 pub fn build_spt(
     scan: &Scan,
-    normals: Option<&[Vec3]>,
+    cull_backfaces: bool,
     progress: &Progress,
 ) -> Result<SequentialCloud, BuildError> {
-    let tree = build_point_tree(scan, normals, progress)?;
+    let tree = build_point_tree(scan, cull_backfaces, progress)?;
     let sequence = Sequence::new(&tree, MAX_TOLERANCE_RAD);
     SequentialCloud::new(&tree, &sequence, progress)
 }
 
-/// Builds the point tree of a scan, on all cores. `normals`, one a point in the order of the files, point away from
-/// the surface's seen side; without them normals are estimated and have no side.
+/// Builds the point tree of a scan, on all cores. `with_sides`: normals that files or triangles tell have a side, and
+/// are no axes.
 ///
 /// `progress` counts each point twice: once its normal is known, once it is in the tree.
 ///
-/// Peak memory above the scan: 24 B a point for keys and leaves, and 60 B for the tree, where inner nodes are half as
-/// many as points; 48 B while leaves are made.
+/// Peak memory above the scan: 28 B a point for keys and leaves, and 60 B for the tree, where inner nodes are half as
+/// many as points; 56 B while leaves are made. With triangles, 32 B a point meanwhile, and 16 B a triangle.
 ///
 /// # Errors
 /// See [`BuildError`].
-pub fn build_point_tree(
-    scan: &Scan,
-    normals: Option<&[Vec3]>,
-    progress: &Progress,
-) -> Result<PointTree, BuildError> {
+pub fn build_point_tree(scan: &Scan, with_sides: bool, progress: &Progress) -> Result<PointTree, BuildError> {
     let (num_points, bounds) = check(scan)?;
     if num_points > MAX_POINTS {
         return Err(BuildError::TooManyDiscs(num_points));
@@ -117,14 +126,14 @@ pub fn build_point_tree(
     let keys = sort(&index, &bounds);
     let sorted = Sorted { index, keys };
     let mut leaves = neighbors::leaves(&sorted, progress);
-    if let Some(normals) = normals {
-        leaves.iter_mut().zip(&sorted.keys).for_each(|(leaf, key)| {
-            leaf.normal = normals::pack(normals[key.1 as usize].as_dvec3());
-        });
-    }
+    mesh::inform(&mut leaves, &sorted, scan, with_sides);
     if progress.stopped() {
         return Err(BuildError::Stopped);
     }
-    let tree = tree::build(&sorted, &leaves, &bounds, normals.is_some(), progress);
-    if progress.stopped() { Err(BuildError::Stopped) } else { Ok(tree) }
+    let mut tree = tree::build(&sorted, &leaves, &bounds, progress);
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    tree.triangles = mesh::triangles(scan, &sorted, &tree);
+    Ok(tree)
 }

@@ -4,7 +4,7 @@
 //! neighbours of all its points. Nothing depends on threads or on chance.
 
 use super::cubes::Cube;
-use super::tree::Leaf;
+use super::tree::{Leaf, NO_SIDE};
 use super::{Key, Sorted, normals};
 use crate::cloud::morton::{BITS, compact, spread};
 use crate::progress::Progress;
@@ -23,7 +23,7 @@ const NORMAL_NEIGHBORS: usize = 12;
 /// Which neighbour tells how far apart points lie: on a square grid, the four nearest are equally far.
 const SPACING_NEIGHBOR: usize = 4;
 /// How much wider than that a leaf's disc is: it must reach over the diagonal, and points lie irregularly.
-const OVERLAP: f32 = 1.5;
+pub(super) const OVERLAP: f32 = 1.5;
 /// Points that lie further from their neighbours than these do from theirs, by this factor, are no surface but
 /// strays, which would be drawn as large discs.
 const STRAY: f32 = 1.5;
@@ -114,7 +114,8 @@ impl Search<'_> {
             *point = self.candidates[i as usize].1.as_dvec3();
         }
         let normal = normals::least_spread(&points[..=self.nearest.len()]);
-        (Leaf { normal: normals::pack(normal), diameter: OVERLAP * spacing }, nearest as u32)
+        let leaf = Leaf { normal: normals::pack(normal), diameter: OVERLAP * spacing, spread: NO_SIDE };
+        (leaf, nearest as u32)
     }
 }
 

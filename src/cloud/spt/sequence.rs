@@ -1,6 +1,7 @@
 //! The tree as a list: an interval of tolerance for each disc, sorted [SPT §3.6, 3.7].
 
 use super::clusters::{NUM_CLUSTERS, cluster_of};
+use super::mesh;
 use super::steps::{ENDLESS, Scale};
 use super::tree::PointTree;
 use rayon::prelude::*;
@@ -9,7 +10,7 @@ use std::ops::Range;
 /// When a disc is drawn, and how large: everything that the GPU's test needs beside the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Drawn from this step of tolerance on: the disc's own error.
+    /// Drawn from this step of tolerance on: the disc's own error, and its floor; see [`super::mesh`].
     pub min: u8,
     /// Drawn below this step: the error of its parent and the overlap; [`ENDLESS`] for the root.
     pub max: u8,
@@ -45,11 +46,11 @@ pub struct Run {
 pub struct Sequence {
     /// What the shapes' steps mean.
     pub scale: Scale,
-    /// Number of each entry's node.
+    /// Number of each entry's node. Nodes that no tolerance draws have none.
     pub nodes: Vec<u32>,
     /// Of each entry; the octave of `max` falls within a run, and entries of one stand in Morton order.
     pub shapes: Vec<Shape>,
-    /// One without oriented normals, else one for each direction that there is, and one for discs without side.
+    /// One where no normal has a side, else one for each direction that there is, and one for discs without side.
     pub runs: Vec<Run>,
 }
 
@@ -69,17 +70,24 @@ impl Sequence {
     pub fn new(tree: &PointTree, max_tolerance_rad: f64) -> Self {
         let largest = tree.nodes.last().map_or(0.0, |root| root.diameter);
         let scale = Scale::up_to(largest);
-        let shape = |number: usize| shape(tree, &scale, max_tolerance_rad, number);
+        let floors = mesh::floors(tree, &scale);
+        let shape = |number: usize| {
+            let shape = shape(tree, &scale, max_tolerance_rad, number);
+            let floor = floors.get(number).copied().unwrap_or(0);
+            let radius = 0.5 * f64::from(tree.nodes[number].diameter);
+            Shape { min: shape.min.max(mesh::first_step(&scale, floor, radius, max_tolerance_rad)), ..shape }
+        };
         let cluster = |number: usize| {
             let node = &tree.nodes[number];
-            if tree.is_oriented && node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
+            if node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
         };
         // Cluster, then octaves from the largest on, then Morton order.
         let key = |number: usize| {
-            let falling = u64::from(u8::MAX - octave(shape(number).max));
-            u64::from(cluster(number)) << 40 | falling << 32 | number as u64
+            let Shape { min, max, .. } = shape(number);
+            let falling = u64::from(u8::MAX - octave(max));
+            (min < max).then(|| u64::from(cluster(number)) << 40 | falling << 32 | number as u64)
         };
-        let mut keys: Vec<u64> = (0..tree.nodes.len()).into_par_iter().map(key).collect();
+        let mut keys: Vec<u64> = (0..tree.nodes.len()).into_par_iter().filter_map(key).collect();
         keys.par_sort_unstable();
         let runs = keys.chunk_by(|a, b| a >> 40 == b >> 40).scan(0, |end, run| {
             let start = *end;

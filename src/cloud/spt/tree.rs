@@ -2,6 +2,7 @@
 
 use super::cubes::Cube;
 use super::error::{self, Disc};
+use super::mesh::Triangle;
 use super::{Sorted, normals};
 use crate::progress::Progress;
 use crate::space::Bounds;
@@ -13,6 +14,9 @@ const PART_POINTS: usize = 1 << 14;
 /// Lattice steps along the longest edge of the cloud.
 const LATTICE_STEPS: f64 = u32::MAX as f64;
 
+/// Spread of a normal without a side, which may as well point the other way, radians.
+pub(super) const NO_SIDE: f32 = std::f32::consts::PI;
+
 /// What is known of a point beside its place and color.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leaf {
@@ -20,6 +24,8 @@ pub(super) struct Leaf {
     pub normal: u32,
     /// Of its disc, world units.
     pub diameter: f32,
+    /// 0, or [`NO_SIDE`].
+    pub spread: f32,
 }
 
 /// A disc: a point, or what stands for several from afar.
@@ -35,7 +41,7 @@ pub struct Node {
     pub diameter: f32,
     /// How far the disc is from what it stands for, world units: 0 for a point, else not less than any child's.
     pub error: f32,
-    /// Largest angle between its normal and those of its points, at most, radians.
+    /// Largest angle between its normal and those of its points, at most, radians; π if one of these has no side.
     pub spread: f32,
     /// Points that it stands for; 1 for a leaf.
     pub num_points: u32,
@@ -53,8 +59,8 @@ pub struct PointTree {
     /// A step of the lattice that positions lie on, world units: the longest edge, 2³² times cut, which is finer
     /// than any batch's cells.
     pub step: f64,
-    /// Normals tell a side: they point to where the surface is seen from.
-    pub is_oriented: bool,
+    /// Of meshes, those that are not degenerate.
+    pub triangles: Vec<Triangle>,
 }
 
 impl PointTree {
@@ -99,15 +105,9 @@ struct Part {
 }
 
 /// The tree over sorted points, at least one. Worthless if `progress` says stop.
-pub(super) fn build(
-    sorted: &Sorted,
-    leaves: &[Leaf],
-    bounds: &Bounds,
-    is_oriented: bool,
-    progress: &Progress,
-) -> PointTree {
+pub(super) fn build(sorted: &Sorted, leaves: &[Leaf], bounds: &Bounds, progress: &Progress) -> PointTree {
     let step = bounds.size().max_element() / LATTICE_STEPS;
-    let tree = PointTree { nodes: Vec::new(), bounds: *bounds, step, is_oriented };
+    let tree = PointTree { nodes: Vec::new(), bounds: *bounds, step, triangles: Vec::new() };
     let mut cubes = Vec::new();
     let root = Cube::root(&sorted.keys);
     small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
@@ -142,7 +142,7 @@ fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
 }
 
 /// The next f32, so that a sphere still holds all that it held.
-fn rounded_up(length: f64) -> f32 {
+pub(super) fn rounded_up(length: f64) -> f32 {
     let rounded = length as f32;
     if f64::from(rounded) < length { rounded.next_up() } else { rounded }
 }
@@ -195,10 +195,10 @@ impl Builder<'_> {
 
     fn leaf(&mut self, key: usize) -> Sums {
         let (p_in_world, color) = self.sorted.index.point(self.sorted.keys[key].1 as usize);
-        let Leaf { normal, diameter } = self.leaves[key];
+        let Leaf { normal, diameter, spread } = self.leaves[key];
         let offset = p_in_world - self.tree.bounds.min;
         let position = self.on_lattice(offset);
-        let node = Node { position, normal, color, diameter, error: 0.0, spread: 0.0, num_points: 1, up: 0 };
+        let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
         self.tree.nodes.push(node);
         Sums { position: offset, rgb: [0, 8, 16].map(|shift| u64::from(color >> shift & 255)) }
     }
@@ -240,12 +240,12 @@ impl Builder<'_> {
         }
     }
 
-    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Axes, which
-    /// have no side, are first turned into the hemisphere of those before them.
+    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Those
+    /// without a side are first turned into the hemisphere of those before them.
     fn mean_normal(&self, children: &[usize]) -> (DVec3, f32) {
-        let is_oriented = self.tree.is_oriented;
-        let turned =
-            |normal: DVec3, to: DVec3| if is_oriented || normal.dot(to) >= 0.0 { normal } else { -normal };
+        let turned = |normal: DVec3, node: &Node, to: DVec3| {
+            if node.spread < NO_SIDE || normal.dot(to) >= 0.0 { normal } else { -normal }
+        };
         let of_children = || {
             children.iter().map(|&child| {
                 let node = &self.tree.nodes[child];
@@ -254,15 +254,15 @@ impl Builder<'_> {
         };
         let mut sum = DVec3::ZERO;
         for (normal, node) in of_children() {
-            sum += f64::from(node.num_points) * turned(normal, sum);
+            sum += f64::from(node.num_points) * turned(normal, node, sum);
         }
         let Some(mean) = sum.try_normalize() else {
             // They cancel out: no direction is better than another, and none is far enough from the opposite.
-            return (DVec3::Z, std::f32::consts::PI);
+            return (DVec3::Z, NO_SIDE);
         };
         let angle = |(normal, node): (DVec3, &Node)| {
-            let cos = turned(normal, mean).dot(mean).clamp(-1.0, 1.0);
-            (libm::acos(cos) as f32 + node.spread).min(std::f32::consts::PI)
+            let cos = turned(normal, node, mean).dot(mean).clamp(-1.0, 1.0);
+            (libm::acos(cos) as f32 + node.spread).min(NO_SIDE)
         };
         (mean, of_children().map(angle).fold(0.0, f32::max))
     }

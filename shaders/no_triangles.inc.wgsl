@@ -1,0 +1,3 @@
+// Triangles where there are none: in flat clouds and octrees.
+
+fn draw_triangles(batch: VisibleBatch) {}

@@ -1,0 +1,170 @@
+// Triangles of meshes, beside the discs of a sequential point tree. [SPT §3.8] Their corners are the batch's points; the
+// word beside point i is triangle i: corner | corner≪8 | corner≪16 | step of its longest side≪24.
+//
+// A pixel belongs to a triangle if its centre does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are of
+// homogeneous coordinates, so that triangles need not be clipped at the near plane. [Olano and Greer 1997]
+//
+// A thread draws a triangle; large ones wait until all threads draw them together. Where the stage is CONVERGED, all
+// triangles do.
+
+/// Pixels in the box of a triangle that a thread draws alone.
+const OWN_PIXELS: i32 = 64;
+
+struct Triangle {
+    /// Of the corners: pixel coordinates times w, and w.
+    x: vec3<f32>,
+    y: vec3<f32>,
+    w: vec3<f32>,
+    /// How far below 0 the edge functions may be.
+    slack: vec3<f32>,
+    /// The pixels to look at, both included; none if it is not drawn.
+    first: vec2<i32>,
+    last: vec2<i32>,
+    /// The corners' points, numbers in the chunk.
+    points: vec3<u32>,
+}
+
+/// Triangles that all threads are to draw together: numbers in the batch.
+var<workgroup> waiting: array<u32, WORKGROUP_SIZE>;
+var<workgroup> num_waiting: atomic<u32>;
+
+/// What `put` has of the triangle that an odd id is of: its corners' points, and their shares of the pixel.
+var<private> mixed_points: vec3<u32>;
+var<private> mixed_shares: vec3<f32>;
+
+fn word_of(point: u32) -> u32 {
+    return shapes[point / POINTS_PER_LOAD][point % POINTS_PER_LOAD];
+}
+
+// Position in head space. Batches of triangles are always read at 30 bits.
+fn corner_in_head(batch: VisibleBatch, point: u32) -> vec3<f32> {
+    let load = point / POINTS_PER_LOAD;
+    let lane = point % POINTS_PER_LOAD;
+    let shift = vec3<u32>(0u, PLANE_BITS, 2u * PLANE_BITS);
+    let hi = (vec3<u32>(plane_hi[load][lane]) >> shift) & vec3<u32>(MASK);
+    let mid = (vec3<u32>(plane_mid[load][lane]) >> shift) & vec3<u32>(MASK);
+    let lo = (vec3<u32>(plane_lo[load][lane]) >> shift) & vec3<u32>(MASK);
+    let cells = (hi << vec3<u32>(20u)) | (mid << vec3<u32>(10u)) | lo;
+    return vec3<f32>(vec3<i32>(cells) - batch.head_cell) * batch.cell + batch.offset;
+}
+
+fn corner_row(r: vec4<f32>, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> vec3<f32> {
+    return r.x * x + r.y * y + r.z * z + r.w;
+}
+
+// Triangle `number` of the batch as an eye sees it.
+fn triangle_of(eye: u32, batch: VisibleBatch, number: u32) -> Triangle {
+    var t: Triangle;
+    t.last = vec2<i32>(-1);
+    if number >= batch.num_points {
+        return t;
+    }
+    let word = word_of(batch.first_point + number);
+    t.points = vec3<u32>(batch.first_point) + ((vec3<u32>(word) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u));
+    let a = corner_in_head(batch, t.points.x);
+    let b = corner_in_head(batch, t.points.y);
+    let c = corner_in_head(batch, t.points.z);
+    let x = vec3<f32>(a.x, b.x, c.x);
+    let y = vec3<f32>(a.y, b.y, c.y);
+    let z = vec3<f32>(a.z, b.z, c.z);
+
+    // The tolerance at the nearest corner.
+    let dx = x - view.eyes[eye].eye_in_head.x;
+    let dy = y - view.eyes[eye].eye_in_head.y;
+    let dz = z - view.eyes[eye].eye_in_head.z;
+    let distance_sq = dx * dx + dy * dy + dz * dz;
+    let nearest = sqrt(min(distance_sq.x, min(distance_sq.y, distance_sq.z)));
+    if step_below(view.eyes[eye].tolerance_rad * nearest) >= word >> 24u {
+        return t;
+    }
+
+    t.x = corner_row(view.eyes[eye].row_x, x, y, z);
+    t.y = corner_row(view.eyes[eye].row_y, x, y, z);
+    t.w = corner_row(view.eyes[eye].row_w, x, y, z);
+    // An edge function grows by this much a pixel.
+    let growth_x = t.x.zxy * t.w.yzx - t.x.yzx * t.w.zxy;
+    let growth_y = t.y.zxy * t.w.yzx - t.y.yzx * t.w.zxy;
+    t.slack = TRIANGLE_SLACK_PX * sqrt(growth_x * growth_x + growth_y * growth_y);
+
+    let size = view.eyes[eye].size_px;
+    if min(t.w.x, min(t.w.y, t.w.z)) > view.near {
+        // Centres of pixels lie at halves.
+        let u = t.x / t.w - 0.5;
+        let v = t.y / t.w - 0.5;
+        let low = vec2<f32>(min(u.x, min(u.y, u.z)), min(v.x, min(v.y, v.z))) - TRIANGLE_SLACK_PX;
+        let high = vec2<f32>(max(u.x, max(u.y, u.z)), max(v.x, max(v.y, v.z))) + TRIANGLE_SLACK_PX;
+        t.first = vec2<i32>(clamp(ceil(low), vec2<f32>(0.0), size));
+        t.last = vec2<i32>(clamp(floor(high), vec2<f32>(-1.0), size - 1.0));
+    } else if max(t.w.x, max(t.w.y, t.w.z)) > view.near {
+        t.last = vec2<i32>(size) - 1;
+    }
+    return t;
+}
+
+fn num_pixels_of(t: Triangle) -> i32 {
+    let size = max(t.last - t.first + 1, vec2<i32>(0));
+    return size.x * size.y;
+}
+
+// Puts a triangle into pixel number `at` of those to look at, if it covers it.
+fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
+    let width = max(t.last.x - t.first.x + 1, 1);
+    let px = t.first + vec2<i32>(at % width, at / width);
+    // The corners from the pixel's centre, times w.
+    let x = t.x - (f32(px.x) + 0.5) * t.w;
+    let y = t.y - (f32(px.y) + 0.5) * t.w;
+    let edge = x.yzx * y.zxy - x.zxy * y.yzx;
+    let is_front = all(edge >= -t.slack);
+    let is_back = all(edge <= t.slack);
+    // Shares of the corners in space, not yet of a sum of 1: their mean has the pixel's depth.
+    let shares = max(select(-edge, edge, is_front), vec3<f32>(0.0));
+    let sum = shares.x + shares.y + shares.z;
+    let w = (t.w.x * shares.x + t.w.y * shares.y + t.w.z * shares.z) / sum;
+    let is_inside = exists && (is_front || is_back) && sum > 0.0 && w > view.near;
+
+    mixed_points = t.points;
+    mixed_shares = shares / sum;
+    // The corner with the largest share gives the id.
+    var point = select(t.points.y, t.points.x, shares.x >= shares.y);
+    point = select(t.points.z, point, max(shares.x, shares.y) >= shares.z);
+    let pixel = u32(px.y) * view.eyes[eye].width + u32(px.x);
+    put_seen(eye, select(NO_PIXEL, pixel, is_inside), w, (point << 1u) | 1u);
+}
+
+fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {
+    let own = triangle_of(eye, batch, number);
+    let num_own = num_pixels_of(own);
+    if !CONVERGED && num_own <= OWN_PIXELS {
+        for (var at = 0; at < num_own; at += 1) {
+            put_triangle(eye, own, at, true);
+        }
+    } else if num_own > 0 {
+        waiting[atomicAdd(&num_waiting, 1u)] = number;
+    }
+    workgroupBarrier();
+    let num_together = atomicLoad(&num_waiting);
+    for (var i = 0u; i < num_together; i += 1u) {
+        let t = triangle_of(eye, batch, waiting[i]);
+        let num_pixels = num_pixels_of(t);
+        for (var at = 0; at < num_pixels; at += i32(WORKGROUP_SIZE)) {
+            let own_at = at + i32(this_thread);
+            put_triangle(eye, t, own_at, own_at < num_pixels);
+        }
+    }
+    workgroupBarrier();
+    if this_thread == 0u {
+        atomicStore(&num_waiting, 0u);
+    }
+    workgroupBarrier();
+}
+
+// All threads of the workgroup come here together.
+fn draw_triangles(batch: VisibleBatch) {
+    for (var first = 0u; first < batch.num_points; first += WORKGROUP_SIZE) {
+        for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
+            if (batch.flags & (16u << eye)) != 0u {
+                draw_triangle_each(eye, batch, first + this_thread);
+            }
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Bits of the structs' `flags`.
+
+#[cfg(doc)]
+use super::{Node, ViewUniform, VisibleBatch};
+
+/// [`ViewUniform::flags`]: points of a node appear one by one.
+pub const LOD_FADE: u32 = 1;
+/// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
+pub const LOD_SMOOTH: u32 = 2;
+/// [`ViewUniform::flags`]: batches that neither eye sees are drawn too.
+pub const KEEP_UNSEEN: u32 = 4;
+/// [`Node::flags`]: drawn whole, always.
+pub const NODE_WHOLE: u32 = 1;
+/// [`Node::flags`]: drawn always, though with fewer points when it is small.
+pub const NODE_ROOT: u32 = 2;
+/// [`Node::flags`]: a run of a sequential point tree, drawn at an interval of tolerances; its points are discs, or
+/// corners of [`NODE_TRIANGLES`].
+pub const NODE_DISCS: u32 = 4;
+/// [`Node::flags`]: a run whose discs have a back, which nobody is to see.
+pub const NODE_ONE_SIDED: u32 = 8;
+/// [`Node::flags`]: a run of triangles.
+pub const NODE_TRIANGLES: u32 = 16;
+/// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
+pub const VISIBLE_FILL: u32 = 64;
+/// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
+pub const VISIBLE_DISCS: u32 = 128;
+/// [`VisibleBatch::flags`]: points are corners of triangles.
+pub const VISIBLE_TRIANGLES: u32 = 256;
