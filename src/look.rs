@@ -26,7 +26,7 @@ impl Look {
         let frame = &config.frame;
         // The kernels of the rings bridge two, four and six empty pixels. Points lie unevenly: where the mean gap
         // comes near that, there are pinholes.
-        let reach_px = if frame.dilate == Dilate::Rings { [2.0, 4.0, 6.0] } else { [1.0; 3] };
+        let reach_px = if frame.dilate == Dilate::Rings { [2.0, 3.5, 5.0] } else { [1.0; 3] };
         // Discs have their sizes, and are drawn so.
         let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
         let detail = Detail {

@@ -63,7 +63,7 @@ fn largest_pop(octree: &Octree, look: Look) -> f64 {
 fn fading_keeps_patches_from_popping() {
     let octree = courtyard();
     for (name, dilate, fill_reach_px, aim) in
-        [("points alone", Dilate::Off, None, 0.1), ("whole frame", Dilate::Rings, Some([2.0, 4.0, 6.0]), 0.5)]
+        [("points alone", Dilate::Off, None, 0.1), ("whole frame", Dilate::Rings, Some([2.0, 3.5, 5.0]), 0.5)]
     {
         let pop = |fade| {
             let detail = Detail { fade, fill_reach_px, ..Detail::default() };

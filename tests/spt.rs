@@ -257,9 +257,9 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         let view = stereo(place.eye, place.target, [400, 400]);
         let look = |detail: Detail| Look { dilate: Dilate::Rings, ..hqs(detail) };
         let fine =
-            Detail { threshold_px: [50.0; 3], fill_reach_px: Some([2.0, 4.0, 6.0]), ..Detail::default() };
+            Detail { threshold_px: [50.0; 3], fill_reach_px: Some([2.0, 3.5, 5.0]), ..Detail::default() };
         let want = twin::frame(&Scene::layered(&octree), &view, &look(fine), None);
-        let detail = Detail { fill_reach_px: Some([2.0, 4.0, 6.0]), ..discs(1.0) };
+        let detail = Detail { fill_reach_px: Some([2.0, 3.5, 5.0]), ..discs(1.0) };
         let got = twin::frame(&scene, &view, &look(detail), None);
         let psnr = psnr_db(&got, &want);
         println!(
