@@ -11,17 +11,15 @@ var<private> this_thread: u32;
 
 // Pixels that points may be wide without being drawn larger than one, by the ring in which the eye sees them: what
 // dilation closes there in any case. The terms are added in the twin's order.
-fn reach_px(eye: u32, points: Turn) -> vec4<f32> {
+fn reach_px(eye: u32, p_in_head: vec3<f32>) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
-    let x = points.x - view.eyes[eye].eye_in_head.x;
-    let y = points.y - view.eyes[eye].eye_in_head.y;
-    let z = points.z - view.eyes[eye].eye_in_head.z;
-    let along = x * gaze.x + y * gaze.y + z * gaze.z;
+    let p = p_in_head - view.eyes[eye].eye_in_head;
+    let along = p.x * gaze.x + p.y * gaze.y + p.z * gaze.z;
     let along_sq = along * abs(along);
-    let distance_sq = x * x + y * y + z * z;
+    let distance_sq = p.x * p.x + p.y * p.y + p.z * p.z;
     let cos_sq = view.ring_cos * abs(view.ring_cos);
-    let outer = select(vec4<f32>(view.fill_reach_px.z), vec4<f32>(view.fill_reach_px.y), along_sq >= cos_sq.y * distance_sq);
-    return select(outer, vec4<f32>(view.fill_reach_px.x), along_sq >= cos_sq.x * distance_sq);
+    let outer = select(view.fill_reach_px.z, view.fill_reach_px.y, along_sq >= cos_sq.y * distance_sq);
+    return select(outer, view.fill_reach_px.x, along_sq >= cos_sq.x * distance_sq);
 }
 
 // A point that is `diameter` world units wide, as a disc of pixels round its own.
@@ -60,9 +58,9 @@ fn draw(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
     let p = project(eye, points.x, points.y, points.z, chosen);
     let id = points.id;
     if FILL && (batch.flags & VISIBLE_FILL) != 0u {
-        let reach = reach_px(eye, points);
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
-            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i], reach[i]);
+            let reach = reach_px(eye, vec3<f32>(points.x[i], points.y[i], points.z[i]));
+            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i], reach);
         }
         return;
     }
