@@ -9,11 +9,6 @@
 const EMPTY: vec2<u32> = vec2<u32>(EMPTY_DEPTH, 0u);
 const OPAQUE: u32 = 0xff000000u;
 
-// Grows with x on both sides of 0, so that cosines compare without the root that a direction's length needs.
-fn signed_square(x: f32) -> f32 {
-    return x * abs(x);
-}
-
 // How far the pixel's kernel reaches: 1, 2, 3 by the ring that its centre lies in. The terms are added in the
 // twin's order.
 fn radius_px(x: i32, y: i32) -> u32 {
@@ -25,12 +20,7 @@ fn radius_px(x: i32, y: i32) -> u32 {
     let per_px = view.eyes[dilate.eye].tangent_per_px;
     let right = origin.x + per_px.x * (f32(x) + 0.5);
     let up = origin.y + per_px.y * (f32(y) + 0.5);
-    let along_gaze = signed_square(right * gaze.x + up * gaze.y - gaze.z);
-    let length_sq = right * right + up * up + 1.0;
-    if along_gaze >= signed_square(view.ring_cos.x) * length_sq {
-        return 1u;
-    }
-    return select(3u, 2u, along_gaze >= signed_square(view.ring_cos.y) * length_sq);
+    return 1u + ring_of(right * gaze.x + up * gaze.y - gaze.z, right * right + up * up + 1.0);
 }
 
 // The farthest depth of the surface whose nearest is given; 0, which no point has, if there is none.

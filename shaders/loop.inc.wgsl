@@ -14,12 +14,9 @@ var<private> this_thread: u32;
 fn reach_px(eye: u32, p_in_head: vec3<f32>) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     let p = p_in_head - view.eyes[eye].eye_in_head;
-    let along = p.x * gaze.x + p.y * gaze.y + p.z * gaze.z;
-    let along_sq = along * abs(along);
-    let distance_sq = p.x * p.x + p.y * p.y + p.z * p.z;
-    let cos_sq = view.ring_cos * abs(view.ring_cos);
-    let outer = select(view.fill_reach_px.z, view.fill_reach_px.y, along_sq >= cos_sq.y * distance_sq);
-    return select(outer, view.fill_reach_px.x, along_sq >= cos_sq.x * distance_sq);
+    let ring = ring_of(p.x * gaze.x + p.y * gaze.y + p.z * gaze.z, p.x * p.x + p.y * p.y + p.z * p.z);
+    let outer = select(view.fill_reach_px.z, view.fill_reach_px.y, ring == 1u);
+    return select(outer, view.fill_reach_px.x, ring == 0u);
 }
 
 // A point that is `diameter` world units wide, as a disc of pixels round its own.
@@ -54,8 +51,7 @@ fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
 }
 
 fn draw(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
-    let chosen = points.exists & is_chosen(eye, batch.flags, points.load, points.number, points.x, points.y, points.z);
-    let p = project(eye, points.x, points.y, points.z, chosen);
+    let p = seen(eye, batch, points);
     let id = points.id;
     if FILL && (batch.flags & VISIBLE_FILL) != 0u {
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {

@@ -87,6 +87,12 @@ fn lo_of(load: u32, turn: u32) -> vec4<u32> {
     return plane_lo[load];
 }
 
+// Where an eye sees the points of a turn that it is to see.
+fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
+    let chosen = is_chosen(eye, batch.flags, points.load, points.number, points.x, points.y, points.z);
+    return project(eye, points.x, points.y, points.z, points.exists & chosen);
+}
+
 // Coordinates in 30-bit cells. Bits that are not read stand at half: the centre of the coarser cell.
 fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
     let hi = hi_of(load, turn);

@@ -162,7 +162,7 @@ fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {
 fn draw_triangles(batch: VisibleBatch) {
     for (var first = 0u; first < batch.num_points; first += WORKGROUP_SIZE) {
         for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
-            if (batch.flags & (16u << eye)) != 0u {
+            if sees(eye, batch) {
                 draw_triangle_each(eye, batch, first + this_thread);
             }
         }

@@ -4,6 +4,10 @@ use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
 use crate::layout::Detail;
 use crate::method::Method;
 
+/// [`Detail::fill_reach_px`] beside dilation by rings, whose kernels bridge two, four and six empty pixels. Points lie
+/// unevenly: where the mean gap comes near that, there are pinholes.
+pub const RINGS_REACH_PX: [f32; 3] = [2.0, 3.5, 5.0];
+
 /// What a frame is to look like.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look {
@@ -24,9 +28,7 @@ impl Look {
     #[must_use]
     pub fn of(config: &Config) -> Self {
         let frame = &config.frame;
-        // The kernels of the rings bridge two, four and six empty pixels. Points lie unevenly: where the mean gap
-        // comes near that, there are pinholes.
-        let reach_px = if frame.dilate == Dilate::Rings { [2.0, 3.5, 5.0] } else { [1.0; 3] };
+        let reach_px = if frame.dilate == Dilate::Rings { RINGS_REACH_PX } else { [1.0; 3] };
         // Discs have their sizes, and are drawn so.
         let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
         let detail = Detail {

@@ -3,28 +3,15 @@
 
 mod support;
 
-use scanwalk::cloud::spt::{SequentialCloud, build_spt};
-use scanwalk::config::Quality;
-use scanwalk::layout::{Detail, SURFACE_TOLERANCE, ViewUniform};
-use scanwalk::look::Look;
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan;
+use scanwalk::cloud::spt::SequentialCloud;
+use scanwalk::layout::{SURFACE_TOLERANCE, ViewUniform};
 use scanwalk::space::View;
-use scanwalk::synth::{self, Kind, SynthOptions};
+use scanwalk::synth::{self, Kind};
 use scanwalk::twin::points::{self, Put};
-use support::{Canvas, gpu, stereo};
+use support::{Canvas, discs, gpu, hqs, made_up, spt_of, stereo};
 
 const SIZE_PX: [u32; 2] = [301, 299];
 const BLACK: u32 = 255 << 24;
-
-fn courtyard() -> SequentialCloud {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("made-up.las");
-    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 200_000, seed: 7 };
-    synth::write(&options, &Stop::default()).expect("a file");
-    let scan = scan::read(&[out], &Stop::default()).expect("a scan");
-    build_spt(&scan, false, &Progress::hidden()).expect("a point tree")
-}
 
 /// A pixel of the proposed hardware: color and alpha, which counts, since all splats are opaque here.
 #[derive(Clone, Copy, Default)]
@@ -67,11 +54,11 @@ fn drawn(spt: &SequentialCloud, fragments: &[Put], eye: usize) -> Vec<Destinatio
 /// counts from the nearest. The proposal depends on the order, `hqs` does not.
 #[test]
 fn fuzzy_blending_is_high_quality_shading() {
-    let spt = courtyard();
+    let spt = spt_of(&made_up(Kind::Terrestrial, 200_000), false);
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view: View = stereo(place.eye, place.target, SIZE_PX);
-    let detail = Detail { error_px: Some(1.0), fill_reach_px: Some([1.0; 3]), ..Detail::default() };
-    let look = Look { quality: Quality::Hqs, detail, ..Look::default() };
+    let detail = discs(1.0);
+    let look = hqs(detail);
     let frame = Canvas::sequential(&spt, &view, look, gpu().atomics(), 0).draw(&view);
 
     let uniform = ViewUniform::new(&view, &spt.cloud.split, &detail);

@@ -9,7 +9,7 @@ use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
 use scanwalk::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
-use scanwalk::look::Look;
+use scanwalk::look::{Look, RINGS_REACH_PX};
 use scanwalk::progress::Progress;
 use scanwalk::scan::Scan;
 use scanwalk::space::{Eye, Fov, Pose, View};
@@ -349,7 +349,7 @@ fn close_up_the_surface_is_closed_and_keeps_its_edge() {
             pixels.fold((0, 0), |(all, empty), (_, p)| (all + 1, empty + u32::from(p[0] == u32::MAX)));
         f64::from(empty) / f64::from(all)
     };
-    let (filled, bare) = (drawn(Some([2.0, 3.5, 5.0])), drawn(None));
+    let (filled, bare) = (drawn(Some(RINGS_REACH_PX)), drawn(None));
     assert!(
         empty(&bare, 20..470) > 0.3,
         "without filling the wall is full of holes: {}",

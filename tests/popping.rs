@@ -9,7 +9,7 @@ mod support;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::layout::Detail;
-use scanwalk::look::Look;
+use scanwalk::look::{Look, RINGS_REACH_PX};
 use scanwalk::progress::Progress;
 use scanwalk::space::{Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, Viewpoint};
@@ -63,7 +63,7 @@ fn largest_pop(octree: &Octree, look: Look) -> f64 {
 fn fading_keeps_patches_from_popping() {
     let octree = courtyard();
     for (name, dilate, fill_reach_px, aim) in
-        [("points alone", Dilate::Off, None, 0.1), ("whole frame", Dilate::Rings, Some([2.0, 3.5, 5.0]), 0.5)]
+        [("points alone", Dilate::Off, None, 0.1), ("whole frame", Dilate::Rings, Some(RINGS_REACH_PX), 0.5)]
     {
         let pop = |fade| {
             let detail = Detail { fade, fill_reach_px, ..Detail::default() };

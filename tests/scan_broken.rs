@@ -1,8 +1,10 @@
 //! Broken input: a clear error or the part that can be read; never a panic, a hang, or memory that is only
 //! claimed.
 
+mod damage;
 mod scan_fixture;
 
+use damage::{MOST_KIB, assert_sound, damaged, peak_kib};
 use proptest::prelude::*;
 use scan_fixture::{Fixture, save};
 use scanwalk::progress::Stop;
@@ -176,16 +178,6 @@ fn the_first_bad_file_of_several_names_itself() {
     assert!(error.contains("bad.las: ") && !error.contains("good.las"), "{error}");
 }
 
-/// Largest memory of this process so far, in KiB, where the system says so.
-fn peak_kib() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    line.split_whitespace().nth(1)?.parse().ok()
-}
-
-/// More than all tests of this file need at once, and far less than the headers of the property tests claim.
-const MOST_KIB: u64 = 512 << 10;
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -210,21 +202,11 @@ proptest! {
         cutting in any::<bool>(),
     ) {
         let fixture = Fixture { compressed, ..Fixture::new(point_format) }.with_points(300);
-        let mut bytes = fixture.bytes();
-        for (index, value) in damage {
-            let index = index.index(bytes.len());
-            bytes[index] = value;
-        }
-        if cutting {
-            bytes.truncate(cut.index(bytes.len()));
-        }
+        let bytes = damaged(fixture.bytes(), &damage, cutting.then_some(cut));
         if let Ok(scan) = read_bytes(&bytes) {
+            assert_sound(&scan);
             let points = &scan.files[0].points;
-            prop_assert!(!points.xyz.is_empty());
             prop_assert_eq!(points.intensity.len(), points.xyz.len());
-            prop_assert!(points.rgb.is_empty() || points.rgb.len() == points.xyz.len());
-            prop_assert!(scan.bounds().min.is_finite() && scan.bounds().max.is_finite());
-            let _ = scan.files[0].color(points.xyz.len() - 1);
         }
         prop_assert!(peak_kib().unwrap_or(0) < MOST_KIB);
     }

@@ -1,10 +1,11 @@
 //! Real scans, where `SCANWALK_TEST_DATA` names a folder of them: counts and boxes as other readers found them.
 
+mod real_scans;
 mod scan_fixture;
 
+use real_scans::{folder, read_in};
 use scanwalk::progress::Stop;
 use scanwalk::scan::{ColorSource, Scan, read};
-use std::path::PathBuf;
 
 /// Path, points, smallest and largest corner rounded to thousandths.
 type Row = (&'static str, usize, [f64; 3], [f64; 3]);
@@ -52,19 +53,6 @@ const TABLE: &[Row] = &[
     ("malformed/las/spurious.las", 1065, [-124.069, 44.05, 123.93], [-123.063, 44.062, 178.73]),
     ("malformed/las/unregistered_extra_bytes.las", 4, [1.0; 3], [4.0; 3]),
 ];
-
-/// The folder, or a line that says why the test is skipped.
-fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("SCANWALK_TEST_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: SCANWALK_TEST_DATA does not name a folder of real scans");
-    }
-    folder
-}
-
-fn read_in(folder: &std::path::Path, name: &str) -> Result<Scan, String> {
-    read(&[folder.join(name)], &Stop::default()).map_err(|error| error.to_string())
-}
 
 /// What differs from the row, or nothing.
 fn difference(scan: &Scan, (name, num_points, min, max): &Row) -> Option<String> {

@@ -9,27 +9,19 @@ use scanwalk::cloud::octree::build_octree;
 use scanwalk::cloud::spt::{self, SequentialCloud};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::layout::{Detail, ViewUniform};
-use scanwalk::look::Look;
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, Scan};
+use scanwalk::look::{Look, RINGS_REACH_PX};
+use scanwalk::progress::Progress;
+use scanwalk::scan::Scan;
 use scanwalk::space::View;
-use scanwalk::synth::{self, Kind, SynthOptions};
+use scanwalk::synth::{self, Kind};
 use scanwalk::twin::{self, Frame, Scene};
 use std::sync::OnceLock;
-use support::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
+use support::{Canvas, difference, discs, gpu, hqs, made_up, scan_of, spt_of, stereo, tiers};
 
 /// The point tree of a courtyard, made up.
 fn courtyard() -> &'static SequentialCloud {
     static COURTYARD: OnceLock<SequentialCloud> = OnceLock::new();
-    COURTYARD.get_or_init(|| spt_of(&made_up(Kind::Terrestrial), false))
-}
-
-fn made_up(kind: Kind) -> Scan {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("made-up.las");
-    let options = SynthOptions { kind, out: out.clone(), points: 400_000, seed: 7 };
-    synth::write(&options, &Stop::default()).expect("a file");
-    scan::read(&[out], &Stop::default()).expect("a scan")
+    COURTYARD.get_or_init(|| spt_of(&made_up(Kind::Terrestrial, 400_000), false))
 }
 
 fn inside(size_px: [u32; 2]) -> View {
@@ -241,7 +233,7 @@ const LEAST_PSNR_DB: f64 = 27.0;
 #[test]
 fn the_picture_is_the_octrees_within_a_stated_difference() {
     // The courtyard is too thin in places: there, pictures differ by how gaps are filled.
-    let statue = made_up(Kind::Photogrammetry);
+    let statue = made_up(Kind::Photogrammetry, 400_000);
     let spt = spt_of(&statue, false);
     let octree = build_octree(&statue, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
     let scene = Scene::sequential(&spt);
@@ -257,9 +249,9 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         let view = stereo(place.eye, place.target, [400, 400]);
         let look = |detail: Detail| Look { dilate: Dilate::Rings, ..hqs(detail) };
         let fine =
-            Detail { threshold_px: [50.0; 3], fill_reach_px: Some([2.0, 3.5, 5.0]), ..Detail::default() };
+            Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
         let want = twin::frame(&Scene::layered(&octree), &view, &look(fine), None);
-        let detail = Detail { fill_reach_px: Some([2.0, 3.5, 5.0]), ..discs(1.0) };
+        let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs(1.0) };
         let got = twin::frame(&scene, &view, &look(detail), None);
         let psnr = psnr_db(&got, &want);
         println!(

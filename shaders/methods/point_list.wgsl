@@ -22,8 +22,7 @@ fn vertex_of(eye: u32, instance: u32, number: u32) -> Vertex {
         return nowhere;
     }
     let points = points_of(batch, number);
-    let chosen = points.exists & is_chosen(eye, batch.flags, points.load, number, points.x, points.y, points.z);
-    let p = project(eye, points.x, points.y, points.z, chosen);
+    let p = seen(eye, batch, points);
     if p.pixel.x == NO_PIXEL {
         return nowhere;
     }

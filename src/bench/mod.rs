@@ -14,7 +14,7 @@ mod way;
 use crate::config::Config;
 use crate::gpu::Gpu;
 use crate::progress::Stop;
-use crate::report::BenchResults;
+use crate::report::{BenchResults, in_order};
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -62,10 +62,7 @@ pub struct BenchOptions {
 /// What [`BenchOptions::methods`] may name in these tables: their rows, each once.
 #[must_use]
 pub fn methods(tables: &[Table]) -> Vec<&'static str> {
-    let mut names: Vec<&str> = tables.iter().flat_map(|&table| tables::names(table)).collect();
-    let mut seen = std::collections::HashSet::new();
-    names.retain(|name| seen.insert(*name));
-    names
+    in_order(tables.iter().flat_map(|&table| tables::names(table)))
 }
 
 /// Measures.

@@ -3,6 +3,7 @@
 //! the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
 use crate::cloud::{Batch, Cloud};
+use crate::gpu::points::{self, DEPTH_FORMAT, Points};
 use crate::gpu::timer::Timer;
 use crate::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
 use crate::layout::BATCH_POINTS;
@@ -17,7 +18,6 @@ use wgpu::util::DeviceExt;
 
 /// Colours are stored sRGB-encoded and go to the image as they are: no stage converts them.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Batches whose vertices are made and sent at once: 4 MB.
 const PIECE_BATCHES: usize = 25;
 
@@ -139,7 +139,7 @@ impl PointList {
 }
 
 impl EyeTarget {
-    fn new(gpu: &Gpu, pipeline: &wgpu::RenderPipeline, [width, height]: [u32; 2]) -> Self {
+    fn new(gpu: &Gpu, pipeline: &wgpu::RenderPipeline, size_px: [u32; 2]) -> Self {
         let matrix = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("clip_from_cloud"),
             contents: bytemuck::bytes_of(&Mat4::IDENTITY),
@@ -150,16 +150,8 @@ impl EyeTarget {
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: matrix.as_entire_binding() }],
         });
-        let depth = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("point-list depth"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: DEPTH_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let depth = gpu.texture("point-list depth", size_px, DEPTH_FORMAT, usage);
         Self { matrix, group, depth }
     }
 }
@@ -179,40 +171,21 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
             shader_location: 1,
         },
     ];
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("point-list"),
-        layout: None,
-        vertex: wgpu::VertexState {
+    let buffer = wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &attributes,
+    };
+    points::pipeline(
+        gpu,
+        Points {
             module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Vertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
+            vertex: "vertex",
+            buffers: &[Some(buffer)],
+            format: FORMAT,
+            nearer: wgpu::CompareFunction::Greater,
         },
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(FORMAT.into())],
-        }),
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::PointList,
-            ..Default::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        multiview_mask: None,
-        cache: None,
-    })
+    )
 }
 
 /// From positions relative to `origin` to clip space: the pixel rows of the compute frame, with pixels

@@ -2,6 +2,7 @@
 //! no configuration.
 
 mod open;
+pub mod points;
 mod queue;
 pub mod readback;
 pub mod stage;

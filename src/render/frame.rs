@@ -1,6 +1,8 @@
 //! The frame as a contents list.
 
 use super::groups;
+use super::pipelines::Depth;
+use super::point_list::PointList;
 use super::renderer::Renderer;
 use crate::config::Quality;
 use crate::gpu::QueueGuard;
@@ -116,25 +118,22 @@ impl Renderer {
     }
 
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder) {
-        if self.look.quality == Quality::Closest && self.pipelines.closest.point_list.is_some() {
-            return self.record_point_list(encoder);
-        }
-        let mut pass = self.compute_pass(encoder, DEPTH);
-        let depth = match self.look.quality {
-            Quality::Closest => &self.pipelines.closest.depth,
-            Quality::Hqs => &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth,
+        let depth = match (self.look.quality, &self.pipelines.closest.depth) {
+            (Quality::Closest, Depth::PointList(point_list)) => {
+                return self.record_point_list(encoder, point_list);
+            }
+            (Quality::Closest, Depth::Compute(depth)) => depth,
+            (Quality::Hqs, _) => &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth,
         };
+        let mut pass = self.compute_pass(encoder, DEPTH);
         self.dispatch_visible(&mut pass, depth, &self.groups.depth);
         if let Some(ids) = &self.pipelines.closest.ids {
             self.dispatch_visible(&mut pass, ids, &self.groups.ids);
         }
     }
 
-    fn record_point_list(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (Some(point_list), Some((images, draws))) = (&self.pipelines.closest.point_list, &self.points)
-        else {
-            return;
-        };
+    fn record_point_list(&self, encoder: &mut wgpu::CommandEncoder, point_list: &PointList) {
+        let Some((images, draws)) = &self.points else { return };
         draws.record(encoder, &self.counters, self.chunks());
         let num_eyes = self.groups.point_list.len();
         for (eye, groups) in self.groups.point_list.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::{Clearing, DrawnPart};
-use super::pipelines::{Closest, Hqs, Pipelines};
+use super::pipelines::{Closest, Depth, Hqs, Pipelines};
 use super::point_list::PointImages;
 use super::targets::Targets;
 use crate::config::{Dilate, Quality};
@@ -84,8 +84,8 @@ impl Parts<'_> {
             groups.cull.push(self.pipelines.cull.bind(self.gpu, &resources));
             match self.quality {
                 Quality::Closest => {
-                    let Closest { depth, ids, point_list, .. } = &self.pipelines.closest;
-                    if point_list.is_none() {
+                    let Closest { depth, ids, .. } = &self.pipelines.closest;
+                    if let Depth::Compute(depth) = depth {
                         groups.depth.push(depth.bind(self.gpu, &resources));
                     }
                     groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, &resources)));
@@ -105,7 +105,7 @@ impl Parts<'_> {
         let DrawnPart { no_keys, no_depth, no_sums, no_wide, as_it_is, .. } = self.drawn;
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
             // Hardware clears its own images.
-            Quality::Closest if self.pipelines.closest.point_list.is_some() => vec![(keys, as_it_is)],
+            Quality::Closest if self.pipelines.closest.point_list().is_some() => vec![(keys, as_it_is)],
             Quality::Closest if self.pipelines.closest.counts => vec![(keys, no_keys), (depth, no_depth)],
             Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
             // The keys' buffers hold ids, half as large.
@@ -137,7 +137,7 @@ impl Parts<'_> {
 
     /// What the hardware draws in an eye, if it does.
     fn point_list(&self) -> Vec<Vec<wgpu::BindGroup>> {
-        let Some(point_list) = &self.pipelines.closest.point_list else { return vec![] };
+        let Some(point_list) = self.pipelines.closest.point_list() else { return vec![] };
         let chunks = 0..self.chunks().len();
         let of_eye = |eye| {
             let bind = |number| point_list.bind(self.gpu, eye, &self.of_chunk(number));

@@ -23,9 +23,7 @@ pub(super) struct Pipelines {
 /// The point stages of `closest` quality.
 #[derive(Debug)]
 pub(super) struct Closest {
-    pub depth: Stage,
-    /// Instead of it, if the hardware is to draw.
-    pub point_list: Option<PointList>,
+    pub depth: Depth,
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage>,
     pub shade: Stage,
@@ -33,6 +31,15 @@ pub(super) struct Closest {
     pub shade_clears: bool,
     /// `depth` counts the points that ask for their pixel, where `hqs` has depths; less one.
     pub counts: bool,
+}
+
+/// The two ways to the nearest points.
+#[derive(Debug)]
+pub(super) enum Depth {
+    /// The stage.
+    Compute(Stage),
+    /// The hardware's own points.
+    PointList(PointList),
 }
 
 /// The point stages of `hqs` quality.
@@ -100,8 +107,10 @@ impl Pipelines {
             lod: stage("lod", variant),
             cull: stage("cull", variant),
             closest: Closest {
-                depth: closest(gpu, method, variant),
-                point_list: (method == Method::PointList).then(|| PointList::new(gpu, variant)),
+                depth: match method {
+                    Method::PointList => Depth::PointList(PointList::new(gpu, variant)),
+                    _ => Depth::Compute(closest(gpu, method, variant)),
+                },
                 ids: (!keys && method != Method::PointList).then(|| stage("ids", variant)),
                 shade: stage(
                     match method {
@@ -117,6 +126,16 @@ impl Pipelines {
             hqs: forms.into_iter().map(hqs).collect(),
             dilate: stage("dilate", variant),
             image: Image::new(gpu, what, &shaders::source("resolve", variant)),
+        }
+    }
+}
+
+impl Closest {
+    /// The hardware's own points, if they are drawn.
+    pub fn point_list(&self) -> Option<&PointList> {
+        match &self.depth {
+            Depth::Compute(_) => None,
+            Depth::PointList(point_list) => Some(point_list),
         }
     }
 }

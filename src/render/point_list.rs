@@ -6,12 +6,12 @@ use super::cloud_buffers::Chunk;
 use super::shaders;
 use super::targets::Targets;
 use crate::gpu::Gpu;
+use crate::gpu::points::{self, DEPTH_FORMAT, Points};
 use crate::gpu::stage::{Bindings, shader_module};
 use crate::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant};
 
 /// Id and depth of a pixel's point.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
-const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// No id, and the depth of an empty pixel, [`crate::layout::EMPTY_DEPTH`].
 const EMPTY: wgpu::Color = wgpu::Color { r: u32::MAX as f64, g: u32::MAX as f64, b: 0.0, a: 0.0 };
 
@@ -42,7 +42,14 @@ impl PointList {
         let module = shader_module(&gpu.device, "point-list", &wgsl);
         let eye = |entry| {
             let bindings = Bindings::of("point-list", &wgsl, entry);
-            (pipeline(gpu, &module, entry), bindings.with(Bindings::of("point-list", &wgsl, "fragment")))
+            let points = Points {
+                module: &module,
+                vertex: entry,
+                buffers: &[],
+                format: FORMAT,
+                nearer: wgpu::CompareFunction::Less,
+            };
+            (points::pipeline(gpu, points), bindings.with(Bindings::of("point-list", &wgsl, "fragment")))
         };
         Self { eyes: [eye("left"), eye("right")] }
     }
@@ -137,37 +144,4 @@ impl Draws {
             encoder.copy_buffer_to_buffer(counters, counted, &self.0, instances, 4);
         }
     }
-}
-
-fn pipeline(gpu: &Gpu, module: &wgpu::ShaderModule, entry: &str) -> wgpu::RenderPipeline {
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("point-list"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(entry),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(FORMAT.into())],
-        }),
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::PointList,
-            ..Default::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -265,7 +265,7 @@ impl Renderer {
     /// What hardware points need, if they are wanted.
     fn fit_points(&mut self) {
         let images = self.points.take().map(|(images, _)| images);
-        if self.pipelines.closest.point_list.is_some() {
+        if self.pipelines.closest.point_list().is_some() {
             let images = images.filter(|images| images.fit(&self.targets));
             let images = images.unwrap_or_else(|| PointImages::new(&self.gpu, &self.targets));
             self.points = Some((images, Draws::new(&self.gpu, self.chunks().len())));

@@ -23,6 +23,8 @@ const CHOICE: Shared = |variant| match variant.discs {
         concat!(include_str!("../../shaders/steps.inc.wgsl"), include_str!("../../shaders/discs.inc.wgsl"))
     }
 };
+/// The rings round the gaze.
+const RINGS: Shared = shared!("rings");
 /// The geometry stages' loop over them, and over triangles where there may be some.
 const LOOP: Shared = |variant| match variant.discs {
     false => concat!(
@@ -90,30 +92,30 @@ pub const SHADERS: [Shader; 27] = [
     shader!("clear", &[]),
     shader!("lod", &[]),
     shader!("cull", &[STEPS]),
-    shader!("depth", &[POINTS, CHOICE, LOOP, KEYS]),
-    shader!("depth32", "depth", &[POINTS, CHOICE, LOOP, DEPTHS]),
-    shader!("ids", &[POINTS, CHOICE, LOOP]),
-    shader!("color", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
-    shader!("color32", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
+    shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
+    shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, DEPTHS]),
+    shader!("ids", &[POINTS, CHOICE, RINGS, LOOP]),
+    shader!("color", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
+    shader!("color32", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
     shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
     shader!("blend", &[TILES, SURFACE]),
-    shader!("dilate", &[TILES, DILATION]),
+    shader!("dilate", &[TILES, RINGS, DILATION]),
     shader!("resolve", &[SRGB]),
-    shader!("overlay", &[DILATION, SRGB, OVERLAY]),
-    shader!("boxes", &[DILATION, SRGB, OVERLAY]),
-    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, LOOP, KEYS]),
-    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, LOOP, KEYS]),
-    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, LOOP, KEYS]),
-    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP]),
-    shader!("reduce-emulated", "methods/reduce", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP_EMULATED]),
-    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP]),
-    shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, LOOP, KEYS, SUBGROUP_EMULATED]),
-    shader!("count", "methods/count", &[POINTS, CHOICE, LOOP, KEYS]),
-    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, LOOP, KEYS, COLORS, FIXED40]),
+    shader!("overlay", &[RINGS, DILATION, SRGB, OVERLAY]),
+    shader!("boxes", &[RINGS, DILATION, SRGB, OVERLAY]),
+    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
+    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
+    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
+    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP]),
+    shader!("reduce-emulated", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP_EMULATED]),
+    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP]),
+    shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP_EMULATED]),
+    shader!("count", "methods/count", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
+    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, RINGS, LOOP, KEYS, COLORS, FIXED40]),
     shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
     shader!("point-list", "methods/point_list", &[POINTS, CHOICE]),
     shader!("shade-points", "methods/shade_points", &[TILES, SURFACE, CHUNK_COLORS]),
-    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, LOOP, SUMS, COLORS]),
+    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

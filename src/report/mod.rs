@@ -32,5 +32,6 @@ pub use bench_results::{BenchError, BenchResults, BenchRow, GpuMs};
 pub use bootstrap::Interval;
 pub use compare::{Comparison, Difference};
 pub use summary::Summary;
+pub(crate) use table::in_order;
 pub use walk_page::walk_page;
 pub use worst::{HOLD_S, worst, worst_poses};

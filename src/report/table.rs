@@ -71,7 +71,7 @@ pub(super) fn percent(part: f64, whole: f64) -> String {
 }
 
 /// Each value once, in the order in which they first appear.
-pub(super) fn in_order<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+pub(crate) fn in_order<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     let mut once = Vec::new();
     for value in values {
         if !once.contains(&value) {

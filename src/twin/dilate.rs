@@ -1,6 +1,7 @@
 //! Twin of `dilate`: the gaps between points of one surface, closed by rows and columns.
 
 use super::resolve::{EMPTY, Pixel};
+use super::rings::ring;
 use crate::layout::{
     DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, SURFACE_TOLERANCE, ViewUniform,
 };
@@ -53,19 +54,8 @@ pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize)
     let gaze = eye.gaze_in_view;
     let right = eye.tangent_origin[0] + eye.tangent_per_px[0] * (x as f32 + 0.5);
     let up = eye.tangent_origin[1] + eye.tangent_per_px[1] * (y as f32 + 0.5);
-    let along_gaze = signed_square(right * gaze[0] + up * gaze[1] - gaze[2]);
-    let length_sq = right * right + up * up + 1.0;
-    let inside = |cos: f32| along_gaze >= signed_square(cos) * length_sq;
-    match view.ring_cos.map(inside) {
-        [true, _] => 1,
-        [false, true] => 2,
-        [false, false] => 3,
-    }
-}
-
-/// Grows with x on both sides of 0, so that cosines compare without the root that a direction's length needs.
-fn signed_square(x: f32) -> f32 {
-    x * x.abs()
+    let along = right * gaze[0] + up * gaze[1] - gaze[2];
+    1 + ring(view, along, right * right + up * up + 1.0)
 }
 
 /// Positions within `radius` of `center` on an axis of `length` pixels.

@@ -10,6 +10,7 @@ pub mod fixed40;
 pub mod lod;
 pub mod points;
 pub mod resolve;
+pub mod rings;
 pub mod triangles;
 
 use crate::cloud::Cloud;

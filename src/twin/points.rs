@@ -1,6 +1,7 @@
 //! Twin of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
 
 use super::cull::shares;
+use super::rings::ring;
 use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
@@ -85,14 +86,7 @@ pub fn points(
 fn reach_px(view: &ViewUniform, eye: &EyeUniform, p_in_head: [f32; 3]) -> f32 {
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let from_eye: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
-    let along = dot(from_eye, eye.gaze_in_head);
-    let [inner, middle, outer] = view.fill_reach_px;
-    let inside = |cos: f32| along * along.abs() >= cos * cos.abs() * dot(from_eye, from_eye);
-    match view.ring_cos.map(inside) {
-        [true, _] => inner,
-        [false, true] => middle,
-        [false, false] => outer,
-    }
+    view.fill_reach_px[ring(view, dot(from_eye, eye.gaze_in_head), dot(from_eye, from_eye))]
 }
 
 /// A disc of a sequential point tree: twin of `discs.inc.wgsl`.

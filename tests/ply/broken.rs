@@ -1,6 +1,7 @@
 //! Broken PLY files: a clear error or the part that can be read; never a panic, a hang, or memory that is only
 //! claimed.
 
+use super::damage::{MOST_KIB, assert_sound, damaged, peak_kib};
 use super::made::{Encoding, Made};
 use super::read_bytes;
 use proptest::prelude::*;
@@ -131,28 +132,6 @@ fn missing_faces_are_counted() {
     }
 }
 
-/// Largest memory of this process so far, in KiB, where the system says so.
-fn peak_kib() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    line.split_whitespace().nth(1)?.parse().ok()
-}
-
-/// More than all tests of this file need at once, and far less than the headers of the property tests claim.
-const MOST_KIB: u64 = 512 << 10;
-
-fn assert_sound(scan: &Scan) {
-    let file = &scan.files[0];
-    let (points, num_points) = (&file.points, file.points.xyz.len());
-    assert!(num_points > 0);
-    for len in [points.rgb.len(), points.intensity.len(), points.normals.len()] {
-        assert!(len == 0 || len == num_points);
-    }
-    assert!(file.triangles.iter().flatten().all(|&corner| (corner as usize) < num_points));
-    assert!(scan.bounds().min.is_finite() && scan.bounds().max.is_finite());
-    let _ = file.color(num_points - 1);
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -178,14 +157,8 @@ proptest! {
         cut in any::<prop::sample::Index>(),
         cutting in any::<bool>(),
     ) {
-        let mut bytes = Made { faces_first, lists, ..Made::new(60) }.bytes(encoding);
-        for (index, value) in damage {
-            let index = index.index(bytes.len());
-            bytes[index] = value;
-        }
-        if cutting {
-            bytes.truncate(cut.index(bytes.len()));
-        }
+        let whole = Made { faces_first, lists, ..Made::new(60) }.bytes(encoding);
+        let bytes = damaged(whole, &damage, cutting.then_some(cut));
         if let Ok(scan) = read_bytes(&bytes) {
             assert_sound(&scan);
         }

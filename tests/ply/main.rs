@@ -1,8 +1,12 @@
 //! PLY files, written here in all three encodings and read back: every column, and whatever can be wrong.
 
 mod broken;
+#[path = "../damage/mod.rs"]
+mod damage;
 mod made;
 mod real;
+#[path = "../real_scans/mod.rs"]
+mod real_scans;
 
 use made::{Encoding, Face, Made, Point};
 use proptest::prelude::*;

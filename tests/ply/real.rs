@@ -1,8 +1,7 @@
 //! Real PLY files, where `SCANWALK_TEST_DATA` names a folder of scans: counts and boxes as other readers found them.
 
-use scanwalk::progress::Stop;
-use scanwalk::scan::{ColorSource, Scan, peek, read};
-use std::path::PathBuf;
+use super::real_scans::{folder, read_in};
+use scanwalk::scan::{ColorSource, Scan, peek};
 
 /// Path, points, triangles, smallest and largest corner rounded to thousandths.
 type Row = (&'static str, usize, usize, [f64; 3], [f64; 3]);
@@ -17,19 +16,6 @@ const TABLE: &[Row] = &[
     ("malformed/ply/issue_2421.ply", 1, 0, [1.235, 12345.679, 1234567890.123], [1.235, 12345.679, 1234567890.123]),
     ("malformed/ply/simple_text.ply", 3, 0, [-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
 ];
-
-/// The folder, or a line that says why the test is skipped.
-fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("SCANWALK_TEST_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: SCANWALK_TEST_DATA does not name a folder of real scans");
-    }
-    folder
-}
-
-fn read_in(folder: &std::path::Path, name: &str) -> Result<Scan, String> {
-    read(&[folder.join(name)], &Stop::default()).map_err(|error| error.to_string())
-}
 
 /// What differs from the row, or nothing.
 fn difference(scan: &Scan, (name, num_points, num_triangles, min, max): &Row) -> Option<String> {

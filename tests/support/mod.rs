@@ -44,10 +44,15 @@ impl Random {
 
 /// A courtyard as a scanner sees it, made up: 600 000 points.
 pub fn courtyard() -> Scan {
+    made_up(Kind::Terrestrial, 600_000)
+}
+
+/// So many points of a kind.
+pub fn made_up(kind: Kind, points: u64) -> Scan {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("courtyard.las");
-    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 600_000, seed: 7 };
-    synth::write(&options, &Stop::default()).expect("a courtyard");
+    let out = folder.path().join("made-up.las");
+    synth::write(&SynthOptions { kind, out: out.clone(), points, seed: 7 }, &Stop::default())
+        .expect("a file");
     scan::read(&[out], &Stop::default()).expect("a scan")
 }
 
