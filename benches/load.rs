@@ -51,7 +51,7 @@ fn read_once(reader: &str, path: &Path) -> Result<()> {
 
 fn read_with_scanwalk(path: &Path) -> Result<usize> {
     let paths: [PathBuf; 1] = [path.to_owned()];
-    let scan = scanwalk::scan::read(&paths, &Stop::default())?;
+    let scan = scanwalk::scan::read(&paths, &scanwalk::scan::ReadOptions::default(), &Stop::default())?;
     Ok(std::hint::black_box(scan).num_points())
 }
 

@@ -13,7 +13,7 @@ use scanwalk::cloud::morton::Grid;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{Order, build};
 use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, Scan};
+use scanwalk::scan::{self, ReadOptions, Scan};
 use scanwalk::synth::{self, Kind, SynthOptions};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
 
 fn read(path: &Path) -> Result<Scan> {
     let paths: [PathBuf; 1] = [path.to_owned()];
-    Ok(scan::read(&paths, &Stop::default())?)
+    Ok(scan::read(&paths, &ReadOptions::default(), &Stop::default())?)
 }
 
 /// Points, seconds, seconds of all cores together, rates, peak memory; seconds of the named step alone. Where

@@ -83,7 +83,7 @@ impl ShotFov {
 pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
     let load_began = Instant::now();
-    let scan = scan::read(&options.scans, stop)?.upright(config.cloud.up);
+    let scan = scan::read(&options.scans, &config.cloud.read_options(), stop)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }

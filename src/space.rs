@@ -21,6 +21,13 @@ pub struct Bounds {
     pub max: DVec3,
 }
 
+impl Default for Bounds {
+    /// Of no points.
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
 impl Bounds {
     /// The box that contains nothing; the neutral element of [`Bounds::union`].
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };

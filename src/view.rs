@@ -168,7 +168,7 @@ fn load(
         link.update_load(|load| (load.step, load.fraction) = (name.to_string(), fraction));
     };
     step("reading", 0.0);
-    let scan = scan::read(&options.scans, stop)?.upright(config.cloud.up);
+    let scan = scan::read(&options.scans, &config.cloud.read_options(), stop)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }

@@ -7,7 +7,7 @@ use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::layout::{Batch, DRAWN_WHOLE, Detail, Node, ViewUniform, VisibleBatch};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::render::CloudBuffers;
-use scanwalk::scan;
+use scanwalk::scan::{self, ReadOptions};
 use scanwalk::space::View;
 use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin::{self, Scene};
@@ -66,7 +66,7 @@ fn whole_scans_equal_their_twin() {
 }
 
 fn cloud_from(path: &Path) -> Cloud {
-    let scan = scan::read(&[path.to_path_buf()], &Stop::default()).expect("a scan");
+    let scan = scan::read(&[path.to_path_buf()], &ReadOptions::default(), &Stop::default()).expect("a scan");
     build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud")
 }
 

@@ -32,7 +32,7 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let rgb = (0..xyz.len()).map(|i| [i, i >> 8, i >> 16].map(|c| c as u16 & 255)).collect();
     let points = Points { xyz, rgb, intensity: vec![], ..Points::default() };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    let file = ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] };
+    let file = ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() };
     Scan { files: vec![file], ..Scan::default() }
 }
 

@@ -8,12 +8,12 @@ use damage::{MOST_KIB, assert_sound, damaged, peak_kib};
 use proptest::prelude::*;
 use scan_fixture::{Fixture, save};
 use scanwalk::progress::Stop;
-use scanwalk::scan::{Scan, ScanError, read};
+use scanwalk::scan::{ReadOptions, Scan, ScanError, read};
 use std::path::PathBuf;
 
 fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
     let (_folder, path) = save("scan.las", bytes);
-    read(&[path], &Stop::default())
+    read(&[path], &ReadOptions::default(), &Stop::default())
 }
 
 /// The message, which must name the file and hold `expected`.
@@ -161,11 +161,17 @@ fn a_lost_chunk_table_loses_nothing() {
 #[test]
 fn what_is_no_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let refusal = |path: PathBuf| read(&[path], &Stop::default()).unwrap_err().to_string();
+    let refusal =
+        |path: PathBuf| read(&[path], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
     assert!(refusal(folder.path().into()).contains("is a folder"));
     let missing = refusal(folder.path().join("missing.laz"));
     assert!(missing.contains("missing.laz") && missing.contains("No such file"), "{missing}");
-    assert!(read(&[], &Stop::default()).unwrap_err().to_string().contains("no scan was named"));
+    assert!(
+        read(&[], &ReadOptions::default(), &Stop::default())
+            .unwrap_err()
+            .to_string()
+            .contains("no scan was named")
+    );
     #[cfg(unix)]
     assert!(refusal("/dev/null".into()).contains("a pipe or device"));
 }
@@ -174,7 +180,7 @@ fn what_is_no_file_is_refused() {
 fn the_first_bad_file_of_several_names_itself() {
     let good = save("good.las", &Fixture::new(3).bytes());
     let bad = save("bad.las", b"ply\n");
-    let error = read(&[good.1, bad.1], &Stop::default()).unwrap_err().to_string();
+    let error = read(&[good.1, bad.1], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
     assert!(error.contains("bad.las: ") && !error.contains("good.las"), "{error}");
 }
 

@@ -5,7 +5,7 @@ mod scan_fixture;
 
 use real_scans::{folder, read_in};
 use scanwalk::progress::Stop;
-use scanwalk::scan::{ColorSource, Scan, read};
+use scanwalk::scan::{ColorSource, ReadOptions, Scan, read};
 
 /// Path, points, smallest and largest corner rounded to thousandths.
 type Row = (&'static str, usize, [f64; 3], [f64; 3]);
@@ -81,7 +81,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
 #[test]
 fn a_wrong_row_is_noticed() {
     let (_folder, path) = scan_fixture::save("a.las", &scan_fixture::Fixture::new(0).bytes());
-    let scan = read(&[path], &Stop::default()).unwrap();
+    let scan = read(&[path], &ReadOptions::default(), &Stop::default()).unwrap();
     let (min, max) = (scan.bounds().min.to_array(), scan.bounds().max.to_array());
     assert_eq!(difference(&scan, &("a", 1000, min, max)), None);
     assert!(difference(&scan, &("a", 999, min, max)).is_some());
@@ -108,7 +108,7 @@ fn the_same_points_are_the_same_in_every_packing() {
 fn four_tiles_hold_the_points_of_the_whole() {
     let Some(folder) = folder() else { return };
     let tiles: Vec<_> = (1..=4).map(|i| folder.join(format!("laz-tiles-lone-star/split-{i}.laz"))).collect();
-    let tiles = read(&tiles, &Stop::default()).unwrap();
+    let tiles = read(&tiles, &ReadOptions::default(), &Stop::default()).unwrap();
     let whole = read_in(&folder, "copc/lone-star.copc.laz").unwrap();
     let sorted = |scan: &Scan| {
         // Steps of 0.25 mm, which all five files share.

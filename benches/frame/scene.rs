@@ -5,7 +5,7 @@ use glam::DVec3;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{self, Cloud, Order};
 use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan;
+use scanwalk::scan::{self, ReadOptions};
 use scanwalk::space::{Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
 
@@ -36,7 +36,7 @@ impl Scene {
         let out = folder.path().join("courtyard.las");
         let stop = Stop::default();
         synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, &stop)?;
-        let scan = scan::read(&[out], &stop)?;
+        let scan = scan::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
         Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
     }

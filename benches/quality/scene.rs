@@ -5,7 +5,7 @@ use glam::DVec3;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{self, Cloud, Order};
 use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, Scan};
+use scanwalk::scan::{self, ReadOptions, Scan};
 use scanwalk::space::{Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
 use std::path::PathBuf;
@@ -135,7 +135,7 @@ fn made(kind: Kind, points: u64) -> Result<Scan> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("scan.las");
     synth::write(&SynthOptions { kind, out: out.clone(), points, seed: SEED }, &Stop::default())?;
-    Ok(scan::read(&[out], &Stop::default())?)
+    Ok(scan::read(&[out], &ReadOptions::default(), &Stop::default())?)
 }
 
 fn data_folder() -> Option<PathBuf> {
@@ -144,7 +144,7 @@ fn data_folder() -> Option<PathBuf> {
 
 fn room() -> Result<Scan> {
     let folder = data_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
-    Ok(scan::read(&[folder.join(ROOM)], &Stop::default())?)
+    Ok(scan::read(&[folder.join(ROOM)], &ReadOptions::default(), &Stop::default())?)
 }
 
 /// Every so many-th point in the file's order.

@@ -110,7 +110,7 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
         Ok(())
     };
     if let Some(path) = &options.scan {
-        measure(&Subject::read(path, config.cloud.up, stop)?)?;
+        measure(&Subject::read(path, &config.cloud.read_options(), stop)?)?;
     } else {
         let sizes =
             if options.points.is_empty() { vec![default_points(&gpu)] } else { options.points.clone() };

@@ -4,7 +4,7 @@ use crate::cloud::octree::{Octree, build_octree};
 use crate::cloud::spt::{SequentialCloud, build_spt};
 use crate::cloud::{self, Cloud, Order};
 use crate::progress::{Progress, Stop};
-use crate::scan::{self, Scan, Up};
+use crate::scan::{self, ReadOptions, Scan};
 use crate::space::{Bounds, Eye, Fov, Pose, View};
 use crate::synth::{self, Kind, SynthOptions};
 use crate::walk::start::start;
@@ -54,7 +54,7 @@ impl Subject {
             let mut places = synth::viewpoints(Kind::Terrestrial).iter();
             places.find(|place| place.name == name).map(|place| (place.eye, place.target))
         };
-        let scan = scan::read(&[out], stop)?;
+        let scan = scan::read(&[out], &ReadOptions::default(), stop)?;
         // Both names are the courtyard's own.
         let both = place("overview").zip(place("hall")).unwrap_or_default();
         let places = places(&scan.bounds(), both.0, both.1);
@@ -65,9 +65,9 @@ impl Subject {
     ///
     /// # Errors
     /// If it cannot be read or is empty.
-    pub fn read(path: &Path, up: Up, stop: &Stop) -> Result<Self> {
+    pub fn read(path: &Path, options: &ReadOptions, stop: &Stop) -> Result<Self> {
         let paths: [PathBuf; 1] = [path.to_owned()];
-        let scan = scan::read(&paths, stop)?.upright(up);
+        let scan = scan::read(&paths, options, stop)?;
         let cloud = cloud::build(&scan, Order::Original, &Progress::silent(stop))?;
         let start = start(&cloud, scan.unit_m.unwrap_or(1.0));
         let up = DVec3::Z * EYE_HEIGHT_M * start.units_per_m;

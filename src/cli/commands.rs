@@ -17,7 +17,7 @@ pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
     match &cli.command {
         Command::View(args) => view(args, &config, stop),
         Command::Render(args) => render(args, &config, stop),
-        Command::Info(args) => scan::info::print(&args.scans, args.json, stop),
+        Command::Info(args) => scan::info::print(&args.scans, args.json, &config.cloud.read_options(), stop),
         Command::Synth(args) => synth(args, stop),
         Command::Report(args) => report::run(args),
         Command::Doctor(args) => doctor::run(&config, args.json),

@@ -59,8 +59,15 @@ mod tests {
         let rgb = vec![[0; 3]; xyz.len()];
         let points = Points { xyz, rgb, intensity: vec![], ..Points::default() };
         let (path, format) = ("made-up".into(), "made up".into());
-        let file =
-            ScanFile { path, format, lattice, points, color: ColorSource::Rgb8, bounds, triangles: vec![] };
+        let file = ScanFile {
+            path,
+            format,
+            lattice,
+            points,
+            color: ColorSource::Rgb8,
+            bounds,
+            ..ScanFile::default()
+        };
         let scan = Scan { files: vec![file], ..Scan::default() };
         let cloud = build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud");
         (cloud.body(), bounds)

@@ -15,7 +15,7 @@ pub use presets::{PRESETS, Preset};
 
 use crate::cloud::Order;
 use crate::method::Method;
-use crate::scan::Up;
+use crate::scan::{ReadOptions, Up};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set.
@@ -107,6 +107,14 @@ pub struct CloudConfig {
     pub order: Order,
     /// Axis of the files that points up.
     pub up: Up,
+}
+
+impl CloudConfig {
+    /// How files are read.
+    #[must_use]
+    pub fn read_options(&self) -> ReadOptions {
+        ReadOptions { up: self.up }
+    }
 }
 
 /// `[frame]`

@@ -167,7 +167,7 @@ mod tests {
             color: source(&stats),
             points,
             bounds: Bounds::EMPTY,
-            triangles: vec![],
+            ..ScanFile::default()
         }
     }
 

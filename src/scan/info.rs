@@ -1,6 +1,6 @@
 //! `scanwalk info`: what is in the files, for people or as JSON.
 
-use super::{ColorSource, Header, Scan, ScanFile, read};
+use super::{ColorSource, Header, ReadOptions, Scan, ScanFile, read};
 use crate::progress::Stop;
 use crate::space::Bounds;
 use serde::Serialize;
@@ -36,8 +36,8 @@ struct FileDescription {
 ///
 /// # Errors
 /// What [`super::read()`] reports; a closed standard output.
-pub fn print(paths: &[PathBuf], json: bool, stop: &Stop) -> anyhow::Result<()> {
-    let (scan, headers) = read::read_with_headers(paths, stop)?;
+pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, stop: &Stop) -> anyhow::Result<()> {
+    let (scan, headers) = read::read_with_headers(paths, options, stop)?;
     let text = if json {
         serde_json::to_string_pretty(&describe(&scan, &headers))? + "\n"
     } else {
@@ -208,8 +208,15 @@ mod tests {
         let lattice = Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO };
         let bounds = Bounds { min: DVec3::new(-0.5, 0.0, 1.5), max: DVec3::new(0.5, 1.0, 4.5) };
         let (path, color) = (PathBuf::from("a.las"), ColorSource::Rgb16);
-        let file =
-            ScanFile { path, format: "LAS 1.2".into(), lattice, points, color, bounds, triangles: vec![] };
+        let file = ScanFile {
+            path,
+            format: "LAS 1.2".into(),
+            lattice,
+            points,
+            color,
+            bounds,
+            ..ScanFile::default()
+        };
         let scan = Scan { files: vec![file], ..Scan::default() };
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({

@@ -37,6 +37,13 @@ pub struct Lattice {
     pub offset: DVec3,
 }
 
+impl Default for Lattice {
+    /// Whole units from the origin.
+    fn default() -> Self {
+        Self { scale: DVec3::ONE, offset: DVec3::ZERO }
+    }
+}
+
 impl Lattice {
     /// World position of a lattice point.
     #[must_use]
@@ -81,8 +88,15 @@ pub enum ColorSource {
     },
 }
 
+impl Default for ColorSource {
+    /// By height, of no range yet.
+    fn default() -> Self {
+        Self::Height { low: 0.0, high: 0.0 }
+    }
+}
+
 /// One file, read.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ScanFile {
     /// Where it came from.
     pub path: PathBuf,
@@ -99,6 +113,13 @@ pub struct ScanFile {
     /// Triangles of a mesh, of point numbers in this file, each less than the number of its points; counter-clockwise
     /// where the surface is seen from. Empty for all that is no mesh.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// How files are read: what a user may say of them that they do not say themselves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Axis of the files that points up.
+    pub up: Up,
 }
 
 /// Several files as one cloud.
@@ -184,9 +205,8 @@ struct Columns {
 
 impl Default for Columns {
     fn default() -> Self {
-        let lattice = Lattice { scale: DVec3::ONE, offset: DVec3::ZERO };
-        let (points, triangles) = (Points::default(), Vec::new());
-        Self { lattice, points, triangles, stats: Stats::EMPTY, warnings: Vec::new() }
+        let (lattice, points) = (Lattice::default(), Points::default());
+        Self { lattice, points, triangles: Vec::new(), stats: Stats::EMPTY, warnings: Vec::new() }
     }
 }
 

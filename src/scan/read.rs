@@ -1,20 +1,22 @@
 //! Several files of any format to one [`Scan`].
 
 use super::source::Source;
-use super::{Columns, FORMATS, HEAD_BYTES, Header, Reader, Scan, ScanError, ScanFile, color, sniff};
+use super::{
+    Columns, FORMATS, HEAD_BYTES, Header, ReadOptions, Reader, Scan, ScanError, ScanFile, color, sniff,
+};
 use crate::progress::{Progress, Stop};
 use crate::space::Bounds;
 use std::path::{Path, PathBuf};
 
-/// Reads files as one scan, in the order given; shows its progress, and ends soon after `stop` is requested.
+/// Reads files as one scan with z up, in the order given; shows its progress, and ends soon after `stop` is requested.
 ///
 /// Files of which only a part can be read give that part and a warning in [`Scan::warnings`]. All headers are
 /// checked before the first point is read.
 ///
 /// # Errors
 /// The first file of which nothing can be read, with the reason and what to do; [`ScanError::Stopped`].
-pub fn read(paths: &[PathBuf], stop: &Stop) -> Result<Scan, ScanError> {
-    Ok(read_with_headers(paths, stop)?.0)
+pub fn read(paths: &[PathBuf], options: &ReadOptions, stop: &Stop) -> Result<Scan, ScanError> {
+    Ok(read_with_headers(paths, options, stop)?.0.upright(options.up))
 }
 
 /// Reads the headers only.
@@ -25,8 +27,12 @@ pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
     Ok(open_all(paths)?.iter().map(|reader| reader.header().clone()).collect())
 }
 
-/// The scan, and what each file says of itself.
-pub(super) fn read_with_headers(paths: &[PathBuf], stop: &Stop) -> Result<(Scan, Vec<Header>), ScanError> {
+/// The scan in the files' own coordinates, and what each file says of itself.
+pub(super) fn read_with_headers(
+    paths: &[PathBuf],
+    _options: &ReadOptions,
+    stop: &Stop,
+) -> Result<(Scan, Vec<Header>), ScanError> {
     let readers = open_all(paths)?;
     let headers: Vec<Header> = readers.iter().map(|reader| reader.header().clone()).collect();
     let expected = headers.iter().fold(0u64, |sum, header| sum.saturating_add(header.num_points));

@@ -19,7 +19,7 @@ pub enum Up {
 impl Scan {
     /// The scan with z up: where `up` is y, (x, y, z) becomes (x, −z, y), which no coordinate is rounded by.
     #[must_use]
-    pub fn upright(mut self, up: Up) -> Self {
+    pub(super) fn upright(mut self, up: Up) -> Self {
         if up == Up::Y {
             self.files.iter_mut().for_each(turn);
             // Heights are others now.
@@ -52,7 +52,7 @@ mod tests {
         let points = Points { xyz, normals: vec![[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..Points::default() };
         let color = ColorSource::Height { low: 0.0, high: 0.0 };
         let (path, format) = ("a.ply".into(), String::new());
-        let file = ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] };
+        let file = ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() };
         Scan { files: vec![file], ..Scan::default() }
     }
 

@@ -11,14 +11,14 @@ mod real_scans;
 use made::{Encoding, Face, Made, Point};
 use proptest::prelude::*;
 use scanwalk::progress::Stop;
-use scanwalk::scan::{ColorSource, Scan, ScanError, ScanFile, peek, read};
+use scanwalk::scan::{ColorSource, ReadOptions, Scan, ScanError, ScanFile, peek, read};
 
 /// Reads bytes as a file named scan.ply.
 fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.ply");
     std::fs::write(&path, bytes).unwrap();
-    read(&[path], &Stop::default())
+    read(&[path], &ReadOptions::default(), &Stop::default())
 }
 
 fn read_one(bytes: &[u8]) -> (ScanFile, Vec<String>) {
@@ -161,7 +161,7 @@ fn reading_stops_when_asked() {
     for encoding in Encoding::ALL {
         let path = folder.path().join("scan.ply");
         std::fs::write(&path, Made::new(20).bytes(encoding)).unwrap();
-        let error = read(&[path], &stop).unwrap_err().to_string();
+        let error = read(&[path], &ReadOptions::default(), &stop).unwrap_err().to_string();
         assert!(error.contains("stopped"), "{error}");
     }
 }

@@ -1,7 +1,7 @@
 //! Real scans, where `SCANWALK_TEST_DATA` names a folder of them.
 
 use scanwalk::progress::Stop;
-use scanwalk::scan::{Scan, read};
+use scanwalk::scan::{ReadOptions, Scan, read};
 use std::path::{Path, PathBuf};
 
 /// The folder, or a line that says why the test is skipped.
@@ -15,5 +15,5 @@ pub fn folder() -> Option<PathBuf> {
 
 /// A file of it, or the message.
 pub fn read_in(folder: &Path, name: &str) -> Result<Scan, String> {
-    read(&[folder.join(name)], &Stop::default()).map_err(|error| error.to_string())
+    read(&[folder.join(name)], &ReadOptions::default(), &Stop::default()).map_err(|error| error.to_string())
 }

@@ -12,7 +12,7 @@ use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
 use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, Targets};
-use scanwalk::scan::{self, ColorSource, Lattice, Points, Scan, ScanFile};
+use scanwalk::scan::{self, ColorSource, Lattice, Points, ReadOptions, Scan, ScanFile};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin::Frame;
@@ -53,7 +53,7 @@ pub fn made_up(kind: Kind, points: u64) -> Scan {
     let out = folder.path().join("made-up.las");
     synth::write(&SynthOptions { kind, out: out.clone(), points, seed: 7 }, &Stop::default())
         .expect("a file");
-    scan::read(&[out], &Stop::default()).expect("a scan")
+    scan::read(&[out], &ReadOptions::default(), &Stop::default()).expect("a scan")
 }
 
 /// Points in a box of `edge` world units, in steps of a millimetre.
@@ -76,8 +76,8 @@ pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
         lattice,
         points,
         color: ColorSource::Rgb8,
-        triangles: vec![],
         bounds,
+        ..ScanFile::default()
     };
     Scan { files: vec![file], ..Scan::default() }
 }

@@ -16,7 +16,7 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let points = Points { rgb: rgb.collect(), xyz, intensity: vec![], ..Points::default() };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
     Scan {
-        files: vec![ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] }],
+        files: vec![ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() }],
         ..Scan::default()
     }
 }

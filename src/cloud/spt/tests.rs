@@ -24,7 +24,7 @@ pub(super) fn scan_of(xyz: Vec<[i32; 3]>, color: impl Fn(usize) -> [u16; 3]) -> 
         Points { rgb: (0..xyz.len()).map(color).collect(), xyz, intensity: vec![], ..Points::default() };
     let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
     Scan {
-        files: vec![ScanFile { path, format, lattice, points, color, bounds, triangles: vec![] }],
+        files: vec![ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() }],
         ..Scan::default()
     }
 }
