@@ -110,7 +110,7 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     Ok(())
 }
 
-/// The scan on the GPU, as the settings want it, and the box of its body.
+/// The scan on the GPU, as the settings want it, and the box of its scene.
 fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Bounds)> {
     let num_points = scan.num_points() as u64;
     let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
@@ -121,7 +121,7 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
         let spt = build_spt(&scan, config.lod.cull_backfaces, &building)?;
         drop((scan, building));
         let buffers = CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending())?;
-        return Ok((buffers, spt.cloud.body()));
+        return Ok((buffers, spt.cloud.scene.bounds));
     }
     if config.lod.enabled {
         let building = Progress::new("building the octree", "points", 2 * num_points, stop);
@@ -129,13 +129,13 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
         drop((scan, building));
         return Ok((
             CloudBuffers::upload_layered(gpu, &octree, chunk_limit, &sending())?,
-            octree.cloud.body(),
+            octree.cloud.scene.bounds,
         ));
     }
     let sorting = Progress::new("batching", "points", num_points, stop);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
     drop((scan, sorting));
-    Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.body()))
+    Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene.bounds))
 }
 
 /// The eyes of the picture.

@@ -56,6 +56,36 @@ impl Bounds {
         if self.is_empty() { DVec3::ZERO } else { self.max - self.min }
     }
 
+    /// The longest edge; zero if empty.
+    #[must_use]
+    pub fn edge(&self) -> f64 {
+        self.size().max_element()
+    }
+
+    /// The box of these positions.
+    #[must_use]
+    pub fn around(positions: &[DVec3]) -> Self {
+        positions.iter().fold(Self::EMPTY, |bounds, &p| bounds.with(p))
+    }
+
+    /// The box with `margin` more on every side.
+    #[must_use]
+    pub fn grown(self, margin: f64) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
+    /// True of positions in the box, its surface included.
+    #[must_use]
+    pub fn contains(&self, p_in_world: DVec3) -> bool {
+        p_in_world.cmpge(self.min).all() && p_in_world.cmple(self.max).all()
+    }
+
+    /// The distance between two boxes; zero where they touch.
+    #[must_use]
+    pub fn gap(&self, other: &Self) -> f64 {
+        (other.min - self.max).max(self.min - other.max).max(DVec3::ZERO).length()
+    }
+
     /// The middle; the origin if empty.
     #[must_use]
     pub fn center(&self) -> DVec3 {
@@ -222,9 +252,10 @@ impl View {
 
 /// How world positions become pairs of f32 that lose nothing that matters.
 ///
-/// `p − origin = hi + lo`: `hi` is a multiple of `unit`, a power of two so large that every `hi` of the cloud
+/// `p − origin = hi + lo`: `hi` is a multiple of `unit`, a power of two so large that every `hi` of the scene
 /// has at most 22 significant bits. The difference of two `hi` is then exact in f32, and `lo`, at most
-/// half a unit, is exact to 2⁻²⁵ of it: micrometres in a cloud of a thousand kilometres.
+/// half a unit, is exact to 2⁻²⁵ of it: micrometres in a scene of a thousand kilometres. Points far outside the scene
+/// are exact to 2⁻²⁴ of their distance at least.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
     /// World position that maps to (0, 0).
@@ -234,7 +265,7 @@ pub struct Split {
 }
 
 impl Split {
-    /// The split for a cloud: its box centre as origin.
+    /// The split for a scene: its box centre as origin.
     #[must_use]
     pub fn of(bounds: &Bounds) -> Self {
         let reach = 0.5 * bounds.size().max_element();
@@ -246,8 +277,9 @@ impl Split {
     #[must_use]
     pub fn pair(&self, p_in_world: DVec3) -> (Vec3, Vec3) {
         let relative = p_in_world - self.origin;
-        let hi = (relative / self.unit).round() * self.unit;
-        (hi.as_vec3(), (relative - hi).as_vec3())
+        // Rounded twice only far outside the scene; `lo` has the rest all the same.
+        let hi = ((relative / self.unit).round() * self.unit).as_vec3();
+        (hi, (relative - hi.as_dvec3()).as_vec3())
     }
 }
 

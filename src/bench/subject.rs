@@ -57,7 +57,7 @@ impl Subject {
         let scan = scan::read(&[out], &ReadOptions::default(), stop)?;
         // Both names are the courtyard's own.
         let both = place("overview").zip(place("hall")).unwrap_or_default();
-        let places = places(&scan.bounds(), both.0, both.1);
+        let places = places(&scan.scene.bounds, both.0, both.1);
         Ok(Self { scan, places })
     }
 
@@ -72,10 +72,10 @@ impl Subject {
         let start = start(&cloud, scan.unit_m.unwrap_or(1.0));
         let up = DVec3::Z * EYE_HEIGHT_M * start.units_per_m;
         let above = |floor: DVec3| floor + up;
-        let center = cloud.body().center();
+        let center = cloud.scene.bounds.center();
         let inside = above(start.floor_in_world);
         let ahead = inside + DVec3::Y;
-        let places = places(&scan.bounds(), (above(start.overview.0), center), (inside, ahead));
+        let places = places(&scan.scene.bounds, (above(start.overview.0), center), (inside, ahead));
         Ok(Self { scan, places })
     }
 

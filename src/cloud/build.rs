@@ -5,7 +5,7 @@ use super::quantize::{Cells, planes};
 use super::{Batch, Cloud, GROUP_POINTS, Order, morton};
 use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::progress::Progress;
-use crate::scan::Scan;
+use crate::scan::{Scan, Scene};
 use crate::space::{Bounds, Split};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,31 +56,33 @@ const MAX_EDGE: f64 = 1e15;
 /// # Errors
 /// See [`BuildError`].
 pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
-    let (num_points, bounds) = check(scan)?;
+    let Checked { num_points, bounds, scene } = check(scan)?;
     let index = Index::new(scan);
     let sorted = match order {
         Order::Original => None,
-        Order::Morton => Some(sort(&index, &bounds)),
+        Order::Morton => Some(sort(&index, &bounds, &scene.bounds)),
         Order::Shuffled => Some(shuffled(num_points)),
-        Order::ShuffledMorton => Some(shuffled_groups(&sort(&index, &bounds))),
+        Order::ShuffledMorton => Some(shuffled_groups(&sort(&index, &bounds, &scene.bounds))),
     };
     if progress.stopped() {
         return Err(BuildError::Stopped);
     }
     let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
 
-    let padded = num_points.next_multiple_of(POINTS_PER_LOAD as usize);
-    let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; padded]);
-    let size = BATCH_POINTS as usize;
-    let batches = hi
-        .par_chunks_mut(size)
-        .zip(mid.par_chunks_mut(size))
-        .zip(lo.par_chunks_mut(size))
-        .zip(colors.par_chunks_mut(size))
+    // No batch holds points of the scene and strays: its box would be too large for the former's precision.
+    let by_code = order == Order::Morton;
+    let num_near =
+        sorted.as_ref().filter(|_| by_code).map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
+    let cut = Cut { num_near, num_points };
+    let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
+    let batches = cut
+        .batches(&mut hi)
+        .zip(cut.batches(&mut mid))
+        .zip(cut.batches(&mut lo))
+        .zip(cut.batches(&mut colors))
         .enumerate()
         .map_init(Vec::new, |positions, (number, (((hi, mid), lo), colors))| {
-            let first = number * size;
-            let count = size.min(num_points - first);
+            let Piece { first, first_point, count } = cut.piece(number);
             if progress.stopped() {
                 return Batch { first_point: 0, num_points: 0, min: DVec3::ZERO, cell: [0.0; 3] };
             }
@@ -97,18 +99,30 @@ pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, Bu
                 [hi[i], mid[i], lo[i]] = planes(cells.quantize(*p));
             }
             progress.add(count as u64);
-            Batch { first_point: first as u32, num_points: count as u32, min: cells.min, cell: cells.cell }
+            Batch {
+                first_point: first_point as u32,
+                num_points: count as u32,
+                min: cells.min,
+                cell: cells.cell,
+            }
         })
         .collect();
     if progress.stopped() {
         return Err(BuildError::Stopped);
     }
-    let split = Split::of(&bounds);
-    Ok(Cloud { split, bounds, batches, planes: [hi, mid, lo], colors, num_points: num_points as u64 })
+    let (split, planes) = (Split::of(&scene.bounds), [hi, mid, lo]);
+    Ok(Cloud { split, bounds, scene, batches, planes, colors, num_points: num_points as u64 })
 }
 
-/// Number of points and box of a scan that can become a cloud.
-pub(super) fn check(scan: &Scan) -> Result<(usize, Bounds), BuildError> {
+/// What is known of a scan that can become a cloud.
+pub(super) struct Checked {
+    pub num_points: usize,
+    pub bounds: Bounds,
+    pub scene: Scene,
+}
+
+/// Tells whether a scan can become a cloud, and finds its scene if nobody has.
+pub(super) fn check(scan: &Scan) -> Result<Checked, BuildError> {
     let (num_points, bounds) = (scan.num_points(), scan.bounds());
     if num_points == 0 {
         return Err(BuildError::Empty);
@@ -120,7 +134,8 @@ pub(super) fn check(scan: &Scan) -> Result<(usize, Bounds), BuildError> {
     if !edge.is_finite() || edge > MAX_EDGE {
         return Err(BuildError::TooWide(format!("{edge:e}")));
     }
-    Ok((num_points, bounds))
+    let scene = if scan.scene.is_empty() { Scene::of(scan).0 } else { scan.scene.clone() };
+    Ok(Checked { num_points, bounds, scene })
 }
 
 /// A number that looks random, another for each `i`: splitmix64.
@@ -151,13 +166,62 @@ fn shuffled_groups(sorted: &[(u64, u32)]) -> Vec<(u64, u32)> {
     all
 }
 
-/// (Morton code, point) in ascending order; equal codes keep the files' order.
-pub(super) fn sort(index: &Index, bounds: &Bounds) -> Vec<(u64, u32)> {
-    let grid = morton::Grid::new(bounds);
+/// How ordered points are cut into batches: those of the scene, then, from the next load on, the strays.
+#[derive(Clone, Copy)]
+struct Cut {
+    num_near: usize,
+    num_points: usize,
+}
+
+/// A batch's points: the first in the order, its place in the planes, how many.
+struct Piece {
+    first: usize,
+    first_point: usize,
+    count: usize,
+}
+
+impl Cut {
+    const SIZE: usize = BATCH_POINTS as usize;
+
+    /// Where strays begin in the planes.
+    fn far(self) -> usize {
+        self.num_near.next_multiple_of(POINTS_PER_LOAD as usize)
+    }
+
+    /// Length of the planes.
+    fn padded(self) -> usize {
+        self.far() + (self.num_points - self.num_near).next_multiple_of(POINTS_PER_LOAD as usize)
+    }
+
+    /// A plane's parts, a batch each.
+    fn batches(self, plane: &mut [u32]) -> impl IndexedParallelIterator<Item = &mut [u32]> {
+        let (near, far) = plane.split_at_mut(self.far());
+        near.par_chunks_mut(Self::SIZE).chain(far.par_chunks_mut(Self::SIZE))
+    }
+
+    fn piece(self, number: usize) -> Piece {
+        let num_near_batches = self.num_near.div_ceil(Self::SIZE);
+        if number < num_near_batches {
+            let first = number * Self::SIZE;
+            return Piece { first, first_point: first, count: Self::SIZE.min(self.num_near - first) };
+        }
+        let within = (number - num_near_batches) * Self::SIZE;
+        let first = self.num_near + within;
+        Piece { first, first_point: self.far() + within, count: Self::SIZE.min(self.num_points - first) }
+    }
+}
+
+/// Added to the codes of strays, which have a grid of their own: so they do not cost the scene its precision.
+pub(super) const FAR: u64 = 1 << (3 * morton::BITS);
+
+/// (Morton code, point) in ascending order, strays last; equal codes keep the files' order.
+pub(super) fn sort(index: &Index, bounds: &Bounds, scene: &Bounds) -> Vec<(u64, u32)> {
+    let (near, far) = (morton::Grid::new(scene), morton::Grid::new(bounds));
+    let code = |p| if scene.contains(p) { near.code(p) } else { FAR | far.code(p) };
     let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
         .into_par_iter()
         .with_min_len(1 << 14)
-        .map(|i| (grid.code(index.position(i as usize)), i))
+        .map(|i| (code(index.position(i as usize)), i))
         .collect();
     keys.par_sort_unstable();
     keys

@@ -1,6 +1,5 @@
 //! Pure CPU: points to Morton-ordered batches of quantised planes, ready for the GPU. Names no GPU API.
 
-mod body;
 mod build;
 mod index;
 pub mod morton;
@@ -10,6 +9,7 @@ pub mod spt;
 
 pub use build::{BuildError, build};
 
+use crate::scan::Scene;
 use crate::space::{Bounds, Split};
 use glam::DVec3;
 
@@ -53,6 +53,8 @@ pub struct Cloud {
     pub split: Split,
     /// True box of the points, world space.
     pub bounds: Bounds,
+    /// The scan's.
+    pub scene: Scene,
     /// In plane order.
     pub batches: Vec<Batch>,
     /// Coordinate planes: bits 20–29, 10–19, 0–9; each x | y≪10 | z≪20. Gaps between batches (to keep

@@ -2,6 +2,7 @@
 
 use super::stats::Stats;
 use super::{ColorSource, ScanFile};
+use crate::space::Bounds;
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
@@ -43,10 +44,10 @@ pub(super) fn source(stats: &Stats) -> ColorSource {
     }
 }
 
-/// Gives all files of a scan the same ends of their ramps, so that neighbouring tiles match.
-pub(super) fn share_ranges(files: &mut [ScanFile]) {
-    let intensity = intensity_range(files);
-    let height = height_range(files);
+/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighbouring tiles match.
+pub(super) fn share_ranges(files: &mut [ScanFile], scene: &Bounds) {
+    let intensity = intensity_range(files, scene);
+    let height = height_range(files, scene);
     for file in files {
         match &mut file.color {
             ColorSource::Intensity { low, high } => (*low, *high) = intensity,
@@ -56,13 +57,20 @@ pub(super) fn share_ranges(files: &mut [ScanFile]) {
     }
 }
 
-fn intensity_range(files: &[ScanFile]) -> (f64, f64) {
+fn intensity_range(files: &[ScanFile], scene: &Bounds) -> (f64, f64) {
     let files = files.iter().filter(|file| matches!(file.color, ColorSource::Intensity { .. }));
     let mut histogram = vec![0u64; 1 << 16];
     for file in files {
-        let counts = file.points.intensity.par_chunks(1 << 20).map(|block| {
+        let blocks = file.points.intensity.par_chunks(1 << 20).zip(file.points.xyz.par_chunks(1 << 20));
+        let counts = blocks.map(|(block, xyz)| {
             let mut counts = vec![0u64; 1 << 16];
-            block.iter().for_each(|&value| counts[usize::from(value)] += 1);
+            let mut count = |value: u16| counts[usize::from(value)] += 1;
+            if scene.contains(file.bounds.min) && scene.contains(file.bounds.max) {
+                block.iter().for_each(|&value| count(value));
+            } else {
+                let inside = |xyz: &[i32; 3]| scene.contains(file.lattice.p_in_world(*xyz));
+                block.iter().zip(xyz).filter(|(_, xyz)| inside(xyz)).for_each(|(&value, _)| count(value));
+            }
             counts
         });
         let counts = counts.reduce_with(|mut sum, block| {
@@ -91,15 +99,17 @@ fn beyond<'a>(histogram: impl Iterator<Item = (usize, &'a u64)>, tail: u64) -> f
     found.next().map_or(0.0, |(value, _)| value as f64)
 }
 
-fn height_range(files: &[ScanFile]) -> (f64, f64) {
+fn height_range(files: &[ScanFile], scene: &Bounds) -> (f64, f64) {
     let by_height = || files.iter().filter(|file| matches!(file.color, ColorSource::Height { .. }));
     let num_points: usize = by_height().map(|file| file.points.xyz.len()).sum();
     let step = num_points.div_ceil(MOST_HEIGHTS).max(1);
     let mut heights: Vec<f64> = by_height()
         .flat_map(|file| {
             let lattice = file.lattice;
-            file.points.xyz.iter().step_by(step).map(move |xyz| lattice.p_in_world(*xyz).z)
+            file.points.xyz.iter().step_by(step).map(move |xyz| lattice.p_in_world(*xyz))
         })
+        .filter(|p| scene.contains(*p))
+        .map(|p| p.z)
         .collect();
     if heights.is_empty() {
         return (0.0, 0.0);
@@ -155,8 +165,9 @@ fn srgb_of_oklab(lightness: f64, a: f64, b: f64) -> [u8; 3] {
 mod tests {
     use super::*;
     use crate::scan::{Lattice, Points};
-    use crate::space::Bounds;
     use glam::DVec3;
+
+    const EVERYWHERE: Bounds = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
     fn file(points: Points) -> ScanFile {
         let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
@@ -202,7 +213,7 @@ mod tests {
             file(Points { xyz: xyz.clone(), rgb: black.clone(), intensity: vec![3, 9], ..Points::default() }),
             file(Points { xyz, rgb: black, intensity: vec![7, 7], ..Points::default() }),
         ];
-        share_ranges(&mut files);
+        share_ranges(&mut files, &EVERYWHERE);
         assert_eq!(files[0].color, ColorSource::Intensity { low: 3.0, high: 9.0 });
         assert_eq!(files[1].color, ColorSource::Height { low: 0.0, high: 4.0 });
         assert_eq!([files[0].color(0), files[0].color(1)], [RAMP[0], RAMP[255]]);
@@ -221,7 +232,7 @@ mod tests {
             })
         };
         let mut files = [tile(100), tile(300)];
-        share_ranges(&mut files);
+        share_ranges(&mut files, &EVERYWHERE);
         assert_eq!(files[0].color, files[1].color);
         let ColorSource::Intensity { low, high } = files[0].color else { panic!("{:?}", files[0].color) };
         assert!((100.0..110.0).contains(&low) && (390.0..400.0).contains(&high), "{low} {high}");

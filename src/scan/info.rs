@@ -38,6 +38,7 @@ struct FileDescription {
 /// What [`super::read()`] reports; a closed standard output.
 pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, stop: &Stop) -> anyhow::Result<()> {
     let (scan, headers) = read::read_with_headers(paths, options, stop)?;
+    let scan = scan.with_scene();
     let text = if json {
         serde_json::to_string_pretty(&describe(&scan, &headers))? + "\n"
     } else {

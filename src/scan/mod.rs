@@ -11,6 +11,7 @@ pub mod info;
 mod las;
 mod ply;
 mod read;
+mod scene;
 mod sniff;
 mod source;
 mod stats;
@@ -18,6 +19,7 @@ mod up;
 
 pub use error::ScanError;
 pub use read::{peek, read};
+pub use scene::Scene;
 pub use up::Up;
 
 use crate::progress::Progress;
@@ -133,6 +135,8 @@ pub struct Scan {
     pub crs: Option<String>,
     /// Metres a world unit where the files say so.
     pub unit_m: Option<f64>,
+    /// What a viewer means by it; empty until it is found.
+    pub scene: Scene,
 }
 
 impl Scan {

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The first file of which nothing can be read, with the reason and what to do; [`ScanError::Stopped`].
 pub fn read(paths: &[PathBuf], options: &ReadOptions, stop: &Stop) -> Result<Scan, ScanError> {
-    Ok(read_with_headers(paths, options, stop)?.0.upright(options.up))
+    Ok(read_with_headers(paths, options, stop)?.0.upright(options.up).with_scene())
 }
 
 /// Reads the headers only.
@@ -27,7 +27,7 @@ pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
     Ok(open_all(paths)?.iter().map(|reader| reader.header().clone()).collect())
 }
 
-/// The scan in the files' own coordinates, and what each file says of itself.
+/// The scan in the files' own coordinates, without its scene, and what each file says of itself.
 pub(super) fn read_with_headers(
     paths: &[PathBuf],
     _options: &ReadOptions,
@@ -43,7 +43,6 @@ pub(super) fn read_with_headers(
         add(&mut scan, reader.header(), columns);
     }
     name_system(&mut scan, &headers);
-    color::share_ranges(&mut scan.files);
     Ok((scan, headers))
 }
 

@@ -1,6 +1,6 @@
 //! Which axis of a file points up. Everything here has z up; models and many photogrammetry programs have y.
 
-use super::{Lattice, Scan, ScanFile, color};
+use super::{Lattice, Scan, ScanFile};
 use crate::space::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -22,8 +22,6 @@ impl Scan {
     pub(super) fn upright(mut self, up: Up) -> Self {
         if up == Up::Y {
             self.files.iter_mut().for_each(turn);
-            // Heights are others now.
-            color::share_ranges(&mut self.files);
         }
         self
     }
@@ -58,7 +56,7 @@ mod tests {
 
     #[test]
     fn what_pointed_up_does() {
-        let (before, after) = (scan(), scan().upright(Up::Y));
+        let (before, after) = (scan(), scan().upright(Up::Y).with_scene());
         let (before, after) = (&before.files[0], &after.files[0]);
         for (p, turned) in before.points.xyz.iter().zip(&after.points.xyz) {
             let p = before.lattice.p_in_world(*p);

@@ -12,7 +12,7 @@ const LANDSCAPE_M: f64 = 250.0;
 /// The starting place for a cloud whose world unit is `unit_m` metres.
 #[must_use]
 pub fn start(cloud: &Cloud, unit_m: f64) -> Start {
-    let bounds = cloud.body();
+    let bounds = cloud.scene.bounds;
     let center = bounds.center();
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
     let extent_m = extent * unit_m;
@@ -34,7 +34,7 @@ pub fn start(cloud: &Cloud, unit_m: f64) -> Start {
 /// Height of the floor round `center`: a low percentile of the points within `radius`, so that neither stray
 /// points below nor furniture matter. None if there are no points.
 fn floor(cloud: &Cloud, center: DVec3, radius: f64) -> Option<f64> {
-    let near = cloud.samples().filter(|p| (*p - center).truncate().length() < radius);
+    let near = cloud.scene.samples.iter().filter(|p| (**p - center).truncate().length() < radius);
     let mut heights: Vec<f64> = near.map(|p| p.z).collect();
     let low = heights.len() / 20;
     (!heights.is_empty()).then(|| *heights.select_nth_unstable_by(low, f64::total_cmp).1)

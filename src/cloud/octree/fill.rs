@@ -8,6 +8,7 @@ use crate::cloud::quantize::{Cells, planes};
 use crate::cloud::{Batch, BuildError, Cloud};
 use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::progress::Progress;
+use crate::scan::Scene;
 use crate::space::{Bounds, Split};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -29,6 +30,7 @@ pub(super) struct Source<'a> {
 /// Where every node's points will be.
 pub(super) struct Plan {
     bounds: Bounds,
+    scene: Scene,
     nodes: Vec<Node>,
     batches: Vec<Batch>,
     /// Keys and cells of each node.
@@ -37,9 +39,9 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Lays the nodes out breadth first.
-    pub fn new(root: &Root, bounds: Bounds, draft: Draft) -> Result<Self, BuildError> {
+    pub fn new(root: &Root, bounds: Bounds, scene: Scene, draft: Draft) -> Result<Self, BuildError> {
         let num_points = draft.keys.len();
-        let mut plan = Self { bounds, nodes: Vec::new(), batches: Vec::new(), origins: Vec::new() };
+        let mut plan = Self { bounds, scene, nodes: Vec::new(), batches: Vec::new(), origins: Vec::new() };
         let mut end = 0u64;
         let mut generation = vec![(None, draft)];
         while !generation.is_empty() {
@@ -106,14 +108,14 @@ pub(super) fn fill(
     progress: &Progress,
     ready: &mut dyn FnMut(&Octree, Range<usize>),
 ) -> Result<Octree, BuildError> {
-    let Plan { bounds, nodes, batches, origins } = plan;
+    let Plan { bounds, scene, nodes, batches, origins } = plan;
     // At least one node, since there is at least one point.
     let size = nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(POINTS_PER_LOAD));
     let plane = || vec![0u32; size as usize];
     let planes = [plane(), plane(), plane()];
     let num_points = source.keys.len() as u64;
-    let split = Split::of(&bounds);
-    let cloud = Cloud { split, bounds, batches, planes, colors: plane(), num_points };
+    let split = Split::of(&scene.bounds);
+    let cloud = Cloud { split, bounds, scene, batches, planes, colors: plane(), num_points };
     let mut octree = Octree { cloud, filtered_colors: plane(), nodes };
     for run in runs(&octree.nodes) {
         let Octree { cloud, filtered_colors, nodes } = &mut octree;

@@ -32,7 +32,7 @@ mod spacing;
 mod tests;
 mod tree;
 
-use super::build::check;
+use super::build::{Checked, check};
 use super::index::Index;
 use super::{BuildError, Cloud};
 use crate::progress::Progress;
@@ -40,8 +40,9 @@ use crate::scan::Scan;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Deepest level; the root is level 0.
-pub const MAX_LEVEL: u32 = 21;
+/// Deepest level; the root is level 0. A far point makes the root's cube large: that of a 2³²th of it still tells the
+/// steps of a file's lattice apart.
+pub const MAX_LEVEL: u32 = 31;
 /// A cube with more points than this is split.
 pub const LEAF_POINTS: usize = 30_000;
 /// An inner node takes no more points than this.
@@ -142,7 +143,7 @@ pub fn build_octree(
     progress: &Progress,
     ready: &mut dyn FnMut(&Octree, Range<usize>),
 ) -> Result<Octree, BuildError> {
-    let (_, bounds) = check(scan)?;
+    let Checked { bounds, scene, .. } = check(scan)?;
     let index = Index::new(scan);
     let root = keys::Root::new(&bounds);
     let mut keys = keys::sorted(&index, &root);
@@ -155,5 +156,5 @@ pub fn build_octree(
         return Err(BuildError::Stopped);
     }
     let source = fill::Source { index: &index, keys: &keys, levels: &levels };
-    fill::fill(&source, fill::Plan::new(&root, bounds, draft)?, progress, ready)
+    fill::fill(&source, fill::Plan::new(&root, bounds, scene, draft)?, progress, ready)
 }

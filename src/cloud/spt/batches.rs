@@ -156,8 +156,9 @@ impl SequentialCloud {
         let [hi, mid, lo, colors, shapes] = columns;
         let intervals = plans.iter().map(|plan| plan.beside.interval()).collect();
         let cloud = Cloud {
-            split: Split::of(&tree.bounds),
+            split: Split::of(&tree.scene.bounds),
             bounds: tree.bounds,
+            scene: tree.scene.clone(),
             batches: filled.into_iter().map(|(batch, _)| batch).collect(),
             planes: [hi, mid, lo],
             colors,

@@ -14,9 +14,9 @@ pub(super) struct Cube {
 }
 
 impl Cube {
-    /// The cube of all keys.
+    /// The cube of all keys: strays' codes have a bit of their own above those of the scene's.
     pub fn root(keys: &[Key]) -> Self {
-        Self { keys: 0..keys.len(), bits: 3 * BITS }
+        Self { keys: 0..keys.len(), bits: 3 * BITS + 3 }
     }
 
     /// The occupied octants of the smallest cube that holds the same keys; none if all codes are the same.

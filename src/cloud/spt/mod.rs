@@ -68,7 +68,7 @@ pub use steps::Scale;
 pub use tree::{Node, PointTree};
 
 use super::BuildError;
-use super::build::{check, sort};
+use super::build::{Checked, check, sort};
 use super::index::Index;
 use crate::progress::Progress;
 use crate::scan::Scan;
@@ -120,19 +120,19 @@ pub fn build_spt(
 /// # Errors
 /// See [`BuildError`].
 pub fn build_point_tree(scan: &Scan, with_sides: bool, progress: &Progress) -> Result<PointTree, BuildError> {
-    let (num_points, bounds) = check(scan)?;
+    let Checked { num_points, bounds, scene } = check(scan)?;
     if num_points > MAX_POINTS {
         return Err(BuildError::TooManyDiscs(num_points));
     }
     let index = Index::new(scan);
-    let keys = sort(&index, &bounds);
+    let keys = sort(&index, &bounds, &scene.bounds);
     let sorted = Sorted { index, keys };
     let mut leaves = neighbors::leaves(&sorted, progress);
     mesh::inform(&mut leaves, &sorted, scan, with_sides);
     if progress.stopped() {
         return Err(BuildError::Stopped);
     }
-    let mut tree = tree::build(&sorted, &leaves, &bounds, progress);
+    let mut tree = tree::build(&sorted, &leaves, bounds, scene, progress);
     if progress.stopped() {
         return Err(BuildError::Stopped);
     }

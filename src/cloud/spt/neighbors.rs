@@ -6,6 +6,7 @@
 use super::cubes::Cube;
 use super::tree::{Leaf, NO_SIDE};
 use super::{Key, Sorted, normals};
+use crate::cloud::build::FAR;
 use crate::cloud::morton::{BITS, compact, spread};
 use crate::progress::Progress;
 use glam::{DVec3, Vec3};
@@ -122,7 +123,13 @@ impl Search<'_> {
 /// The keys of a cube, and of each of the 26 cubes round it that has any.
 fn around(keys: &[Key], cube: &Cube, each: &mut dyn FnMut(Range<usize>)) {
     each(cube.keys.clone());
-    let prefix = keys[cube.keys.start].0 >> cube.bits;
+    if cube.bits > 3 * BITS {
+        // All there is.
+        return;
+    }
+    // Strays have neighbours among strays.
+    let first = keys[cube.keys.start].0;
+    let (prefix, far) = ((first & !FAR) >> cube.bits, (first & FAR) >> cube.bits);
     let cell = [0, 1, 2].map(|axis| compact(prefix >> axis) as i64);
     let num_cells = 1i64 << (BITS - cube.bits / 3);
     let steps = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| [x, y, z])));
@@ -131,7 +138,7 @@ fn around(keys: &[Key], cube: &Cube, each: &mut dyn FnMut(Range<usize>)) {
         if [x, y, z].iter().any(|v| !(0..num_cells).contains(v)) {
             continue;
         }
-        let code = spread(x as u64) | spread(y as u64) << 1 | spread(z as u64) << 2;
+        let code = far | spread(x as u64) | spread(y as u64) << 1 | spread(z as u64) << 2;
         let start = keys.partition_point(|key| key.0 >> cube.bits < code);
         let rest = &keys[start..];
         if rest.first().is_some_and(|key| key.0 >> cube.bits == code) {

@@ -5,6 +5,7 @@ use super::error::{self, Disc};
 use super::mesh::Triangle;
 use super::{Sorted, normals};
 use crate::progress::Progress;
+use crate::scan::Scene;
 use crate::space::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,6 +57,8 @@ pub struct PointTree {
     pub nodes: Vec<Node>,
     /// True box of the points, world space.
     pub bounds: Bounds,
+    /// The scan's.
+    pub scene: Scene,
     /// A step of the lattice that positions lie on, world units: the longest edge, 2³² times cut, which is finer
     /// than any batch's cells.
     pub step: f64,
@@ -105,9 +108,16 @@ struct Part {
 }
 
 /// The tree over sorted points, at least one. Worthless if `progress` says stop.
-pub(super) fn build(sorted: &Sorted, leaves: &[Leaf], bounds: &Bounds, progress: &Progress) -> PointTree {
+pub(super) fn build(
+    sorted: &Sorted,
+    leaves: &[Leaf],
+    bounds: Bounds,
+    scene: Scene,
+    progress: &Progress,
+) -> PointTree {
     let step = bounds.size().max_element() / LATTICE_STEPS;
-    let tree = PointTree { nodes: Vec::new(), bounds: *bounds, step, triangles: Vec::new() };
+    // The scene comes last: each part begins as a copy of this.
+    let tree = PointTree { nodes: Vec::new(), bounds, scene: Scene::default(), step, triangles: Vec::new() };
     let mut cubes = Vec::new();
     let root = Cube::root(&sorted.keys);
     small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
@@ -126,7 +136,7 @@ pub(super) fn build(sorted: &Sorted, leaves: &[Leaf], bounds: &Bounds, progress:
     }
     let num_nodes = parts.iter().map(|part| part.nodes.len() + 1).sum();
     let nodes = Vec::with_capacity(num_nodes);
-    let tree = PointTree { nodes, ..tree };
+    let tree = PointTree { nodes, scene, ..tree };
     let mut builder = Builder { sorted, leaves, tree, parts: Some(parts.into_iter()) };
     builder.subtree(&root);
     builder.tree

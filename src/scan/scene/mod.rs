@@ -1,0 +1,100 @@
+//! The scene of a scan: what a person means by it, without the strays that stretch its box.
+//!
+//! Strays are points that empty space, large against the scene, parts from it: a bird, a scanner's zeros, noise
+//! above the clouds, a file that was given by mistake. They are drawn like all others, but where a walk begins, what a
+//! picture shows, how fast one flies and how far ramps of colors reach goes by the scene alone, found once, here.
+
+mod cluster;
+mod parts;
+
+pub(crate) use cluster::find;
+
+use super::{Scan, ScanFile, color};
+use crate::space::Bounds;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Points looked at, of all files together.
+const NUM_SAMPLES: usize = 1 << 17;
+/// And of each file at least, if it has as many.
+const NUM_FILE_SAMPLES: usize = 64;
+/// Points that were not looked at belong to the scene if they are within so many edges of its samples' box.
+const MARGIN: f64 = 0.25;
+/// If nothing lies further away than so many edges, nothing is astray.
+const FAR: f64 = 1.0;
+
+/// What a person means by a scan.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// True box of its points, world space.
+    pub bounds: Bounds,
+    /// World positions of some of them, at most about 130 000, evenly from the files.
+    pub samples: Vec<DVec3>,
+}
+
+impl Scene {
+    /// The scene of a scan, and sentences about files that lie far away from it.
+    #[must_use]
+    pub fn of(scan: &Scan) -> (Self, Vec<String>) {
+        let num_points = scan.num_points();
+        let mut samples: Vec<Vec<DVec3>> =
+            scan.files.par_iter().map(|file| samples(file, num_points)).collect();
+        let boxes: Vec<Bounds> =
+            samples.par_iter().map(|samples| find(samples.clone()).unwrap_or_default()).collect();
+        let (larger, warnings) = parts::larger(scan, &boxes);
+        for (file, samples) in samples.iter_mut().enumerate() {
+            let bounds = if larger.contains(&file) { boxes[file] } else { Bounds::EMPTY };
+            samples.retain(|&p| bounds.contains(p));
+        }
+        let mut samples = samples.concat();
+        let around = find(samples.clone()).unwrap_or_default();
+        let files: Vec<&ScanFile> = larger.into_iter().map(|file| &scan.files[file]).collect();
+        let bounds = exact(&files, &around);
+        samples.retain(|&p| bounds.contains(p));
+        (Self { bounds, samples }, warnings)
+    }
+
+    /// True of no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+}
+
+impl Scan {
+    /// The scan with its scene, and with ramps that reach over it.
+    #[must_use]
+    pub(super) fn with_scene(mut self) -> Self {
+        let (scene, warnings) = Scene::of(&self);
+        color::share_ranges(&mut self.files, &scene.bounds);
+        self.scene = scene;
+        self.warnings.extend(warnings);
+        self
+    }
+}
+
+/// Positions from all over a file of a scan of `num_points`: one of each run of equal length, not always the same
+/// of it, because scanners write columns of equal length too.
+fn samples(file: &ScanFile, num_points: usize) -> Vec<DVec3> {
+    let xyz = &file.points.xyz;
+    let run = (num_points / NUM_SAMPLES).min(xyz.len() / NUM_FILE_SAMPLES).max(1);
+    let golden = |number: usize| (number as f64 * 0.618_033_988_749_895).fract();
+    let at = |number: usize| (number * run + (golden(number) * run as f64) as usize).min(xyz.len() - 1);
+    (0..xyz.len().div_ceil(run)).map(|number| file.lattice.p_in_world(xyz[at(number)])).collect()
+}
+
+/// The box of all points that are not far from the box of samples.
+fn exact(files: &[&ScanFile], samples: &Bounds) -> Bounds {
+    let all = files.iter().fold(Bounds::EMPTY, |bounds, file| bounds.union(file.bounds));
+    let far = samples.grown(FAR * samples.edge());
+    if far.contains(all.min) && far.contains(all.max) {
+        return all;
+    }
+    let near = samples.grown(MARGIN * samples.edge());
+    let of_file = |file: &&ScanFile| {
+        let positions = file.points.xyz.par_iter().map(|&xyz| file.lattice.p_in_world(xyz));
+        let inside = positions.filter(|&p| near.contains(p));
+        inside.fold(|| Bounds::EMPTY, Bounds::with).reduce(|| Bounds::EMPTY, Bounds::union)
+    };
+    files.iter().map(of_file).fold(Bounds::EMPTY, Bounds::union)
+}
