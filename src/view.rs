@@ -9,7 +9,7 @@ use crate::cloud::{self, BuildError};
 use crate::config::{Config, LodMethod};
 use crate::desktop;
 use crate::gpu::Gpu;
-use crate::progress::{Progress, Stop};
+use crate::progress::{Job, Progress, Stop};
 use crate::render::{CloudBuffers, CloudUpload, UploadError};
 use crate::scan;
 use crate::timing::RunFacts;
@@ -82,6 +82,8 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
             move || {
                 let shelf = Shelf { loaded: loaded_sender, retired: retired_receiver };
                 let result = load(options, config, &gpu, &link, stop, &shelf);
+                // However it ended, nothing goes on any more.
+                link.set_doing(None);
                 if let Err(error) = &result {
                     link.update_load(|load| load.error = Some(format!("{error:#}")));
                     stop.request();
@@ -164,11 +166,9 @@ fn load(
     stop: &Stop,
     shelf: &Shelf,
 ) -> anyhow::Result<()> {
-    let step = |name: &str, fraction: f32| {
-        link.update_load(|load| (load.step, load.fraction) = (name.to_string(), fraction));
-    };
-    step("reading", 0.0);
-    let scan = scan::read(&options.scans, &config.cloud.read_options(), stop)?;
+    let watching = link.clone();
+    let job = Job::observed(stop, move |count| watching.set_doing(Some(Arc::clone(count))));
+    let scan = scan::read(&options.scans, &config.cloud.read_options(), &job)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
@@ -179,69 +179,89 @@ fn load(
     });
     let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
     let num_points = scan.num_points() as u64;
-    step("sorting", 0.2);
-    let sorting = Progress::new("sorting", "points", num_points, stop);
+    let sorting = Progress::new("sorting", "points", num_points, &job);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
     drop(sorting);
-    step("sending to the GPU", 0.35);
-    let sending = Progress::new("sending", "bytes", 16 * num_points, stop);
+    let sending = Progress::new("sending to the GPU", "bytes", 16 * num_points, &job);
     let buffers = CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending)?;
     drop(sending);
     let flat_bytes = buffers.bytes;
     // The walk may have ended meanwhile: then nobody waits for the cloud.
     let _ = shelf.loaded.send(Loaded { cloud: buffers, start: Some(start(&cloud, unit_m)) });
     drop(cloud);
-    let mut bytes = flat_bytes;
-    if config.lod.enabled {
-        let detailed = match config.lod.method {
-            LodMethod::Octree => {
-                step("building the octree", 0.4);
-                layered(gpu, scan, chunk_limit, stop).map_err(Into::into)
-            }
-            LodMethod::Spt => {
-                step("building the point tree", 0.4);
-                sequential(gpu, scan, chunk_limit, config.lod.cull_backfaces, stop)
-            }
-        };
-        match detailed {
-            Ok(buffers) => {
-                bytes = buffers.bytes;
-                let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
-                // Once it is shown, the flat cloud comes back; if none does, the walk has ended.
-                if let Ok(flat) = shelf.retired.recv() {
-                    flat.free(gpu);
-                }
-            }
-            // The walk ended before it stood: nobody misses it.
-            Err(error) if has_stopped(&error) => return Ok(()),
-            Err(error) if is_too_large(&error) => {
-                eprintln!("scanwalk: warning: without level of detail, every point is drawn always: {error}");
-            }
-            Err(error) => return Err(error),
-        }
-    }
+    let bytes = if config.lod.enabled {
+        detailed(scan, config, gpu, link, &job, shelf)?.unwrap_or(flat_bytes)
+    } else {
+        flat_bytes
+    };
     link.update_load(|load| {
         load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
-        (load.step, load.fraction) = (String::new(), 1.0);
     });
     Ok(())
 }
 
+/// Builds the scan's octree or point tree, and puts it in the flat cloud's place; its bytes. `None`: the flat cloud stays,
+/// because the walk ended meanwhile, or because there is none, for which the user is told the reason.
+fn detailed(
+    scan: scan::Scan,
+    config: &Config,
+    gpu: &Gpu,
+    link: &WalkEnd,
+    job: &Job,
+    shelf: &Shelf,
+) -> anyhow::Result<Option<u64>> {
+    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let detailed = match config.lod.method {
+        LodMethod::Octree => layered(gpu, scan, chunk_limit, job),
+        LodMethod::Spt => sequential(gpu, scan, chunk_limit, config.lod.cull_backfaces, job),
+    };
+    match detailed {
+        Ok(buffers) => {
+            let bytes = buffers.bytes;
+            let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
+            // Once it is shown, the flat cloud comes back; if none does, the walk has ended.
+            if let Ok(flat) = shelf.retired.recv() {
+                flat.free(gpu);
+            }
+            Ok(Some(bytes))
+        }
+        Err(error) => stay_flat(error, link).map(|()| None),
+    }
+}
+
+/// What is to be done if no level of detail came of a scan that is shown already: the user is told, and walks on.
+///
+/// # Errors
+/// The GPU is lost, and with it the walk.
+fn stay_flat(error: anyhow::Error, link: &WalkEnd) -> anyhow::Result<()> {
+    // The walk ended before it stood: nobody misses it.
+    let has_stopped = matches!(error.downcast_ref(), Some(UploadError::Stopped))
+        || matches!(error.downcast_ref(), Some(BuildError::Stopped));
+    if has_stopped {
+        return Ok(());
+    }
+    if matches!(error.downcast_ref(), Some(UploadError::Lost(_))) {
+        return Err(error);
+    }
+    let warning = format!("without level of detail, every point is drawn always: {error:#}");
+    eprintln!("scanwalk: warning: {warning}");
+    link.update_load(|load| load.warnings.push(warning));
+    Ok(())
+}
+
+/// What the counts of both builders are of: each point several times.
+const PASSES: &str = "points in several passes";
+
 /// Builds the octree of a scan and sends its nodes to the GPU as they come.
-fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, stop: &Stop) -> Result<CloudBuffers, UploadError> {
-    let building = Progress::new("building the octree", "points", 2 * scan.num_points() as u64, stop);
-    let sending = Progress::silent(stop);
+fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, job: &Job) -> anyhow::Result<CloudBuffers> {
+    let building = Progress::new("building the octree", PASSES, 2 * scan.num_points() as u64, job);
+    let sending = Progress::silent(job.stop());
     let mut upload: Option<Result<CloudUpload, UploadError>> = None;
-    let built = build_octree(&scan, &building, &mut |octree, nodes| {
+    build_octree(&scan, &building, &mut |octree, nodes| {
         let begun = upload.take().unwrap_or_else(|| CloudUpload::layered(gpu, octree, chunk_limit, &sending));
         upload = Some(begun.and_then(|mut upload| upload.write_nodes(octree, nodes).map(|()| upload)));
-    });
-    match (built, upload) {
-        (Err(BuildError::Stopped), _) => Err(UploadError::Stopped),
-        // Whatever else is wrong with a scan, the flat cloud would have told before.
-        (_, Some(upload)) => Ok(upload?.finish()),
-        (_, None) => Err(UploadError::Stopped),
-    }
+    })?;
+    Ok(upload.ok_or(BuildError::Empty)??.finish())
 }
 
 /// Builds the sequential point tree of a scan and sends it to the GPU.
@@ -250,26 +270,13 @@ fn sequential(
     scan: scan::Scan,
     chunk_limit: u64,
     cull_backfaces: bool,
-    stop: &Stop,
+    job: &Job,
 ) -> anyhow::Result<CloudBuffers> {
     // Points are counted twice, discs once.
-    let building = Progress::new("building the point tree", "points", 7 * scan.num_points() as u64 / 2, stop);
+    let building = Progress::new("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2, job);
     let spt = build_spt(&scan, cull_backfaces, &building)?;
     drop((scan, building));
-    Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &Progress::silent(stop))?)
-}
-
-fn has_stopped(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(UploadError::Stopped))
-        || matches!(error.downcast_ref(), Some(BuildError::Stopped))
-}
-
-fn is_too_large(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(UploadError::OutOfMemory { .. }))
-        || matches!(
-            error.downcast_ref(),
-            Some(BuildError::TooManyDiscs(_) | BuildError::TooManyTriangles { .. })
-        )
+    Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &Progress::silent(job.stop()))?)
 }
 
 /// What the window's panel says of the scan.
@@ -334,5 +341,45 @@ fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
             return;
         }
         eprintln!("scanwalk: frame log: {} ({} frames)", path.display(), summary.num_rows);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever keeps a scan from getting its octree, the panel says so, and the walk goes on.
+    #[test]
+    fn a_scan_without_level_of_detail_says_why() {
+        let errors: [anyhow::Error; 4] = [
+            BuildError::TooMany(3_000_000_000).into(),
+            BuildError::Empty.into(),
+            BuildError::TooManyDiscs(2_000_000_000).into(),
+            UploadError::OutOfMemory {
+                points: 5,
+                bytes: 80,
+                source: wgpu::Error::Internal { source: "full".into(), description: "full".into() },
+            }
+            .into(),
+        ];
+        for error in errors {
+            let (link, _commands, viewer) = link::link();
+            let reason = error.to_string();
+            stay_flat(error, &link).expect("the walk goes on");
+            let [warning] = &viewer.load().warnings[..] else { panic!("{reason}") };
+            assert!(
+                warning.contains("every point is drawn always") && warning.contains(&reason),
+                "{warning}"
+            );
+        }
+        for stopped in [BuildError::Stopped.into(), UploadError::Stopped.into()] {
+            let (link, _commands, viewer) = link::link();
+            stay_flat(stopped, &link).expect("as asked");
+            assert!(viewer.load().warnings.is_empty());
+        }
+        let (link, _commands, viewer) = link::link();
+        stay_flat(UploadError::Lost(wgpu::PollError::Timeout).into(), &link)
+            .expect_err("there is no GPU any more");
+        assert!(viewer.load().warnings.is_empty());
     }
 }

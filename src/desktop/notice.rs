@@ -1,6 +1,8 @@
 //! What must be seen even without the panel: loading, why it failed, and that a second Esc quits.
 
+use super::numbers;
 use super::style::{self, BAD, FAINT, GOOD};
+use crate::progress::Done;
 use crate::walk::link::LoadState;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};
@@ -9,8 +11,8 @@ use std::time::{Duration, Instant};
 pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: bool) {
     if let Some(error) = &load.error {
         failed(ui, error);
-    } else if !load.step.is_empty() {
-        loading(ui, load, picture);
+    } else if let Some(doing) = &load.doing {
+        loading(ui, doing, picture);
     }
     if leave_pending {
         card(ui, "leave", Align2::CENTER_BOTTOM, -70.0, |ui| ui.label("Press Esc again to quit"));
@@ -27,24 +29,35 @@ pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant
     }
 }
 
-fn loading(ui: &mut Ui, load: &LoadState, picture: bool) {
-    let fraction = if load.fraction.is_finite() { load.fraction.clamp(0.0, 1.0) } else { 0.0 };
+fn loading(ui: &mut Ui, doing: &Done, picture: bool) {
+    let fraction = doing.fraction();
     // In the middle while there is nothing else to look at.
     let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
     card(ui, "loading", align, y, |ui| {
         ui.set_width(260.0);
         ui.horizontal(|ui| {
-            let mut step = load.step.clone();
-            if let Some(first) = step.get_mut(..1) {
-                first.make_ascii_uppercase();
-            }
-            ui.label(format!("{step} …"));
+            ui.label(format!("{} …", title(doing.what)));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.label(RichText::new(format!("{:.0} %", (100.0 * fraction).floor())).color(FAINT));
             });
         });
-        ui.add(ProgressBar::new(fraction).desired_height(5.0).fill(GOOD));
+        ui.add(ProgressBar::new(fraction as f32).desired_height(5.0).fill(GOOD));
+        let count = |count| -> String {
+            if doing.unit == "bytes" { numbers::bytes(count) } else { numbers::count(count) }
+        };
+        let unit = if doing.unit == "bytes" { "" } else { doing.unit };
+        let text = format!("{} of {} {unit}", count(doing.done), count(doing.total));
+        ui.label(RichText::new(text.trim_end()).color(FAINT));
     });
+}
+
+/// With a large first letter.
+fn title(what: &str) -> String {
+    let mut title = what.to_owned();
+    if let Some(first) = title.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    title
 }
 
 fn failed(ui: &mut Ui, error: &str) {

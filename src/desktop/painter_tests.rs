@@ -6,6 +6,7 @@ use super::painter::{EguiPicture, Painter};
 use super::{WindowFacts, help, keys, notice, panel, style};
 use crate::config::{Mirror, Overlay, WindowConfig};
 use crate::gpu::Gpu;
+use crate::progress::Done;
 use crate::timing::FrameRow;
 use crate::walk::link::{LoadState, MirrorImages};
 use std::time::Instant;
@@ -203,14 +204,31 @@ fn the_help_lists_the_whole_table() {
 
 #[test]
 fn notices_say_what_goes_on() {
-    let mut load = LoadState { step: "sorting".into(), fraction: 0.425, ..Default::default() };
+    let sorting = Done { what: "sorting", unit: "points", done: 425_000, total: 1_000_000 };
+    let mut load = LoadState { doing: Some(sorting), ..Default::default() };
     let words = painted(|ui| notice::show(ui, &load, false, false));
-    assert!(words.contains("Sorting …") && words.contains("42 %"), "{words}");
+    for expected in ["Sorting …", "42 %", "425 k of 1.00 M points"] {
+        assert!(words.contains(expected), "{expected} is not in {words}");
+    }
+    // It moves, in the words and in the bar.
+    load.doing = Some(Done { done: 999_999, ..sorting });
+    let words = painted(|ui| notice::show(ui, &load, false, false));
+    assert!(words.contains("99 %") && words.contains("1.00 M of 1.00 M points"), "{words}");
     load.error = Some("hall.laz: not a LAS file; choose another".into());
     let words = painted(|ui| notice::show(ui, &load, true, true));
     assert!(words.contains("not a LAS file") && words.contains("Esc again") && !words.contains("Sorting"));
-    load = LoadState { step: "über".into(), fraction: f32::NAN, ..Default::default() };
-    assert!(painted(|ui| notice::show(ui, &load, true, false)).contains("über"));
+    // A header that claimed too little, and one that claimed nothing; bytes have a unit of their own.
+    for (done, total, expected) in [(3 << 20, 2 << 20, "3.00 MiB of 2.00 MiB"), (0, 0, "0 B of 0 B")] {
+        let doing = Some(Done { what: "über", unit: "bytes", done, total });
+        let load = LoadState { doing, ..Default::default() };
+        let words = painted(|ui| notice::show(ui, &load, true, false));
+        assert!(words.contains("über") && words.contains(expected), "{words}");
+    }
+    assert_eq!(
+        painted(|ui| notice::show(ui, &LoadState::default(), true, false)),
+        "",
+        "nothing goes on any more"
+    );
     let now = Instant::now();
     let told = Some((now, "Saved a.left.png".to_string()));
     let words = |at| painted(|ui| notice::told(ui, told.as_ref(), at));

@@ -4,19 +4,19 @@ use super::source::Source;
 use super::{
     Columns, FORMATS, HEAD_BYTES, Header, ReadOptions, Reader, Scan, ScanError, ScanFile, color, sniff,
 };
-use crate::progress::{Progress, Stop};
+use crate::progress::{Job, Progress};
 use crate::space::Bounds;
 use std::path::{Path, PathBuf};
 
-/// Reads files as one scan with z up, in the order given; shows its progress, and ends soon after `stop` is requested.
+/// Reads files as one scan with z up, in the order given; shows its progress, and ends soon after the job is told to stop.
 ///
 /// Files of which only a part can be read give that part and a warning in [`Scan::warnings`]. All headers are
 /// checked before the first point is read.
 ///
 /// # Errors
 /// The first file of which nothing can be read, with the reason and what to do; [`ScanError::Stopped`].
-pub fn read(paths: &[PathBuf], options: &ReadOptions, stop: &Stop) -> Result<Scan, ScanError> {
-    Ok(read_with_headers(paths, options, stop)?.0.upright(options.up).with_scene())
+pub fn read(paths: &[PathBuf], options: &ReadOptions, job: impl Into<Job>) -> Result<Scan, ScanError> {
+    Ok(read_with_headers(paths, options, job)?.0.upright(options.up).with_scene())
 }
 
 /// Reads the headers only.
@@ -31,12 +31,12 @@ pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
 pub(super) fn read_with_headers(
     paths: &[PathBuf],
     _options: &ReadOptions,
-    stop: &Stop,
+    job: impl Into<Job>,
 ) -> Result<(Scan, Vec<Header>), ScanError> {
     let readers = open_all(paths)?;
     let headers: Vec<Header> = readers.iter().map(|reader| reader.header().clone()).collect();
     let expected = headers.iter().fold(0u64, |sum, header| sum.saturating_add(header.num_points));
-    let progress = Progress::new("reading", "points", expected, stop);
+    let progress = Progress::new("reading", "points", expected, job);
     let mut scan = Scan::default();
     for reader in readers {
         let columns = reader.read(&progress)?;

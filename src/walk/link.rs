@@ -3,6 +3,7 @@
 //! and when their size changes.
 
 use crate::config::Overlay;
+use crate::progress::{Count, Done};
 use crate::timing::FrameRow;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -42,10 +43,8 @@ pub enum Command {
 /// What loading has come to, for the window's panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadState {
-    /// "reading", "sorting", "uploading"; empty when done.
-    pub step: String,
-    /// 0 to 1.
-    pub fraction: f32,
+    /// The work that goes on, and how far it is; `None` before it begins and once all of it has ended.
+    pub doing: Option<Done>,
     /// Set if loading failed: the sentence for people.
     pub error: Option<String>,
     /// Facts of the scan, name and value, once known.
@@ -77,6 +76,8 @@ impl MirrorImages {
 struct Shared {
     mirror: Option<MirrorImages>,
     load: LoadState,
+    /// What [`LoadState::doing`] is read from.
+    doing: Option<Arc<Count>>,
     notice: Option<(Instant, String)>,
 }
 
@@ -124,7 +125,12 @@ impl WalkEnd {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).notice = notice;
     }
 
-    /// Changes what the window says about loading; called by the loader's thread only.
+    /// The window looks at this work from now on; `None`: there is none any more.
+    pub fn set_doing(&self, doing: Option<Arc<Count>>) {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).doing = doing;
+    }
+
+    /// Changes what else the window says about loading; called by the loader's thread only.
     pub fn update_load(&self, change: impl FnOnce(&mut LoadState)) {
         change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner).load);
     }
@@ -146,6 +152,7 @@ impl ViewerEnd {
     /// What loading has come to.
     #[must_use]
     pub fn load(&self) -> LoadState {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).load.clone()
+        let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        LoadState { doing: shared.doing.as_ref().map(|count| count.now()), ..shared.load.clone() }
     }
 }
