@@ -6,6 +6,8 @@ struct Counters {
     workgroups_y: u32,
     workgroups_z: u32,
     num_points: atomic<u32>,
+    num_nodes: atomic<u32>,
+    reserved: array<u32, 3>,
 }
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
@@ -14,6 +16,8 @@ struct Counters {
 @group(0) @binding(3) var<storage, read> states: array<u32>;
 @group(0) @binding(4) var<storage, read_write> visible: array<VisibleBatch>;
 @group(0) @binding(5) var<storage, read_write> counters: Counters;
+// Nodes that are among those of `counters.num_nodes` already: one may have several batches, in several chunks.
+@group(0) @binding(6) var<storage, read_write> counted: array<atomic<u32>>;
 
 /// Half as many cells as a box edge has.
 const HALF_CELLS: f32 = 536870912.0;
@@ -162,6 +166,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 
     let slot = atomicAdd(&counters.num_visible, 1u);
     atomicAdd(&counters.num_points, batch.num_points);
+    if atomicExchange(&counted[batch.node], 1u) == 0u {
+        atomicAdd(&counters.num_nodes, 1u);
+    }
     visible[slot] = VisibleBatch(
         head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes,
         node.spacing, own_colors(node), drawn, id.x,

@@ -7,6 +7,7 @@
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<storage, read> nodes: array<Node>;
 @group(0) @binding(2) var<storage, read_write> states: array<u32>;
+@group(0) @binding(3) var<storage, read_write> counted: array<u32>;
 
 /// Half a cube's diagonal, as a share of its edge.
 const RADIUS: f32 = 0.8660254;
@@ -55,6 +56,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&nodes) {
         return;
     }
+    // By `cull`, which comes next.
+    counted[id.x] = 0u;
     let node = nodes[id.x];
     if (node.flags & NODE_WHOLE) != 0u {
         states[id.x] = DRAWN_WHOLE;

@@ -24,7 +24,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// As the settings say.
+    /// As the settings say. A method that is of one quality decides it: nobody else reads `frame.quality`.
     #[must_use]
     pub fn of(config: &Config) -> Self {
         let frame = &config.frame;

@@ -311,6 +311,7 @@ fn write_metrics(
         "points_read": times[0].points_read,
         "points_drawn": drawn,
         "nodes": times[0].visible_nodes,
+        "batches": times[0].visible_batches,
         "gpu_bytes": shot.renderer.resident().1,
         "load_s": load_s,
         "frames": measured.len(),

@@ -29,8 +29,11 @@ fn frame_log(folder: &std::path::Path, num_frames: usize) -> String {
     writeln!(file, "{}", scanwalk::timing::columns::names().join(",")).unwrap();
     for frame in 0..num_frames {
         let time = frame as f64 / 100.0;
-        writeln!(file, "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,")
-            .unwrap();
+        writeln!(
+            file,
+            "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,,walking,9"
+        )
+        .unwrap();
     }
     path.into_os_string().into_string().unwrap()
 }

@@ -51,6 +51,7 @@ fn tiers() -> Vec<Atomics> {
 fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
     assert!(drawn.states == want.states, "{what}: states");
     assert!(drawn.visible == want.visible, "{what}: visible batches");
+    assert_eq!(drawn.times.visible_nodes, want.visible_nodes, "{what}: visible nodes");
     for eye in 0..want.pixels.len() {
         let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
         assert_eq!(differing, 0, "{what}: eye {eye}: pixels that differ from the twin's");
@@ -101,6 +102,9 @@ fn chunks_change_nothing() {
         let (whole, cut) = (draw(0), draw(4 * 50_000));
         assert!(whole.pixels == cut.pixels, "{quality:?}");
         assert_eq!(whole.times.points_read, cut.times.points_read);
+        // A node that two chunks share is one node, whatever it has of batches.
+        assert_eq!(whole.times.visible_nodes, cut.times.visible_nodes);
+        assert!(whole.times.visible_nodes < whole.times.visible_batches, "{:?}", whole.times);
     }
 }
 

@@ -131,7 +131,8 @@ fn host_structs_have_the_shaders_offsets() {
         assert_eq!(difference(&module, &host), None);
     }
     let counters = parse("cull", &source("cull", Variant::eyes(2)));
-    let mut host = host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points);
+    let mut host =
+        host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, reserved);
     host.0 = "Counters";
     assert_eq!(difference(&counters, &host), None);
 }

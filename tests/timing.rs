@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use scanwalk::report::Summary;
 use scanwalk::space::Pose;
-use scanwalk::timing::{FrameLog, FrameRow, ReadError, RunFacts, STAGES, columns, read};
+use scanwalk::timing::{FrameLog, FrameRow, Phase, ReadError, RunFacts, STAGES, columns, read};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -29,6 +29,8 @@ fn row(frame: u64) -> FrameRow {
         quality: "closest",
         upload_bytes: 4096,
         world_from_head: slow.then_some(pose(frame)),
+        phase: if slow { Phase::Walking } else { Phase::Waiting },
+        visible_batches: 9,
     }
 }
 

@@ -120,7 +120,7 @@ impl Contestant for Compute {
             gpu_ms: sum(&|t| t.gpu_ms),
             wall_ms,
             points_read: times.iter().map(|t| t.points_read).sum(),
-            visible_batches: times.iter().map(|t| u64::from(t.visible_nodes)).sum(),
+            visible_batches: times.iter().map(|t| u64::from(t.visible_batches)).sum(),
         })
     }
 

@@ -107,6 +107,7 @@ impl History {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::timing::Phase;
 
     /// A frame at `time_s` that took the GPU `gpu_ms`.
     pub(in crate::desktop) fn row(frame: u64, time_s: f64, gpu_ms: f32) -> FrameRow {
@@ -129,6 +130,8 @@ pub(super) mod tests {
             quality: "closest",
             upload_bytes: 0,
             world_from_head: None,
+            phase: Phase::Walking,
+            visible_batches: 900,
         }
     }
 

@@ -144,6 +144,7 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
         ("Points read", text(|row| numbers::count(row.points_read))),
         ("Points on the GPU", text(|row| numbers::count(row.points_resident))),
         ("Visible nodes", text(|row| numbers::count(row.visible_nodes.into()))),
+        ("Batches", text(|row| numbers::count(row.visible_batches.into()))),
         ("Quality", text(|row| row.quality.to_string())),
     ];
     for (name, value) in rows {

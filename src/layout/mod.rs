@@ -468,6 +468,10 @@ pub struct CullCounters {
     pub workgroups_z: u32,
     /// Points in the visible batches.
     pub num_points: u32,
+    /// Nodes whose batches these are, but for those that an earlier chunk has counted.
+    pub num_nodes: u32,
+    /// Always 0.
+    pub reserved: [u32; 3],
 }
 
 /// Which image `dilate` works on, and how far it reaches.

@@ -49,9 +49,13 @@ pub struct CloudBuffers {
     pub(super) is_crowded: bool,
     /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
     pub(super) step_base: u32,
+    /// It is no flat cloud.
+    pub(super) has_detail: bool,
     pub(super) num_nodes: u32,
     pub(super) nodes: wgpu::Buffer,
     pub(super) states: wgpu::Buffer,
+    /// One a node, while a frame's visible nodes are counted.
+    pub(super) counted: wgpu::Buffer,
     pub(super) chunks: Vec<Chunk>,
 }
 
@@ -243,6 +247,7 @@ impl<'a> CloudUpload<'a> {
         let storage = wgpu::BufferUsages::STORAGE;
         let nodes_buffer = room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
         let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
+        let counted = room.take("counted", storage, 4 * nodes.len());
         let ranges = chunk_ranges(cloud, limit, max_batches);
         let chunks: Vec<Chunk> = ranges.iter().map(|r| room.chunk(cloud, r.clone(), beside)).collect();
         let bytes = room.bytes;
@@ -256,9 +261,11 @@ impl<'a> CloudUpload<'a> {
             bytes,
             is_crowded: true,
             step_base: 0,
+            has_detail: beside.is_some(),
             num_nodes: nodes.len() as u32,
             nodes: nodes_buffer.clone(),
             states,
+            counted,
             chunks,
         };
         let mut upload = Self { gpu, progress, cloud: cloud_buffers, pending: 0 };

@@ -28,8 +28,10 @@ pub struct FrameTimes {
     pub stage_ms: StageMs,
     /// GPU time of them all.
     pub gpu_ms: f32,
-    /// Batches that `depth` drew.
+    /// Nodes of which `depth` drew something: an octree's cubes, a point tree's runs; a flat cloud is one.
     pub visible_nodes: u32,
+    /// Their batches that it drew.
+    pub visible_batches: u32,
     /// Points in them.
     pub points_read: u64,
 }
@@ -82,14 +84,22 @@ impl Renderer {
         self.timer.collect(&self.gpu, |times| {
             let mut stage_ms = [f32::NAN; STAGES.len()];
             stage_ms.copy_from_slice(times.stage_ms);
-            let (mut visible_nodes, mut points_read) = (0, 0);
+            let (mut visible_nodes, mut visible_batches, mut points_read) = (0, 0, 0);
             for chunk in times.extra.chunks_exact(COUNTERS_STRIDE as usize).filter(|_| drawn) {
                 let counters: CullCounters =
                     bytemuck::pod_read_unaligned(&chunk[..size_of::<CullCounters>()]);
-                visible_nodes += counters.num_visible;
+                visible_nodes += counters.num_nodes;
+                visible_batches += counters.num_visible;
                 points_read += u64::from(counters.num_points);
             }
-            FrameTimes { frame: times.frame, stage_ms, gpu_ms: times.total_ms, visible_nodes, points_read }
+            FrameTimes {
+                frame: times.frame,
+                stage_ms,
+                gpu_ms: times.total_ms,
+                visible_nodes,
+                visible_batches,
+                points_read,
+            }
         })
     }
 

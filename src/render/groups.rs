@@ -151,6 +151,7 @@ impl Parts<'_> {
             ("view", self.view.as_entire_binding()),
             ("nodes", cloud.nodes.as_entire_binding()),
             ("states", cloud.states.as_entire_binding()),
+            ("counted", cloud.counted.as_entire_binding()),
         ]
     }
 

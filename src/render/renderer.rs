@@ -207,6 +207,12 @@ impl Renderer {
         self.cloud.as_ref().map_or((0, 0), |c| (c.num_points, c.bytes))
     }
 
+    /// True if level of detail has a say in how much of the cloud is drawn.
+    #[must_use]
+    pub fn has_detail(&self) -> bool {
+        self.cloud.as_ref().is_some_and(|cloud| cloud.has_detail)
+    }
+
     /// How world positions become the shown cloud's pairs of f32.
     #[must_use]
     pub fn split(&self) -> Option<&Split> {

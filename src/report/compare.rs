@@ -112,7 +112,12 @@ impl Comparison {
         let mut row = |name: &str, figure: &dyn Fn(&Summary) -> String| {
             table.row(name, self.summaries.each_ref().map(figure));
         };
+        row("frames of", &|s| s.counted_phase.name().to_owned());
         row("frames", &|s| s.num_frames.to_string());
+        row("not counted", &|s| {
+            let others = s.phases.iter().filter(|figures| figures.phase != s.counted_phase);
+            others.map(|figures| figures.num_frames).sum::<usize>().to_string()
+        });
         row("seconds", &|s| format!("{:.1}", s.duration_s));
         row("over budget", &|s| percent(s.num_over_budget as f64, s.num_frames as f64));
         row("missed displays", &|s| {
@@ -183,11 +188,12 @@ impl Comparison {
 const METHOD: &str = "Median GPU milliseconds of a frame and of each stage. The 95 % intervals tell chance within a \
                       walk (block bootstrap: 2000 times, blocks of frames that follow each other are drawn again). \
                       An interval without 0 is a difference that chance hardly explains. Walks along different paths \
-                      differ for that alone: compare logs that replay one pose path.";
+                      differ for that alone: compare logs that replay one pose path. Frames \
+                      before the scan stood do not count.";
 
-/// GPU times of the frame or of a stage, in the log's order; empty if it has no such stage.
+/// GPU times of the counted frames or of a stage of theirs, in the log's order; empty if it has no such stage.
 fn times_ms(log: &FrameLogFile, stage: Option<&str>) -> Vec<f64> {
-    let collect = |figure: &dyn Fn(&LoggedFrame) -> f64| log.frames.iter().map(figure).collect();
+    let collect = |figure: &dyn Fn(&LoggedFrame) -> f64| log.counted().map(figure).collect();
     let Some(stage) = stage else { return collect(&|frame| frame.gpu_ms) };
     let at = log.stages.iter().position(|name| name == stage);
     at.map_or_else(Vec::new, |at| collect(&|frame| frame.stage_ms[at]))

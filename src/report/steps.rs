@@ -1,4 +1,4 @@
-//! What the governor gave up and gave back along the walk: a lane for each of its means.
+//! What changes in steps along the walk, a lane each: what frames showed, and what the governor gave up and gave back.
 
 use super::axis::{Axis, label};
 use super::markup::Markup;
@@ -6,7 +6,7 @@ use super::page;
 use super::reduce::held;
 use super::svg::Plot;
 use super::timeline::{SIDES, along_time, steps, time_axis};
-use crate::timing::{FrameLogFile, LoggedFrame};
+use crate::timing::{FrameLogFile, LoggedFrame, Phase};
 
 const HEIGHT: f64 = 46.0;
 
@@ -35,6 +35,19 @@ pub(super) fn governor(log: &FrameLogFile) -> Option<Markup> {
                    is all detail. Resolution scale: the factor on the width and height that are drawn, 1 is all \
                    pixels.";
     (!lanes.is_empty()).then(|| page::figure(lanes.into_iter().collect::<Markup>(), caption))
+}
+
+/// When the frames before the walk end and the walk begins; `None` if the log has but one phase.
+pub(super) fn phases(log: &FrameLogFile) -> Option<Markup> {
+    let place = |phase: Phase| Phase::ALL.iter().position(|other| *other == phase).unwrap_or_default() as f64;
+    let first = log.frames.first()?.phase;
+    if log.frames.iter().all(|frame| frame.phase == first) {
+        return None;
+    }
+    let marks = Phase::ALL.map(|phase| (place(phase), phase.name().to_owned()));
+    let caption = "What frames showed: waiting, no scan yet; arriving, a scan whose final form was still being built beside \
+                   them; walking. Figures are of the last of these.";
+    Some(page::figure(lane(log, "phase", |frame| place(frame.phase), &marks), caption))
 }
 
 /// One figure along the time, with these values marked.

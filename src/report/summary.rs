@@ -2,7 +2,7 @@
 
 use super::table::{Table, ms, percent};
 use crate::timing::percentile::{REPORTED_PER_MILLE, Sorted};
-use crate::timing::{FrameLogFile, LoggedFrame};
+use crate::timing::{FrameLogFile, LoggedFrame, Phase};
 use std::fmt;
 
 /// A frame log in figures; its `Display` is the text for people, and the page has the same.
@@ -10,13 +10,17 @@ use std::fmt;
 pub struct Summary {
     /// The log's facts, name and value.
     pub facts: Vec<(String, String)>,
-    /// Rows in the log.
+    /// The phases that the log has, in order.
+    pub phases: Vec<PhaseFigures>,
+    /// What all figures below are of; see [`FrameLogFile::counted_phase`].
+    pub counted_phase: Phase,
+    /// Frames of that phase.
     pub num_frames: usize,
-    /// From the first row to the last.
+    /// From the first of them to the last.
     pub duration_s: f64,
     /// Smallest and largest budget: they differ where the refresh rate changed.
     pub budget_ms: (f64, f64),
-    /// Rows whose GPU time exceeded their budget.
+    /// Frames whose GPU time exceeded their budget.
     pub num_over_budget: usize,
     /// Display periods without a new image.
     pub missed_periods: u64,
@@ -32,25 +36,69 @@ pub struct Summary {
     pub cpu_ms: [(&'static str, Sorted); 3],
 }
 
+/// Frames of one phase.
+#[derive(Clone, Debug)]
+pub struct PhaseFigures {
+    /// Which.
+    pub phase: Phase,
+    /// How many.
+    pub num_frames: usize,
+    /// Those whose GPU time exceeded their budget.
+    pub num_over_budget: usize,
+    /// Display periods without a new image.
+    pub missed_periods: u64,
+}
+
+impl PhaseFigures {
+    /// `None` if the log has no such frame.
+    fn of(log: &FrameLogFile, phase: Phase) -> Option<Self> {
+        let mut figures = Self { phase, num_frames: 0, num_over_budget: 0, missed_periods: 0 };
+        for frame in log.frames.iter().filter(|frame| frame.phase == phase) {
+            figures.num_frames += 1;
+            figures.num_over_budget += usize::from(frame.over_budget);
+            figures.missed_periods = figures.missed_periods.saturating_add(frame.missed_periods);
+        }
+        (figures.num_frames > 0).then_some(figures)
+    }
+
+    fn in_words(&self) -> String {
+        let Self { phase, num_frames, num_over_budget, missed_periods } = self;
+        let when = match phase {
+            Phase::Waiting => "before the scan was shown",
+            Phase::Arriving => "while the scan was being built beside them",
+            Phase::Walking => "of the walk",
+        };
+        format!(
+            "{num_frames} frames {when}: {num_over_budget} over budget, {missed_periods} display periods missed; \
+             not counted below"
+        )
+    }
+}
+
 impl Summary {
     /// Summarises a log.
     #[must_use]
     pub fn of(log: &FrameLogFile) -> Self {
-        let frames = &log.frames;
-        let sorted = |value: &dyn Fn(&LoggedFrame) -> f64| Sorted::new(frames.iter().map(value));
+        let sorted = |value: &dyn Fn(&LoggedFrame) -> f64| Sorted::new(log.counted().map(value));
         let budgets = sorted(&|frame| frame.budget_ms);
         let time = |frame: Option<&LoggedFrame>| frame.map_or(0.0, |frame| frame.time_s);
+        let phases: Vec<_> =
+            Phase::ALL.into_iter().filter_map(|phase| PhaseFigures::of(log, phase)).collect();
+        let counted_phase = log.counted_phase();
+        let counted = phases.iter().find(|figures| figures.phase == counted_phase);
         let stages = log.stages.iter().enumerate();
         Self {
             facts: log.facts.clone(),
-            num_frames: frames.len(),
-            duration_s: time(frames.last()) - time(frames.first()),
+            counted_phase,
+            num_frames: counted.map_or(0, |figures| figures.num_frames),
+            duration_s: time(log.counted().last()) - time(log.counted().next()),
             budget_ms: (
                 budgets.percentile(0).unwrap_or_default(),
                 budgets.percentile(1000).unwrap_or_default(),
             ),
-            num_over_budget: frames.iter().filter(|frame| frame.over_budget).count(),
-            missed_periods: frames.iter().fold(0, |sum, frame| frame.missed_periods.saturating_add(sum)),
+            num_over_budget: counted.map_or(0, |figures| figures.num_over_budget),
+            missed_periods: counted.map_or(0, |figures| figures.missed_periods),
+            phases,
             num_dropped: log.num_dropped,
             cut_off: log.cut_off,
             gpu_ms: sorted(&|frame| frame.gpu_ms),
@@ -78,7 +126,14 @@ impl Summary {
             true => format!(", {:.1} a second", (num_frames.saturating_sub(1)) as f64 / duration_s),
             false => String::new(),
         };
-        let mut counts = vec![("frames", format!("{num_frames} in {duration_s:.1} s{rate}"))];
+        let others = self.phases.iter().filter(|figures| figures.phase != self.counted_phase);
+        let mut counts: Vec<_> = others.map(|figures| (figures.phase.name(), figures.in_words())).collect();
+        let which = match self.counted_phase {
+            Phase::Waiting => ": the log ends before a scan was shown",
+            Phase::Arriving => ": the log ends while the scan was being built",
+            Phase::Walking => "",
+        };
+        counts.push(("frames", format!("{num_frames} in {duration_s:.1} s{rate}{which}")));
         if self.num_dropped > 0 {
             counts.push(("dropped", format!("{} more rows: the disk did not keep up", self.num_dropped)));
         }

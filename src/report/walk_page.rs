@@ -4,7 +4,7 @@ use super::histogram::histogram;
 use super::markup::Markup;
 use super::page::{self, Page};
 use super::stack::stack;
-use super::steps::governor;
+use super::steps::{governor, phases};
 use super::summary::{NO_GPU_TIMES, Summary};
 use super::table::{Table, ms};
 use super::timeline::timeline;
@@ -36,6 +36,9 @@ pub fn walk_page(log: &FrameLogFile) -> String {
     } else {
         page.section("Frame by frame");
         page.add(timeline(log, &summary));
+        if let Some(phases) = phases(log) {
+            page.add(phases);
+        }
         page.section("How long frames take");
         let (low, high) = summary.budget_ms;
         let budgets = if low == high { vec![low] } else { vec![low, high] };

@@ -10,10 +10,10 @@ const APART_S: f64 = 0.5;
 /// How long the pose path stays at each worst frame: the LOD has then settled.
 pub const HOLD_S: f64 = 2.0;
 
-/// The frames with most GPU time, the worst first, each the worst within half a second.
+/// The counted frames with most GPU time, the worst first, each the worst within half a second.
 #[must_use]
 pub fn worst(log: &FrameLogFile) -> Vec<&LoggedFrame> {
-    let mut frames: Vec<&LoggedFrame> = log.frames.iter().filter(|frame| !frame.gpu_ms.is_nan()).collect();
+    let mut frames: Vec<&LoggedFrame> = log.counted().filter(|frame| !frame.gpu_ms.is_nan()).collect();
     frames.sort_by(|a, b| b.gpu_ms.total_cmp(&a.gpu_ms));
     let mut worst: Vec<&LoggedFrame> = Vec::new();
     for frame in frames {

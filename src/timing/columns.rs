@@ -13,7 +13,7 @@ pub const DROPPED: &str = "# dropped rows: ";
 const BEFORE_STAGES: [&str; 6] =
     ["frame", "time_s", "predicted_display_ns", "wait_ms", "record_ms", "submit_ms"];
 /// Column names after the stages' own. New ones go to the end, where older readers pass over them.
-const AFTER_STAGES: [&str; 18] = [
+const AFTER_STAGES: [&str; 20] = [
     "gpu_ms",
     "budget_ms",
     "over_budget",
@@ -32,6 +32,8 @@ const AFTER_STAGES: [&str; 18] = [
     HEAD[4],
     HEAD[5],
     HEAD[6],
+    "phase",
+    "visible_batches",
 ];
 /// Columns of `world_from_head`: position, then quaternion, in the order and the spaces of a pose path.
 pub(super) const HEAD: [&str; 7] = ["head_x", "head_y", "head_z", "head_qx", "head_qy", "head_qz", "head_qw"];
@@ -77,7 +79,7 @@ pub(super) fn write_row(out: &mut impl Write, row: &FrameRow) -> io::Result<()> 
     write!(out, ",{},{}", row.lod_scale, row.resolution_scale)?;
     write!(out, ",{},{}", row.quality, row.upload_bytes)?;
     write_head(out, row.world_from_head)?;
-    writeln!(out)
+    writeln!(out, ",{},{}", row.phase.name(), row.visible_batches)
 }
 
 /// The head's pose with all its digits, so that a replay draws the same picture; empty cells if there is none.

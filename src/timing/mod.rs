@@ -16,6 +16,33 @@ pub const STAGES: [&str; 6] = ["clear", "lod", "cull", "depth", "color", "resolv
 /// GPU milliseconds of each of [`STAGES`]; NaN where the device gave no time.
 pub type StageMs = [f32; STAGES.len()];
 
+/// What a frame showed: only those of the walk tell how fast a walk is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// No scan is shown yet.
+    Waiting,
+    /// A scan is shown, and its final form is still being read, built or sent to the GPU beside the frames.
+    Arriving,
+    /// The scan is shown as it stays.
+    #[default]
+    Walking,
+}
+
+impl Phase {
+    /// In the order in which a walk goes through them.
+    pub const ALL: [Self; 3] = [Self::Waiting, Self::Arriving, Self::Walking];
+
+    /// As the log and reports write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Waiting => "waiting",
+            Self::Arriving => "arriving",
+            Self::Walking => "walking",
+        }
+    }
+}
+
 /// Everything the log says of one frame. Small and `Copy`: it crosses threads by value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameRow {
@@ -39,9 +66,9 @@ pub struct FrameRow {
     pub budget_ms: f32,
     /// Display periods that passed without a new image since the frame before.
     pub missed_periods: u32,
-    /// Batches or nodes that `depth` drew.
+    /// Nodes of which `depth` drew something.
     pub visible_nodes: u32,
-    /// Points in them.
+    /// Points in the batches that it drew of them.
     pub points_read: u64,
     /// Points on the GPU.
     pub points_resident: u64,
@@ -55,6 +82,10 @@ pub struct FrameRow {
     pub upload_bytes: u64,
     /// Where the head was and looked, as a pose path has it; `None` while no scan is shown.
     pub world_from_head: Option<Pose>,
+    /// What it showed.
+    pub phase: Phase,
+    /// Batches that `depth` drew.
+    pub visible_batches: u32,
 }
 
 impl FrameRow {

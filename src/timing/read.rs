@@ -1,6 +1,7 @@
 //! Reading a frame log back: strictly, except that a log which is still growing, or whose program was killed,
 //! may end in the middle of a line.
 
+use super::Phase;
 use super::columns::{DROPPED, HEAD, TITLE};
 use crate::space::Pose;
 use glam::{DQuat, DVec3};
@@ -70,6 +71,8 @@ pub struct LoggedFrame {
     pub quality: Option<u8>,
     /// The head in scan coordinates; `None` where the log has none, and while no scan was shown.
     pub world_from_head: Option<Pose>,
+    /// What it showed. A log without that column, of an older version, tells frames without a scan by their empty head.
+    pub phase: Phase,
 }
 
 /// A frame log, read.
@@ -87,6 +90,21 @@ pub struct FrameLogFile {
     pub num_dropped: u64,
     /// The last line was cut off, and left out.
     pub cut_off: bool,
+}
+
+impl FrameLogFile {
+    /// What figures are of: the walk; in a log that ends before it begins, what comes last before it.
+    #[must_use]
+    pub fn counted_phase(&self) -> Phase {
+        let has = |phase: &&Phase| self.frames.iter().any(|frame| frame.phase == **phase);
+        Phase::ALL.iter().rev().find(has).copied().unwrap_or_default()
+    }
+
+    /// The frames that figures are made of: those of [`Self::counted_phase`].
+    pub fn counted(&self) -> impl Iterator<Item = &LoggedFrame> {
+        let counted = self.counted_phase();
+        self.frames.iter().filter(move |frame| frame.phase == counted)
+    }
 }
 
 /// Reads a frame log.
@@ -143,6 +161,7 @@ struct Columns {
     resolution_scale: Option<usize>,
     quality: Option<usize>,
     head: Option<[usize; 7]>,
+    phase: Option<usize>,
 }
 
 impl Reading<'_> {
@@ -217,6 +236,7 @@ impl Columns {
             resolution_scale: find("resolution_scale"),
             quality: find("quality"),
             head: head.try_into().ok(),
+            phase: find("phase"),
         };
         Ok((columns, stage_names))
     }
@@ -229,6 +249,8 @@ impl Columns {
         }
         let [wait, record, submit] = self.cpu.map(|at| number(cells[at]));
         let stages = self.stages.iter().map(|at| number_or_none(cells[*at]));
+        let world_from_head = self.head.map(|at| head(at.map(|at| cells[at]))).transpose()?.flatten();
+        let is_headless = self.head.is_some() && world_from_head.is_none();
         let factor = |column: Option<usize>| column.map_or(Ok(f64::NAN), |at| number_or_none(cells[at]));
         Ok(LoggedFrame {
             frame: count(cells[self.frame])?,
@@ -246,7 +268,12 @@ impl Columns {
             lod_scale: factor(self.lod_scale)?,
             resolution_scale: factor(self.resolution_scale)?,
             quality: self.quality.map(|at| place_of(cells[at], qualities)).transpose()?,
-            world_from_head: self.head.map(|at| head(at.map(|at| cells[at]))).transpose()?.flatten(),
+            world_from_head,
+            phase: match self.phase {
+                Some(at) => phase(cells[at])?,
+                None if is_headless => Phase::Waiting,
+                None => Phase::Walking,
+            },
         })
     }
 }
@@ -268,6 +295,10 @@ fn place_of(name: &str, names: &mut Vec<String>) -> Result<u8, String> {
         names.push(name.to_owned());
     }
     u8::try_from(place).ok().filter(|_| place < MAX_QUALITIES).ok_or_else(|| not_a("quality", name))
+}
+
+fn phase(cell: &str) -> Result<Phase, String> {
+    Phase::ALL.into_iter().find(|phase| phase.name() == cell).ok_or_else(|| not_a("phase", cell))
 }
 
 /// A pose from its cells; `None` if they are all empty.

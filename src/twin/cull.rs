@@ -33,6 +33,12 @@ pub fn cull(
     batches.iter().enumerate().filter_map(one).collect()
 }
 
+/// How many nodes have visible batches, which are in batch order.
+pub fn num_nodes(visible: &[VisibleBatch], batches: &[Batch]) -> u32 {
+    let node = |visible: &VisibleBatch| batches[visible.batch as usize].node;
+    visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
+}
+
 /// State of the child in each octant, in 8 bits; 255 where there is none.
 fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
     let mut own = [u32::MAX; 2];

@@ -91,6 +91,8 @@ impl<'a> Scene<'a> {
 pub struct Frame {
     /// Batches drawn.
     pub visible: Vec<VisibleBatch>,
+    /// Nodes whose batches these are.
+    pub visible_nodes: u32,
     /// Nodes' states.
     pub states: Vec<u32>,
     /// `closest`: depth ≪ 32 | id.
@@ -156,5 +158,6 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
     frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
     let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, look.background_word());
     frame.images = frame.pixels.iter().map(image).collect();
-    Frame { visible, states, ..frame }
+    let visible_nodes = cull::num_nodes(&visible, &scene.batches);
+    Frame { visible, visible_nodes, states, ..frame }
 }

@@ -5,17 +5,23 @@
 //! back a rung at a time, when there has been room for a while. Between too slow and room to spare lies the dead
 //! band in which nothing happens. A step up that had to be undone is tried again much later, and later each time.
 //!
-//! Pure arithmetic on times that others measured; it allocates when made and never again.
+//! Giving up quality must buy something. Where even the cheapest rung shows each image for more than three displays, no
+//! rung makes motion of the images (a slow integrated GPU, a software driver): then it goes back to the last rung whose
+//! picture is still good, and stays until the load is another. Only trying tells: how much a rung saves is not known
+//! before.
+//!
+//! What counts are frames of the walk: see [`crate::timing::Phase`].
+//!
+//! Pure arithmetic on times that others measured; it allocates when made and when a walk begins, never in between.
 
-use crate::config::{Config, Quality};
+mod ladder;
+
+pub use ladder::Settings;
+
+use crate::config::Config;
+use crate::timing::Phase;
+use ladder::{NEW_LOAD, Rung, good_rung, ladder, later};
 use std::fmt;
-
-/// LOD scales of the ladder below 1: a fourth fewer points each, where points lie on surfaces.
-const LOD_SCALES: [f32; 8] = [1.15, 1.32, 1.51, 1.73, 1.99, 2.28, 2.62, 3.0];
-/// Resolution scales of the ladder below 1: a sixth to a fourth fewer pixels each.
-const RESOLUTION_SCALES: [f32; 5] = [0.92, 0.84, 0.76, 0.68, 0.6];
-/// `hqs` costs at most so many times what `closest` does.
-const MOST_SAVED_BY_CLOSEST: f32 = 2.0;
 
 /// Frames that are looked back on.
 const WINDOW: usize = 9;
@@ -27,50 +33,9 @@ const OUTLIERS: usize = 2;
 
 /// Share of the target that the frame after a step up is expected to leave free.
 const MARGIN: f32 = 0.1;
-/// Frames with room before a step up: half a second at 90 Hz.
-const PATIENCE: u32 = 45;
-/// After a step up that failed, the next one to that rung waits so many times longer; so does a step up that is
-/// likely to fail.
-const LATER: u32 = 4;
-/// What waiting may grow to: half a minute.
-const MOST_PATIENCE: u32 = 64 * PATIENCE;
-/// A step up has failed if the next step is down and comes within so many times its waiting time, but at most
-/// [`MOST_PATIENCE`].
-const HELD: u32 = 16;
-/// A load below this share of the one that a step up failed at is a new one, and nothing is known against it.
-const NEW_LOAD: f32 = 0.85;
-
-/// What a frame is drawn with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Factor on the LOD thresholds, 1 to 3.
-    pub lod_scale: f32,
-    /// Factor on the images' width and height, 0.6 to 1.
-    pub resolution_scale: f32,
-    /// What a pixel shows.
-    pub quality: Quality,
-}
-
-impl Settings {
-    /// The part of an image of `full_px` that is drawn: even numbers, but the whole of it at scale 1.
-    #[must_use]
-    pub fn drawn_px(&self, full_px: [u32; 2]) -> [u32; 2] {
-        if self.resolution_scale >= 1.0 {
-            return full_px;
-        }
-        let even = |full: u32| 2 * (0.5 * full as f32 * self.resolution_scale).round() as u32;
-        full_px.map(|full| even(full).clamp(full.min(2), full))
-    }
-
-    /// How many times faster a frame can become at most by going from here to `cheaper`: if all of its time goes
-    /// to points, or to pixels.
-    fn most_saved_by(&self, cheaper: &Self) -> f32 {
-        let points = cheaper.lod_scale / self.lod_scale;
-        let pixels = self.resolution_scale / cheaper.resolution_scale;
-        let shading = if self.quality == cheaper.quality { 1.0 } else { MOST_SAVED_BY_CLOSEST };
-        points * points * pixels * pixels * shading
-    }
-}
+/// Displays that an image may stay for at most, if quality is given up for it: at 72 to 120 Hz this is 24 to 40 images a
+/// second, the least that looks like motion (film has 24).
+const MOST_PERIODS: f32 = 3.0;
 
 /// A change of settings, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,20 +48,37 @@ pub struct Step {
     pub gpu_ms: f32,
     /// The time that was aimed at.
     pub target_ms: f32,
+    /// What for.
+    pub why: Why,
+}
+
+/// Why settings change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// Frames take too long: quality is given up.
+    TooSlow,
+    /// There is room: quality is given back.
+    Room,
+    /// Frames take far too long even with the cheapest settings: quality is given back, as nothing was bought with it.
+    Hopeless,
 }
 
 impl Step {
     /// True if quality was given up, false if it was given back.
     #[must_use]
     pub fn is_down(&self) -> bool {
-        self.gpu_ms > self.target_ms
+        self.why == Why::TooSlow
     }
 }
 
 impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { from, to, gpu_ms, target_ms } = self;
-        let why = if self.is_down() { "more than" } else { "with room to spare in" };
+        let Self { from, to, gpu_ms, target_ms, why } = self;
+        let why = match why {
+            Why::TooSlow => "more than",
+            Why::Room => "with room to spare in",
+            Why::Hopeless => "even with the cheapest settings, far more than",
+        };
         write!(f, "frames take {gpu_ms:.2} ms of the GPU, {why} the {target_ms:.2} ms aimed at:")?;
         if from.lod_scale != to.lod_scale {
             write!(f, " LOD scale {} → {}", from.lod_scale, to.lod_scale)?;
@@ -111,7 +93,16 @@ impl fmt::Display for Step {
     }
 }
 
-/// Keeps frames within their time. For every frame: [`Governor::begin`] when it is recorded, and
+/// A load that is too much even for the cheapest rung.
+#[derive(Clone, Copy, Debug)]
+struct Hopeless {
+    /// Milliseconds of the cheapest rung's frames.
+    cheapest_ms: f32,
+    /// The same as a share of the good rung's; `None` until that is known.
+    share: Option<f32>,
+}
+
+/// Keeps frames within their time. For every frame: [`Governor::begin`] when it is recorded, and, for those of the walk,
 /// [`Governor::observe`] when its time has come back.
 #[derive(Clone, Debug)]
 pub struct Governor {
@@ -130,23 +121,33 @@ pub struct Governor {
     calm: u32,
     /// The frame time that the last step was taken at, if it was a step up.
     raised_at_ms: Option<f32>,
+    /// Set while nothing is given up because nothing would be bought with it.
+    hopeless: Option<Hopeless>,
 }
 
 impl Governor {
-    /// At the top of the ladder: `frame.quality`, thresholds and resolution as configured.
+    /// At the top of the ladder: what [`Look::of`] the configuration says.
     #[must_use]
     pub fn new(config: &Config) -> Self {
-        let ladder = ladder(config);
         Self {
             budget: config.governor.budget as f32,
-            ladder,
+            ladder: ladder(config, true),
             at: 0,
             newest_frame: 0,
             first_frame: 0,
             times: Times::default(),
             calm: 0,
             raised_at_ms: None,
+            hopeless: None,
         }
+    }
+
+    /// From the next frame on the walk's own cloud is shown: all that was learnt is forgotten. `has_detail`: it can be
+    /// drawn with fewer points.
+    pub fn restart(&mut self, config: &Config, has_detail: bool) {
+        let newest_frame = self.newest_frame;
+        let first_frame = newest_frame + 1;
+        *self = Self { ladder: ladder(config, has_detail), newest_frame, first_frame, ..Self::new(config) };
     }
 
     /// The settings in force.
@@ -162,20 +163,48 @@ impl Governor {
     }
 
     /// Takes note that frame number `frame` took `gpu_ms` of a display period of `budget_ms`. A time that is not
-    /// known (NaN) or that other settings led to says nothing.
-    pub fn observe(&mut self, frame: u64, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
+    /// known (NaN), that other settings led to, or that is not of the walk says nothing: while a scan is read, built and
+    /// sent, others use the same GPU, and frames without one cost nothing.
+    pub fn observe(&mut self, frame: u64, phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
         let target_ms = self.budget * budget_ms;
         let known = gpu_ms.is_finite() && target_ms.is_finite() && target_ms > 0.0;
-        if !known || frame < self.first_frame || self.ladder.len() < 2 {
+        if !known || phase != Phase::Walking || frame < self.first_frame || self.ladder.len() < 2 {
             return None;
         }
         self.times.push(gpu_ms);
         let gpu_ms = self.times.typical()?;
-        if gpu_ms > target_ms {
-            self.calm = 0;
-            return self.step_down(gpu_ms, target_ms);
+        if gpu_ms <= target_ms {
+            self.hopeless = None;
+            return self.step_up(gpu_ms, target_ms);
         }
-        self.step_up(gpu_ms, target_ms)
+        self.calm = 0;
+        let most_ms = MOST_PERIODS * budget_ms;
+        if self.is_hopeless(gpu_ms, most_ms) {
+            return None;
+        }
+        self.step_down(gpu_ms, target_ms).or_else(|| self.give_back(gpu_ms, target_ms, most_ms))
+    }
+
+    /// True while giving up quality once more would buy nothing: frames of the cheapest rung would take more than
+    /// `most_ms`, or nearly so. `gpu_ms`: what those of the good rung take.
+    fn is_hopeless(&mut self, gpu_ms: f32, most_ms: f32) -> bool {
+        let Some(Hopeless { cheapest_ms, share }) = &mut self.hopeless else { return false };
+        let is_hopeless = gpu_ms * *share.get_or_insert(*cheapest_ms / gpu_ms) > NEW_LOAD * most_ms;
+        if !is_hopeless {
+            self.hopeless = None;
+        }
+        is_hopeless
+    }
+
+    /// From the cheapest rung back to a good picture, if giving it up has bought nothing.
+    fn give_back(&mut self, gpu_ms: f32, target_ms: f32, most_ms: f32) -> Option<Step> {
+        let good = good_rung(&self.ladder);
+        if gpu_ms <= most_ms || good >= self.at {
+            return None;
+        }
+        self.raised_at_ms = None;
+        self.hopeless = Some(Hopeless { cheapest_ms: gpu_ms, share: None });
+        Some(self.step_to(good, gpu_ms, target_ms, Why::Hopeless))
     }
 
     /// Down by as many rungs as could do. A rung rarely saves the most that it can, so this falls short rather
@@ -192,7 +221,7 @@ impl Governor {
         if let Some(raised_at_ms) = self.raised_at_ms.take() {
             self.ladder[self.at].judge(since_step, raised_at_ms);
         }
-        Some(self.step_to(self.at + rungs, gpu_ms, target_ms))
+        Some(self.step_to(self.at + rungs, gpu_ms, target_ms, Why::TooSlow))
     }
 
     /// Up by one rung, if there has been room for it long enough.
@@ -214,76 +243,17 @@ impl Governor {
             return None;
         }
         self.raised_at_ms = Some(gpu_ms);
-        Some(self.step_to(above, gpu_ms, target_ms))
+        Some(self.step_to(above, gpu_ms, target_ms, Why::Room))
     }
 
-    fn step_to(&mut self, at: usize, gpu_ms: f32, target_ms: f32) -> Step {
+    fn step_to(&mut self, at: usize, gpu_ms: f32, target_ms: f32, why: Why) -> Step {
         let from = self.settings();
         self.at = at;
         self.first_frame = self.newest_frame + 1;
         self.times = Times::default();
         self.calm = 0;
-        Step { from, to: self.settings(), gpu_ms, target_ms }
+        Step { from, to: self.settings(), gpu_ms, target_ms, why }
     }
-}
-
-/// A place on the ladder, and what was learnt of getting there from the one below.
-#[derive(Clone, Copy, Debug)]
-struct Rung {
-    settings: Settings,
-    /// Frames that a step up to here waits for.
-    patience: u32,
-    /// The frame time, one rung below, that the last failed step up was taken at.
-    failed_at_ms: f32,
-}
-
-impl Rung {
-    fn new(settings: Settings) -> Self {
-        Self { settings, patience: PATIENCE, failed_at_ms: f32::INFINITY }
-    }
-
-    /// Frames to wait before stepping up to here from the rung below, where frames take `gpu_ms`.
-    fn patience(&self, gpu_ms: f32) -> u32 {
-        if gpu_ms < NEW_LOAD * self.failed_at_ms { PATIENCE } else { self.patience }
-    }
-
-    /// Quality has to be given up `since_step` frames after the step up to here, taken at `raised_at_ms`.
-    fn judge(&mut self, since_step: u32, raised_at_ms: f32) {
-        if since_step > (HELD * self.patience).min(MOST_PATIENCE) {
-            *self = Self::new(self.settings);
-        } else {
-            self.failed_at_ms = raised_at_ms;
-            self.patience = later(self.patience);
-        }
-    }
-}
-
-fn later(patience: u32) -> u32 {
-    (LATER * patience).min(MOST_PATIENCE)
-}
-
-/// What there is to trade, dearest first. Only what was asked for if the governor is off.
-fn ladder(config: &Config) -> Vec<Rung> {
-    let mut now = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality: config.frame.quality };
-    let mut ladder = vec![Rung::new(now)];
-    if !config.governor.enabled {
-        return ladder;
-    }
-    if config.lod.enabled {
-        for lod_scale in LOD_SCALES {
-            now.lod_scale = lod_scale;
-            ladder.push(Rung::new(now));
-        }
-    }
-    for resolution_scale in RESOLUTION_SCALES {
-        now.resolution_scale = resolution_scale;
-        ladder.push(Rung::new(now));
-    }
-    if now.quality == Quality::Hqs {
-        now.quality = Quality::Closest;
-        ladder.push(Rung::new(now));
-    }
-    ladder
 }
 
 /// The last frames' times since the last step.

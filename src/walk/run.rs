@@ -15,7 +15,7 @@ use crate::progress::Stop;
 use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use crate::space::{Pose, View};
 use crate::timing::log::FrameLog;
-use crate::timing::{FrameRow, STAGES};
+use crate::timing::{FrameRow, Phase, STAGES};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
@@ -43,7 +43,7 @@ pub struct Walk<'a> {
     pub gpu: Arc<Gpu>,
     /// Settings.
     pub config: &'a Config,
-    /// Scans as they become ready.
+    /// Scans as they become ready; the loader lets go of the other end when it is done.
     pub loaded: Receiver<Loaded>,
     /// Takes clouds that no frame draws any more once those under way have ended, for [`CloudBuffers::free`].
     pub retired: Sender<CloudBuffers>,
@@ -140,6 +140,8 @@ struct Frames {
     scan_frames: u64,
     began: Instant,
     scan_shown: Option<Instant>,
+    /// The loader is not done.
+    arriving: bool,
     /// What clouds took of this thread since the last row, for that row's `record_ms`.
     load_ms: f32,
     last_display_ns: Option<i64>,
@@ -181,6 +183,7 @@ impl Frames {
             scan_frames: 0,
             began: Instant::now(),
             scan_shown: None,
+            arriving: true,
             load_ms: 0.0,
             last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
@@ -193,7 +196,16 @@ impl Frames {
     /// The newest scan that has become ready, if any.
     fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
         let began = Instant::now();
-        while let Ok(Loaded { cloud, start }) = walk.loaded.try_recv() {
+        while self.arriving {
+            let Loaded { cloud, start } = match walk.loaded.try_recv() {
+                Ok(loaded) => loaded,
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => {
+                    self.arriving = false;
+                    self.governor.restart(walk.config, self.renderer.has_detail());
+                    break;
+                }
+            };
             self.retire(walk);
             self.retiring = self.renderer.set_cloud(cloud)?;
             match (&mut self.locomotion, start) {
@@ -305,10 +317,21 @@ impl Frames {
             quality: self.settings.quality.name(),
             upload_bytes: written_bytes - self.written_bytes,
             world_from_head,
+            phase: self.phase(),
+            visible_batches: 0,
         });
         self.written_bytes = written_bytes;
         self.last_display_ns = Some(predicted_display_ns);
         Ok(())
+    }
+
+    /// What the frame shows.
+    fn phase(&self) -> Phase {
+        match self.renderer.split() {
+            None => Phase::Waiting,
+            Some(_) if self.arriving => Phase::Arriving,
+            Some(_) => Phase::Walking,
+        }
     }
 
     /// Draws from now on with what the governor wants.
@@ -388,7 +411,7 @@ impl Frames {
         while let Some(times) = self.renderer.collect_times() {
             while let Some(row) = self.pending.pop_front_if(|row| row.frame <= times.frame) {
                 let row = if row.frame == times.frame { with_times(row, &times) } else { row };
-                if let Some(step) = self.governor.observe(row.frame, row.gpu_ms, row.budget_ms) {
+                if let Some(step) = self.governor.observe(row.frame, row.phase, row.gpu_ms, row.budget_ms) {
                     tracing::info!("frame {}: {step}", self.frame);
                 }
                 pass_on(walk, row);
@@ -435,6 +458,7 @@ fn with_times(row: FrameRow, times: &FrameTimes) -> FrameRow {
         stage_ms: times.stage_ms,
         gpu_ms: times.gpu_ms,
         visible_nodes: times.visible_nodes,
+        visible_batches: times.visible_batches,
         points_read: times.points_read,
         ..row
     }

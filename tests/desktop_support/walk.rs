@@ -6,7 +6,7 @@ use scanwalk::config::Config;
 use scanwalk::desktop::{self, WindowFacts};
 use scanwalk::gpu::Gpu;
 use scanwalk::progress::{Job, Progress, Stop};
-use scanwalk::timing::FrameRow;
+use scanwalk::timing::{FrameRow, Phase};
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -159,5 +159,7 @@ fn row(frame: u64, time_s: f64) -> FrameRow {
         quality: "closest",
         upload_bytes: 0,
         world_from_head: None,
+        phase: Phase::Walking,
+        visible_batches: 900,
     }
 }

@@ -4,11 +4,12 @@
 mod bench;
 mod compare;
 mod page;
+mod phases;
 mod worst;
 
 use glam::{DQuat, DVec3};
 use scanwalk::space::Pose;
-use scanwalk::timing::{FrameLogFile, LoggedFrame};
+use scanwalk::timing::{FrameLogFile, LoggedFrame, Phase};
 
 /// A log at 90 Hz whose frames take the GPU `ms(frame)`.
 pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
@@ -29,6 +30,7 @@ pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
             position: DVec3::new(4e6 + frame as f64 / 7.0, -3.25, 1.7),
             orientation: DQuat::from_rotation_z(0.01 * frame as f64),
         }),
+        phase: Phase::Walking,
     };
     FrameLogFile {
         facts: [("scan", "yard.laz"), ("device", "some GPU")].map(|(n, v)| (n.into(), v.into())).to_vec(),

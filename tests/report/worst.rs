@@ -2,7 +2,7 @@
 
 use crate::{log_of, wave_ms};
 use scanwalk::report::{HOLD_S, worst, worst_poses};
-use scanwalk::timing::{FrameLog, FrameRow, RunFacts, read};
+use scanwalk::timing::{FrameLog, FrameRow, Phase, RunFacts, read};
 use scanwalk::walk::pose_path::PosePath;
 
 #[test]
@@ -49,6 +49,8 @@ fn a_replay_sees_what_the_worst_frames_saw() {
             quality: "hqs",
             upload_bytes: 0,
             world_from_head: frame.world_from_head,
+            phase: Phase::Walking,
+            visible_batches: 900,
         });
     }
     assert_eq!(log.finish().num_rows, 1000);

@@ -171,7 +171,8 @@ impl Canvas {
         let read = |b: &wgpu::Buffer| readback::read_buffer(gpu, b).expect("readback");
         let image = |t| bytemuck::pod_collect_to_vec(&readback::read_texture(gpu, t).expect("image"));
         let (visible, counters, states) = self.renderer.cull_results();
-        let counters: CullCounters = bytemuck::pod_read_unaligned(&read(counters)[..16]);
+        let counters: CullCounters =
+            bytemuck::pod_read_unaligned(&read(counters)[..size_of::<CullCounters>()]);
         let mut visible: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&read(visible[0]));
         visible.truncate(counters.num_visible as usize);
         visible.sort_by_key(|v| v.batch);
