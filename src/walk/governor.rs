@@ -126,7 +126,7 @@ pub struct Governor {
 }
 
 impl Governor {
-    /// At the top of the ladder: what [`Look::of`] the configuration says.
+    /// At the top of the ladder: what [`crate::look::Look::of`] the configuration says.
     #[must_use]
     pub fn new(config: &Config) -> Self {
         Self {
