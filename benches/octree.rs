@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use scanwalk::cloud::morton::Grid;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{Order, build};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, ReadOptions, Scan};
 use scanwalk::synth::{self, Kind, SynthOptions};
@@ -31,7 +32,8 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     let mut files = Vec::new();
     for (name, kind) in kinds {
         let out = folder.join(name).with_extension("las");
-        synth::write(&SynthOptions { kind, out: out.clone(), points, seed: 1 }, &Stop::default())?;
+        let output = Output::new(&out, OutputKind::Scan)?;
+        synth::write(&SynthOptions { kind, out: output, points, seed: 1 }, &Stop::default())?;
         files.push((name, out));
     }
     for run in 0..num_runs {

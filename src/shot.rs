@@ -7,6 +7,7 @@ use crate::cloud::spt::build_spt;
 use crate::config::{Config, LodMethod};
 use crate::gpu::{Gpu, readback};
 use crate::look::Look;
+use crate::output::{Output, OutputError, OutputFile};
 use crate::progress::{Progress, Stop};
 use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use crate::scan::{self, Scan};
@@ -15,9 +16,8 @@ use crate::timing::STAGES;
 use crate::twin::resolve::{Pixel, depth_of};
 use anyhow::Context;
 use glam::DVec3;
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -27,12 +27,12 @@ const MEASURED_FRAMES: usize = 6;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// What picture to draw.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ShotOptions {
     /// Files, shown as one cloud.
     pub scans: Vec<PathBuf>,
-    /// The picture; with `stereo`, OUT.left.png and OUT.right.png.
-    pub out: PathBuf,
+    /// The picture of each eye: one, with `stereo` two.
+    pub out: Vec<Output>,
     /// Where the camera stands, world space; None: where it sees the whole scan.
     pub eye: Option<DVec3>,
     /// Where it looks; None: the scan's centre.
@@ -47,10 +47,10 @@ pub struct ShotOptions {
     pub stereo: bool,
     /// Distance of the eyes, world units.
     pub ipd: f64,
-    /// Linear depth as NumPy float32 (H, W), +inf where nothing is; with `stereo` two files as for `out`.
-    pub depth: Option<PathBuf>,
+    /// Linear depth of each eye as NumPy float32 (H, W), +inf where nothing is; none if it is not wanted.
+    pub depth: Vec<Output>,
     /// Figures as JSON.
-    pub metrics: Option<PathBuf>,
+    pub metrics: Option<Output>,
 }
 
 /// A picture's field of view.
@@ -98,14 +98,21 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     let times: Vec<FrameTimes> =
         (0..num_frames).map(|frame| shot.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
 
-    for eye in 0..view.eyes.len() {
-        write_png(&eye_path(&options.out, eye, options.stereo), &shot.images[eye], &gpu)?;
-        if let Some(path) = &options.depth {
-            write_npy(&eye_path(path, eye, options.stereo), options.size_px, &shot.pixels(eye)?)?;
-        }
+    // All are written before the first gets its name: a failure leaves what was there before.
+    let mut written: Vec<(&Output, OutputFile)> = Vec::new();
+    for (output, image) in options.out.iter().zip(&shot.images) {
+        written.push((output, write_png(output, image, &gpu)?));
     }
-    if let Some(path) = &options.metrics {
-        write_metrics(path, &mut shot, &times, num_points, load_s)?;
+    for (eye, output) in options.depth.iter().enumerate() {
+        written.push((output, write_npy(output, options.size_px, &shot.pixels(eye)?)?));
+    }
+    if let Some(output) = &options.metrics {
+        let text = metrics(&mut shot, &times, num_points, load_s)?;
+        written.push((output, write_with(output, |file| file.write_all(text.as_bytes()))?));
+    }
+    anyhow::ensure!(!stop.requested(), "stopped before the picture was written; nothing was kept");
+    for (output, file) in written {
+        output.keep(file)?;
     }
     Ok(())
 }
@@ -230,65 +237,58 @@ impl Shot {
     }
 }
 
-/// `OUT.png`, or `OUT.left.png` and `OUT.right.png`.
-fn eye_path(path: &Path, eye: usize, stereo: bool) -> PathBuf {
-    if !stereo {
-        return path.to_path_buf();
-    }
-    let side = ["left", "right"][eye];
-    let extension = path.extension().map(|e| format!(".{}", e.display())).unwrap_or_default();
-    path.with_extension(format!("{side}{extension}"))
-}
-
-fn create(path: &Path) -> anyhow::Result<BufWriter<File>> {
-    Ok(BufWriter::new(File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?))
-}
-
 /// Writes an sRGB texture as an 8-bit RGB PNG.
 ///
 /// # Errors
 /// If the file cannot be written or the device is lost.
-pub fn write_png(path: &Path, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Result<()> {
+pub fn write_png(output: &Output, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Result<OutputFile> {
     let pixels = readback::read_texture(gpu, image)?;
     let [r, g, b] = if image.format() == wgpu::TextureFormat::Bgra8UnormSrgb { [2, 1, 0] } else { [0, 1, 2] };
     let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[r], p[g], p[b]]).collect();
-    let mut encoder = png::Encoder::new(create(path)?, image.width(), image.height());
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let written = encoder.write_header().and_then(|mut w| {
-        w.write_image_data(&rgb)?;
-        w.finish()
+    let written = write_with(output, |file| {
+        let mut encoder = png::Encoder::new(file, image.width(), image.height());
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&rgb)?;
+        Ok(writer.finish()?)
     });
-    written.with_context(|| format!("{}: cannot be written", path.display()))
+    Ok(written?)
 }
 
 /// Writes linear depths as a NumPy array of float32, shape (H, W).
-fn write_npy(path: &Path, [width, height]: [u32; 2], pixels: &[Pixel]) -> anyhow::Result<()> {
+fn write_npy(
+    output: &Output,
+    [width, height]: [u32; 2],
+    pixels: &[Pixel],
+) -> Result<OutputFile, OutputError> {
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
     // NumPy's format 1.0: magic, version, length, dictionary; the whole head padded to 64 bytes, ending in a newline.
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
     header.push_str(&" ".repeat(padded - header.len() - 1));
     header.push('\n');
-    let mut file = create(path)?;
-    let mut write = || {
+    write_with(output, |file| {
         file.write_all(b"\x93NUMPY\x01\x00")?;
         file.write_all(&(padded as u16).to_le_bytes())?;
         file.write_all(header.as_bytes())?;
-        for &pixel in pixels {
-            file.write_all(&depth_of(pixel).to_le_bytes())?;
-        }
-        file.flush()
-    };
-    write().with_context(|| format!("{}: cannot be written", path.display()))
+        pixels.iter().try_for_each(|&pixel| file.write_all(&depth_of(pixel).to_le_bytes()))
+    })
 }
 
-fn write_metrics(
-    path: &Path,
-    shot: &mut Shot,
-    times: &[FrameTimes],
-    points: u64,
-    load_s: f64,
-) -> anyhow::Result<()> {
+/// A whole file that has not its name yet.
+fn write_with(
+    output: &Output,
+    write: impl FnOnce(&mut BufWriter<&mut OutputFile>) -> io::Result<()>,
+) -> Result<OutputFile, OutputError> {
+    let mut file = output.begin()?;
+    let mut buffered = BufWriter::new(&mut file);
+    let written = write(&mut buffered).and_then(|()| buffered.flush());
+    drop(buffered);
+    written.map(|()| file).map_err(|source| output.failed(source))
+}
+
+/// Figures as JSON.
+fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> anyhow::Result<String> {
     let measured = &times[1..];
     let median = |value: &dyn Fn(&FrameTimes) -> f32| {
         let mut values: Vec<f32> = measured.iter().map(value).collect();
@@ -319,18 +319,5 @@ fn write_metrics(
         "device": shot.gpu.name(),
         "driver": shot.gpu.driver(),
     });
-    let text = serde_json::to_string_pretty(&metrics)?;
-    std::fs::write(path, text + "\n").with_context(|| format!("{}: cannot be written", path.display()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stereo_files_say_which_eye() {
-        assert_eq!(eye_path(Path::new("a/b.png"), 0, true), Path::new("a/b.left.png"));
-        assert_eq!(eye_path(Path::new("a/b.v2.npy"), 1, true), Path::new("a/b.v2.right.npy"));
-        assert_eq!(eye_path(Path::new("b.png"), 0, false), Path::new("b.png"));
-    }
+    Ok(serde_json::to_string_pretty(&metrics)? + "\n")
 }

@@ -7,11 +7,13 @@ use crate::cloud::octree::build_octree;
 use crate::cloud::spt::build_spt;
 use crate::cloud::{self, BuildError};
 use crate::config::{Config, LodMethod};
-use crate::desktop;
+use crate::desktop::{self, Display};
+use crate::ending::Ending;
 use crate::gpu::Gpu;
+use crate::output::Output;
 use crate::progress::{Job, Progress, Stop};
 use crate::render::{CloudBuffers, CloudUpload, UploadError};
-use crate::scan;
+use crate::scan::{self, ScanError};
 use crate::timing::RunFacts;
 use crate::timing::log::FrameLog;
 use crate::walk::link::{self, WalkEnd};
@@ -48,7 +50,7 @@ pub struct ViewOptions {
     /// The window.
     pub window: Wish,
     /// Frame log to write.
-    pub log: Option<PathBuf>,
+    pub log: Option<Output>,
     /// Stop after so many frames that showed the scan.
     pub frames: Option<u64>,
     /// Stop so many seconds after the scan was first shown.
@@ -64,31 +66,36 @@ pub struct ViewOptions {
 /// be begun, a runtime or device that fails.
 pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
+    let display = open_display(options.window)?;
     let (gpu, mut headset) = open_headset(options.headset, config)?;
     let facts = facts(options, config, &gpu, &*headset);
-    let log = options.log.as_deref().map(|path| FrameLog::start(path, &facts)).transpose()?;
+    let log = options.log.as_ref().map(|output| FrameLog::start(output, &facts)).transpose()?;
     let (link, commands, viewer) = link::link();
-    let windowed = match options.window {
-        Wish::Off => false,
-        Wish::On => true,
-        Wish::Auto => desktop::display_available(),
-    };
+    let windowed = display.is_some();
+    let ending = Ending::new(stop);
     let (loaded_sender, loaded) = std::sync::mpsc::channel();
     let (retired, retired_receiver) = std::sync::mpsc::channel();
 
-    let (summary, load, window) = std::thread::scope(|scope| {
+    let summary = std::thread::scope(|scope| {
+        let ending = &ending;
+        let _guard = ending.guard();
         let loader = scope.spawn({
             let (gpu, link) = (Arc::clone(&gpu), link.clone());
             move || {
+                let _guard = ending.guard();
                 let shelf = Shelf { loaded: loaded_sender, retired: retired_receiver };
                 let result = load(options, config, &gpu, &link, stop, &shelf);
                 // However it ended, nothing goes on any more.
                 link.set_doing(None);
-                if let Err(error) = &result {
-                    link.update_load(|load| load.error = Some(format!("{error:#}")));
-                    stop.request();
+                match result {
+                    // Whoever asked for it has the reason.
+                    Err(error) if has_stopped(&error) => {}
+                    Err(error) => {
+                        link.update_load(|load| load.error = Some(format!("{error:#}")));
+                        ending.fail(error);
+                    }
+                    Ok(()) => {}
                 }
-                result
             }
         });
         let walk = Walk {
@@ -106,20 +113,53 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
             stop: stop.clone(),
         };
         let frames = scope.spawn(move || {
-            let summary = walk.run(&mut *headset);
+            let _guard = ending.guard();
+            let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error)).ok();
             // Whatever ended the walk ends the window and the loader too.
             stop.request();
             summary
         });
-        let window = if windowed { show_window(options, config, &gpu, viewer, &facts, stop) } else { Ok(()) };
-        (join(frames), join(loader), window)
+        if let Some(display) = display {
+            let shown =
+                display.run(Arc::clone(&gpu), viewer, window_facts(options, &facts), config, stop.clone());
+            match shown {
+                Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
+                Err(error) => ending.fail(error.into()),
+                Ok(()) => {}
+            }
+        }
+        let summary = join(frames);
+        join(loader);
+        summary
     });
+    // A log that no scan's frame is in is dropped after a failure: an older one stays.
+    ending.into_result()?;
     finish_log(log, options);
-    load?;
-    window?;
-    let summary = summary?;
-    tracing::info!("{} frames, {} of the scan; ended {}", summary.frames, summary.scan_frames, summary.ended);
+    if let Some(summary) = summary {
+        tracing::info!(
+            "{} frames, {} of the scan; ended {}",
+            summary.frames,
+            summary.scan_frames,
+            summary.ended
+        );
+    }
     Ok(())
+}
+
+/// The display that was wished for, before anything else is opened or read.
+fn open_display(wish: Wish) -> anyhow::Result<Option<Display>> {
+    match wish {
+        Wish::Off => Ok(None),
+        Wish::On => Display::open().map(Some).context("--window on"),
+        Wish::Auto if !desktop::is_named() => Ok(None),
+        Wish::Auto => match Display::open() {
+            Ok(display) => Ok(Some(display)),
+            Err(error) => {
+                eprintln!("scanwalk: no window: {error}");
+                Ok(None)
+            }
+        },
+    }
 }
 
 /// The headset that was wished for, and the GPU that it lives on.
@@ -235,9 +275,7 @@ fn detailed(
 /// The GPU is lost, and with it the walk.
 fn stay_flat(error: anyhow::Error, link: &WalkEnd) -> anyhow::Result<()> {
     // The walk ended before it stood: nobody misses it.
-    let has_stopped = matches!(error.downcast_ref(), Some(UploadError::Stopped))
-        || matches!(error.downcast_ref(), Some(BuildError::Stopped));
-    if has_stopped {
+    if has_stopped(&error) {
         return Ok(());
     }
     if matches!(error.downcast_ref(), Some(UploadError::Lost(_))) {
@@ -247,6 +285,13 @@ fn stay_flat(error: anyhow::Error, link: &WalkEnd) -> anyhow::Result<()> {
     eprintln!("scanwalk: warning: {warning}");
     link.update_load(|load| load.warnings.push(warning));
     Ok(())
+}
+
+/// True if the work ended because somebody asked for it, and for no reason of its own.
+fn has_stopped(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(UploadError::Stopped))
+        || matches!(error.downcast_ref(), Some(ScanError::Stopped))
+        || matches!(error.downcast_ref(), Some(BuildError::Stopped))
 }
 
 /// What the counts of both builders are of: each point several times.
@@ -296,51 +341,29 @@ fn scan_facts(scan: &scan::Scan) -> Vec<(String, String)> {
     facts
 }
 
-/// Runs the window on this thread until it is closed or the walk ends.
-fn show_window(
-    options: &ViewOptions,
-    config: &Config,
-    gpu: &Arc<Gpu>,
-    viewer: link::ViewerEnd,
-    facts: &RunFacts,
-    stop: &Stop,
-) -> anyhow::Result<()> {
-    let window_facts = desktop::WindowFacts {
-        scan: options
-            .scans
-            .iter()
-            .filter_map(|p| Some(p.file_name()?.display().to_string()))
-            .collect::<Vec<_>>()
-            .join(" "),
+/// What the window says of the walk.
+fn window_facts(options: &ViewOptions, facts: &RunFacts) -> desktop::WindowFacts {
+    let names = options.scans.iter().filter_map(|p| Some(p.file_name()?.display().to_string()));
+    desktop::WindowFacts {
+        scan: names.collect::<Vec<_>>().join(" "),
         device: facts.device.clone(),
         runtime: facts.runtime.clone(),
-    };
-    match desktop::run(Arc::clone(gpu), viewer, window_facts, config, stop.clone()) {
-        Err(error) if options.window == Wish::Auto => {
-            eprintln!("scanwalk: no window: {error}");
-            Ok(())
-        }
-        Err(error) => {
-            stop.request();
-            Err(error.into())
-        }
-        Ok(()) => Ok(()),
     }
 }
 
-fn join<T>(thread: std::thread::ScopedJoinHandle<'_, anyhow::Result<T>>) -> anyhow::Result<T> {
+fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
     // A panic is a mistake of ours: let it show as one.
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
-    if let (Some(log), Some(path)) = (log, &options.log) {
+    if let (Some(log), Some(output)) = (log, &options.log) {
         let summary = log.finish();
         if summary.error.is_some() {
             // Said when it happened.
             return;
         }
-        eprintln!("scanwalk: frame log: {} ({} frames)", path.display(), summary.num_rows);
+        eprintln!("scanwalk: frame log: {} ({} frames)", output.path().display(), summary.num_rows);
     }
 }
 

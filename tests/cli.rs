@@ -213,7 +213,7 @@ fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
     let nowhere = file("no/such/page.html");
     for (args, words) in [
         (&["report", &log, "-o", &nowhere][..], nowhere.as_str()),
-        (&["report", &log, "--worst-poses", &page], "has no head poses"),
+        (&["report", &log, "--worst-poses", &file("worst.poses")], "has no head poses"),
         (&["report", &log, &nowhere], nowhere.as_str()),
     ] {
         let (code, text) = refusal(args);
@@ -257,6 +257,38 @@ fn the_doctor_answers_programs_and_people() {
     let people = scanwalk(&["doctor"]).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap();
     let people = String::from_utf8(people.stdout).unwrap();
     assert!(people.contains("lacking display"), "{people}");
+}
+
+/// The loaders of Vulkan and OpenXR and Mesa's layers keep their thoughts to themselves.
+#[test]
+fn the_doctor_says_only_what_it_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let manifest = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.into_os_string().into_string().unwrap()
+    };
+    let missing = folder.path().join("missing.json").into_os_string().into_string().unwrap();
+    let broken = manifest("broken.json", "{ broken");
+    let lost = manifest(
+        "lost.json",
+        r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/no/such/driver.so", "api_version": "1.3.0"}}"#,
+    );
+    for drivers in [None, Some(&missing), Some(&broken), Some(&lost)] {
+        let mut command = scanwalk(&["doctor"]);
+        command.env_remove("XDG_RUNTIME_DIR").env_remove("DISPLAY").env("XR_RUNTIME_JSON", &missing);
+        // The name of today and the one before.
+        drivers.map(|drivers| command.env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers));
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{drivers:?}");
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), "", "{drivers:?}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("no Vulkan driver"), drivers.is_some(), "{text}");
+    }
+    // Who wants to hear them, may: so that the test can fail.
+    let mut loud = scanwalk(&["doctor", "-vv"]);
+    loud.env("VK_DRIVER_FILES", &lost).env("VK_ICD_FILENAMES", &lost).env("VK_LOADER_DEBUG", "all");
+    assert!(!loud.output().unwrap().stderr.is_empty());
 }
 
 /// Ctrl-C is asked of a program that reads from a pipe which never ends.

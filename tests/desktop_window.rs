@@ -227,7 +227,7 @@ fn no_display_is_a_plain_sentence() {
     let (line, log) = Window::without_display("walk").wait_end();
     assert_eq!(
         line,
-        "ended with no_display=true: no window can be opened: there is no display (neither DISPLAY nor \
+        "ended with: no window can be opened: there is no display (neither DISPLAY nor \
          WAYLAND_DISPLAY is set); run scanwalk on a desktop, or use --window off"
     );
     assert_eq!(log, "");

@@ -5,6 +5,7 @@ mod support;
 use glam::DVec3;
 use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::layout::{Batch, DRAWN_WHOLE, Detail, Node, ViewUniform, VisibleBatch};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::render::CloudBuffers;
 use scanwalk::scan::{self, ReadOptions};
@@ -49,7 +50,12 @@ fn stereo_frame_equals_its_twin() {
 fn whole_scans_equal_their_twin() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("courtyard.las");
-    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points: 300_000, seed: 7 };
+    let options = SynthOptions {
+        kind: Kind::Terrestrial,
+        out: Output::new(&out, OutputKind::Scan).expect("a folder"),
+        points: 300_000,
+        seed: 7,
+    };
     synth::write(&options, &Stop::default()).expect("a courtyard");
     let cloud = cloud_from(&out);
     for place in synth::viewpoints(Kind::Terrestrial) {

@@ -54,7 +54,7 @@ fn names(line: &str, word: &str) -> bool {
 }
 
 /// Which folder of `src` must not name what.
-const MUST_NOT_NAME: [(&str, &[&str]); 8] = [
+const MUST_NOT_NAME: [(&str, &[&str]); 9] = [
     ("cloud", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::xr"]),
     ("twin", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::xr"]),
     ("scan", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::twin"]),
@@ -65,6 +65,10 @@ const MUST_NOT_NAME: [(&str, &[&str]); 8] = [
         &["openxr", "winit", "crate::cloud", "crate::config", "crate::scan", "crate::render", "crate::walk"],
     ),
     ("report", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::cli"]),
+    (
+        "output",
+        &["wgpu", "ash", "openxr", "winit", "crate::cli", "crate::gpu", "crate::scan", "crate::config"],
+    ),
     ("timing", &["wgpu", "ash", "openxr", "winit", "crate::gpu", "crate::render", "crate::walk"]),
 ];
 
@@ -95,8 +99,10 @@ fn dependencies_point_one_way() {
     assert!(sample("src/gpu/x.rs", "use wgpu::Buffer;").is_empty());
 }
 
-/// The files that wrap raw handles, and the one that chains the depth layer, which the openxr crate does not wrap.
-const MAY_BE_UNSAFE: [&str; 3] = ["src/xr/vulkan.rs", "src/xr/swapchain.rs", "src/xr/depth_layer.rs"];
+/// The files that wrap raw handles; the one that chains the depth layer, which the openxr crate does not wrap; and the one
+/// that sets environment variables before there are threads.
+const MAY_BE_UNSAFE: [&str; 4] =
+    ["src/xr/vulkan.rs", "src/xr/swapchain.rs", "src/xr/depth_layer.rs", "src/cli/quiet.rs"];
 
 fn unsafe_code(file: &File) -> Vec<String> {
     if MAY_BE_UNSAFE.contains(&file.path.as_str()) {
@@ -131,6 +137,79 @@ fn a_closed_pipe_never_panics() {
     let sample = |text: &str| panicking_prints(&File { path: "src/x.rs".into(), text: text.into() }).len();
     assert_eq!(sample("println!(\"x\");\nprint!(\"y\");"), 2);
     assert_eq!(sample("eprintln!(\"x\");"), 0);
+}
+
+/// What creates, replaces, renames, links or removes a file. A folder of its own for what nobody asked to keep
+/// (`tempfile::tempdir`) is no such thing.
+const WRITES_FILES: [&str; 24] = [
+    "File::create",
+    "File::create_new",
+    "File::options",
+    "OpenOptions",
+    "fs::write",
+    "fs::copy",
+    "fs::rename",
+    "fs::remove_file",
+    "fs::remove_dir",
+    "fs::remove_dir_all",
+    "fs::create_dir",
+    "fs::create_dir_all",
+    "fs::hard_link",
+    "fs::set_permissions",
+    "fs::symlink",
+    "DirBuilder",
+    "NamedTempFile",
+    "tempfile::Builder",
+    "tempfile::tempfile",
+    "tempfile_in",
+    "symlink",
+    "symlink_file",
+    "set_len",
+    "persist",
+];
+
+/// Tests in `src` may write what they like: what stands behind `#[cfg(test)]` before a module of tests, and files of
+/// tests.
+fn written_files(file: &File) -> Vec<String> {
+    if file.path.starts_with("src/output/") || file.path.ends_with("tests.rs") {
+        return Vec::new();
+    }
+    let program = file.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let mut faults = Vec::new();
+    for (line, text) in code(program) {
+        let used = WRITES_FILES.iter().filter(|word| names(text, word));
+        faults.extend(used.map(|word| {
+            format!("{}:{line} uses {word}: declare the file and write it as an output::Output", file.path)
+        }));
+    }
+    faults
+}
+
+/// So that nothing that scanwalk writes destroys what it reads: `output` compares all that a command reads and writes,
+/// and nothing can be written around it.
+#[test]
+fn files_are_written_in_one_place() {
+    let faults: Vec<String> = sources().iter().flat_map(written_files).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |path: &str, text: &str| written_files(&File { path: path.into(), text: text.into() }).len();
+    for text in [
+        "let file = File::create(path)?;",
+        "std::fs::write(path, text)?;",
+        "use std::fs::{self, OpenOptions};",
+        "File::options().write(true).open(path)",
+        "let file = tempfile::NamedTempFile::new()?;",
+        "fs::rename(a, b)",
+    ] {
+        assert_eq!(sample("src/shot.rs", text), 1, "{text}");
+    }
+    assert_eq!(sample("src/output/write.rs", "fs::rename(a, b)"), 0);
+    assert_eq!(sample("src/x.rs", "File::open(path) // not File::create(path)\ntempfile::tempdir()"), 0);
+    assert_eq!(sample("src/x.rs", "#[cfg(test)]\nmod tests {\n    fs::write(a, b);\n}"), 0);
+    assert_eq!(
+        sample("src/x.rs", "#[cfg(test)]\nuse x;\nfs::write(a, b);"),
+        1,
+        "only modules of tests are let out"
+    );
 }
 
 /// Where a library stages its uploads through the bare queue; see `QueueGuard::for_uploads`.

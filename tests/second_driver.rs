@@ -3,6 +3,7 @@
 //! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have:
 //! enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
+use scanwalk::output::{self, OutputKind};
 use scanwalk::progress::Stop;
 use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
 use std::path::{Path, PathBuf};
@@ -21,7 +22,12 @@ fn second_driver() -> Option<PathBuf> {
 /// A courtyard of few points.
 fn courtyard(folder: &Path, points: u64) -> PathBuf {
     let out = folder.join("courtyard.las");
-    let options = SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: 3 };
+    let options = SynthOptions {
+        kind: Kind::Terrestrial,
+        out: output::Output::new(&out, OutputKind::Scan).expect("a folder"),
+        points,
+        seed: 3,
+    };
     synth::write(&options, &Stop::default()).expect("a courtyard");
     out
 }

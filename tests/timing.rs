@@ -1,6 +1,7 @@
 //! The frame log: what is pushed is what a report reads; and nothing that a disk does reaches the frame.
 
 use glam::{DQuat, DVec3};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::report::Summary;
 use scanwalk::space::Pose;
 use scanwalk::timing::{FrameLog, FrameRow, Phase, ReadError, RunFacts, STAGES, columns, read};
@@ -40,6 +41,10 @@ fn pose(frame: u64) -> Pose {
     Pose { position, orientation: DQuat::from_rotation_z(0.1 * frame as f64) }
 }
 
+fn output(path: &Path) -> Output {
+    Output::new(path, OutputKind::FrameLog).unwrap()
+}
+
 fn facts() -> RunFacts {
     RunFacts { scan: "a\nb.laz".into(), device: "some GPU: 8 GiB".into(), ..RunFacts::default() }
 }
@@ -48,7 +53,7 @@ fn facts() -> RunFacts {
 fn written(num_frames: u64) -> (tempfile::TempDir, std::path::PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
-    let log = FrameLog::start(&path, &facts()).unwrap();
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
     (0..num_frames).for_each(|frame| log.push(row(frame)));
     let summary = log.finish();
     assert_eq!((summary.num_rows, summary.num_dropped, summary.error), (num_frames, 0, None));
@@ -138,7 +143,7 @@ fn every_stage_has_its_column() {
 fn times_that_the_device_did_not_give() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
-    let log = FrameLog::start(&path, &facts()).unwrap();
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
     log.push(FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, ..row(1) });
     assert_eq!(log.finish().num_rows, 1);
     let report = Summary::of(&read(&path).unwrap());
@@ -211,7 +216,7 @@ fn a_full_disk_never_stops_the_frame() {
         println!("skipped: this system has no /dev/full");
         return;
     }
-    let log = FrameLog::start(full, &facts()).unwrap();
+    let log = FrameLog::start(&output(full), &facts()).unwrap();
     let start = Instant::now();
     (0..100_000).for_each(|frame| log.push(row(frame)));
     assert!(start.elapsed() < Duration::from_secs(5), "pushing waits for nothing");
@@ -225,7 +230,7 @@ fn a_disk_that_does_not_keep_up_costs_rows_not_frames() {
     // Far more rows at once than the queue holds: whatever is lost is counted, and the log says so.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
-    let log = FrameLog::start(&path, &facts()).unwrap();
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
     (0..200_000).for_each(|frame| log.push(row(frame)));
     let summary = log.finish();
     assert_eq!(summary.num_rows + summary.num_dropped, 200_000);
@@ -241,7 +246,7 @@ fn a_disk_that_does_not_keep_up_costs_rows_not_frames() {
 fn rows_are_on_the_disk_within_a_second_or_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
-    let log = FrameLog::start(&path, &facts()).unwrap();
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
     log.push(row(0));
     let deadline = Instant::now() + Duration::from_secs(10);
     while read(&path).map_or(0, |log| log.frames.len()) == 0 {
@@ -252,7 +257,38 @@ fn rows_are_on_the_disk_within_a_second_or_so() {
 }
 
 #[test]
-fn a_log_that_cannot_be_made_says_where() {
-    let error = FrameLog::start(Path::new("no/such/folder/frames.csv"), &facts()).unwrap_err();
-    assert!(error.to_string().contains("no/such/folder/frames.csv"), "{error}");
+fn an_older_log_stays_until_a_scan_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.csv");
+    std::fs::write(&path, "older").unwrap();
+    let text = || std::fs::read_to_string(&path).unwrap();
+    let num_files = || std::fs::read_dir(folder.path()).unwrap().count();
+    let without_scan = |frame| FrameRow { points_resident: 0, ..row(frame) };
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
+    (0..10).for_each(|frame| log.push(without_scan(frame)));
+    drop(log);
+    assert_eq!((text().as_str(), num_files()), ("older", 1), "a walk that failed");
+
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
+    (0..10).for_each(|frame| log.push(without_scan(frame)));
+    log.push(row(10));
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while text() == "older" && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(text().starts_with(columns::TITLE), "the scan's first frame gives the log its name");
+    log.push(row(11));
+    drop(log);
+    assert_eq!(
+        read(&path).unwrap().frames.len(),
+        12,
+        "rows from before, and those since, though it failed then"
+    );
+    assert_eq!(num_files(), 1);
+
+    // A walk that ends well before a scan is shown.
+    let log = FrameLog::start(&output(&path), &facts()).unwrap();
+    log.push(without_scan(0));
+    assert_eq!(log.finish().num_rows, 1);
+    assert_eq!(read(&path).unwrap().frames.len(), 1);
 }

@@ -4,6 +4,7 @@ use anyhow::Result;
 use glam::DVec3;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{self, Cloud, Order};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, ReadOptions};
 use scanwalk::space::{Eye, Fov, Pose, View};
@@ -35,7 +36,8 @@ impl Scene {
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("courtyard.las");
         let stop = Stop::default();
-        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, &stop)?;
+        let output = Output::new(&out, OutputKind::Scan)?;
+        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
         let scan = scan::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
         Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })

@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use glam::DVec3;
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{self, Cloud, Order};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, ReadOptions, Scan};
 use scanwalk::space::{Eye, Fov, Pose, View};
@@ -134,7 +135,8 @@ pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
 fn made(kind: Kind, points: u64) -> Result<Scan> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("scan.las");
-    synth::write(&SynthOptions { kind, out: out.clone(), points, seed: SEED }, &Stop::default())?;
+    let output = Output::new(&out, OutputKind::Scan)?;
+    synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, &Stop::default())?;
     Ok(scan::read(&[out], &ReadOptions::default(), &Stop::default())?)
 }
 

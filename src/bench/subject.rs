@@ -3,6 +3,7 @@
 use crate::cloud::octree::{Octree, build_octree};
 use crate::cloud::spt::{SequentialCloud, build_spt};
 use crate::cloud::{self, Cloud, Order};
+use crate::output::{Output, OutputKind};
 use crate::progress::{Progress, Stop};
 use crate::scan::{self, ReadOptions, Scan};
 use crate::space::{Bounds, Eye, Fov, Pose, View};
@@ -49,7 +50,8 @@ impl Subject {
     pub fn made_up(points: u64, stop: &Stop) -> Result<Self> {
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("courtyard.las");
-        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: out.clone(), points, seed: SEED }, stop)?;
+        let output = Output::new(&out, OutputKind::Scan)?;
+        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, stop)?;
         let place = |name| {
             let mut places = synth::viewpoints(Kind::Terrestrial).iter();
             places.find(|place| place.name == name).map(|place| (place.eye, place.target))

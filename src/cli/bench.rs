@@ -4,13 +4,18 @@ use super::exit::Usage;
 use super::{BenchArgs, BenchTable};
 use crate::bench::{self, BenchOptions, Table};
 use crate::config::Config;
+use crate::output::{OutputKind, Outputs};
 use crate::progress::Stop;
 use crate::report::{BenchResults, bench_page};
-use anyhow::Context;
 use std::io::{self, Write};
 
 /// Measures, writes the page if one is wanted, prints the results.
-pub(super) fn run(args: &BenchArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+pub(super) fn run(
+    args: &BenchArgs,
+    mut outputs: Outputs,
+    config: &Config,
+    stop: &Stop,
+) -> anyhow::Result<()> {
     let tables = match args.table {
         None => vec![Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
         Some(BenchTable::Paper2021) => vec![Table::Paper2021],
@@ -32,9 +37,8 @@ pub(super) fn run(args: &BenchArgs, config: &Config, stop: &Stop) -> anyhow::Res
         size_px: args.size,
     };
     let results = bench::run(&options, config, stop)?;
-    if let Some(out) = &args.out {
-        std::fs::write(out, bench_page(&results))
-            .with_context(|| format!("the page {} cannot be written", out.display()))?;
+    if let Some(output) = outputs.take_one(OutputKind::Page) {
+        output.write(bench_page(&results).as_bytes())?;
     }
     let mut stdout = io::stdout().lock();
     if args.json {

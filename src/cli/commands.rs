@@ -1,9 +1,11 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
 use super::{
-    Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, report,
+    Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, files,
+    report,
 };
 use crate::config::{self, Config, ConfigError};
+use crate::output::{OutputKind, Outputs, Partials};
 use crate::progress::Stop;
 use crate::scan;
 use crate::shot::{self, ShotFov, ShotOptions};
@@ -12,19 +14,20 @@ use crate::view::{self, ViewOptions, Wish};
 use glam::DVec3;
 
 /// Runs the command that was asked for.
-pub(super) fn run(cli: &Cli, stop: &Stop) -> anyhow::Result<()> {
+pub(super) fn run(cli: &Cli, partials: &Partials, stop: &Stop) -> anyhow::Result<()> {
+    let outputs = files::check(cli, partials)?;
     let config = settings(cli)?;
     match &cli.command {
-        Command::View(args) => view(args, &config, stop),
-        Command::Render(args) => render(args, &config, stop),
+        Command::View(args) => view(args, outputs, &config, stop),
+        Command::Render(args) => render(args, outputs, &config, stop),
         Command::Info(args) => scan::info::print(&args.scans, args.json, &config.cloud.read_options(), stop),
-        Command::Synth(args) => synth(args, stop),
-        Command::Report(args) => report::run(args),
+        Command::Synth(args) => synth(args, outputs, stop),
+        Command::Report(args) => report::run(args, outputs),
         Command::Doctor(args) => doctor::run(&config, args.json),
         Command::Convert(_) => {
             Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
         }
-        Command::Bench(args) => bench::run(args, &config, stop),
+        Command::Bench(args) => bench::run(args, outputs, &config, stop),
     }
 }
 
@@ -50,7 +53,7 @@ fn not_there_yet(command: &str, instead: &str) -> anyhow::Error {
     Usage(format!("{command} does not exist yet; {instead}")).into()
 }
 
-fn view(args: &ViewArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+fn view(args: &ViewArgs, mut outputs: Outputs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let options = ViewOptions {
         scans: args.scans.clone(),
         headset: match args.headset {
@@ -63,7 +66,7 @@ fn view(args: &ViewArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
             WindowChoice::On => Wish::On,
             WindowChoice::Off => Wish::Off,
         },
-        log: args.log.clone(),
+        log: outputs.take_one(OutputKind::FrameLog),
         frames: args.frames,
         seconds: args.seconds,
         pose_path: args.pose_path.clone(),
@@ -71,10 +74,10 @@ fn view(args: &ViewArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     view::run(&options, config, stop)
 }
 
-fn render(args: &RenderArgs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let options = ShotOptions {
         scans: args.scans.clone(),
-        out: args.out.clone(),
+        out: outputs.take(OutputKind::Picture),
         eye: args.eye,
         target: args.target,
         up: args.up.unwrap_or(DVec3::Z),
@@ -85,15 +88,16 @@ fn render(args: &RenderArgs, config: &Config, stop: &Stop) -> anyhow::Result<()>
         size_px: args.size,
         stereo: args.stereo,
         ipd: args.ipd,
-        depth: args.depth.clone(),
-        metrics: args.metrics.clone(),
+        depth: outputs.take(OutputKind::Depth),
+        metrics: outputs.take_one(OutputKind::Metrics),
     };
     shot::run(&options, config, stop)
 }
 
-fn synth(args: &SynthArgs, stop: &Stop) -> anyhow::Result<()> {
-    let options =
-        SynthOptions { kind: args.kind, out: args.out.clone(), points: args.points, seed: args.seed };
-    synth::write(&options, stop)?;
+fn synth(args: &SynthArgs, mut outputs: Outputs, stop: &Stop) -> anyhow::Result<()> {
+    let SynthArgs { kind, points, seed, .. } = *args;
+    if let Some(out) = outputs.take_one(OutputKind::Scan) {
+        synth::write(&SynthOptions { kind, out, points, seed }, stop)?;
+    }
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! `scanwalk doctor`: what this machine has and lacks, and what to install.
 
 use crate::config::Config;
+use crate::desktop::{self, Server};
 use crate::gpu::{Atomics, Gpu};
 use crate::xr;
 use serde::Serialize;
-use std::env;
 use std::io::{self, Write};
 
 /// One thing that a walk needs, or is better with.
@@ -96,14 +96,17 @@ fn gpu(config: &Config) -> Vec<Check> {
 
 /// Something that a window can open on.
 fn display() -> Check {
-    let of = |name| env::var(name).ok().filter(|value| !value.is_empty());
-    match (of("WAYLAND_DISPLAY"), of("DISPLAY")) {
-        (Some(name), _) => Check::good("display", format!("Wayland, {name}")),
-        (None, Some(name)) => Check::good("display", format!("X11, {name}")),
-        (None, None) if cfg!(target_os = "linux") => {
-            Check::bad("display", "none", "for a window, start scanwalk from a graphical session")
+    match desktop::server() {
+        Ok(Server::Wayland(name)) => Check::good("display", format!("Wayland, {name}")),
+        Ok(Server::X11 { name, no_wayland: None }) => Check::good("display", format!("X11, {name}")),
+        Ok(Server::X11 { name, no_wayland: Some(reason) }) => {
+            Check::good("display", format!("X11, {name} ({reason})"))
         }
-        (None, None) => Check::good("display", "the system's own"),
+        Ok(Server::System) => Check::good("display", "the system's own"),
+        Err(reason) => {
+            let advice = "for a window, start scanwalk from a graphical session";
+            Check::bad("display", format!("none: {reason}"), advice)
+        }
     }
 }
 

@@ -1,7 +1,9 @@
 //! How the program ends: errors as one line for people, exit codes, signals; and what it says meanwhile.
 
 use crate::config::ConfigError;
+use crate::output::{OutputError, Partials};
 use crate::progress::Stop;
+use crate::synth::SynthError;
 use anyhow::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -30,7 +32,10 @@ pub(super) fn code(result: Result<(), Error>) -> ExitCode {
 
 fn is_usage(error: &Error) -> bool {
     error.chain().any(|cause| {
-        cause.is::<Usage>() || cause.downcast_ref::<ConfigError>().is_some_and(ConfigError::is_usage)
+        cause.is::<Usage>()
+            || cause.downcast_ref::<ConfigError>().is_some_and(ConfigError::is_usage)
+            || cause.downcast_ref::<OutputError>().is_some_and(OutputError::is_usage)
+            || cause.downcast_ref::<SynthError>().is_some_and(SynthError::is_usage)
     })
 }
 
@@ -55,12 +60,14 @@ fn one_line(error: &Error) -> String {
     line.lines().map(str::trim).filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Ctrl-C and SIGTERM ask the work to end; a second one ends the program at once.
-pub(super) fn stop_on_signals() -> Stop {
+/// Ctrl-C and SIGTERM ask the work to end; a second one ends the program at once, and its partial files with it.
+pub(super) fn stop_on_signals(partials: &Partials) -> Stop {
     let stop = Stop::default();
-    let asked = stop.clone();
+    let (asked, partials) = (stop.clone(), partials.clone());
+    let mut signalled = false;
     let installed = ctrlc::set_handler(move || {
-        if asked.requested() {
+        if std::mem::replace(&mut signalled, true) {
+            partials.discard();
             std::process::exit(INTERRUPTED);
         }
         asked.request();
@@ -72,11 +79,12 @@ pub(super) fn stop_on_signals() -> Stop {
     stop
 }
 
-/// Messages go to stderr: warnings, with `-v` what scanwalk does, with `-vv` what the libraries do.
+/// Messages go to stderr: our warnings and the libraries' errors, with `-v` what scanwalk does, with `-vv` what the
+/// libraries do.
 pub(super) fn start_tracing(verbose: u8) {
     let default = match verbose {
-        0 => "warn",
-        1 => "warn,scanwalk=info",
+        0 => "error,scanwalk=warn",
+        1 => "error,scanwalk=info",
         _ => "info,scanwalk=debug",
     };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));

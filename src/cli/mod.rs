@@ -1,4 +1,4 @@
-//! The command line: arguments (`args`), commands (`commands`), exit codes (`exit`).
+//! The command line: arguments (`args`), the files that they name (`files`), commands (`commands`), exit codes (`exit`).
 //!
 //! Names and meanings are a contract with the scripts of those who use scanwalk. Output for programs goes to
 //! stdout, everything else to stderr.
@@ -8,7 +8,9 @@ mod bench;
 mod commands;
 mod doctor;
 mod exit;
+mod files;
 mod parse;
+mod quiet;
 mod render;
 mod report;
 mod view;
@@ -18,6 +20,7 @@ pub use exit::Usage;
 pub use render::{Lod, RenderArgs};
 pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
 
+use crate::output::Partials;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -81,11 +84,14 @@ pub enum Command {
     Doctor(DoctorArgs),
 }
 
-/// The program: parses, runs the command, reports a failure in one line.
+/// The program: parses, runs the command, reports a failure in one line. To be called first in a program, while it has
+/// one thread.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    quiet::libraries(cli.shared.verbose);
     exit::start_tracing(cli.shared.verbose);
-    let stop = exit::stop_on_signals();
-    exit::code(commands::run(&cli, &stop))
+    let partials = Partials::default();
+    let stop = exit::stop_on_signals(&partials);
+    exit::code(commands::run(&cli, &partials, &stop))
 }

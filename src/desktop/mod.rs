@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! main thread                                        frame thread
-//!   desktop::run ── winit events ─▶ controls ──Command──▶ walk
+//!   Display::run ── winit events ─▶ controls ──Command──▶ walk
 //!        │                            │ View                │
 //!        ▼                            ▼                     │
 //!     painter ◀── panel, help (egui) ◀── history ◀──rows────┤
@@ -24,9 +24,9 @@
 //! let (walk_end, commands, viewer) = link::link();
 //! let frames = std::thread::spawn(move || walk(walk_end, commands)); // its end requests `stop`
 //! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
-//! match desktop::run(gpu, viewer, facts, &config, stop.clone()) {
-//!     Err(error) if error.is_no_display() => {} // `--window auto`: the walk goes on without
-//!     shown => shown?,
+//! match desktop::Display::open() {
+//!     Ok(display) => display.run(gpu, viewer, facts, &config, stop.clone())?,
+//!     Err(_) => {} // `--window auto`: the walk goes on without
 //! }
 //! frames.join().ok();
 //! # Ok(())
@@ -49,8 +49,11 @@ mod panel;
 mod placement;
 mod plot;
 mod screen;
+mod server;
 mod style;
 mod window;
+
+pub use server::{Server, is_named, server};
 
 use crate::config::Config;
 use crate::gpu::Gpu;
@@ -99,62 +102,40 @@ pub enum DesktopError {
     },
 }
 
-impl DesktopError {
-    /// True if there is no display at all, so that `--window auto` means none.
-    #[must_use]
-    pub fn is_no_display(&self) -> bool {
-        matches!(self, Self::NoDisplay { .. })
-    }
-}
+/// A display that answered: windows can be opened on it.
+#[derive(Debug)]
+pub struct Display(EventLoop<()>);
 
-/// False if the environment names no display server; true promises nothing ([`run`] finds out).
-#[must_use]
-pub fn display_available() -> bool {
-    let named = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    !cfg!(target_os = "linux") || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named)
-}
-
-/// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
-/// [`Command::Quit`](crate::walk::link::Command::Quit) and requests `stop`.
-///
-/// # Errors
-/// No display, or a GPU that cannot draw into its windows.
-///
-/// # Panics
-/// On another thread than the main one, and when called twice in a process after a success: winit's rules.
-pub fn run(
-    gpu: Arc<Gpu>,
-    viewer: ViewerEnd,
-    facts: WindowFacts,
-    config: &Config,
-    stop: Stop,
-) -> Result<(), DesktopError> {
-    let events = event_loop()?;
-    let mut app = window::App::new(gpu, viewer, facts, config, stop);
-    events.run_app(&mut app).map_err(DesktopError::EventLoop)?;
-    app.outcome()
-}
-
-fn event_loop() -> Result<EventLoop<()>, DesktopError> {
-    let no_display = |reason: String| DesktopError::NoDisplay { reason };
-    if !display_available() {
-        return Err(no_display("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".into()));
+impl Display {
+    /// Connects to the display that the environment names: Wayland if a compositor answers there, else X11.
+    ///
+    /// # Errors
+    /// [`DesktopError::NoDisplay`].
+    ///
+    /// # Panics
+    /// On another thread than the main one, and when called again in a process after a success: winit's rules.
+    pub fn open() -> Result<Self, DesktopError> {
+        server::event_loop().map(Self)
     }
-    #[cfg(target_os = "linux")]
-    {
-        let on_x11 = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
-            .into_iter()
-            .all(|name| std::env::var_os(name).is_none_or(|value| value.is_empty()));
-        // winit panics without this library.
-        if on_x11 && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
-            let reason = "the library libxkbcommon-x11 is missing (on Debian and Ubuntu: `apt install libxkbcommon-x11-0`)";
-            return Err(no_display(reason.into()));
-        }
+
+    /// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
+    /// [`Command::Quit`](crate::walk::link::Command::Quit) and requests `stop`; a failure does not, for a walk may go
+    /// on without a window.
+    ///
+    /// # Errors
+    /// A display that takes no window, or a GPU that cannot draw into it.
+    pub fn run(
+        self,
+        gpu: Arc<Gpu>,
+        viewer: ViewerEnd,
+        facts: WindowFacts,
+        config: &Config,
+        stop: Stop,
+    ) -> Result<(), DesktopError> {
+        let mut app = window::App::new(gpu, viewer, facts, config, stop);
+        self.0.run_app(&mut app).map_err(DesktopError::EventLoop)?;
+        app.outcome()
     }
-    EventLoop::new().map_err(|error| match error {
-        EventLoopError::Os(reason) => no_display(format!("the display does not answer ({reason})")),
-        other => DesktopError::EventLoop(other),
-    })
 }
 
 #[cfg(test)]
@@ -164,11 +145,9 @@ mod tests {
     #[test]
     fn the_error_of_no_display_says_what_to_do() {
         let error = DesktopError::NoDisplay { reason: "there is no display".into() };
-        assert!(error.is_no_display());
         assert_eq!(
             error.to_string(),
             "no window can be opened: there is no display; run scanwalk on a desktop, or use --window off"
         );
-        assert!(!DesktopError::CannotPresent { gpu: "x".into() }.is_no_display());
     }
 }

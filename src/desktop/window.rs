@@ -133,12 +133,13 @@ impl App {
         })
     }
 
+    /// Ends the window. What becomes of the walk is for the caller to say.
     fn fail(&mut self, events: &ActiveEventLoop, error: DesktopError) {
         self.failure = Some(error);
-        self.leave(events);
+        events.exit();
     }
 
-    /// The user, or a failure, ends it all.
+    /// The user, or the walk's end, ends it all.
     fn leave(&mut self, events: &ActiveEventLoop) {
         self.send(Some(Command::Quit));
         self.stop.request();

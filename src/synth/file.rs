@@ -1,18 +1,17 @@
-//! Writes what a device measures as LAS or LAZ (a mesh: see `ply`): blocks of lines in parallel, bytes in order, a temporary
-//! name until the file is whole.
+//! Writes what a device measures as LAS or LAZ (a mesh: see `ply`): blocks of lines in parallel, bytes in order.
 
 use super::device::Device;
 use super::header::{Header, Totals};
 use super::random::Rng;
 use super::record::Layout;
 use super::{Kind, Summary};
+use crate::output::{Output, OutputError, OutputFile};
 use crate::progress::Progress;
 
 use laz::ParLasZipCompressor;
 use rayon::prelude::*;
-use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Points that a block holds, about: large enough to keep a thread busy, small enough to hold many.
 const BLOCK_POINTS: u64 = 16_384;
@@ -47,20 +46,9 @@ pub enum SynthError {
         /// The file.
         path: PathBuf,
     },
-    /// A folder has the name.
-    #[error("{path} is a folder; name a file in it, for instance {}", path.join("scan.las").display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The folder is missing or read-only.
-    #[error("cannot create a file beside {path}; check that its folder exists and may be written")]
-    Create {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    /// The file cannot be created, or not get its name.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// The disk is full or failed.
     #[error("cannot write {path}; nothing was kept. {needed_mb} MB are needed at most: check the free space")]
     Write {
@@ -87,10 +75,24 @@ pub enum SynthError {
     },
 }
 
+impl SynthError {
+    /// True if the options make no sense; false if writing failed.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::NoPoints | Self::TooManyPoints { .. } | Self::Extension { .. } | Self::NoMesh { .. } => {
+                true
+            }
+            Self::Output(error) => error.is_usage(),
+            Self::Write { .. } | Self::Header { .. } | Self::Stopped { .. } => false,
+        }
+    }
+}
+
 /// A file that may be written: its name and size make sense.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
-    pub(super) path: &'a Path,
+    pub(super) output: &'a Output,
     form: Form,
 }
 
@@ -108,7 +110,8 @@ const MOST_MESH_POINTS: u64 = 100_000_000;
 
 impl<'a> Target<'a> {
     /// Looks at the name and the number of points; touches nothing.
-    pub fn check(path: &'a Path, kind: Kind, points: u64) -> Result<Self, SynthError> {
+    pub fn check(output: &'a Output, kind: Kind, points: u64) -> Result<Self, SynthError> {
+        let path = output.path();
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let form = match extension.as_deref() {
             Some("las") => Form::Las,
@@ -126,10 +129,8 @@ impl<'a> Target<'a> {
             Err(SynthError::NoPoints)
         } else if points > most {
             Err(SynthError::TooManyPoints { path: path.into(), points, most })
-        } else if path.is_dir() {
-            Err(SynthError::Folder { path: path.into() })
         } else {
-            Ok(Self { path, form })
+            Ok(Self { output, form })
         }
     }
 
@@ -140,9 +141,8 @@ impl<'a> Target<'a> {
 
     /// Measures everything and writes it.
     pub fn write(&self, device: &impl Device, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
-        let path = || self.path.to_path_buf();
-        let (partial, file) =
-            Partial::create(self.path).map_err(|source| SynthError::Create { path: path(), source })?;
+        let path = || self.output.path().to_path_buf();
+        let file = self.output.begin()?;
         let Layout { format, lattice } = device.layout();
         let record_bytes = u64::from(format.record_bytes());
         let needed_mb = device.plan().points().saturating_mul(record_bytes).div_ceil(1_000_000);
@@ -152,18 +152,18 @@ impl<'a> Target<'a> {
             let whole = write_points(device, seed, progress, &mut points, &mut header.totals)?;
             let mut file = points.finish()?;
             header.write_to(&mut file)?;
-            file.flush()?;
-            let file_bytes = file.get_ref().metadata()?.len();
-            Ok((whole, file_bytes))
+            let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            let file_bytes = file.num_bytes()?;
+            Ok((whole, file, file_bytes))
         })();
-        let (whole, file_bytes) = written.map_err(|e| match e {
+        let (whole, file, file_bytes) = written.map_err(|e| match e {
             WriteError::Io(source) => SynthError::Write { path: path(), needed_mb, source },
             WriteError::Header(source) => SynthError::Header { path: path(), source },
         })?;
         if !whole {
             return Err(SynthError::Stopped { path: path() });
         }
-        partial.keep(self.path).map_err(|source| SynthError::Create { path: path(), source })?;
+        self.output.keep(file)?;
         Ok(Summary {
             num_points: header.totals.num_points,
             file_bytes,
@@ -248,12 +248,12 @@ impl Block {
 
 /// Where the points' bytes go.
 enum PointWriter {
-    Plain(BufWriter<File>),
-    Compressed(Box<ParLasZipCompressor<BufWriter<File>>>),
+    Plain(BufWriter<OutputFile>),
+    Compressed(Box<ParLasZipCompressor<BufWriter<OutputFile>>>),
 }
 
 impl PointWriter {
-    fn start(header: &Header, file: File) -> Result<Self, WriteError> {
+    fn start(header: &Header, file: OutputFile) -> Result<Self, WriteError> {
         let mut file = BufWriter::with_capacity(1 << 20, file);
         header.write_to(&mut file)?;
         Ok(match &header.laz {
@@ -276,7 +276,7 @@ impl PointWriter {
         }
     }
 
-    fn finish(self) -> Result<BufWriter<File>, WriteError> {
+    fn finish(self) -> Result<BufWriter<OutputFile>, WriteError> {
         match self {
             Self::Plain(file) => Ok(file),
             Self::Compressed(mut compressor) => {
@@ -287,28 +287,5 @@ impl PointWriter {
                 Ok(compressor.into_inner())
             }
         }
-    }
-}
-
-/// A file under a temporary name beside its goal; removed unless kept.
-pub(super) struct Partial(PathBuf);
-
-impl Partial {
-    pub fn create(goal: &Path) -> io::Result<(Self, File)> {
-        let name = goal.file_name().unwrap_or_default().to_string_lossy();
-        let path = goal.with_file_name(format!(".{name}.{}.part", std::process::id()));
-        let file = OpenOptions::new().write(true).create(true).truncate(true).open(&path)?;
-        Ok((Self(path), file))
-    }
-
-    pub fn keep(self, goal: &Path) -> io::Result<()> {
-        fs::rename(&self.0, goal)
-    }
-}
-
-impl Drop for Partial {
-    fn drop(&mut self) {
-        // After `keep` there is nothing of that name; and a failure to tidy up must not hide the reason.
-        let _ = fs::remove_file(&self.0);
     }
 }

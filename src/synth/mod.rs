@@ -35,10 +35,10 @@ mod terrestrial;
 
 pub use file::SynthError;
 
+use crate::output::Output;
 use crate::progress::{Progress, Stop};
 use crate::space::Bounds;
 use glam::DVec3;
-use std::path::PathBuf;
 
 /// What made the scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -53,12 +53,12 @@ pub enum Kind {
 }
 
 /// What to make.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct SynthOptions {
     /// Kind of scan.
     pub kind: Kind,
-    /// File to write; `.las` or `.laz`, or for a mesh `.ply`. An existing file is replaced once the new one is whole.
-    pub out: PathBuf,
+    /// File to write; `.las` or `.laz`, or for a mesh `.ply`.
+    pub out: Output,
     /// Exactly so many points, at least 1; of a mesh about so many, at least some 20 000.
     pub points: u64,
     /// Same seed, same bytes.

@@ -1,11 +1,11 @@
 //! Writes a mesh as binary PLY: points with normals and colours, then triangles.
 
 use super::Summary;
-use super::file::{Partial, SynthError, Target};
+use super::file::{SynthError, Target};
 use super::mesh::{self, Mesh};
+use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::space::Bounds;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
 /// Bytes of a vertex: six floats, three bytes of colour.
@@ -16,24 +16,23 @@ const TRIANGLE_BYTES: u64 = 13;
 impl Target<'_> {
     /// Makes the statue's mesh and writes it.
     pub fn write_mesh(&self, points: u64, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
-        let path = || self.path.to_path_buf();
-        let (partial, file) =
-            Partial::create(self.path).map_err(|source| SynthError::Create { path: path(), source })?;
+        let path = || self.output.path().to_path_buf();
+        let file = self.output.begin()?;
         let mesh =
             mesh::of_statue(points, seed, progress).ok_or_else(|| SynthError::Stopped { path: path() })?;
         let (num_points, num_triangles) = (mesh.vertices.len() as u64, mesh.triangles.len() as u64);
         let needed_mb = (num_points * VERTEX_BYTES + num_triangles * TRIANGLE_BYTES).div_ceil(1_000_000);
-        let file_bytes =
+        let (file, file_bytes) =
             write(&mesh, file).map_err(|source| SynthError::Write { path: path(), needed_mb, source })?;
-        partial.keep(self.path).map_err(|source| SynthError::Create { path: path(), source })?;
+        self.output.keep(file)?;
         let bounds =
             mesh.vertices.iter().fold(Bounds::EMPTY, |b, vertex| b.with(vertex.p.as_vec3().as_dvec3()));
         Ok(Summary { num_points, file_bytes, bounds })
     }
 }
 
-/// The size of the file.
-fn write(mesh: &Mesh, file: File) -> io::Result<u64> {
+/// The whole file, and its size.
+fn write(mesh: &Mesh, file: OutputFile) -> io::Result<(OutputFile, u64)> {
     let mut out = BufWriter::with_capacity(1 << 20, file);
     write!(
         out,
@@ -56,5 +55,6 @@ fn write(mesh: &Mesh, file: File) -> io::Result<u64> {
         corners.iter().try_for_each(|corner| out.write_all(&corner.to_le_bytes()))?;
     }
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    Ok(file.metadata()?.len())
+    let num_bytes = file.num_bytes()?;
+    Ok((file, num_bytes))
 }

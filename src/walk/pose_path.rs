@@ -14,7 +14,7 @@ const HEADER: &str = "time_s,x,y,z,qx,qy,qz,qw";
 /// How long a jump from one held pose to the next takes: no frame falls into it.
 const JUMP_S: f64 = 1e-6;
 
-/// Why a path could not be read or written.
+/// Why a path could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum PosePathError {
     /// The file.
@@ -96,15 +96,6 @@ impl PosePath {
         (!poses.is_empty()).then_some(Self { poses })
     }
 
-    /// Writes what [`PosePath::read`] reads, with all digits.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), PosePathError> {
-        std::fs::write(path, self.to_string())
-            .map_err(|source| PosePathError::Io { path: path.to_path_buf(), source })
-    }
-
     /// `world_from_head` at a time in seconds; before the first pose the first, after the last the last.
     #[must_use]
     pub fn at(&self, time_s: f64) -> Pose {
@@ -118,7 +109,7 @@ impl PosePath {
     }
 }
 
-/// The file's text.
+/// The file's text, with all digits.
 impl fmt::Display for PosePath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{HEADER}")?;
@@ -160,9 +151,7 @@ mod tests {
             orientation: DQuat::from_rotation_z(x),
         };
         let path = PosePath::holding([pose(1.0), pose(2.0)], 2.0).expect("two poses");
-        let file = tempfile::NamedTempFile::new().expect("a file");
-        path.write(file.path()).expect("written");
-        let read = PosePath::read(file.path()).expect("a path");
+        let read = read(&path.to_string()).expect("a path");
         for (time_s, x) in [(0.0, 1.0), (2.0, 2.0), (99.0, 2.0)] {
             assert_eq!(read.at(time_s).position, pose(x).position, "{time_s} s: to the last bit");
         }
@@ -172,7 +161,6 @@ mod tests {
             assert!((turned.abs() - 1.0).abs() < 1e-15, "{time_s} s");
         }
         assert_eq!(PosePath::holding([], 2.0), None);
-        assert!(path.write(Path::new("no/such/folder/x.poses")).is_err());
     }
 
     #[test]

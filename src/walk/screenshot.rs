@@ -5,6 +5,7 @@ use super::link::WalkEnd;
 use super::mirror::{Mirror, copy};
 use crate::config::Overlay;
 use crate::gpu::Gpu;
+use crate::output::{Output, OutputKind};
 use crate::shot::write_png;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -94,8 +95,14 @@ fn write(
     let numbered = (2..).map(|number| PathBuf::from(format!("{}-{number}", stem.display())));
     let is_free = |stem: &PathBuf| pictures.iter().all(|(name, _)| !path(stem, name).exists());
     let free = std::iter::once(stem.clone()).chain(numbered).find(is_free).unwrap_or(stem);
+    // All are written before the first gets its name; none takes the place of a file that has come meanwhile.
+    let mut written = Vec::new();
     for (name, picture) in pictures {
-        write_png(&path(&free, name), picture, gpu)?;
+        let output = Output::fresh(path(&free, name), OutputKind::Picture)?;
+        written.push((write_png(&output, picture, gpu)?, output));
+    }
+    for (file, output) in written {
+        output.keep(file)?;
     }
     Ok(free)
 }

@@ -3,7 +3,7 @@
 
 use super::fault;
 use scanwalk::config::Config;
-use scanwalk::desktop::{self, WindowFacts};
+use scanwalk::desktop::{Display, WindowFacts};
 use scanwalk::gpu::Gpu;
 use scanwalk::progress::{Job, Progress, Stop};
 use scanwalk::timing::{FrameRow, Phase};
@@ -65,14 +65,15 @@ pub fn play(role: &str) {
     let facts = WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
     let mut config = Config::default();
     config.window.size = [960, 640];
-    let outcome = desktop::run(Arc::clone(&gpu), viewer, facts, &config, stop.clone());
+    let outcome = Display::open()
+        .and_then(|display| display.run(Arc::clone(&gpu), viewer, facts, &config, stop.clone()));
     // An error of the window ends the stand-in too.
     let stopped = stop.requested();
     stop.request();
     frames.join().expect("the stand-in for the frame thread");
     match outcome {
         Ok(()) => println!("ended well, stop requested: {stopped}"),
-        Err(error) => println!("ended with no_display={}: {error}", error.is_no_display()),
+        Err(error) => println!("ended with: {error}"),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Frames before the walk are told apart: without a scan, and while it is built beside them.
 
 use crate::{faults, log_of, wave_ms};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::report::{Comparison, Summary, walk_page, worst};
 use scanwalk::timing::{FrameLog, FrameLogFile, FrameRow, Phase, RunFacts, read};
 
@@ -104,7 +105,8 @@ fn a_log_that_ends_before_the_walk_says_so() {
 fn logs_tell_the_phase() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
-    let log = FrameLog::start(&path, &RunFacts::default()).unwrap();
+    let log =
+        FrameLog::start(&Output::new(&path, OutputKind::FrameLog).unwrap(), &RunFacts::default()).unwrap();
     let head = log_of(1, wave_ms).frames[0].world_from_head;
     for (frame, phase) in Phase::ALL.into_iter().enumerate() {
         log.push(FrameRow {

@@ -1,6 +1,7 @@
 //! The worst frames, and the way back to them.
 
 use crate::{log_of, wave_ms};
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::report::{HOLD_S, worst, worst_poses};
 use scanwalk::timing::{FrameLog, FrameRow, Phase, RunFacts, read};
 use scanwalk::walk::pose_path::PosePath;
@@ -28,7 +29,8 @@ fn a_replay_sees_what_the_worst_frames_saw() {
     let logged = log_of(1000, spiky);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("frames.csv");
-    let log = FrameLog::start(&file, &RunFacts::default()).unwrap();
+    let log =
+        FrameLog::start(&Output::new(&file, OutputKind::FrameLog).unwrap(), &RunFacts::default()).unwrap();
     for frame in &logged.frames {
         log.push(FrameRow {
             frame: frame.frame,
@@ -56,7 +58,7 @@ fn a_replay_sees_what_the_worst_frames_saw() {
     assert_eq!(log.finish().num_rows, 1000);
 
     let path = folder.path().join("worst.poses");
-    worst_poses(&read(&file).unwrap()).expect("poses").write(&path).unwrap();
+    std::fs::write(&path, worst_poses(&read(&file).unwrap()).expect("poses").to_string()).unwrap();
     let replayed = PosePath::read(&path).unwrap();
     for (at, frame) in [700, 200].into_iter().enumerate() {
         let seen = logged.frames[frame].world_from_head.unwrap();

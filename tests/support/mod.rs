@@ -10,6 +10,7 @@ use scanwalk::gpu::{Atomics, Gpu, readback};
 
 use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
 use scanwalk::look::Look;
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, Targets};
 use scanwalk::scan::{self, ColorSource, Lattice, Points, ReadOptions, Scan, ScanFile};
@@ -51,8 +52,8 @@ pub fn courtyard() -> Scan {
 pub fn made_up(kind: Kind, points: u64) -> Scan {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("made-up.las");
-    synth::write(&SynthOptions { kind, out: out.clone(), points, seed: 7 }, &Stop::default())
-        .expect("a file");
+    let output = Output::new(&out, OutputKind::Scan).expect("a folder");
+    synth::write(&SynthOptions { kind, out: output, points, seed: 7 }, &Stop::default()).expect("a file");
     scan::read(&[out], &ReadOptions::default(), &Stop::default()).expect("a scan")
 }
 

@@ -165,6 +165,47 @@ fn a_scan_that_cannot_be_read_ends_the_walk_with_its_sentence() {
     assert!(said.contains("no-such.las") && !said.contains("panicked"), "{said}");
 }
 
+/// Whichever of the threads is faster: reading that is stopped because something else is missing is not the reason.
+#[test]
+fn what_is_required_and_missing_is_the_reason_that_is_given() {
+    let scene = Scene::get();
+    let missing = scene.file("no-such.las");
+    let stale = [("WAYLAND_DISPLAY", "wayland-none")];
+    let (window, headset) = (["--window", "on"], ["--headset", "require"]);
+    for (scan, more, environment, words) in [
+        (&scene.ball, &window[..], &[][..], "neither DISPLAY nor WAYLAND_DISPLAY"),
+        (&scene.courtyard, &window, &[], "neither DISPLAY nor WAYLAND_DISPLAY"),
+        (&missing, &window, &[], "neither DISPLAY nor WAYLAND_DISPLAY"),
+        (&scene.courtyard, &window, &stale, "WAYLAND_DISPLAY names wayland-none"),
+        (&scene.courtyard, &window, &[("DISPLAY", ":4711")], "the display does not answer"),
+        (&scene.courtyard, &headset, &[], "OpenXR"),
+        (&missing, &[], &[], "no-such.las"),
+    ] {
+        for _ in 0..3 {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+            command.arg("view").arg(scan).args(["--frames", "2", "--set", "simulated.size_px=[97,65]"]);
+            // clap takes each once.
+            let given = |option: &str| more.contains(&option);
+            if !given("--window") {
+                command.args(["--window", "off"]);
+            }
+            if !given("--headset") {
+                command.args(["--headset", "off"]);
+            }
+            command
+                .args(more)
+                .env_remove("DISPLAY")
+                .env_remove("WAYLAND_DISPLAY")
+                .env_remove("XDG_RUNTIME_DIR");
+            command.env("XR_RUNTIME_JSON", "/nonexistent/runtime.json").envs(environment.iter().copied());
+            let output = command.output().expect("view starts");
+            let said = said(&output);
+            assert_eq!(output.status.code(), Some(1), "{words}: {said}");
+            assert!(said.contains(words) && said.lines().count() == 1, "{words}: {said}");
+        }
+    }
+}
+
 #[test]
 fn a_signal_ends_the_walk_cleanly() {
     let mut child = view(&Scene::get().courtyard, &[]).spawn().expect("view starts");

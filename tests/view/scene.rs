@@ -1,6 +1,7 @@
 //! What the walks look at: a made-up courtyard, and a red ball close before the viewer.
 
 use glam::DVec3;
+use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::Stop;
 use scanwalk::space::Pose;
 use scanwalk::synth::{self, Kind, SynthOptions};
@@ -30,8 +31,12 @@ impl Scene {
     fn make() -> Scene {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let courtyard = folder.path().join("courtyard.las");
-        let options =
-            SynthOptions { kind: Kind::Terrestrial, out: courtyard.clone(), points: 400_000, seed: 1 };
+        let options = SynthOptions {
+            kind: Kind::Terrestrial,
+            out: Output::new(&courtyard, OutputKind::Scan).expect("a folder"),
+            points: 400_000,
+            seed: 1,
+        };
         synth::write(&options, &Stop::default()).expect("a courtyard");
         let place =
             synth::viewpoints(Kind::Terrestrial).iter().find(|v| v.name == "court").expect("a viewpoint");

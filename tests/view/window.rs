@@ -4,6 +4,7 @@ use crate::scene::Scene;
 use crate::screen::{Picture, Screen, wait_for};
 use crate::xr_support::Lab;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -82,19 +83,46 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
 
 /// The program on the courtyard with small eyes; its screenshots come into `folder`.
 fn start(screen: &Screen, folder: &Path) -> Viewer {
-    let child = Command::new(PROGRAM)
+    Viewer(command(screen, folder, "on").env_remove("WAYLAND_DISPLAY").spawn().expect("view starts"))
+}
+
+fn command(screen: &Screen, folder: &Path, when: &str) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command
         .arg("view")
         .arg(&Scene::get().courtyard)
-        .args(["--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"])
+        .args(["--headset", "off", "--window", when, "--set", "simulated.size_px=[320,360]"])
         // Which gives up the quality that counts points where the GPU is slow.
         .args(["--set", "governor.enabled=false"])
         .current_dir(folder)
         .env("DISPLAY", &screen.display)
-        .env_remove("WAYLAND_DISPLAY")
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("view starts");
-    Viewer(child)
+        .stderr(Stdio::null());
+    command
+}
+
+/// What a session that has ended, or a container, leaves in the environment: names where nothing answers.
+#[test]
+fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
+    let screen = Screen::start();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    drop(std::os::unix::net::UnixListener::bind(folder.path().join("wayland-dead")).expect("a socket"));
+    for (when, name, runtime_dir) in [
+        ("on", "wayland-dead", Some(folder.path())),
+        ("auto", "wayland-none", Some(folder.path())),
+        ("on", "wayland-none", None),
+    ] {
+        let mut command = command(&screen, folder.path(), when);
+        command.env("WAYLAND_DISPLAY", name).env_remove("XDG_RUNTIME_DIR").stderr(Stdio::piped());
+        command.envs(runtime_dir.map(|folder| ("XDG_RUNTIME_DIR", folder)));
+        let mut viewer = Viewer(command.spawn().expect("view starts"));
+        let window = window(&screen);
+        wait_lit(&screen, &window);
+        screen.ask_to_close(&window);
+        let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+        let mut said = String::new();
+        viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
+        assert_eq!((status.code(), said.as_str()), (Some(0), ""), "--window {when}, {name}");
+    }
 }
 
 /// Pictures that have been written so far, by what comes behind the date.

@@ -1,0 +1,89 @@
+//! Why work of several threads ends: a failure of one has the others stop, so the first failure is the reason, and what
+//! follows from it is none.
+
+use crate::progress::Stop;
+use std::sync::{Mutex, PoisonError};
+
+/// The reason for an end that several threads may have, shared by them.
+#[derive(Debug)]
+pub struct Ending<'a> {
+    stop: &'a Stop,
+    reason: Mutex<Option<anyhow::Error>>,
+}
+
+impl<'a> Ending<'a> {
+    /// Of work that looks at `stop`.
+    #[must_use]
+    pub fn new(stop: &'a Stop) -> Self {
+        Self { stop, reason: Mutex::new(None) }
+    }
+
+    /// Ends the work with this reason, unless there is one already.
+    pub fn fail(&self, error: anyhow::Error) {
+        // Set before the others are stopped: what they fail with then comes second.
+        self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        self.stop.request();
+    }
+
+    /// To be held by each thread: stops the others if this one panics, for they would go on without it.
+    #[must_use]
+    pub fn guard(&self) -> impl Drop + use<> {
+        StopOnPanic(self.stop.clone())
+    }
+
+    /// Once all threads have ended.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub fn into_result(self) -> anyhow::Result<()> {
+        self.reason.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+    }
+}
+
+struct StopOnPanic(Stop);
+
+impl Drop for StopOnPanic {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.request();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_failure_is_the_reason() {
+        let stop = Stop::default();
+        let ending = Ending::new(&stop);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !stop.requested() {
+                    std::thread::yield_now();
+                }
+                ending.fail(anyhow::anyhow!("stopped before the end"));
+            });
+            scope.spawn(|| ending.fail(anyhow::anyhow!("no display")));
+        });
+        assert_eq!(ending.into_result().unwrap_err().to_string(), "no display");
+        assert!(Ending::new(&Stop::default()).into_result().is_ok());
+    }
+
+    #[test]
+    fn a_panic_stops_the_others() {
+        let stop = Stop::default();
+        let ending = Ending::new(&stop);
+        drop(ending.guard());
+        assert!(!stop.requested(), "a thread that ends well stops nobody");
+        let panicked = std::thread::scope(|scope| {
+            let thread = scope.spawn(|| {
+                let _guard = ending.guard();
+                panic!("on purpose");
+            });
+            thread.join().is_err()
+        });
+        assert!(panicked && stop.requested());
+    }
+}

@@ -1,0 +1,128 @@
+//! Why something is not written, in sentences that name the files and what to do.
+
+use super::OutputKind;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What is wrong with an output.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The ending says that it is something else.
+    #[error("{option} {}: {} needs a name that ends in {}{}", path.display(), kind.name(), endings(*kind), pattern_hint(path))]
+    Ending {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// What was to be written.
+        kind: OutputKind,
+    },
+    /// Writing it would destroy something that is read.
+    #[error("{option} {} would be written over {}, which is read as {what}; name another file", path.display(), read.display())]
+    IsRead {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// The same file, as it is read.
+        read: PathBuf,
+        /// "a scan".
+        what: &'static str,
+    },
+    /// What is printed goes into a file that is read.
+    #[error("stdout goes into {}, which is read as {what}; send it to another file", read.display())]
+    StdoutIsRead {
+        /// The file.
+        read: PathBuf,
+        /// "a scan".
+        what: &'static str,
+    },
+    /// Two outputs are one file.
+    #[error("{option} {} and {other_option} {} are the same file; name another for one of them", path.display(), other.display())]
+    Twice {
+        /// "--depth".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// "-o".
+        other_option: &'static str,
+        /// As written.
+        other: PathBuf,
+    },
+    /// It cannot be stdout, or this pipe or device.
+    #[error("{option} {}: {problem}", path.display())]
+    Stream {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        problem: &'static str,
+    },
+    /// A folder has the name.
+    #[error("{option} {}: is a folder; name a file in it", path.display())]
+    IsFolder {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+    },
+    /// There is no folder to write into.
+    #[error("{option} {}: cannot be written: there is no folder {}; make it, or name another file", path.display(), folder.display())]
+    NoFolder {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// What is missing.
+        folder: PathBuf,
+    },
+    /// The folder, or the file that has the name, may not be written.
+    #[error("{option} {}: cannot be written: {source}; check that you may write to its folder and to what has that name, or name another file", path.display())]
+    Locked {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// The system's words.
+        source: io::Error,
+    },
+    /// Writing failed: a full disk, a pipe that nobody reads.
+    #[error("{}: cannot be written, and nothing was kept of it: {source}; check the free space", path.display())]
+    Write {
+        /// As written.
+        path: PathBuf,
+        /// The system's words.
+        source: io::Error,
+    },
+}
+
+impl OutputError {
+    /// True if the command asks for something that makes no sense; false if the disk is not as it should be.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::Ending { .. }
+            | Self::IsRead { .. }
+            | Self::StdoutIsRead { .. }
+            | Self::Twice { .. }
+            | Self::Stream { .. } => true,
+            Self::IsFolder { .. } | Self::NoFolder { .. } | Self::Locked { .. } | Self::Write { .. } => false,
+        }
+    }
+}
+
+/// ".html or .htm".
+fn endings(kind: OutputKind) -> String {
+    kind.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ")
+}
+
+/// `-o *.las` is what the shell makes `-o first.las second.las …` of.
+fn pattern_hint(path: &Path) -> &'static str {
+    if path.exists() {
+        "; this file exists: if you wrote a pattern such as *.las, the shell put its first match here, so write a \
+         name of your own before the pattern"
+    } else {
+        ""
+    }
+}

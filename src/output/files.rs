@@ -1,0 +1,137 @@
+//! All that a command reads and writes, checked before it begins.
+
+use super::place::{Identity, NoPlace, Place};
+use super::{Output, OutputError, OutputKind, Partials};
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+/// What a command reads and writes.
+#[derive(Debug, Default)]
+pub struct Files {
+    reads: Vec<(&'static str, PathBuf)>,
+    writes: Vec<(&'static str, PathBuf, OutputKind)>,
+    prints: bool,
+}
+
+impl Files {
+    /// Declares a file that is read, as `what` ("a scan").
+    pub fn reads(&mut self, what: &'static str, path: &Path) {
+        self.reads.push((what, path.to_owned()));
+    }
+
+    /// Declares a file that is written, as `option` ("-o") names it; `-` is stdout.
+    pub fn writes(&mut self, option: &'static str, path: &Path, kind: OutputKind) {
+        self.writes.push((option, path.to_owned(), kind));
+    }
+
+    /// Declares that the command prints its answer on stdout.
+    pub fn prints(&mut self) {
+        self.prints = true;
+    }
+
+    /// Looks at all of them; nothing is opened, created or changed. Files that `partials` knows of are removed when
+    /// it says so.
+    ///
+    /// # Errors
+    /// An output with a wrong ending; one that is read, or written twice; a place where nothing can be written.
+    pub fn check(self, partials: &Partials) -> Result<Outputs, OutputError> {
+        let reads: Vec<(&str, &PathBuf, Identity)> =
+            self.reads.iter().map(|(what, path)| (*what, path, Identity::of_read(path))).collect();
+        let find = |identity: &Identity| reads.iter().find(|(_, _, read)| read.is(identity));
+        if let Some((what, read, _)) = find(&Identity::of_written(&Place::Stdout)) {
+            return Err(OutputError::StdoutIsRead { read: read.to_path_buf(), what });
+        }
+        let mut written: Vec<(&'static str, &PathBuf, Identity)> = Vec::new();
+        let mut outputs = Outputs::default();
+        for (option, path, kind) in &self.writes {
+            let place = Place::of(path).map_err(|problem| no_place(option, path, problem))?;
+            let identity = Identity::of_written(&place);
+            if let Some((what, read, _)) = find(&identity) {
+                let (path, read) = (path.clone(), read.to_path_buf());
+                return Err(OutputError::IsRead { option, path, read, what });
+            }
+            let ends_anyhow = kind != &OutputKind::Scan && !matches!(place, Place::File { .. });
+            if !ends_anyhow && !kind.may_be_named(path) {
+                return Err(OutputError::Ending { option, path: path.clone(), kind: *kind });
+            }
+            if let Some(problem) = self.stream_problem(&place, *kind) {
+                return Err(OutputError::Stream { option, path: path.clone(), problem });
+            }
+            let before = written.iter().find(|(_, other, identity_of_other)| {
+                identity_of_other.may_be(&identity)
+                    || place == Place::Stdout && Place::of(other).is_ok_and(|p| p == place)
+            });
+            if let Some((other_option, other, _)) = before {
+                let (path, other) = (path.clone(), other.to_path_buf());
+                return Err(OutputError::Twice { option, path, other_option, other });
+            }
+            written.push((option, path, identity));
+            let output = Output { path: path.clone(), place, partials: partials.clone(), fresh: false };
+            outputs.0.push((*kind, output));
+        }
+        // Last: it touches the disk, if only to see that it could be written.
+        for ((_, output), (option, path, _)) in outputs.0.iter().zip(&self.writes) {
+            output.place.try_it().map_err(|source| OutputError::Locked {
+                option,
+                path: path.clone(),
+                source,
+            })?;
+        }
+        Ok(outputs)
+    }
+
+    /// What speaks against writing a kind of output to a pipe, a device or stdout.
+    fn stream_problem(&self, place: &Place, kind: OutputKind) -> Option<&'static str> {
+        match place {
+            Place::File { .. } => None,
+            Place::Stdout if self.prints => Some("what the command prints goes to stdout; name a file"),
+            Place::Stdout | Place::Stream(_) if kind == OutputKind::Scan && !can_go_back(place) => {
+                Some("a scan's header is written last, so it needs a file; name one")
+            }
+            Place::Stdout if kind.is_binary() && io::stdout().is_terminal() => {
+                Some("stdout is a terminal; send it to a file or a program, or name a file")
+            }
+            Place::Stdout | Place::Stream(_) => None,
+        }
+    }
+}
+
+/// True for devices such as `/dev/null`.
+fn can_go_back(place: &Place) -> bool {
+    #[cfg(unix)]
+    if let Place::Stream(path) = place {
+        use std::os::unix::fs::FileTypeExt;
+        return std::fs::metadata(path).is_ok_and(|found| found.file_type().is_char_device());
+    }
+    matches!(place, Place::File { .. })
+}
+
+fn no_place(option: &'static str, path: &Path, problem: NoPlace) -> OutputError {
+    let path = path.to_owned();
+    match problem {
+        NoPlace::IsFolder => OutputError::IsFolder { option, path },
+        NoPlace::NoFolder(folder) => OutputError::NoFolder { option, path, folder },
+        NoPlace::Disk => {
+            let problem = "is a whole disk, and all that is on it would be lost; name a file";
+            OutputError::Stream { option, path, problem }
+        }
+        NoPlace::Io(source) => OutputError::Locked { option, path, source },
+    }
+}
+
+/// Outputs that passed the check, in the order in which they were declared.
+#[derive(Debug, Default)]
+pub struct Outputs(Vec<(OutputKind, Output)>);
+
+impl Outputs {
+    /// Takes out those of a kind.
+    pub fn take(&mut self, kind: OutputKind) -> Vec<Output> {
+        self.0.extract_if(.., |(of, _)| *of == kind).map(|(_, output)| output).collect()
+    }
+
+    /// Takes out the first of a kind, if one was declared.
+    pub fn take_one(&mut self, kind: OutputKind) -> Option<Output> {
+        let at = self.0.iter().position(|(of, _)| *of == kind)?;
+        Some(self.0.remove(at).1)
+    }
+}

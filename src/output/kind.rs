@@ -1,0 +1,77 @@
+//! What is written, and how its name must end.
+
+use std::path::Path;
+
+/// What an output is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputKind {
+    /// A PNG.
+    Picture,
+    /// Distances as a NumPy array.
+    Depth,
+    /// Counts and times as JSON.
+    Metrics,
+    /// A row a frame, as CSV.
+    FrameLog,
+    /// An HTML page.
+    Page,
+    /// A path of the head.
+    Poses,
+    /// A made-up scan; its header is written last.
+    Scan,
+}
+
+impl OutputKind {
+    const ALL: [Self; 7] =
+        [Self::Picture, Self::Depth, Self::Metrics, Self::FrameLog, Self::Page, Self::Poses, Self::Scan];
+
+    /// In words.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "a picture",
+            Self::Depth => "an array of depths",
+            Self::Metrics => "a file of metrics",
+            Self::FrameLog => "a frame log",
+            Self::Page => "a page",
+            Self::Poses => "a pose path",
+            Self::Scan => "a scan",
+        }
+    }
+
+    /// How its name may end.
+    pub(super) fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Picture => &["png"],
+            Self::Depth => &["npy"],
+            Self::Metrics => &["json"],
+            Self::FrameLog => &["csv"],
+            Self::Page => &["html", "htm"],
+            Self::Poses => &["poses"],
+            Self::Scan => &["las", "laz", "ply"],
+        }
+    }
+
+    /// The ending says what is written. Others may end in anything that does not say something else.
+    fn needs_ending(self) -> bool {
+        matches!(self, Self::Picture | Self::Page | Self::Scan)
+    }
+
+    /// True if `path` may be the name of one.
+    pub(super) fn may_be_named(self, path: &Path) -> bool {
+        let ending = ending(path);
+        let is_one_of = |endings: &[&str]| ending.as_deref().is_some_and(|e| endings.contains(&e));
+        let says_something_else =
+            is_one_of(&["toml"]) || Self::ALL.iter().any(|kind| is_one_of(kind.endings()));
+        is_one_of(self.endings()) || !self.needs_ending() && !says_something_else
+    }
+
+    /// Would fill a terminal with what nobody can read.
+    pub(super) fn is_binary(self) -> bool {
+        matches!(self, Self::Picture | Self::Depth | Self::Scan)
+    }
+}
+
+/// What stands behind the last dot, in lower case.
+fn ending(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
