@@ -1,5 +1,5 @@
 //! How fast scans are read: M points/s of our reader beside the bare parse rate of the las crate, and peak
-//! memory a point. Prints CSV rows; `docs/bench/load` keeps a run.
+//! memory a point; PLY, as text and binary, with ours alone. Prints CSV rows; `docs/bench/load` keeps a run.
 
 #[path = "support/steps.rs"]
 mod steps;
@@ -7,6 +7,8 @@ mod steps;
 use anyhow::Result;
 use las::{Builder, Color, Point, PointDataBuilder, Reader, Transform, Vector, Writer, point::Format};
 use scanwalk::progress::Stop;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -31,6 +33,19 @@ fn bench(folder: &Path, num_points: u64, num_runs: u64) -> Result<()> {
             for reader in ["scanwalk", "las-crate"] {
                 println!("{name},{reader},{run},{}", steps::in_child(reader, &path)?);
             }
+        }
+        std::fs::remove_file(&path)?;
+    }
+    for (name, format, kind) in [
+        ("ply-binary-float", "binary_little_endian", "float"),
+        ("ply-binary-double", "binary_little_endian", "double"),
+        ("ply-text-float", "ascii", "float"),
+        ("ply-text-double", "ascii", "double"),
+    ] {
+        let path = folder.join(name).with_extension("ply");
+        write_ply(&path, format, kind, num_points)?;
+        for run in 0..num_runs {
+            println!("{name},scanwalk,{run},{}", steps::in_child("scanwalk", &path)?);
         }
         std::fs::remove_file(&path)?;
     }
@@ -77,8 +92,44 @@ fn read_with_las(path: &Path) -> Result<usize> {
     Ok(num_points)
 }
 
-/// A scanner's sweep over a wavy ground: neighbours in the file are neighbours in space, with noise.
-/// The writer takes from the file's name whether to compress.
+/// A scanner's sweep over a wavy ground: neighbours in the file are neighbours in space, with noise. Places and
+/// shades.
+fn sweep(num_points: u64) -> impl Iterator<Item = ([f64; 3], u16)> {
+    let row = (num_points as f64).sqrt();
+    (0..num_points).map(move |index| {
+        let noise = (index.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1 << 24) as f64;
+        let (x, y) = (index as f64 % row * 0.01, (index as f64 / row).floor() * 0.01);
+        let z = (0.5 * x).sin() * (0.3 * y).cos() + 0.01 * noise;
+        ([x, y, z], ((z + 2.0) * 60.0 + 8.0 * noise) as u16)
+    })
+}
+
+/// The sweep as PLY with colors; doubles lie where a projected coordinate system has them.
+fn write_ply(path: &Path, format: &str, kind: &str, num_points: u64) -> Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    write!(file, "ply\nformat {format} 1.0\nelement vertex {num_points}\n")?;
+    ["x", "y", "z"].into_iter().try_for_each(|name| writeln!(file, "property {kind} {name}"))?;
+    ["red", "green", "blue"].into_iter().try_for_each(|name| writeln!(file, "property uchar {name}"))?;
+    writeln!(file, "end_header")?;
+    for (place, shade) in sweep(num_points) {
+        let rgb = [shade, shade / 5 * 4, shade / 5 * 3].map(|c| c.min(255) as u8);
+        let far = [place[0] + 5e5, place[1] + 5e6, place[2]];
+        match (format, kind) {
+            ("ascii", "float") => write!(file, "{:.4} {:.4} {:.4}", place[0], place[1], place[2])?,
+            ("ascii", _) => write!(file, "{:.4} {:.4} {:.4}", far[0], far[1], far[2])?,
+            (_, "float") => file.write_all(place.map(|c| (c as f32).to_le_bytes()).as_flattened())?,
+            _ => file.write_all(far.map(f64::to_le_bytes).as_flattened())?,
+        }
+        match format {
+            "ascii" => writeln!(file, " {} {} {}", rgb[0], rgb[1], rgb[2])?,
+            _ => file.write_all(&rgb)?,
+        }
+    }
+    file.flush()?;
+    Ok(())
+}
+
+/// The sweep as LAS. The writer takes from the file's name whether to compress.
 fn write_file(path: &Path, point_format: u8, num_points: u64) -> Result<()> {
     let format = Format::new(point_format)?;
     let mut builder = Builder::from(if point_format < 6 { (1, 2) } else { (1, 4) });
@@ -86,12 +137,7 @@ fn write_file(path: &Path, point_format: u8, num_points: u64) -> Result<()> {
     let transform = Transform { scale: 0.001, offset: 0.0 };
     builder.transforms = Vector { x: transform, y: transform, z: transform };
     let mut writer = Writer::from_path(path, builder.into_header()?)?;
-    let row = (num_points as f64).sqrt();
-    for index in 0..num_points {
-        let noise = (index.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1 << 24) as f64;
-        let (x, y) = (index as f64 % row * 0.01, (index as f64 / row).floor() * 0.01);
-        let z = (0.5 * x).sin() * (0.3 * y).cos() + 0.01 * noise;
-        let shade = ((z + 2.0) * 60.0 + 8.0 * noise) as u16;
+    for (index, ([x, y, z], shade)) in sweep(num_points).enumerate() {
         writer.write_point(Point {
             x,
             y,

@@ -176,14 +176,6 @@ fn what_is_no_file_is_refused() {
     assert!(refusal("/dev/null".into()).contains("a pipe or device"));
 }
 
-#[test]
-fn the_first_bad_file_of_several_names_itself() {
-    let good = save("good.las", &Fixture::new(3).bytes());
-    let bad = save("bad.las", b"ply\n");
-    let error = read(&[good.1, bad.1], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
-    assert!(error.contains("bad.las: ") && !error.contains("good.las"), "{error}");
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 

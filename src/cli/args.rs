@@ -11,6 +11,9 @@ pub struct InfoArgs {
     /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
+    /// Refuse all files if one cannot be read, instead of showing the others [default: cloud.strict]
+    #[arg(long)]
+    pub strict: bool,
     /// For programs: one JSON object
     #[arg(long)]
     pub json: bool,

@@ -42,6 +42,13 @@ pub(super) fn settings(cli: &Cli) -> Result<Config, ConfigError> {
     if let Some(adapter) = &cli.shared.adapter {
         config.gpu.adapter.clone_from(adapter);
     }
+    let strict = match &cli.command {
+        Command::View(args) => args.strict,
+        Command::Render(args) => args.strict,
+        Command::Info(args) => args.strict,
+        _ => false,
+    };
+    config.cloud.strict |= strict;
     if let Command::Render(args) = &cli.command {
         args.apply_to(&mut config);
     }

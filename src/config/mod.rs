@@ -107,13 +107,15 @@ pub struct CloudConfig {
     pub order: Order,
     /// Axis of the files that points up.
     pub up: Up,
+    /// Whether a file that cannot be read is an error although others can.
+    pub strict: bool,
 }
 
 impl CloudConfig {
     /// How files are read.
     #[must_use]
     pub fn read_options(&self) -> ReadOptions {
-        ReadOptions { up: self.up }
+        ReadOptions { up: self.up, strict: self.strict }
     }
 }
 

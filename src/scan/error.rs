@@ -9,6 +9,16 @@ pub enum ScanError {
     /// No file was named.
     #[error("no scan was named: give one or more LAS, LAZ or PLY files")]
     NoFiles,
+    /// Only files that lie beside scans were named.
+    #[error(
+        "{path}: lies beside a scan and holds no points (an index, a coordinate system): \
+         name the scan, a LAS, LAZ or PLY file",
+        path = path.display()
+    )]
+    OnlySidecars {
+        /// The first of them.
+        path: PathBuf,
+    },
     /// The user asked to stop.
     #[error("reading was stopped before the end")]
     Stopped,
@@ -111,6 +121,16 @@ pub enum ScanError {
 }
 
 impl ScanError {
+    /// True if the file is to blame, so that others can still be read. A name that no file has is a slip of whoever
+    /// named it.
+    pub(crate) fn is_of_one_file(&self) -> bool {
+        match self {
+            Self::NoFiles | Self::OnlySidecars { .. } | Self::Stopped | Self::Memory { .. } => false,
+            Self::Io { error, .. } => error.kind() != io::ErrorKind::NotFound,
+            _ => true,
+        }
+    }
+
     /// An I/O failure at a byte.
     pub(crate) fn io(path: &Path, offset: Option<u64>, error: io::Error) -> Self {
         Self::Io { path: path.to_owned(), offset, error }

@@ -8,6 +8,7 @@ mod crs;
 mod error;
 mod guard;
 pub mod info;
+mod inputs;
 mod las;
 mod ply;
 mod read;
@@ -122,6 +123,8 @@ pub struct ScanFile {
 pub struct ReadOptions {
     /// Axis of the files that points up.
     pub up: Up,
+    /// Whether a file that cannot be read is an error although others can.
+    pub strict: bool,
 }
 
 /// Several files as one cloud.

@@ -1,5 +1,6 @@
 //! Several files of any format to one [`Scan`].
 
+use super::inputs::{self, Inputs};
 use super::source::Source;
 use super::{
     Columns, FORMATS, HEAD_BYTES, Header, ReadOptions, Reader, Scan, ScanError, ScanFile, color, sniff,
@@ -10,8 +11,9 @@ use std::path::{Path, PathBuf};
 
 /// Reads files as one scan with z up, in the order given; shows its progress, and ends soon after the job is told to stop.
 ///
-/// Files of which only a part can be read give that part and a warning in [`Scan::warnings`]. All headers are
-/// checked before the first point is read.
+/// Files of which only a part can be read give that part and a warning in [`Scan::warnings`]; so do files of which
+/// nothing can be read, if others can and `options` are not strict. All headers are checked before the first point
+/// is read. One file is open at a time.
 ///
 /// # Errors
 /// The first file of which nothing can be read, with the reason and what to do; [`ScanError::Stopped`].
@@ -24,33 +26,67 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions, job: impl Into<Job>) -> Re
 /// # Errors
 /// The first file that cannot be opened or has no readable header.
 pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
-    Ok(open_all(paths)?.iter().map(|reader| reader.header().clone()).collect())
+    inputs::choose(paths)?.paths.iter().map(|path| Ok(open(path)?.header().clone())).collect()
 }
 
-/// The scan in the files' own coordinates, without its scene, and what each file says of itself.
+/// The scan in the files' own coordinates, without its scene, and what each file in it says of itself.
 pub(super) fn read_with_headers(
     paths: &[PathBuf],
-    _options: &ReadOptions,
+    options: &ReadOptions,
     job: impl Into<Job>,
 ) -> Result<(Scan, Vec<Header>), ScanError> {
-    let readers = open_all(paths)?;
-    let headers: Vec<Header> = readers.iter().map(|reader| reader.header().clone()).collect();
-    let expected = headers.iter().fold(0u64, |sum, header| sum.saturating_add(header.num_points));
-    let progress = Progress::new("reading", "points", expected, job);
-    let mut scan = Scan::default();
-    for reader in readers {
-        let columns = reader.read(&progress)?;
-        add(&mut scan, reader.header(), columns);
+    let Inputs { paths, remarks } = inputs::choose(paths)?;
+    let mut failures = Failures { strict: options.strict, errors: Vec::new() };
+    let mut announced = Vec::new();
+    for path in &paths {
+        let header = open(path).map(|reader| reader.header().num_points);
+        announced.extend(failures.sort(header)?.map(|num_points| (path, num_points)));
     }
+    let expected = announced.iter().fold(0u64, |sum, (_, num_points)| sum.saturating_add(*num_points));
+    let progress = Progress::new("reading", "points", expected, job);
+    let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
+    for (path, _) in announced {
+        // Opened again: the system allows fewer open files than a scan may have.
+        let columns = open(path).and_then(|reader| Ok((reader.header().clone(), reader.read(&progress)?)));
+        if let Some((header, columns)) = failures.sort(columns)? {
+            add(&mut scan, &header, columns);
+            headers.push(header);
+        }
+    }
+    scan.warnings.extend(failures.warnings(headers.is_empty())?);
     name_system(&mut scan, &headers);
     Ok((scan, headers))
 }
 
-fn open_all(paths: &[PathBuf]) -> Result<Vec<Box<dyn Reader>>, ScanError> {
-    if paths.is_empty() {
-        return Err(ScanError::NoFiles);
+/// Files of which nothing can be read.
+struct Failures {
+    strict: bool,
+    errors: Vec<ScanError>,
+}
+
+impl Failures {
+    /// What was read; `None` for a file that is left out.
+    fn sort<T>(&mut self, read: Result<T, ScanError>) -> Result<Option<T>, ScanError> {
+        match read {
+            Ok(read) => Ok(Some(read)),
+            Err(error) if self.strict || !error.is_of_one_file() => Err(error),
+            Err(error) => {
+                self.errors.push(error);
+                Ok(None)
+            }
+        }
     }
-    paths.iter().map(|path| open(path)).collect()
+
+    /// A sentence for each; the first as an error if nothing else was read.
+    fn warnings(self, nothing_read: bool) -> Result<Vec<String>, ScanError> {
+        let mut errors = self.errors.into_iter().peekable();
+        match errors.next_if(|_| nothing_read) {
+            Some(first) => Err(first),
+            None => Ok(errors
+                .map(|error| format!("{error}; it was left out, the other files are shown"))
+                .collect()),
+        }
+    }
 }
 
 fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {

@@ -3,52 +3,128 @@
 use super::ScanError;
 use std::path::Path;
 
-/// First bytes, what they mean.
-const SIGNATURES: &[(&[u8], &str)] = &[
-    (b"ASTM-E57", "it is an E57 file"),
-    (b"# .PCD", "it is a PCD file"),
-    (b"VERSION .7", "it is a PCD file"),
-    (b"PK\x03\x04", "it is a ZIP archive"),
-    (b"\x1f\x8b", "it is a gzip archive"),
-    (b"\x28\xb5\x2f\xfd", "it is a Zstandard archive"),
-    (b"glTF", "it is a glTF model"),
-    (b"II*\0", "it is a TIFF picture"),
-    (b"MM\0*", "it is a TIFF picture"),
-    (b"\x89PNG", "it is a PNG picture"),
-    (b"\xff\xd8\xff", "it is a JPEG picture"),
-    (b"%PDF", "it is a PDF document"),
+/// What is to be done about a file of a kind.
+const CONVERT: &str = "this is not supported yet, convert it to LAS, LAZ or PLY";
+const UNPACK: &str = "unpack it, and name the LAS, LAZ or PLY files in it";
+const OTHER: &str = "name a LAS, LAZ or PLY file";
+
+/// First bytes, what they mean, what to do.
+const SIGNATURES: &[(&[u8], &str, &str)] = &[
+    (b"PK\x03\x04", "it is a ZIP archive", UNPACK),
+    (b"PK\x05\x06", "it is an empty ZIP archive", OTHER),
+    (b"\x1f\x8b", "it is a gzip archive", UNPACK),
+    (b"\x1f\x9d", "it is a compressed file (.Z)", UNPACK),
+    (b"\x28\xb5\x2f\xfd", "it is a Zstandard archive", UNPACK),
+    (b"\x04\x22\x4d\x18", "it is an LZ4 archive", UNPACK),
+    (b"7z\xbc\xaf\x27\x1c", "it is a 7-Zip archive", UNPACK),
+    (b"\xfd7zXZ\0", "it is an xz archive", UNPACK),
+    (b"BZh", "it is a bzip2 archive", UNPACK),
+    (b"Rar!\x1a\x07", "it is a RAR archive", UNPACK),
+    (b"ASTM-E57", "it is an E57 file", CONVERT),
+    (b"# .PCD", "it is a PCD file", CONVERT),
+    (b"VERSION .7", "it is a PCD file", CONVERT),
+    (b"glTF", "it is a glTF model", CONVERT),
+    (b"Kaydara FBX Binary", "it is an FBX model", CONVERT),
+    (b"solid ", "it is an STL model", CONVERT),
+    (b"OFF\n", "it is an OFF model", CONVERT),
+    (b"\x89HDF\r\n\x1a\n", "it is an HDF5 file", CONVERT),
+    (b"SQLite format 3\0", "it is an SQLite database", OTHER),
+    (b"II*\0", "it is a TIFF picture", OTHER),
+    (b"MM\0*", "it is a TIFF picture", OTHER),
+    (b"\x89PNG", "it is a PNG picture", OTHER),
+    (b"\xff\xd8\xff", "it is a JPEG picture", OTHER),
+    (b"%PDF", "it is a PDF document", OTHER),
 ];
+
+/// Where a tar archive says that it is one, and how.
+const TAR: (usize, &[u8]) = (257, b"ustar");
 
 /// The error for a file that starts with `head` and has no reader.
 pub(crate) fn not_a_scan(path: &Path, head: &[u8]) -> ScanError {
-    let (looks_like, advice) = describe(head);
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    let (looks_like, advice) = match ending.as_deref() {
+        // Gzip inside, but nothing that a user could unpack.
+        Some("spz") if head.starts_with(b"\x1f\x8b") => {
+            ("it is a compressed Gaussian splat (SPZ)".into(), "export it as PLY")
+        }
+        _ => describe(head),
+    };
     ScanError::NotAScan { path: path.to_owned(), looks_like, advice }
 }
 
 fn describe(head: &[u8]) -> (String, &'static str) {
-    const CONVERT: &str = "this is not supported yet, convert it to LAS, LAZ or PLY";
     if head.is_empty() {
         return ("it is empty".into(), "copy or download it again");
+    }
+    if head.iter().all(|&byte| byte == 0) {
+        return ("it starts with zeros only".into(), "its copy or download was not completed: get it again");
     }
     if head.starts_with(b"version https://git-lfs") {
         let advice = "fetch the real file with `git lfs pull`";
         return ("it is a Git LFS pointer, a note of where the real file lies".into(), advice);
     }
-    if let Some((_, what)) = SIGNATURES.iter().find(|(signature, _)| head.starts_with(signature)) {
-        return ((*what).into(), CONVERT);
+    if let Some((_, what, advice)) = SIGNATURES.iter().find(|(signature, ..)| head.starts_with(signature)) {
+        return ((*what).into(), advice);
     }
-    if head.trim_ascii_start().starts_with(b"<") {
+    if head.get(TAR.0..).is_some_and(|rest| rest.starts_with(TAR.1)) {
+        return ("it is a tar archive".into(), UNPACK);
+    }
+    if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
+        return (
+            "it is text of two bytes a character (UTF-16)".into(),
+            "save it as plain text (ASCII or UTF-8)",
+        );
+    }
+    // Some editors write a mark first.
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
+    if head.starts_with(b"<") {
         return ("it is XML or a web page".into(), "check where it was downloaded from");
     }
-    if head.trim_ascii_start().starts_with(b"{") {
+    if head.starts_with(b"{") {
         return ("it is JSON (perhaps of an EPT or Potree folder)".into(), CONVERT);
     }
     if is_text(head) {
-        return ("it is text".into(), CONVERT);
+        return describe_text(&String::from_utf8_lossy(head));
     }
     let start: Vec<String> = head.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let looks_like = format!("it starts with the bytes {}, as no scan does", start.join(" "));
     (looks_like, "it is damaged or of another kind; get it again or convert it to LAS, LAZ or PLY")
+}
+
+/// By the first lines that are no comments.
+fn describe_text(text: &str) -> (String, &'static str) {
+    let is_said = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    let mut lines = text.lines().map(str::trim).filter(is_said);
+    let first = lines.next().unwrap_or_default();
+    // Canadian Well Logging Society: "Log ASCII Standard", with sections from ~V on.
+    if first.starts_with('~') {
+        let what =
+            "it is a well log (CWLS Log ASCII Standard), which has only the ending .las in common with scans";
+        return (what.into(), "name a LAS file of a laser scanner");
+    }
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    let words = |line: &str| {
+        let words = line.split([' ', '\t', ',', ';']).filter(|word| !word.is_empty());
+        words.map(str::to_owned).collect::<Vec<String>>()
+    };
+    let rows = std::iter::once(first).chain(lines).map(words);
+    let is_row = |row: &Vec<String>| row.len() >= 3 && row[..3].iter().all(|word| is_number(word));
+    let is_corner = |row: &Vec<String>| row.first().is_some_and(|word| word == "v" || word == "mtllib");
+    let rows: Vec<Vec<String>> = rows.collect();
+    if rows.iter().any(is_corner) {
+        return ("it is an OBJ model".into(), CONVERT);
+    }
+    if rows.iter().any(is_row) {
+        let what = "it is text with rows of numbers (XYZ, PTS, PTX, CSV)";
+        return (
+            what.into(),
+            "open it in CloudCompare or PDAL, which ask what the columns are, and save it as LAZ or PLY",
+        );
+    }
+    (
+        "it is text, but no rows of numbers".into(),
+        "check that this is the file you mean; name a LAS, LAZ or PLY file",
+    )
 }
 
 /// Printable characters and white space only. A cut multi-byte character at the end is no counter-proof.
@@ -68,19 +144,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_what_it_sees() {
-        let cases: [(&[u8], &str); 6] = [
-            (b"", "empty"),
-            (b"version https://git-lfs.github.com/spec/v1\noid sha256:", "Git LFS"),
-            (b"ASTM-E57\x01\0\0\0", "E57"),
-            (b"  <html>", "web page"),
-            ("1.0 2.0 3.0 \u{e9}\n".as_bytes(), "text"),
-            (b"\x8f\x00\x01\x02", "8f 00 01 02"),
+    fn says_what_it_sees_and_what_to_do() {
+        let tar = [&[b'a'; 257][..], b"ustar\x0000"].concat();
+        let cases: [(&[u8], &str, &str); 21] = [
+            (b"", "empty", "again"),
+            (&[0; 512], "zeros", "get it again"),
+            (b"version https://git-lfs.github.com/spec/v1\noid sha256:", "Git LFS", "git lfs pull"),
+            (b"ASTM-E57\x01\0\0\0", "E57", "convert it to LAS"),
+            (b"  <html>", "web page", "downloaded"),
+            (b"PK\x03\x04\x14\0", "ZIP archive", "unpack it"),
+            (b"\x1f\x8b\x08", "gzip", "unpack it"),
+            (b"\x28\xb5\x2f\xfd\0", "Zstandard", "unpack it"),
+            (b"7z\xbc\xaf\x27\x1c\0", "7-Zip", "unpack it"),
+            (b"\xfd7zXZ\0\0", "xz", "unpack it"),
+            (b"BZh91AY", "bzip2", "unpack it"),
+            (b"Rar!\x1a\x07\x01", "RAR", "unpack it"),
+            (&tar, "tar", "unpack it"),
+            ("1.0 2.0 3.0 \u{e9}\n".as_bytes(), "rows of numbers", "CloudCompare"),
+            (b"\xef\xbb\xbfX;Y;Z\n1,0;2;3\n4;5;6\n", "rows of numbers", "what the columns are"),
+            (b"\xff\xfe1\0 \0", "UTF-16", "UTF-8"),
+            (b"# made by hand\nmtllib a.mtl\nv 1 2 3\n", "OBJ", "convert"),
+            (b"Meeting on 1 2 3\nNothing decided\n", "no rows of numbers", "the file you mean"),
+            (b"~VERSION INFORMATION\n VERS. 2.0 :\n", "well log", "of a laser scanner"),
+            (b"# converted\n\n~V\nVERS. 3.0\n~A\n1 2 3\n", "well log", "of a laser scanner"),
+            (b"\x8f\x00\x01\x02", "8f 00 01 02", "convert"),
         ];
-        for (head, expected) in cases {
+        for (head, expected, advice) in cases {
             let message = not_a_scan(Path::new("a.las"), head).to_string();
-            assert!(message.starts_with("a.las: ") && message.contains(expected), "{message}");
+            let says = message.contains(expected) && message.contains(advice);
+            assert!(message.starts_with("a.las: ") && says, "{message}");
         }
+        let splat = not_a_scan(Path::new("a.SPZ"), b"\x1f\x8b\x08").to_string();
+        assert!(splat.contains("Gaussian splat") && splat.contains("export it as PLY"), "{splat}");
     }
 
     #[test]

@@ -10,8 +10,8 @@ const VLR_HEADER: u64 = 54;
 const EVLR_HEADER: u64 = 60;
 /// More records than any real file has: each costs a read, so there is an end to it.
 const MOST_RECORDS: u32 = 100_000;
-/// Payload that is kept; the known records are far smaller.
-const MOST_PAYLOAD: u64 = 1 << 20;
+/// Payload that is kept, if the file is as long; well-known text of compound systems can take more than a mebibyte.
+const MOST_PAYLOAD: u64 = 1 << 26;
 
 /// A record that we know what to do with.
 #[derive(Clone, Debug, PartialEq, Eq)]
