@@ -7,6 +7,7 @@ mod made;
 mod real;
 #[path = "../real_scans/mod.rs"]
 mod real_scans;
+mod world;
 
 use made::{Encoding, Face, Made, Point};
 use proptest::prelude::*;

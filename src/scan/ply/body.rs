@@ -1,39 +1,58 @@
-//! What comes of reading everything behind the header, in either encoding.
+//! One pass over everything behind the header, in either encoding: who takes in the rows, and what went wrong.
 
-use super::plan::{Kept, Plan, Purpose};
-use super::rows::{NUM_SLOTS, Rows};
+use super::plan::{Color, Plan, Purpose, Row};
 use crate::scan::ScanError;
 use crate::scan::source::Source;
 use std::io;
 
-/// Rows, and what went wrong with others.
+/// Takes in the rows of a pass.
+pub(super) trait Sink: Send + Sync + Sized {
+    /// An empty one for about `num_rows` rows, of which the first is point `first_point`.
+    fn part(&self, first_point: u64, num_rows: usize) -> Self;
+
+    /// Adds what follows this.
+    fn append(&mut self, later: Self);
+
+    /// Takes in a point.
+    fn point(&mut self, row: &Row);
+
+    /// Takes note of a point that cannot be read, so that faces count right.
+    fn bad_point(&mut self);
+
+    /// Points taken in, also those that cannot be read or shown.
+    fn num_points(&self) -> u64;
+
+    /// Takes in a polygon.
+    fn face(&mut self, _color: Color, _row: &Row) {}
+
+    /// Takes in strips of triangles.
+    fn strips(&mut self, _row: &Row) {}
+
+    /// Takes note of a polygon or of strips that cannot be read.
+    fn bad_face(&mut self) {}
+
+    /// Takes in the box of a chunk.
+    fn chunk(&mut self, _row: &Row) {}
+
+    /// How much progress it is that so many points were taken in: all passes together make one.
+    fn progress(num_points: u64) -> u64;
+}
+
+/// What came of a pass.
 #[derive(Debug)]
-pub(super) struct Body {
-    pub rows: Rows,
-    /// Lines of text that could not be read; the first, as the end of a sentence.
-    pub num_bad_lines: u64,
-    pub first_bad_line: Option<String>,
-    /// Points whose lines are among these; they have no place.
-    pub num_bad_points: u64,
+pub(super) struct Body<S> {
+    pub sink: S,
+    /// Rows of text that could not be read; the first, as the end of a sentence.
+    pub num_bad_rows: u64,
+    pub first_bad_row: Option<String>,
     /// What was odd, as sentences whose subject is the file.
     pub warnings: Vec<String>,
 }
 
-impl Body {
+impl<S: Sink> Body<S> {
     /// Nothing yet.
-    pub fn new(plans: &[Plan]) -> Self {
-        let points = plans.iter().find(|plan| matches!(plan.purpose, Purpose::Points(_)));
-        let rows = Rows::new(points.map_or(0, |plan| plan.count));
-        Self { rows, num_bad_lines: 0, first_bad_line: None, num_bad_points: 0, warnings: Vec::new() }
-    }
-
-    /// Makes room for points that the file is large enough for.
-    ///
-    /// # Errors
-    /// No memory.
-    pub fn reserve(&mut self, source: &Source, num_points: u64, has: Kept) -> Result<(), ScanError> {
-        let fail = |_| ScanError::Memory { path: source.path().to_owned(), num_points };
-        self.rows.reserve(num_points, has).map_err(fail)
+    pub fn new(sink: S) -> Self {
+        Self { sink, num_bad_rows: 0, first_bad_row: None, warnings: Vec::new() }
     }
 
     /// Takes note that reading ended at byte `at`: by an error, or because the file ends.
@@ -42,7 +61,7 @@ impl Body {
     /// The error, if there are no points before it.
     pub fn fail(&mut self, source: &Source, at: u64, error: Option<io::Error>) -> Result<(), ScanError> {
         match error {
-            Some(error) if self.rows.places.is_empty() => Err(ScanError::io(source.path(), Some(at), error)),
+            Some(error) if self.sink.num_points() == 0 => Err(ScanError::io(source.path(), Some(at), error)),
             Some(error) => {
                 self.warnings.push(format!("could not be read to its end, from byte {at} on: {error}"));
                 Ok(())
@@ -51,30 +70,26 @@ impl Body {
             None => Ok(()),
         }
     }
+}
 
-    /// Takes note of a line that cannot be read. A point's leaves a place that is none, so that faces count right.
-    pub fn skip_line(&mut self, plan: &Plan, number: u64, line: &[u8]) {
-        self.num_bad_lines += 1;
-        self.first_bad_line.get_or_insert_with(|| {
-            let line = String::from_utf8_lossy(line.trim_ascii());
-            format!("line {number}, {:?}", line.chars().take(40).collect::<String>())
-        });
-        match plan.purpose {
-            Purpose::Points(has) => {
-                self.num_bad_points += 1;
-                self.rows.push_point(has, &[f64::NAN; NUM_SLOTS]);
-            }
-            Purpose::Faces | Purpose::Strips => self.rows.num_faces += 1,
-            Purpose::Unused => {}
-        }
+/// Hands a row that was read to whom it is for.
+#[inline]
+pub(super) fn take(plan: &Plan, row: &Row, sink: &mut impl Sink) {
+    match plan.purpose {
+        Purpose::Points(_) => sink.point(row),
+        Purpose::Faces(color) => sink.face(color, row),
+        Purpose::Strips => sink.strips(row),
+        Purpose::Chunks => sink.chunk(row),
+        Purpose::Unused => {}
     }
+}
 
-    /// Adds what was read after this.
-    pub fn append(&mut self, later: Self) {
-        self.rows.append(later.rows);
-        self.num_bad_lines += later.num_bad_lines;
-        self.first_bad_line = self.first_bad_line.take().or(later.first_bad_line);
-        self.num_bad_points += later.num_bad_points;
-        self.warnings.extend(later.warnings);
+/// Hands over that a row could not be read.
+pub(super) fn take_bad(plan: &Plan, sink: &mut impl Sink) {
+    match plan.purpose {
+        Purpose::Points(_) => sink.bad_point(),
+        Purpose::Faces(_) | Purpose::Strips => sink.bad_face(),
+        Purpose::Chunks => sink.chunk(&Row::default()),
+        Purpose::Unused => {}
     }
 }

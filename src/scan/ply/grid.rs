@@ -8,7 +8,6 @@
 use crate::scan::Lattice;
 use crate::space::Bounds;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Coordinates beyond this are no place: sums and differences of them might not be finite.
 const FARTHEST: f64 = 1e300;
@@ -22,27 +21,37 @@ pub(super) fn is_place(p: &[f64; 3]) -> bool {
     p.iter().all(|c| c.abs() <= FARTHEST)
 }
 
-/// The box of places.
-pub(super) fn bounds(places: &[[f64; 3]]) -> Bounds {
-    let add = |bounds: Bounds, p: &[f64; 3]| bounds.with(DVec3::from_array(*p));
-    places.par_iter().fold(|| Bounds::EMPTY, add).reduce(|| Bounds::EMPTY, Bounds::union)
+/// The lattice of a file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    pub lattice: Lattice,
+    /// Steps a unit, an axis.
+    per_unit: [f64; 3],
 }
 
-/// The lattice for a box that holds something.
-pub(super) fn lattice(bounds: Bounds) -> Lattice {
-    let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
-    Lattice {
-        scale: DVec3::from_array(axes.map(|(step, _)| step)),
-        offset: DVec3::from_array(axes.map(|(_, origin)| origin)),
+impl Grid {
+    /// For places in a box that holds something; some of them are a sample.
+    pub fn over(_sample: Vec<DVec3>, bounds: Bounds) -> Self {
+        let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
+        let scale = DVec3::from_array(axes.map(|(step, _)| step));
+        let offset = DVec3::from_array(axes.map(|(_, origin)| origin));
+        // The reciprocal of a power of two is exact.
+        Self { lattice: Lattice { scale, offset }, per_unit: scale.recip().to_array() }
     }
-}
 
-/// The nearest lattice points of places within the lattice's box.
-pub(super) fn snap(lattice: &Lattice, places: &[[f64; 3]]) -> Vec<[i32; 3]> {
-    let (offset, per_unit) = (lattice.offset.to_array(), lattice.scale.recip().to_array());
-    // The reciprocal of a power of two is exact. `as` saturates, which half a step beyond the box would need.
-    let step = |c: f64, axis: usize| ((c - offset[axis]) * per_unit[axis]).round() as i32;
-    places.par_iter().map(|p| std::array::from_fn(|axis| step(p[axis], axis))).collect()
+    /// True of places that it holds.
+    pub fn holds(&self, p: &[f64; 3]) -> bool {
+        let steps = (DVec3::from_array(*p) - self.lattice.offset) * DVec3::from_array(self.per_unit);
+        steps.abs().cmple(DVec3::splat(2_147_483_648.0)).all()
+    }
+
+    /// The nearest lattice point of a place that it holds.
+    #[inline]
+    pub fn snap(&self, p: &[f64; 3]) -> [i32; 3] {
+        let offset = self.lattice.offset.to_array();
+        // `as` saturates, which half a step beyond the box would need.
+        std::array::from_fn(|axis| ((p[axis] - offset[axis]) * self.per_unit[axis]).round() as i32)
+    }
 }
 
 /// Step and origin for coordinates from `low` to `high`.
@@ -78,9 +87,14 @@ mod tests {
     use proptest::prelude::*;
 
     fn on_lattice(places: &[[f64; 3]]) -> (Lattice, Vec<[f64; 3]>) {
-        let lattice = lattice(bounds(places));
-        let xyz = snap(&lattice, places);
-        (lattice, xyz.into_iter().map(|xyz| lattice.p_in_world(xyz).to_array()).collect())
+        let grid = grid(places);
+        let snapped = |place: &[f64; 3]| grid.lattice.p_in_world(grid.snap(place)).to_array();
+        (grid.lattice, places.iter().map(snapped).collect())
+    }
+
+    fn grid(places: &[[f64; 3]]) -> Grid {
+        let bounds = places.iter().fold(Bounds::EMPTY, |bounds, p| bounds.with(DVec3::from_array(*p)));
+        Grid::over(Vec::new(), bounds)
     }
 
     fn axis(places: &[[f64; 3]]) -> Vec<f64> {
@@ -146,10 +160,18 @@ mod tests {
     fn the_bound_is_one_that_can_be_broken() {
         let values = [0.0, 1.0, 0.3];
         let places = values.map(|v| [v; 3]);
-        let lattice = lattice(bounds(&places));
-        let coarse = Lattice { scale: lattice.scale * 8.0, ..lattice };
-        let moved = coarse.p_in_world(snap(&coarse, &places)[2]).x;
+        let Grid { lattice, per_unit } = grid(&places);
+        let lattice = Lattice { scale: lattice.scale * 8.0, ..lattice };
+        let coarse = Grid { lattice, per_unit: per_unit.map(|steps| steps / 8.0) };
+        let moved = lattice.p_in_world(coarse.snap(&places[2])).x;
         assert!((moved - 0.3).abs() > 1.0 / 4e9, "{moved}");
+    }
+
+    #[test]
+    fn what_the_lattice_does_not_reach_is_none() {
+        let grid = grid(&[[0.0; 3], [1.0; 3]]);
+        assert!(grid.holds(&[1.0, 0.0, 1.0]));
+        assert!(!grid.holds(&[9.0, 0.0, 0.0]) && !grid.holds(&[0.0, -1e300, 0.0]));
     }
 
     #[test]

@@ -4,8 +4,12 @@ use super::value::Type;
 use crate::scan::ScanError;
 use crate::scan::source::Source;
 
-/// Where a header must have ended; real ones are below a few kilobytes.
-const MOST_BYTES: u64 = 1 << 20;
+/// Part of a file that is looked through first for the header's end; most headers take a few kilobytes.
+const FIRST_BYTES: u64 = 1 << 16;
+/// Where a header must have ended: comments may be long, but not without end.
+const MOST_BYTES: u64 = 1 << 24;
+/// What some editors write at the start of a text, to say that it is UTF-8.
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// How the rows behind the header are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,16 +70,34 @@ impl PlyHeader {
     /// # Errors
     /// No end, no format, a line that makes the rows' size unknown; each with its line.
     pub fn read(source: &Source) -> Result<Self, ScanError> {
-        let bytes = source.bytes(0, MOST_BYTES)?;
-        Self::parse(&bytes).map_err(|(line, problem)| ScanError::Line {
-            path: source.path().to_owned(),
-            line,
-            problem,
-        })
+        let fail = |(line, problem)| ScanError::Line { path: source.path().to_owned(), line, problem };
+        let mut limit = FIRST_BYTES;
+        loop {
+            let bytes = source.bytes(0, limit)?;
+            let is_all = (bytes.len() as u64) < limit;
+            if let Some(header) = Self::parse(&bytes, is_all).map_err(fail)? {
+                return Ok(header);
+            }
+            let num_lines = bytes.split(|&byte| byte == b'\n').count() as u64;
+            if is_all {
+                let problem = "the header has no line end_header up to here: the file was cut off or is damaged, get it again";
+                return Err(fail((num_lines, problem.into())));
+            }
+            if limit >= MOST_BYTES {
+                let problem = format!(
+                    "the header has no line end_header in its first {} MiB, so long is none: the file is damaged or no PLY \
+                     file, export it again",
+                    MOST_BYTES >> 20
+                );
+                return Err(fail((num_lines, problem)));
+            }
+            limit = MOST_BYTES.min(8 * limit);
+        }
     }
 
-    /// The header at the start of `bytes`, or the line that is wrong and why.
-    fn parse(bytes: &[u8]) -> Result<Self, (u64, String)> {
+    /// The header at the start of `bytes`, if its end is among them; or the line that is wrong and why. The last line
+    /// counts only if it has its end, or if these are all bytes.
+    fn parse(bytes: &[u8], is_all: bool) -> Result<Option<Self>, (u64, String)> {
         let first_end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
         let only_returns =
             first_end.is_some_and(|at| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n'));
@@ -83,30 +105,32 @@ impl PlyHeader {
         let mut lines = Lines::default();
         let mut offset = 0;
         for (line, number) in bytes.split_inclusive(|&byte| byte == line_end).zip(1..) {
-            offset += line.len() as u64;
-            let text = String::from_utf8_lossy(line);
-            // The first line said "ply", or this would not be read.
-            if number > 1 && !lines.take(text.trim(), number).map_err(|problem| (number, problem))? {
-                let fix = "ascii, binary_little_endian or binary_big_endian: export the file again";
-                let encoding =
-                    lines.encoding.ok_or((number, format!("no line before says the format, {fix}")))?;
-                let Lines { elements, remarks, oddities, .. } = lines;
-                let body_line = number + 1;
-                return Ok(Self {
-                    encoding,
-                    elements,
-                    remarks,
-                    body_offset: offset,
-                    body_line,
-                    line_end,
-                    oddities,
-                });
+            if !is_all && line.last() != Some(&line_end) {
+                break;
             }
+            offset += line.len() as u64;
+            let line = if number == 1 { line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line) } else { line };
+            let text = String::from_utf8_lossy(line);
+            if lines.take(text.trim(), number).map_err(|problem| (number, problem))? {
+                continue;
+            }
+            let fix = "ascii, binary_little_endian or binary_big_endian: export the file again";
+            let encoding =
+                lines.encoding.ok_or((number, format!("no line before says the format, {fix}")))?;
+            let oddities = lines.oddities();
+            let Lines { elements, remarks, .. } = lines;
+            let (body_offset, body_line) = (offset, number + 1);
+            return Ok(Some(Self {
+                encoding,
+                elements,
+                remarks,
+                body_offset,
+                body_line,
+                line_end,
+                oddities,
+            }));
         }
-        let num_lines = bytes.split(|&byte| byte == line_end).count() as u64;
-        let problem =
-            "the header has no line end_header up to here: the file was cut off or is damaged, get it again";
-        Err((num_lines, problem.into()))
+        Ok(None)
     }
 }
 
@@ -116,7 +140,8 @@ struct Lines {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
     remarks: Vec<String>,
-    oddities: Vec<String>,
+    /// Lines that mean nothing: how many, the first one's number.
+    meaningless: (u64, u64),
 }
 
 impl Lines {
@@ -124,7 +149,7 @@ impl Lines {
     fn take(&mut self, line: &str, number: u64) -> Result<bool, String> {
         let (keyword, rest) = line.split_once(|c: char| c.is_whitespace()).unwrap_or((line, ""));
         let rest = rest.trim();
-        match keyword {
+        match keyword.to_ascii_lowercase().as_str() {
             "end_header" => return Ok(false),
             "format" => self.encoding = Some(encoding(rest)?),
             "comment" | "obj_info" => self.remarks.push(rest.to_owned()),
@@ -136,20 +161,37 @@ impl Lines {
                     .ok_or("a property before the first element: the header is damaged")?;
                 element.properties.push(property(rest)?);
             }
-            "" => {}
-            _ => self.oddities.push(format!("has a header line {number} that means nothing; it was skipped")),
+            // The first line, or this would not be read.
+            "" | "ply" => {}
+            _ => {
+                let (count, first) = self.meaningless;
+                self.meaningless = (count + 1, if count == 0 { number } else { first });
+            }
         }
         Ok(true)
+    }
+
+    fn oddities(&self) -> Vec<String> {
+        match self.meaningless {
+            (0, _) => Vec::new(),
+            (1, line) => vec![format!("has a header line {line} that means nothing; it was skipped")],
+            (count, line) => {
+                vec![format!(
+                    "has {count} header lines that mean nothing, first line {line}; they were skipped"
+                )]
+            }
+        }
     }
 }
 
 fn encoding(rest: &str) -> Result<Encoding, String> {
-    match rest.split_whitespace().next().unwrap_or_default() {
+    let name = rest.split_whitespace().next().unwrap_or_default();
+    match name.to_ascii_lowercase().as_str() {
         "ascii" => Ok(Encoding::Ascii),
         "binary_little_endian" => Ok(Encoding::LittleEndian),
         "binary_big_endian" => Ok(Encoding::BigEndian),
-        other => Err(format!(
-            "the format {other:?} is not known, only ascii, binary_little_endian and binary_big_endian: \
+        _ => Err(format!(
+            "the format {name:?} is not known, only ascii, binary_little_endian and binary_big_endian: \
              export the file as one of them"
         )),
     }
@@ -158,10 +200,19 @@ fn encoding(rest: &str) -> Result<Encoding, String> {
 fn element(rest: &str, line: u64) -> Result<Element, String> {
     let mut words = rest.split_whitespace();
     let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-    let count = count.parse().map_err(|_| {
+    let count = whole_number(count).ok_or_else(|| {
         format!("the element {name:?} has no count of its rows but {count:?}: the header is damaged, export the file again")
     })?;
     Ok(Element { name: name.to_owned(), count, properties: Vec::new(), line })
+}
+
+/// A count; some programs write theirs as 5e+03 or 5000.0.
+fn whole_number(word: &str) -> Option<u64> {
+    let as_float = || {
+        let value: f64 = word.parse().ok()?;
+        (value >= 0.0 && value.fract() == 0.0 && value < 2f64.powi(53)).then_some(value as u64)
+    };
+    word.parse().ok().or_else(as_float)
 }
 
 fn property(rest: &str) -> Result<Property, String> {
@@ -172,7 +223,7 @@ fn property(rest: &str) -> Result<Property, String> {
         Type::named(name).ok_or_else(|| format!("{name:?} {unknown}"))
     };
     let mut words = rest.split_whitespace().peekable();
-    let shape = if words.next_if_eq(&"list").is_some() {
+    let shape = if words.next_if(|word| word.eq_ignore_ascii_case("list")).is_some() {
         Shape::List(kind(words.next())?, kind(words.next())?)
     } else {
         Shape::Value(kind(words.next())?)
@@ -187,11 +238,15 @@ mod tests {
     const GOOD: &str = "ply \nformat binary_big_endian 1.0\ncomment by hand\nelement vertex 3\n\
                         property float x\nobj_info twice\nproperty list uchar int32 more\nend_header\nDATA";
 
+    fn parse(text: &str) -> Result<PlyHeader, (u64, String)> {
+        PlyHeader::parse(text.as_bytes(), true).map(Option::unwrap)
+    }
+
     #[test]
     fn lines_may_end_in_any_way() {
         for (line_end, byte) in [("\n", b'\n'), ("\r\n", b'\n'), ("\r", b'\r'), (" \t\n", b'\n')] {
             let text = GOOD.replace('\n', line_end);
-            let header = PlyHeader::parse(text.as_bytes()).unwrap();
+            let header = parse(&text).unwrap();
             assert_eq!(&text[header.body_offset as usize..], "DATA");
             assert_eq!((header.body_line, header.line_end), (9, byte));
             assert_eq!(header.remarks, ["by hand", "twice"]);
@@ -215,12 +270,42 @@ mod tests {
             ("element vertex 3\n", "", 4, "before the first element"),
             ("float x", "quaternion x", 5, "\"quaternion\" is no type"),
             ("uchar int32 more", "uchar", 7, "\"\" is no type"),
-            ("end_header", "end", 9, "no line end_header"),
         ] {
-            let (at, why) = PlyHeader::parse(GOOD.replace(from, to).as_bytes()).unwrap_err();
+            let (at, why) = parse(&GOOD.replace(from, to)).unwrap_err();
             assert!(at == line && why.contains(problem), "{from} to {to}: {at}, {why}");
         }
-        let odd = PlyHeader::parse(GOOD.replace("obj_info", "colour").as_bytes()).unwrap();
+        let odd = parse(&GOOD.replace("obj_info", "colour")).unwrap();
         assert_eq!(odd.oddities, ["has a header line 6 that means nothing; it was skipped"]);
+        let odder = parse(&GOOD.replace("obj_info", "colour\ncolor\nx")).unwrap();
+        assert_eq!(odder.oddities, ["has 3 header lines that mean nothing, first line 6; they were skipped"]);
+    }
+
+    #[test]
+    fn capitals_marks_and_exponents_are_read() {
+        let plain = parse(GOOD).unwrap();
+        for (from, to) in [
+            ("ply \n", "\u{feff}PLY\n"),
+            ("element vertex 3", "ELEMENT vertex 3e+00"),
+            ("element vertex 3", "element vertex 3.0"),
+            ("property list uchar int32", "Property List UCHAR Int"),
+            ("property float", "property Float32"),
+            ("format binary_big_endian", "FORMAT Binary_Big_Endian"),
+        ] {
+            let text = GOOD.replace(from, to);
+            let header = parse(&text).unwrap();
+            assert_eq!(header.elements, plain.elements, "{to}");
+            assert_eq!((&text[header.body_offset as usize..], header.encoding), ("DATA", plain.encoding));
+        }
+        for wrong in ["3.5", "-3", "nan", "inf", "1e300", "three", ""] {
+            assert_eq!(whole_number(wrong), None, "{wrong}");
+        }
+        assert_eq!(whole_number("18446744073709551615"), Some(u64::MAX));
+    }
+
+    #[test]
+    fn what_is_cut_off_is_not_yet_a_header() {
+        for len in 0..GOOD.len() - "\nDATA".len() {
+            assert_eq!(PlyHeader::parse(&GOOD.as_bytes()[..len], false), Ok(None), "cut at {len}");
+        }
     }
 }

@@ -1,34 +1,45 @@
 //! PLY: points and meshes as scanners' programs and photogrammetry write them, as text or binary.
 //!
 //! ```text
-//!  header ──▶ a Plan an element ──binary | ascii──▶ Body: Rows, f64 ──columns──▶ lattice, 16 bits
+//!  header ──▶ a Plan an element ──binary | text──▶ Survey: box, ranges ──▶ Grid ──binary | text──▶ Rows: columns
 //! ```
 //!
-//! Memory: the columns, and for each point a f64 position (24 bytes) while they are being read.
+//! A file is read twice: which grid its coordinates go to, and what its intensities and colors range over, is known
+//! only after the last point. So no more is held than the columns and the blocks in work.
 
-mod ascii;
 mod binary;
 mod body;
 mod columns;
+mod faces;
 mod grid;
 mod header;
 mod plan;
+mod point;
 mod rows;
+mod survey;
+mod text;
 mod value;
+mod window;
 
 use super::source::Source;
 use super::{Columns, Format, Header, Reader, ScanError};
 use crate::progress::Progress;
-use body::Body;
-use header::{Encoding, PlyHeader};
-use plan::{Color, Intensity, Kept, Plan, Purpose};
+use body::{Body, Sink};
+use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
+use plan::{Color, Intensity, Kept, Opacity, Plan, Purpose};
+use point::{Chunk, Meaning};
+use rows::{LeftOut, Rows};
+use survey::{Chunks, Found, Survey};
+use window::Window;
 
 /// The format.
 pub(super) struct Ply;
 
 impl Format for Ply {
     fn recognises(&self, head: &[u8]) -> bool {
-        head.strip_prefix(b"ply").is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
+        let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head).trim_ascii_start();
+        let is_ply = text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"ply"));
+        is_ply && text.get(3).is_none_or(u8::is_ascii_whitespace)
     }
 
     fn open(&self, source: Source) -> Result<Box<dyn Reader>, ScanError> {
@@ -50,19 +61,26 @@ impl Format for Ply {
 
 /// What is done with each element; the first that is named vertex has the points.
 fn plans(source: &Source, ply: &PlyHeader) -> Result<Vec<Plan>, ScanError> {
-    let vertex = ply.elements.iter().position(|element| element.name == "vertex");
-    let plan = |(at, element): (usize, &header::Element)| {
-        if Some(at) != vertex {
-            return Ok(Plan::of_others(element));
-        }
+    let is_vertex = |element: &header::Element| element.name.eq_ignore_ascii_case("vertex");
+    let vertex = ply.elements.iter().position(is_vertex);
+    let points = vertex.map(|at| {
+        let element = &ply.elements[at];
         let fail = |missing| ScanError::Line {
             path: source.path().to_owned(),
             line: element.line,
             problem: format!("the element vertex has no {missing}: export the file again, with x, y and z"),
         };
         Plan::of_points(element).map_err(fail)
+    });
+    let mut points = points.transpose()?;
+    let has_color = points
+        .as_ref()
+        .is_some_and(|points| matches!(points.purpose, Purpose::Points(has) if has.color != Color::Absent));
+    let plan = |(at, element): (usize, &header::Element)| {
+        let points = if Some(at) == vertex { points.take() } else { None };
+        points.unwrap_or_else(|| Plan::of_others(element, has_color))
     };
-    ply.elements.iter().enumerate().map(plan).collect()
+    Ok(ply.elements.iter().enumerate().map(plan).collect())
 }
 
 /// An opened file.
@@ -81,36 +99,94 @@ impl Reader for PlyFile {
     }
 
     fn read(&self, progress: &Progress) -> Result<Columns, ScanError> {
-        let Self { source, ply, plans, .. } = self;
-        let mut body = match ply.encoding {
-            Encoding::Ascii => ascii::read(source, ply, plans, progress)?,
-            encoding => {
-                let big_endian = encoding == Encoding::BigEndian;
-                binary::read(source, plans, ply.body_offset, big_endian, progress)?
-            }
-        };
-        let (num_read, num_faces_read) = (body.rows.places.len() as u64, body.rows.num_faces);
-        let loss = columns::leave_out(&mut body.rows);
-        if body.rows.places.is_empty() {
-            return Err(ScanError::NoPoints {
-                path: source.path().to_owned(),
-                reason: self.why_none(&body, num_read),
-            });
+        let chunks = self.chunks(progress)?;
+        let mut meaning = Meaning { has: self.has, chunks, leaves_faint_out: true };
+        let mut found = self.survey(&meaning, progress)?;
+        if found.num_kept == 0 && found.num_faint > 0 {
+            meaning.leaves_faint_out = false;
+            found = self.survey(&meaning, progress)?;
         }
+        let faces = self.plans.iter().filter(|plan| plan.count > 0);
+        let has_faces = faces.clone().any(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let mut colors_of_faces = faces.filter_map(|plan| match plan.purpose {
+            Purpose::Faces(color) => Some(color),
+            _ => None,
+        });
+        let of_faces = colors_of_faces.next().unwrap_or(Color::Absent);
+        let how = columns::how(&meaning, &found, has_faces, self.num_announced);
+        let mut rows = Rows::new(&how);
+        let memory =
+            |_| ScanError::Memory { path: self.source.path().to_owned(), num_points: found.num_kept };
+        rows.reserve(found.num_kept).map_err(memory)?;
+        let mut body = Body::new(rows);
+        self.pass(&self.plans, self.plans.len(), &mut body, progress)?;
         let mut warnings = std::mem::take(&mut body.warnings);
-        warnings.extend(self.cut_off(num_read, num_faces_read));
-        warnings.extend(left_out(&body, &loss));
-        Ok(columns::columns(body.rows, self.has, warnings))
+        let num_faces = body.sink.faces.num_faces;
+        warnings.extend(self.cut_off(body.sink.num_points(), num_faces));
+        let (bad_rows, left_out) = (bad_rows(&body), body.sink.left_out);
+        let (columns, loss) = columns::columns(body.sink, &how, &found, of_faces);
+        if columns.points.xyz.is_empty() {
+            // The file changed since the survey.
+            return Err(self.no_points(None, 0));
+        }
+        warnings.extend(bad_rows);
+        warnings.extend(sentences(left_out, loss));
+        Ok(Columns { warnings, ..columns })
     }
 }
 
 impl PlyFile {
+    /// Goes once over the rows of the first elements.
+    fn pass<S: Sink>(
+        &self,
+        plans: &[Plan],
+        num_elements: usize,
+        body: &mut Body<S>,
+        progress: &Progress,
+    ) -> Result<(), ScanError> {
+        let Self { source, ply, .. } = self;
+        match ply.encoding {
+            Encoding::Ascii => {
+                let window = Window::new(ply.body_offset, ply.body_line, ply.line_end);
+                text::read(source, (plans, num_elements), window, body, progress)
+            }
+            encoding => {
+                let place = (ply.body_offset, encoding == Encoding::BigEndian);
+                binary::read(source, &plans[..num_elements], place, body, progress)
+            }
+        }
+    }
+
+    /// What must be known of all points first; there is at least one.
+    fn survey(&self, meaning: &Meaning, progress: &Progress) -> Result<Found, ScanError> {
+        let plans: Vec<Plan> = self.plans.iter().map(Plan::for_survey).collect();
+        let is_points = |plan: &Plan| matches!(plan.purpose, Purpose::Points(_));
+        let num_elements = plans.iter().position(is_points).map_or(0, |at| at + 1);
+        let mut body = Body::new(Survey::new(meaning, self.header.num_points));
+        self.pass(&plans, num_elements, &mut body, progress)?;
+        if body.sink.found.num_kept + body.sink.found.num_faint == 0 {
+            return Err(self.no_points(body.first_bad_row, body.sink.num_points()));
+        }
+        Ok(body.sink.found)
+    }
+
+    /// The boxes of a compressed splat, for which all elements but these are passed over.
+    fn chunks(&self, progress: &Progress) -> Result<Vec<Chunk>, ScanError> {
+        if !self.has.chunked {
+            return Ok(Vec::new());
+        }
+        let plans: Vec<Plan> = self.plans.iter().map(Plan::for_chunks).collect();
+        let mut body = Body::new(Chunks::default());
+        self.pass(&plans, plans.len(), &mut body, progress)?;
+        Ok(body.sink.0)
+    }
+
     /// Why there are no points although so many were read.
-    fn why_none(&self, body: &Body, num_read: u64) -> String {
+    fn no_points(&self, first_bad_row: Option<String>, num_read: u64) -> ScanError {
         let announced = self.num_announced;
-        match &body.first_bad_line {
+        let reason = match first_bad_row {
             _ if announced == 0 => "its header announces none".into(),
-            Some(line) => format!("its header announces {announced}, none could be read, see {line}"),
+            Some(row) => format!("its header announces {announced}, none could be read, see {row}"),
             None if num_read > 0 => {
                 format!("its header announces {announced}, none has a finite place; export it again")
             }
@@ -120,7 +196,8 @@ impl PlyFile {
                     "{announced} should follow byte {start}, but the file ends at byte {end}; get it again"
                 )
             }
-        }
+        };
+        ScanError::NoPoints { path: self.source.path().to_owned(), reason }
     }
 
     /// Sentences about rows that are announced and not there.
@@ -129,7 +206,8 @@ impl PlyFile {
         let sentence = |what, announced: u64, read: u64| {
             format!("announces {announced} {what}, but only {read} could be read (the file has {end} bytes)")
         };
-        let faces = self.plans.iter().filter(|plan| matches!(plan.purpose, Purpose::Faces | Purpose::Strips));
+        let faces =
+            self.plans.iter().filter(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
         let num_faces_announced = faces.map(|plan| plan.count).fold(0, u64::saturating_add);
         let mut sentences = Vec::new();
         if num_points < self.num_announced {
@@ -142,28 +220,29 @@ impl PlyFile {
     }
 }
 
-/// Sentences about rows that are there and of no use.
-fn left_out(body: &Body, loss: &columns::Loss) -> Vec<String> {
-    let mut sentences = Vec::new();
-    if let Some(line) = &body.first_bad_line {
-        let num_lines = body.num_bad_lines;
-        sentences
-            .push(format!("has {num_lines} lines that could not be read and were left out, first {line}"));
-    }
-    let without_place = loss.num_points.saturating_sub(body.num_bad_points);
-    if without_place > 0 {
-        sentences.push(format!("has {without_place} points without a finite place; they were left out"));
-    }
-    if loss.num_triangles > 0 {
-        let num_triangles = loss.num_triangles;
-        sentences.push(format!("has {num_triangles} triangles of points that are left out; so were they"));
-    }
-    if body.rows.num_bad_faces > 0 {
-        let num_faces = body.rows.num_bad_faces;
-        sentences
-            .push(format!("has {num_faces} faces that name points which are not there; they were left out"));
-    }
-    sentences
+/// A sentence about text that is no row.
+fn bad_rows<S>(body: &Body<S>) -> Option<String> {
+    let (num_rows, first) = (body.num_bad_rows, body.first_bad_row.as_ref()?);
+    Some(format!("has {num_rows} lines that could not be read and were left out, first {first}"))
+}
+
+/// Sentences about rows that could be read and are of no use.
+fn sentences(points: LeftOut, faces: columns::Loss) -> Vec<String> {
+    let LeftOut { without_place, faint, far } = points;
+    let columns::Loss { num_triangles, num_faces } = faces;
+    [
+        (without_place, format!("has {without_place} points without a finite place; they were left out")),
+        (far, format!("has {far} points too far away to be held beside the others; they were left out")),
+        (faint, format!("has {faint} splats that are nearly transparent; they were left out")),
+        (num_triangles, format!("has {num_triangles} triangles of points that are left out; so were they")),
+        (
+            num_faces,
+            format!("has {num_faces} faces that name points which are not there; they were left out"),
+        ),
+    ]
+    .into_iter()
+    .filter_map(|(count, sentence)| (count > 0).then_some(sentence))
+    .collect()
 }
 
 fn describe(source: &Source, ply: &PlyHeader, plans: &[Plan], points: &Plan, has: Kept) -> Header {
@@ -174,20 +253,51 @@ fn describe(source: &Source, ply: &PlyHeader, plans: &[Plan], points: &Plan, has
     };
     let body_bytes = source.len().saturating_sub(ply.body_offset);
     let num_points = match ply.encoding {
-        Encoding::Ascii => ascii::most_rows(points, body_bytes),
+        Encoding::Ascii => text::most_rows(points, body_bytes),
         _ => points.count.min(body_bytes / points.row_bytes().0.max(1)),
+    };
+    let splat = match has.color {
+        Color::Harmonics => ", Gaussian splat",
+        _ if has.chunked => ", compressed Gaussian splat",
+        _ => "",
     };
     Header {
         path: source.path().to_owned(),
-        format: format!("PLY, {kind}"),
+        format: format!("PLY, {kind}{splat}"),
         num_points,
         attributes: attributes(plans, points, has),
         crs: None,
         unit_m: None,
         software: software(&ply.remarks),
         created: created(&ply.remarks),
-        warnings: ply.oddities.clone(),
+        warnings: ply.oddities.iter().cloned().chain(texture(ply, has)).collect(),
     }
+}
+
+/// A sentence about a texture, which is not read.
+fn texture(ply: &PlyHeader, has: Kept) -> Option<String> {
+    let file = ply.remarks.iter().find_map(|remark| {
+        let (word, name) = remark.split_once(char::is_whitespace)?;
+        word.eq_ignore_ascii_case("TextureFile").then(|| name.trim())
+    });
+    let names = |element: &header::Element| {
+        let names = element.properties.iter().map(|property| property.name.to_ascii_lowercase());
+        names.collect::<Vec<String>>()
+    };
+    let is_mapped = |names: Vec<String>| {
+        let has = |name: &str| names.iter().any(|other| other == name);
+        has("texcoord") || has("texture_u") || has("s") && has("t") || has("u") && has("v")
+    };
+    let texture = match file {
+        Some(name) => format!("its texture ({name}) is not read"),
+        None if ply.elements.iter().map(names).any(is_mapped) => "its texture is not read".into(),
+        None => return None,
+    };
+    Some(if has.color == Color::Absent {
+        format!("has its colors in a texture: {texture}; bake it into colors of vertices to see them")
+    } else {
+        format!("has a texture beside the colors of its points: {texture}")
+    })
 }
 
 fn attributes(plans: &[Plan], points: &Plan, has: Kept) -> Vec<String> {
@@ -195,14 +305,18 @@ fn attributes(plans: &[Plan], points: &Plan, has: Kept) -> Vec<String> {
         (has.color != Color::Absent, "rgb"),
         (has.intensity != Intensity::Absent, "intensity"),
         (has.normal, "normals"),
+        (has.opacity != Opacity::Absent, "opacity"),
     ];
     let mut names: Vec<String> =
         known.into_iter().filter(|(is_there, _)| *is_there).map(|(_, name)| name.to_owned()).collect();
     for plan in plans.iter().filter(|plan| plan.count > 0) {
         match plan.purpose {
-            Purpose::Faces => names.push(format!("faces: {}", plan.count)),
+            Purpose::Faces(color) => {
+                names.extend((color != Color::Absent).then(|| "rgb of faces".to_owned()));
+                names.push(format!("faces: {}", plan.count));
+            }
             Purpose::Strips => names.push("triangle strips".into()),
-            Purpose::Points(_) | Purpose::Unused => {}
+            Purpose::Points(_) | Purpose::Chunks | Purpose::Unused => {}
         }
     }
     names.extend(points.extra.iter().map(|name| format!("extra:{name}")));
@@ -239,10 +353,10 @@ mod tests {
 
     #[test]
     fn the_first_word_tells_the_format() {
-        for yes in ["ply", "ply\n", "ply \r\nformat", "ply\rformat"] {
+        for yes in ["ply", "ply\n", "ply \r\nformat", "ply\rformat", "PLY\n", "\u{feff}ply\n", "\nPly\n"] {
             assert!(Ply.recognises(yes.as_bytes()), "{yes:?}");
         }
-        for no in ["", "pl", "plywood\n", "PLY\n", "#ply\n"] {
+        for no in ["", "pl", "plywood\n", "PLYWOOD", "#ply\n"] {
             assert!(!Ply.recognises(no.as_bytes()), "{no:?}");
         }
     }

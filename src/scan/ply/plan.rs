@@ -1,51 +1,88 @@
 //! What is done with the rows of an element: which values are a point's, a face's, nobody's.
 
-use super::header::{Element, Shape};
-use super::rows::{NUM_SLOTS, Rows, SLOT_INTENSITY, SLOT_NORMAL, SLOT_PLACE, SLOT_RGB};
+use super::header::{Element, Property, Shape};
 use super::value::{Type, Values};
+use std::ops::Range;
 
-/// Names of the values of a point, lower case, by slot; the first that there is counts.
-const NAMES: [&[&str]; NUM_SLOTS] = [
-    &["x"],
-    &["y"],
-    &["z"],
-    &["red", "r", "diffuse_red"],
-    &["green", "g", "diffuse_green"],
-    &["blue", "b", "diffuse_blue"],
-    &["intensity", "scalar_intensity", "i"],
-    &["nx"],
-    &["ny"],
-    &["nz"],
+/// Values of a row that are kept, in this order; see [`Row`].
+pub(super) const SLOT_PLACE: Range<usize> = 0..3;
+pub(super) const SLOT_RGB: Range<usize> = 3..6;
+pub(super) const SLOT_INTENSITY: usize = 6;
+pub(super) const SLOT_NORMAL: Range<usize> = 7..10;
+pub(super) const SLOT_OPACITY: usize = 10;
+pub(super) const NUM_SLOTS: usize = 12;
+
+const PLACE: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// Names of red, green and blue; the first three that there are count.
+const RGB: [[&str; 3]; 4] = [
+    ["red", "green", "blue"],
+    ["r", "g", "b"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue"],
+    ["scalar_red", "scalar_green", "scalar_blue"],
 ];
+/// Colors of Gaussian splats: the constant term of spherical harmonics.
+const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
+/// Names of a color in one value of 32 bits.
+const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
+/// Names of intensity, the likeliest first; and parts of names that only an intensity has.
+const INTENSITY: [&str; 9] = [
+    "intensity",
+    "scalar_intensity",
+    "reflectance",
+    "scalar_reflectance",
+    "reflectivity",
+    "amplitude",
+    "i",
+    "scalar_i",
+    "scalar_scalar_field",
+];
+const INTENSITY_PARTS: [&str; 4] = ["intensity", "reflect", "amplitude", "remission"];
 /// Names of the list of a face's corners.
-const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+const CORNERS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
+/// Boxes of the chunks of a compressed splat: positions, then colors, which older files do not have.
+const CHUNK: [&str; NUM_SLOTS] = [
+    "min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_r", "min_g", "min_b", "max_r", "max_g",
+    "max_b",
+];
 
 /// What the rows of an element are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     Points(Kept),
-    /// Polygons, a list of corners each.
-    Faces,
+    /// Polygons, a list of corners each, and their color.
+    Faces(Color),
     /// Strips of triangles, which −1 parts.
     Strips,
+    /// Boxes in which 256 points each are packed.
+    Chunks,
     Unused,
 }
 
-/// What a point has beside its place.
+/// What a point has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kept {
+    /// True if its place is packed in its chunk's box.
+    pub chunked: bool,
     pub color: Color,
     pub intensity: Intensity,
     pub normal: bool,
+    pub opacity: Opacity,
 }
 
-/// How colours are stored.
+/// How colors are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Color {
     Absent,
     /// Integers; the largest that each of red, green, blue can be.
     Integers([u16; 3]),
     Floats,
+    /// 32 bits: 0xAARRGGBB.
+    Packed,
+    /// Constant terms of spherical harmonics.
+    Harmonics,
+    /// 32 bits: 0xRRGGBBAA, in the chunk's range of colors.
+    Chunked,
 }
 
 /// How intensities are stored.
@@ -56,13 +93,49 @@ pub(super) enum Intensity {
     Floats,
 }
 
-/// One property of a row.
+/// How a splat's opacity is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Opacity {
+    Absent,
+    /// ln(o / (1 − o)).
+    Logit,
+    /// The lowest byte of the color.
+    Chunked,
+}
+
+/// One property of a row, or several that follow each other and are not kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Keep(Type, usize),
-    Skip(Type),
+    /// A value that stands for 32 bits.
+    KeepBits(Type, usize),
+    Skip {
+        num_values: u64,
+        num_bytes: u64,
+    },
     Corners(Type, Type),
     SkipList(Type, Type),
+}
+
+/// What was kept of a row; used again for the next.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    /// NaN where a value is unknown.
+    pub values: [f64; NUM_SLOTS],
+    pub corners: Vec<f64>,
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Self { values: [f64::NAN; NUM_SLOTS], corners: Vec::new() }
+    }
+}
+
+impl Row {
+    /// Three values that belong together.
+    pub fn three(&self, slots: Range<usize>) -> [f64; 3] {
+        [self.values[slots.start], self.values[slots.start + 1], self.values[slots.start + 2]]
+    }
 }
 
 /// How to read an element.
@@ -73,6 +146,8 @@ pub(super) struct Plan {
     pub purpose: Purpose,
     /// Names of a point's properties that nothing is done with.
     pub extra: Vec<String>,
+    /// Properties of a row.
+    pub num_properties: u64,
     steps: Vec<Step>,
 }
 
@@ -82,123 +157,251 @@ impl Plan {
     /// # Errors
     /// The names of the coordinates that are missing.
     pub fn of_points(element: &Element) -> Result<Self, String> {
-        let slots: [Option<(usize, Type)>; NUM_SLOTS] = NAMES.map(|names| find(element, names));
-        let missing: Vec<&str> =
-            SLOT_PLACE.filter(|&slot| slots[slot].is_none()).map(|slot| NAMES[slot][0]).collect();
-        if !missing.is_empty() {
-            return Err(missing.join(" and no "));
-        }
-        let kinds = |range: std::ops::Range<usize>| -> Option<Vec<Type>> {
-            slots[range].iter().map(|slot| slot.map(|(_, kind)| kind)).collect()
-        };
-        let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
-        let color = match kinds(SLOT_RGB).as_deref() {
-            Some(kinds) if kinds.iter().any(|kind| kind.is_float()) => Color::Floats,
-            Some(&[red, green, blue]) => Color::Integers([red, green, blue].map(largest)),
-            _ => Color::Absent,
-        };
-        let intensity = match slots[SLOT_INTENSITY] {
-            None => Intensity::Absent,
-            Some((_, kind)) if kind.is_float() => Intensity::Floats,
-            Some(_) => Intensity::Integers,
-        };
-        let kept = Kept { color, intensity, normal: kinds(SLOT_NORMAL).is_some() };
-        let used = |slot: usize| match slot {
-            _ if SLOT_RGB.contains(&slot) => kept.color != Color::Absent,
-            _ if SLOT_NORMAL.contains(&slot) => kept.normal,
-            _ => true,
-        };
-        let slot_of =
-            |at| (0..NUM_SLOTS).find(|&slot| used(slot) && slots[slot].is_some_and(|(index, _)| index == at));
         let mut plan = Self::unused(element);
-        plan.purpose = Purpose::Points(kept);
-        for (at, step) in plan.steps.iter_mut().enumerate() {
-            match (*step, slot_of(at)) {
-                (Step::Skip(kind), Some(slot)) => *step = Step::Keep(kind, slot),
-                _ => plan.extra.push(element.properties[at].name.clone()),
+        let place = PLACE.map(|name| find(element, name));
+        let chunked = place.contains(&None).then(|| find(element, "packed_position")).flatten();
+        match chunked {
+            Some((at, kind)) => plan.steps[at] = Step::KeepBits(kind, SLOT_PLACE.start),
+            None => {
+                let missing: Vec<&str> = PLACE
+                    .into_iter()
+                    .zip(place)
+                    .filter(|(_, found)| found.is_none())
+                    .map(|(name, _)| name)
+                    .collect();
+                if !missing.is_empty() {
+                    return Err(missing.join(" and no "));
+                }
+                plan.keep_three(SLOT_PLACE, place);
             }
         }
+        let is_splat = chunked.is_some() || HARMONICS.iter().all(|name| find(element, name).is_some());
+        let color = plan.keep_color(element, chunked.is_some());
+        let opacity = match find(element, "opacity").filter(|_| is_splat) {
+            _ if color == Color::Chunked => Opacity::Chunked,
+            Some((at, kind)) => {
+                plan.steps[at] = Step::Keep(kind, SLOT_OPACITY);
+                Opacity::Logit
+            }
+            None => Opacity::Absent,
+        };
+        let intensity = match intensity(element) {
+            None => Intensity::Absent,
+            Some((at, kind)) => {
+                plan.steps[at] = Step::Keep(kind, SLOT_INTENSITY);
+                if kind.is_float() { Intensity::Floats } else { Intensity::Integers }
+            }
+        };
+        // Splats have zeros there.
+        let normal = !is_splat && plan.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
+        plan.purpose =
+            Purpose::Points(Kept { chunked: chunked.is_some(), color, intensity, normal, opacity });
+        let unused = plan.steps.iter().zip(&element.properties);
+        let unused = unused.filter(|(step, property)| {
+            matches!(step, Step::Skip { .. } | Step::SkipList(..))
+                && !(is_splat && is_of_splats(&property.name))
+        });
+        plan.extra = unused.map(|(_, property)| property.name.clone()).collect();
+        plan.join_skips();
         Ok(plan)
     }
 
-    /// For any other element.
-    pub fn of_others(element: &Element) -> Self {
+    /// For any other element. Faces' colors matter only where points have none.
+    pub fn of_others(element: &Element, points_have_color: bool) -> Self {
         let mut plan = Self::unused(element);
-        let purpose = match element.name.as_str() {
-            "face" => Purpose::Faces,
-            "tristrips" => Purpose::Strips,
-            _ => return plan,
-        };
-        let corners =
-            element.properties.iter().position(|property| CORNERS.contains(&property.name.as_str()));
-        if let Some(at) = corners
-            && let Step::SkipList(count, item) = plan.steps[at]
-        {
-            plan.steps[at] = Step::Corners(count, item);
-            plan.purpose = purpose;
+        match element.name.to_ascii_lowercase().as_str() {
+            "face" | "faces" if plan.keep_corners(element) => {
+                let color = if points_have_color { Color::Absent } else { plan.keep_color(element, false) };
+                plan.purpose = Purpose::Faces(color);
+            }
+            "tristrips" if plan.keep_corners(element) => plan.purpose = Purpose::Strips,
+            "chunk" => {
+                plan.purpose = Purpose::Chunks;
+                for (slot, name) in CHUNK.into_iter().enumerate() {
+                    if let Some((at, kind)) = find(element, name) {
+                        plan.steps[at] = Step::Keep(kind, slot);
+                    }
+                }
+            }
+            _ => {}
         }
+        plan.join_skips();
         plan
     }
 
     fn unused(element: &Element) -> Self {
-        let step = |shape| match shape {
-            Shape::Value(kind) => Step::Skip(kind),
+        let step = |property: &Property| match property.shape {
+            Shape::Value(kind) => Step::Skip { num_values: 1, num_bytes: kind.num_bytes() },
             Shape::List(count, item) => Step::SkipList(count, item),
         };
-        let steps = element.properties.iter().map(|property| step(property.shape)).collect();
-        Self { count: element.count, purpose: Purpose::Unused, extra: Vec::new(), steps }
+        let steps: Vec<Step> = element.properties.iter().map(step).collect();
+        let num_properties = steps.len() as u64;
+        Self { count: element.count, purpose: Purpose::Unused, extra: Vec::new(), num_properties, steps }
     }
 
-    /// Properties of a row.
-    pub fn num_properties(&self) -> u64 {
-        self.steps.len() as u64
+    /// Keeps three values if all are there.
+    fn keep_three(&mut self, slots: Range<usize>, found: [Option<(usize, Type)>; 3]) -> bool {
+        let [Some(a), Some(b), Some(c)] = found else { return false };
+        for (slot, (at, kind)) in slots.zip([a, b, c]) {
+            self.steps[at] = Step::Keep(kind, slot);
+        }
+        true
+    }
+
+    fn keep_color(&mut self, element: &Element, chunked: bool) -> Color {
+        if chunked {
+            let Some((at, kind)) = find(element, "packed_color") else { return Color::Absent };
+            self.steps[at] = Step::KeepBits(kind, SLOT_RGB.start);
+            return Color::Chunked;
+        }
+        for names in RGB {
+            let found = names.map(|name| find(element, name));
+            if self.keep_three(SLOT_RGB, found) {
+                let kinds = found.map(|found| found.map_or(Type::UChar, |(_, kind)| kind));
+                let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
+                let any_float = kinds.iter().any(|kind| kind.is_float());
+                return if any_float { Color::Floats } else { Color::Integers(kinds.map(largest)) };
+            }
+        }
+        if self.keep_three(SLOT_RGB, HARMONICS.map(|name| find(element, name))) {
+            return Color::Harmonics;
+        }
+        let packed =
+            PACKED_RGB.iter().find_map(|name| find(element, name)).filter(|(_, kind)| kind.num_bytes() >= 4);
+        packed.map_or(Color::Absent, |(at, kind)| {
+            self.steps[at] = Step::KeepBits(kind, SLOT_RGB.start);
+            Color::Packed
+        })
+    }
+
+    fn keep_corners(&mut self, element: &Element) -> bool {
+        let is_corners = |property: &Property| CORNERS.contains(&property.name.to_ascii_lowercase().as_str());
+        let Some(at) = element.properties.iter().position(is_corners) else { return false };
+        let Step::SkipList(count, item) = self.steps[at] else { return false };
+        self.steps[at] = Step::Corners(count, item);
+        true
+    }
+
+    /// The same rows, of which only that is kept which the grid and the ranges of columns depend on.
+    pub fn for_survey(&self) -> Self {
+        let mut plan = self.clone();
+        let has = match plan.purpose {
+            Purpose::Points(has) => Some(has),
+            _ => {
+                plan.purpose = Purpose::Unused;
+                None
+            }
+        };
+        let is_needed = |slot: usize| {
+            let rgb = |has: Kept| has.color == Color::Floats || has.opacity == Opacity::Chunked;
+            has.is_some_and(|has| match slot {
+                _ if SLOT_RGB.contains(&slot) => rgb(has),
+                _ => !SLOT_NORMAL.contains(&slot),
+            })
+        };
+        for step in &mut plan.steps {
+            *step = match *step {
+                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => {
+                    Step::Skip { num_values: 1, num_bytes: kind.num_bytes() }
+                }
+                Step::Corners(count, item) => Step::SkipList(count, item),
+                other => other,
+            };
+        }
+        plan.join_skips();
+        plan
+    }
+
+    /// The same rows, of which nothing is kept unless they are chunks.
+    pub fn for_chunks(&self) -> Self {
+        let mut plan = self.for_survey();
+        if self.purpose == Purpose::Chunks {
+            return self.clone();
+        }
+        plan.purpose = Purpose::Unused;
+        plan
+    }
+
+    /// Makes one step of values that follow each other and are not kept.
+    fn join_skips(&mut self) {
+        self.steps.dedup_by(|later, earlier| match (earlier, later) {
+            (
+                Step::Skip { num_values, num_bytes },
+                Step::Skip { num_values: more_values, num_bytes: more_bytes },
+            ) => {
+                *num_values += *more_values;
+                *num_bytes += *more_bytes;
+                true
+            }
+            _ => false,
+        });
     }
 
     /// Size of a row in binary files: least, and whether all are of that size.
     pub fn row_bytes(&self) -> (u64, bool) {
         let sizes = self.steps.iter().map(|step| match step {
-            Step::Keep(kind, _) | Step::Skip(kind) => (kind.num_bytes(), true),
+            Step::Keep(kind, _) | Step::KeepBits(kind, _) => (kind.num_bytes(), true),
+            Step::Skip { num_bytes, .. } => (*num_bytes, true),
             Step::Corners(count, _) | Step::SkipList(count, _) => (count.num_bytes(), false),
         });
         sizes.fold((0, true), |(sum, all_fixed), (size, fixed)| (sum + size, all_fixed && fixed))
     }
 
-    /// Reads one row. `None` if it is not whole; nothing of it is kept then.
-    pub fn read_row(&self, values: &mut impl Values, rows: &mut Rows) -> Option<()> {
-        let mut kept = [f64::NAN; NUM_SLOTS];
-        rows.corners.clear();
+    /// Values of a row in text files, if all have as many.
+    pub fn num_words(&self) -> Option<u64> {
+        self.row_bytes().1.then_some(self.num_properties)
+    }
+
+    /// Reads one row; `None` if it is not whole.
+    #[inline]
+    pub fn read_row(&self, values: &mut impl Values, row: &mut Row) -> Option<()> {
+        row.corners.clear();
         for step in &self.steps {
             match *step {
-                Step::Keep(kind, slot) => kept[slot] = values.value(kind)?,
-                Step::Skip(kind) => values.skip(kind, 1)?,
+                Step::Keep(kind, slot) => row.values[slot] = values.value(kind)?,
+                Step::KeepBits(kind, slot) => row.values[slot] = values.bits(kind)?.into(),
+                Step::Skip { num_values, num_bytes } => values.skip(num_values, num_bytes)?,
                 // `as` saturates: a count below zero is none.
                 Step::SkipList(count, item) => {
                     let count = values.value(count)? as u64;
-                    values.skip(item, count)?;
+                    values.skip(count, count.checked_mul(item.num_bytes())?)?;
                 }
                 Step::Corners(count, item) => {
                     for _ in 0..values.value(count)? as u64 {
-                        rows.corners.push(values.value(item)?);
+                        row.corners.push(values.value(item)?);
                     }
                 }
             }
-        }
-        match self.purpose {
-            Purpose::Points(has) => rows.push_point(has, &kept),
-            Purpose::Faces => rows.push_face(),
-            Purpose::Strips => rows.push_strips(),
-            Purpose::Unused => {}
         }
         Some(())
     }
 }
 
-/// Index and type of the property with the first of `names` that there is.
-fn find(element: &Element, names: &[&str]) -> Option<(usize, Type)> {
-    names.iter().find_map(|name| {
-        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-            Shape::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
-            _ => None,
-        })
+/// Index and type of the value with this name, in whatever case.
+fn find(element: &Element, name: &str) -> Option<(usize, Type)> {
+    element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
+        Shape::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
+        _ => None,
     })
+}
+
+/// Index and type of the value that is an intensity.
+fn intensity(element: &Element) -> Option<(usize, Type)> {
+    let by_part = || {
+        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
+            Shape::Value(kind) => {
+                let name = property.name.to_ascii_lowercase();
+                INTENSITY_PARTS.iter().any(|part| name.contains(part)).then_some((at, kind))
+            }
+            Shape::List(..) => None,
+        })
+    };
+    let (likely, unlikely) = INTENSITY.split_at(6);
+    let by_name = |names: &[&str]| names.iter().find_map(|name| find(element, name));
+    by_name(likely).or_else(by_part).or_else(|| by_name(unlikely))
+}
+
+/// True for what splats have by the dozen and points do not need.
+fn is_of_splats(name: &str) -> bool {
+    ["f_rest_", "scale_", "rot_", "packed_", "nx", "ny", "nz"].iter().any(|start| name.starts_with(start))
 }

@@ -1,141 +1,176 @@
-//! What was read of rows so far: a point's columns as the file has them, triangles by the file's numbers.
+//! The last pass: rows straight into the columns of a scan.
 
-use super::plan::{Color, Intensity, Kept};
+use super::body::Sink;
+use super::faces::Faces;
+use super::grid::{self, Grid};
+use super::plan::{Color, Intensity, Row, SLOT_INTENSITY, SLOT_NORMAL};
+use super::point::Meaning;
 use std::collections::TryReserveError;
-use std::ops::Range;
 
-/// Values of a point that are kept, in this order.
-pub(super) const SLOT_PLACE: Range<usize> = 0..3;
-pub(super) const SLOT_RGB: Range<usize> = 3..6;
-pub(super) const SLOT_INTENSITY: usize = 6;
-pub(super) const SLOT_NORMAL: Range<usize> = 7..10;
-pub(super) const NUM_SLOTS: usize = 10;
-
-/// Columns, empty or as long as `places`, and what faces say.
-#[derive(Debug, Default)]
-pub(super) struct Rows {
-    /// World positions; held as f64 until all are known, because only then the lattice is.
-    pub places: Vec<[f64; 3]>,
-    /// Colours of integer types.
-    pub rgb: Vec<[u16; 3]>,
-    /// Colours of float types.
-    pub float_rgb: Vec<[f32; 3]>,
-    pub intensity: Vec<f32>,
-    /// Unit length or NaN.
-    pub normals: Vec<[f32; 3]>,
-    /// Of the numbers that points have in the file.
-    pub triangles: Vec<[u32; 3]>,
-    /// Rows of faces or strips, also those without triangles.
-    pub num_faces: u64,
-    /// Faces and strips that name points which there are not.
-    pub num_bad_faces: u64,
-    /// Numbers that faces may name are less than this.
-    pub num_points_announced: u64,
-    /// The corners of the row that is being read.
-    pub corners: Vec<f64>,
+/// How rows become columns, once all rows were seen.
+#[derive(Debug)]
+pub(super) struct How<'a> {
+    pub meaning: &'a Meaning,
+    pub grid: Grid,
+    /// What float colors are multiplied by.
+    pub color_factor: f64,
+    /// What intensities have subtracted, and are then multiplied by.
+    pub intensity: (f64, f64),
+    /// True if faces may name points.
+    pub has_faces: bool,
+    /// Points that the header announces.
+    pub num_announced: u64,
 }
 
-impl Rows {
-    /// None yet, of a file with so many points.
-    pub fn new(num_points_announced: u64) -> Self {
-        Self { num_points_announced, ..Self::default() }
+/// Columns, empty or as long as `xyz`, and what faces say.
+#[derive(Debug)]
+pub(super) struct Rows<'a> {
+    how: &'a How<'a>,
+    first_point: u64,
+    num_points: u64,
+    pub xyz: Vec<[i32; 3]>,
+    pub rgb: Vec<[u16; 3]>,
+    pub intensity: Vec<u16>,
+    /// Unit length or NaN.
+    pub normals: Vec<[f32; 3]>,
+    pub faces: Faces,
+    /// Numbers of points that are left out, if faces may name them.
+    pub gone: Vec<u32>,
+    pub left_out: LeftOut,
+}
+
+/// Points that are left out, by why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// Without a finite place.
+    pub without_place: u64,
+    /// Nearly transparent.
+    pub faint: u64,
+    /// Farther away than the grid reaches.
+    pub far: u64,
+}
+
+impl<'a> Rows<'a> {
+    /// None yet.
+    pub fn new(how: &'a How<'a>) -> Self {
+        Self {
+            how,
+            first_point: 0,
+            num_points: 0,
+            xyz: Vec::new(),
+            rgb: Vec::new(),
+            intensity: Vec::new(),
+            normals: Vec::new(),
+            faces: Faces::new(how.num_announced),
+            gone: Vec::new(),
+            left_out: LeftOut::default(),
+        }
     }
 
     /// Makes room for points.
-    pub fn reserve(&mut self, num_points: u64, has: Kept) -> Result<(), TryReserveError> {
+    pub fn reserve(&mut self, num_points: u64) -> Result<(), TryReserveError> {
+        let has = self.how.meaning.has;
         // What exceeds usize exceeds memory.
         let more = |needed: bool| if needed { usize::try_from(num_points).unwrap_or(usize::MAX) } else { 0 };
-        self.places.try_reserve_exact(more(true))?;
-        self.rgb.try_reserve_exact(more(matches!(has.color, Color::Integers(_))))?;
-        self.float_rgb.try_reserve_exact(more(has.color == Color::Floats))?;
+        self.xyz.try_reserve_exact(more(true))?;
+        self.rgb.try_reserve_exact(more(has.color != Color::Absent))?;
         self.intensity.try_reserve_exact(more(has.intensity != Intensity::Absent))?;
         self.normals.try_reserve_exact(more(has.normal))
     }
 
-    /// Adds a point; NaN where a value is unknown.
-    pub fn push_point(&mut self, has: Kept, values: &[f64; NUM_SLOTS]) {
-        let three =
-            |range: Range<usize>| [values[range.start], values[range.start + 1], values[range.start + 2]];
-        self.places.push(three(SLOT_PLACE));
-        match has.color {
-            Color::Absent => {}
-            Color::Integers(largest) => {
-                let rgb = three(SLOT_RGB);
-                self.rgb.push(std::array::from_fn(|channel| unsigned(rgb[channel], largest[channel])));
-            }
-            Color::Floats => self.float_rgb.push(three(SLOT_RGB).map(|c| c as f32)),
-        }
-        if has.intensity != Intensity::Absent {
-            self.intensity.push(values[SLOT_INTENSITY] as f32);
-        }
-        if has.normal {
-            self.normals.push(unit(three(SLOT_NORMAL)));
-        }
-    }
-
-    /// Adds the polygon of `corners` as a fan round its first.
-    pub fn push_face(&mut self) {
-        self.num_faces += 1;
-        if !self.corners.iter().all(|corner| self.names_a_point(*corner)) {
-            self.num_bad_faces += 1;
-            return;
-        }
-        for i in 2..self.corners.len() {
-            self.push_triangle([0, i - 1, i]);
-        }
-    }
-
-    /// Adds the strips of `corners`: each triangle has two corners of the one before, and the other orientation.
-    pub fn push_strips(&mut self) {
-        self.num_faces += 1;
-        let mut start = 0;
-        for end in 0..=self.corners.len() {
-            if self.corners.get(end).is_some_and(|corner| *corner >= 0.0) {
-                continue;
-            }
-            if self.corners[start..end].iter().all(|corner| self.names_a_point(*corner)) {
-                for i in start + 2..end {
-                    let flipped = (i - start) % 2;
-                    self.push_triangle([i - 2 + flipped, i - 1 - flipped, i]);
-                }
-            } else {
-                self.num_bad_faces += 1;
-            }
-            start = end + 1;
-        }
-    }
-
-    /// Adds what was read after this.
-    pub fn append(&mut self, mut later: Self) {
-        self.places.append(&mut later.places);
-        self.rgb.append(&mut later.rgb);
-        self.float_rgb.append(&mut later.float_rgb);
-        self.intensity.append(&mut later.intensity);
-        self.normals.append(&mut later.normals);
-        self.triangles.append(&mut later.triangles);
-        self.num_faces += later.num_faces;
-        self.num_bad_faces += later.num_bad_faces;
-    }
-
-    fn names_a_point(&self, corner: f64) -> bool {
-        // NaN is none; numbers beyond u32 cannot be kept.
-        corner >= 0.0 && corner < self.num_points_announced.min(1 << 32) as f64
-    }
-
-    /// Adds a triangle of three checked places in `corners`, unless it has no area.
-    fn push_triangle(&mut self, at: [usize; 3]) {
-        let [a, b, c] = at.map(|i| self.corners[i] as u32);
-        if a != b && b != c && c != a {
-            self.triangles.push([a, b, c]);
+    fn leave_out(&mut self, number: u64) {
+        // Beyond u32 no triangle names a point.
+        if self.how.has_faces
+            && let Ok(number) = u32::try_from(number)
+        {
+            self.gone.push(number);
         }
     }
 }
 
-/// An integer of 8 or 16 bits, whether it was stored with a sign or not.
-fn unsigned(value: f64, largest: u16) -> u16 {
-    let value = if value < 0.0 { value + f64::from(largest) + 1.0 } else { value };
-    // `as` saturates, and makes 0 of NaN.
-    (value as u16).min(largest)
+impl Sink for Rows<'_> {
+    fn part(&self, first_point: u64, num_rows: usize) -> Self {
+        let mut part = Self { first_point, ..Self::new(self.how) };
+        // A part is small: if there is no memory for it, growing it will say so.
+        let _ = part.reserve(num_rows as u64);
+        part
+    }
+
+    fn append(&mut self, mut later: Self) {
+        self.xyz.append(&mut later.xyz);
+        self.rgb.append(&mut later.rgb);
+        self.intensity.append(&mut later.intensity);
+        self.normals.append(&mut later.normals);
+        self.faces.append(later.faces);
+        // A part may have been read before it was known where it starts.
+        let shift = (self.first_point + self.num_points).wrapping_sub(later.first_point);
+        let shifted = |number| u32::try_from(u64::from(number).wrapping_add(shift)).ok();
+        let gone = later.gone.into_iter().filter_map(shifted);
+        self.gone.extend(gone);
+        self.num_points += later.num_points;
+        self.left_out.without_place += later.left_out.without_place;
+        self.left_out.faint += later.left_out.faint;
+        self.left_out.far += later.left_out.far;
+    }
+
+    #[inline]
+    fn point(&mut self, row: &Row) {
+        let number = self.first_point + self.num_points;
+        self.num_points += 1;
+        let How { meaning, grid, .. } = self.how;
+        let place = meaning.place(number, row);
+        if !grid::is_place(&place) {
+            self.left_out.without_place += 1;
+            return self.leave_out(number);
+        }
+        if meaning.is_faint(row) {
+            self.left_out.faint += 1;
+            return self.leave_out(number);
+        }
+        if !grid.holds(&place) {
+            self.left_out.far += 1;
+            return self.leave_out(number);
+        }
+        self.xyz.push(grid.snap(&place));
+        if meaning.has.color != Color::Absent {
+            self.rgb.push(meaning.rgb(number, row, self.how.color_factor));
+        }
+        if meaning.has.intensity != Intensity::Absent {
+            let (start, factor) = self.how.intensity;
+            // `as` saturates, and makes 0 of NaN.
+            self.intensity.push(((row.values[SLOT_INTENSITY] - start) * factor).round() as u16);
+        }
+        if meaning.has.normal {
+            self.normals.push(unit(row.three(SLOT_NORMAL)));
+        }
+    }
+
+    fn bad_point(&mut self) {
+        let number = self.first_point + self.num_points;
+        self.num_points += 1;
+        self.leave_out(number);
+    }
+
+    fn num_points(&self) -> u64 {
+        self.num_points
+    }
+
+    fn face(&mut self, color: Color, row: &Row) {
+        self.faces.push_face(color, row);
+    }
+
+    fn strips(&mut self, row: &Row) {
+        self.faces.push_strips(row);
+    }
+
+    fn bad_face(&mut self) {
+        self.faces.num_faces += 1;
+    }
+
+    fn progress(num_points: u64) -> u64 {
+        // The survey has had the other half.
+        num_points - num_points / 2
+    }
 }
 
 /// The same direction with length 1; NaN where there is none.
@@ -149,37 +184,6 @@ fn unit(v: [f64; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn triangles(corners: &[f64], push: fn(&mut Rows)) -> (Vec<[u32; 3]>, u64, u64) {
-        let mut rows = Rows { corners: corners.to_vec(), ..Rows::new(6) };
-        push(&mut rows);
-        (rows.triangles, rows.num_faces, rows.num_bad_faces)
-    }
-
-    #[test]
-    fn polygons_become_fans() {
-        let face = |corners: &[f64]| triangles(corners, Rows::push_face);
-        assert_eq!(face(&[3.0, 1.0, 2.0, 5.0, 0.0]), (vec![[3, 1, 2], [3, 2, 5], [3, 5, 0]], 1, 0));
-        assert_eq!(face(&[3.0, 1.0, 1.0, 5.0]), (vec![[3, 1, 5]], 1, 0));
-        assert_eq!(face(&[3.0, 1.0]), (vec![], 1, 0));
-        for bad in [6.0, -1.0, f64::NAN, 1e12] {
-            assert_eq!(face(&[0.0, 1.0, 2.0, bad]), (vec![], 1, 1), "{bad}");
-        }
-    }
-
-    #[test]
-    fn strips_alternate_and_start_again() {
-        let strips = |corners: &[f64]| triangles(corners, Rows::push_strips);
-        assert_eq!(strips(&[0.0, 1.0, 2.0, 3.0, 4.0]), (vec![[0, 1, 2], [2, 1, 3], [2, 3, 4]], 1, 0));
-        let parted = [0.0, 1.0, 2.0, -1.0, 1.0, 2.0, 3.0, -1.0, 4.0, 5.0, 6.0, -1.0];
-        assert_eq!(strips(&parted), (vec![[0, 1, 2], [1, 2, 3]], 1, 1));
-    }
-
-    #[test]
-    fn signed_bytes_are_their_bits() {
-        assert_eq!([-1.0, -128.0, 64.0, 300.0, f64::NAN].map(|v| unsigned(v, 255)), [255, 128, 64, 255, 0]);
-        assert_eq!([-1.0, 70_000.0].map(|v| unsigned(v, u16::MAX)), [u16::MAX; 2]);
-    }
 
     #[test]
     fn normals_have_unit_length_or_are_none() {

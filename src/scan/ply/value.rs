@@ -11,22 +11,30 @@ pub(super) enum Type {
     UShort,
     Int,
     UInt,
+    Long,
+    ULong,
+    Half,
     Float,
     Double,
 }
 
 impl Type {
-    /// By either of its names.
+    /// By any of its names: the format's own, those with sizes, those of NumPy and of programming languages. `i8` and
+    /// `u8` are none: they are one byte in some places and eight in others.
     pub fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::Char,
-            "uchar" | "uint8" => Self::UChar,
-            "short" | "int16" => Self::Short,
-            "ushort" | "uint16" => Self::UShort,
-            "int" | "int32" => Self::Int,
-            "uint" | "uint32" => Self::UInt,
-            "float" | "float32" => Self::Float,
-            "double" | "float64" => Self::Double,
+        let name = name.to_ascii_lowercase();
+        Some(match name.strip_suffix("_t").unwrap_or(&name) {
+            "char" | "int8" | "i1" | "sbyte" => Self::Char,
+            "uchar" | "uint8" | "u1" | "byte" | "ubyte" | "bool" => Self::UChar,
+            "short" | "int16" | "i2" | "i16" => Self::Short,
+            "ushort" | "uint16" | "u2" | "u16" => Self::UShort,
+            "int" | "int32" | "i4" | "i32" => Self::Int,
+            "uint" | "uint32" | "u4" | "u32" => Self::UInt,
+            "int64" | "longlong" | "i64" => Self::Long,
+            "uint64" | "ulonglong" | "u64" => Self::ULong,
+            "half" | "float16" | "f2" | "f16" => Self::Half,
+            "float" | "float32" | "f4" | "f32" => Self::Float,
+            "double" | "float64" | "f8" | "f64" => Self::Double,
             _ => return None,
         })
     }
@@ -35,28 +43,92 @@ impl Type {
     pub fn num_bytes(self) -> u64 {
         match self {
             Self::Char | Self::UChar => 1,
-            Self::Short | Self::UShort => 2,
+            Self::Short | Self::UShort | Self::Half => 2,
             Self::Int | Self::UInt | Self::Float => 4,
-            Self::Double => 8,
+            Self::Long | Self::ULong | Self::Double => 8,
         }
     }
 
-    /// True for float and double.
+    /// True for numbers with a fraction.
     pub fn is_float(self) -> bool {
-        matches!(self, Self::Float | Self::Double)
+        matches!(self, Self::Half | Self::Float | Self::Double)
     }
 }
 
-/// The values of rows, one after the other. A f64 holds each type exactly.
+/// The values of rows, one after the other. A f64 holds each type exactly, except whole numbers beyond 2⁵³.
 pub(super) trait Values {
     /// The next value; `None` where there is none, or none that is a number.
     fn value(&mut self, kind: Type) -> Option<f64>;
 
-    /// Passes over values; `None` where there are not so many.
-    fn skip(&mut self, kind: Type, count: u64) -> Option<()>;
+    /// The next value where it stands for 32 bits: those of an integer, or of a float, in which some programs
+    /// pack them.
+    fn bits(&mut self, kind: Type) -> Option<u32>;
+
+    /// Passes over values that have so many bytes together; `None` where there are not so many.
+    fn skip(&mut self, num_values: u64, num_bytes: u64) -> Option<()>;
 }
 
-/// Values in bytes.
+/// Where bytes of values come from.
+pub(super) trait ByteValues {
+    /// The next bytes as they stand; `None` where there are not so many.
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]>;
+
+    /// True if the first byte of a number is its largest.
+    fn is_big_endian(&self) -> bool;
+
+    /// Passes over bytes; `None` where there are not so many.
+    fn skip_bytes(&mut self, num_bytes: u64) -> Option<()>;
+
+    /// The next bytes, the smallest first.
+    #[inline]
+    fn little<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let mut bytes = self.array()?;
+        if self.is_big_endian() {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+}
+
+impl<B: ByteValues> Values for B {
+    #[inline]
+    fn value(&mut self, kind: Type) -> Option<f64> {
+        Some(match kind {
+            Type::Char => i8::from_le_bytes(self.little()?).into(),
+            Type::UChar => u8::from_le_bytes(self.little()?).into(),
+            Type::Short => i16::from_le_bytes(self.little()?).into(),
+            Type::UShort => u16::from_le_bytes(self.little()?).into(),
+            Type::Int => i32::from_le_bytes(self.little()?).into(),
+            Type::UInt => u32::from_le_bytes(self.little()?).into(),
+            Type::Long => i64::from_le_bytes(self.little()?) as f64,
+            Type::ULong => u64::from_le_bytes(self.little()?) as f64,
+            Type::Half => half::f16::from_le_bytes(self.little()?).into(),
+            Type::Float => f32::from_le_bytes(self.little()?).into(),
+            Type::Double => f64::from_le_bytes(self.little()?),
+        })
+    }
+
+    fn bits(&mut self, kind: Type) -> Option<u32> {
+        match kind {
+            // As they stand: a float of these bits may be no number, whose bits conversions may change.
+            Type::Float | Type::Int | Type::UInt => Some(u32::from_le_bytes(self.little()?)),
+            _ => self.value(kind).map(|value| packed_bits(value, kind)),
+        }
+    }
+
+    fn skip(&mut self, _: u64, num_bytes: u64) -> Option<()> {
+        self.skip_bytes(num_bytes)
+    }
+}
+
+/// 32 bits that a number stands for. A float between 1 and 2³² is a whole number that was converted: as bits it
+/// would have a nonsensical first byte.
+fn packed_bits(value: f64, kind: Type) -> u32 {
+    let is_number = !kind.is_float() || value == 0.0 || (1.0..=f64::from(u32::MAX)).contains(&value);
+    if is_number { value as i64 as u32 } else { (value as f32).to_bits() }
+}
+
+/// Values in bytes that come one after the other.
 pub(super) struct Bytes<R> {
     input: R,
     big_endian: bool,
@@ -71,7 +143,9 @@ impl<R: BufRead> Bytes<R> {
     pub fn new(input: R, big_endian: bool) -> Self {
         Self { input, big_endian, num_bytes: 0, error: None }
     }
+}
 
+impl<R: BufRead> ByteValues for Bytes<R> {
     fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
         let mut bytes = [0; N];
         if let Err(error) = self.input.read_exact(&mut bytes) {
@@ -79,29 +153,14 @@ impl<R: BufRead> Bytes<R> {
             return None;
         }
         self.num_bytes += N as u64;
-        if self.big_endian {
-            bytes.reverse();
-        }
         Some(bytes)
     }
-}
 
-impl<R: BufRead> Values for Bytes<R> {
-    fn value(&mut self, kind: Type) -> Option<f64> {
-        Some(match kind {
-            Type::Char => i8::from_le_bytes(self.array()?).into(),
-            Type::UChar => u8::from_le_bytes(self.array()?).into(),
-            Type::Short => i16::from_le_bytes(self.array()?).into(),
-            Type::UShort => u16::from_le_bytes(self.array()?).into(),
-            Type::Int => i32::from_le_bytes(self.array()?).into(),
-            Type::UInt => u32::from_le_bytes(self.array()?).into(),
-            Type::Float => f32::from_le_bytes(self.array()?).into(),
-            Type::Double => f64::from_le_bytes(self.array()?),
-        })
+    fn is_big_endian(&self) -> bool {
+        self.big_endian
     }
 
-    fn skip(&mut self, kind: Type, count: u64) -> Option<()> {
-        let mut left = count.checked_mul(kind.num_bytes())?;
+    fn skip_bytes(&mut self, mut left: u64) -> Option<()> {
         while left > 0 {
             let there = match self.input.fill_buf() {
                 Ok(buffer) => buffer.len().min(usize::try_from(left).unwrap_or(usize::MAX)),
@@ -121,14 +180,43 @@ impl<R: BufRead> Values for Bytes<R> {
     }
 }
 
-/// Values in a line of text, between blanks.
+/// Values in bytes that are in memory.
+pub(super) struct Record<'a> {
+    pub bytes: &'a [u8],
+    pub big_endian: bool,
+}
+
+impl ByteValues for Record<'_> {
+    #[inline]
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.bytes.split_first_chunk()?;
+        self.bytes = rest;
+        Some(*first)
+    }
+
+    #[inline]
+    fn is_big_endian(&self) -> bool {
+        self.big_endian
+    }
+
+    #[inline]
+    fn skip_bytes(&mut self, num_bytes: u64) -> Option<()> {
+        self.bytes = self.bytes.get(usize::try_from(num_bytes).ok()?..)?;
+        Some(())
+    }
+}
+
+/// Values in text, between blanks and ends of lines.
+#[derive(Clone, Copy)]
 pub(super) struct Words<'a>(pub &'a [u8]);
 
 impl<'a> Words<'a> {
-    fn word(&mut self) -> Option<&'a [u8]> {
-        let line = self.0.trim_ascii_start();
-        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
-        let (word, rest) = line.split_at(end);
+    /// The next word.
+    #[inline]
+    pub fn word(&mut self) -> Option<&'a [u8]> {
+        let text = self.0.trim_ascii_start();
+        let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+        let (word, rest) = text.split_at(end);
         self.0 = rest;
         (!word.is_empty()).then_some(word)
     }
@@ -136,18 +224,28 @@ impl<'a> Words<'a> {
 
 impl Values for Words<'_> {
     /// The type is not asked: text that says more than its type holds is believed.
+    #[inline]
     fn value(&mut self, _: Type) -> Option<f64> {
-        let word = std::str::from_utf8(self.word()?).ok()?;
-        match word.parse() {
-            Ok(value) => Some(value),
-            // "-nan(ind)", "1.#QNAN", "-1.#INF": what C libraries print where there is no number.
-            Err(_) if word.contains('#') || word.to_ascii_lowercase().contains("nan") => Some(f64::NAN),
-            Err(_) => None,
-        }
+        number(self.word()?)
     }
 
-    fn skip(&mut self, _: Type, count: u64) -> Option<()> {
-        (0..count).try_for_each(|_| self.word().map(|_| ()))
+    fn bits(&mut self, kind: Type) -> Option<u32> {
+        self.value(kind).map(|value| packed_bits(value, kind))
+    }
+
+    fn skip(&mut self, num_values: u64, _: u64) -> Option<()> {
+        (0..num_values).try_for_each(|_| self.word().map(|_| ()))
+    }
+}
+
+/// What a word says as a number.
+pub(super) fn number(word: &[u8]) -> Option<f64> {
+    let word = std::str::from_utf8(word).ok()?;
+    match word.parse() {
+        Ok(value) => Some(value),
+        // "-nan(ind)", "1.#QNAN", "-1.#INF": what C libraries print where there is no number.
+        Err(_) if word.contains('#') || word.to_ascii_lowercase().contains("nan") => Some(f64::NAN),
+        Err(_) => None,
     }
 }
 
@@ -157,34 +255,85 @@ mod tests {
 
     #[test]
     fn both_byte_orders_hold_every_type() {
-        let little: &[u8] =
-            &[0xff, 0xff, 0xfe, 0xff, 0xfe, 0xff, 0xfd, 0xff, 0xff, 0xff, 0xfd, 0xff, 0xff, 0xff];
-        let big: &[u8] =
-            &[0xff, 0xff, 0xff, 0xfe, 0xff, 0xfe, 0xff, 0xff, 0xff, 0xfd, 0xff, 0xff, 0xff, 0xfd];
-        let kinds = [Type::Char, Type::UChar, Type::Short, Type::UShort, Type::Int, Type::UInt];
-        for (bytes, big_endian) in [(little, false), (big, true)] {
+        let kinds = [Type::Char, Type::UChar, Type::Short, Type::UShort, Type::Int, Type::UInt, Type::Long];
+        let expected = [-1.0, 255.0, -2.0, 65534.0, -3.0, 4_294_967_293.0, -4.0];
+        let numbers: [&[u8]; 7] = [
+            &[0xff],
+            &[0xff],
+            &[0xff, 0xfe],
+            &[0xff, 0xfe],
+            &[0xff, 0xff, 0xff, 0xfd],
+            &[0xff, 0xff, 0xff, 0xfd],
+            &(-4i64).to_be_bytes(),
+        ];
+        let big = numbers.concat();
+        let little: Vec<u8> = numbers.iter().flat_map(|number| number.iter().rev().copied()).collect();
+        for (bytes, big_endian) in [(&little[..], false), (&big[..], true)] {
             let mut values = Bytes::new(bytes, big_endian);
-            let read = kinds.map(|kind| values.value(kind).unwrap());
-            assert_eq!(read, [-1.0, 255.0, -2.0, 65534.0, -3.0, 4_294_967_293.0]);
-            assert_eq!((values.num_bytes, values.value(Type::UChar)), (14, None));
+            assert_eq!(kinds.map(|kind| values.value(kind).unwrap()), expected);
+            assert_eq!((values.num_bytes, values.value(Type::UChar)), (22, None));
+            let mut values = Record { bytes, big_endian };
+            assert_eq!(kinds.map(|kind| values.value(kind).unwrap()), expected);
+            assert_eq!(values.value(Type::UChar), None);
         }
-        let floats = [1.5f32.to_be_bytes().as_slice(), &(-0.1f64).to_be_bytes()].concat();
-        let mut values = Bytes::new(&floats[..], true);
-        assert_eq!([Type::Float, Type::Double].map(|kind| values.value(kind).unwrap()), [1.5, -0.1]);
+        let floats = [&0x3e00u16.to_be_bytes()[..], &1.5f32.to_be_bytes(), &(-0.1f64).to_be_bytes()].concat();
+        let mut values = Record { bytes: &floats, big_endian: true };
+        let kinds = [Type::Half, Type::Float, Type::Double];
+        assert_eq!(kinds.map(|kind| values.value(kind).unwrap()), [1.5, 1.5, -0.1]);
+    }
+
+    #[test]
+    fn types_have_many_names() {
+        for (names, kind) in [
+            ("char int8 i1 INT8 int8_t", Type::Char),
+            ("uchar uint8 u1 uint8_t ubyte", Type::UChar),
+            ("uint64 u64 uint64_t", Type::ULong),
+            ("Float float32 f4 f32", Type::Float),
+            ("DOUBLE float64 f8 f64", Type::Double),
+        ] {
+            assert!(names.split(' ').all(|name| Type::named(name) == Some(kind)), "{names}");
+        }
+        for none in ["", "i8", "u8", "flaot", "list", "_t"] {
+            assert_eq!(Type::named(none), None, "{none}");
+        }
+    }
+
+    #[test]
+    fn bits_are_kept_in_integers_and_floats() {
+        let packed = [0x00ff_8040u32, 0xffc1_8040, 0xff81_8040, 0, 7];
+        for bits in packed {
+            for big_endian in [false, true] {
+                let bytes = if big_endian { bits.to_be_bytes() } else { bits.to_le_bytes() };
+                for kind in [Type::Int, Type::UInt, Type::Float] {
+                    assert_eq!(
+                        Record { bytes: &bytes, big_endian }.bits(kind),
+                        Some(bits),
+                        "{bits:x} {kind:?}"
+                    );
+                }
+            }
+        }
+        let word = |word: &str, kind| Words(word.as_bytes()).bits(kind);
+        assert_eq!(word("16744512", Type::UInt), Some(0xff_8040));
+        assert_eq!(word("-4161472", Type::Int), Some(0xffc0_8040));
+        assert_eq!(word(&format!("{:e}", f32::from_bits(0xff_8040)), Type::Float), Some(0xff_8040));
+        assert_eq!(word("16744512", Type::Float), Some(0xff_8040));
+        assert_eq!(word("red", Type::Float), None);
     }
 
     #[test]
     fn passing_over_more_than_there_is_ends() {
         let mut values = Bytes::new(&[1u8, 2, 3][..], false);
-        assert_eq!(values.skip(Type::UShort, 1), Some(()));
-        assert_eq!(values.skip(Type::UShort, 1), None);
-        assert_eq!(Bytes::new(&[][..], false).skip(Type::Double, u64::MAX), None);
-        assert_eq!(Words(b"1 2").skip(Type::Int, u64::MAX), None);
+        assert_eq!(values.skip(1, 2), Some(()));
+        assert_eq!(values.skip(1, 2), None);
+        assert_eq!(Bytes::new(&[][..], false).skip(1, u64::MAX), None);
+        assert_eq!(Record { bytes: &[1, 2], big_endian: false }.skip(1, u64::MAX), None);
+        assert_eq!(Words(b"1 2").skip(u64::MAX, 0), None);
     }
 
     #[test]
     fn words_are_numbers_between_any_blanks() {
-        let mut words = Words(b"  1\t-2.5e3 \r.5 nan -nan(ind) 1.#INF +inf abc 7");
+        let mut words = Words(b"  1\t-2.5e3 \r.5 nan\n-nan(ind) 1.#INF +inf abc 7");
         let read: Vec<_> = (0..9).map(|_| words.value(Type::Float)).collect();
         assert_eq!(read[..3], [Some(1.0), Some(-2500.0), Some(0.5)]);
         assert!(read[3..6].iter().all(|value| value.unwrap().is_nan()), "{read:?}");

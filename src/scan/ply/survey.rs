@@ -1,0 +1,146 @@
+//! The first pass: what must be known of all points before any can be put into columns.
+
+use super::body::Sink;
+use super::grid;
+use super::plan::{Color, Intensity, Row, SLOT_INTENSITY, SLOT_RGB};
+use super::point::{Chunk, Meaning};
+use crate::space::Bounds;
+use glam::DVec3;
+
+/// Places that are kept as a sample, evenly over the file, or somewhat more.
+const SAMPLE: u64 = 1 << 16;
+
+/// What was found so far.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    /// Points with a place that are not faint.
+    pub num_kept: u64,
+    /// Points with a place that are.
+    pub num_faint: u64,
+    /// Box of those that are kept.
+    pub bounds: Bounds,
+    /// Places of some that are kept.
+    pub sample: Vec<DVec3>,
+    /// How many of their float channels are above 1, and above 255.
+    pub bright: [u64; 2],
+    /// The smallest and largest finite intensity.
+    pub intensity: (f64, f64),
+}
+
+/// The pass.
+#[derive(Debug)]
+pub(super) struct Survey<'a> {
+    meaning: &'a Meaning,
+    /// Points from one of the sample to the next.
+    stride: u64,
+    first_point: u64,
+    num_points: u64,
+    pub found: Found,
+}
+
+impl<'a> Survey<'a> {
+    /// Of a file that holds about so many points.
+    pub fn new(meaning: &'a Meaning, num_points: u64) -> Self {
+        let found = Found {
+            num_kept: 0,
+            num_faint: 0,
+            bounds: Bounds::EMPTY,
+            sample: Vec::new(),
+            bright: [0; 2],
+            intensity: (f64::MAX, f64::MIN),
+        };
+        Self { meaning, stride: num_points.div_ceil(SAMPLE).max(1), first_point: 0, num_points: 0, found }
+    }
+}
+
+impl Sink for Survey<'_> {
+    fn part(&self, first_point: u64, _: usize) -> Self {
+        Self { stride: self.stride, first_point, ..Self::new(self.meaning, 0) }
+    }
+
+    fn append(&mut self, later: Self) {
+        let Found { num_kept, num_faint, bounds, sample, bright, intensity } = later.found;
+        self.num_points += later.num_points;
+        self.found.num_kept += num_kept;
+        self.found.num_faint += num_faint;
+        self.found.bounds = self.found.bounds.union(bounds);
+        self.found.sample.extend(sample);
+        self.found.bright = std::array::from_fn(|limit| self.found.bright[limit] + bright[limit]);
+        self.found.intensity =
+            (self.found.intensity.0.min(intensity.0), self.found.intensity.1.max(intensity.1));
+    }
+
+    #[inline]
+    fn point(&mut self, row: &Row) {
+        let number = self.first_point + self.num_points;
+        let is_of_sample = self.num_points.is_multiple_of(self.stride);
+        self.num_points += 1;
+        let place = self.meaning.place(number, row);
+        if !grid::is_place(&place) {
+            return;
+        }
+        let found = &mut self.found;
+        if self.meaning.is_faint(row) {
+            found.num_faint += 1;
+            return;
+        }
+        found.num_kept += 1;
+        let place = DVec3::from_array(place);
+        found.bounds = found.bounds.with(place);
+        if is_of_sample {
+            found.sample.push(place);
+        }
+        if self.meaning.has.color == Color::Floats {
+            for &channel in &row.values[SLOT_RGB] {
+                found.bright[0] += u64::from(channel > 1.0);
+                found.bright[1] += u64::from(channel > 255.0);
+            }
+        }
+        if self.meaning.has.intensity != Intensity::Absent && row.values[SLOT_INTENSITY].is_finite() {
+            let value = row.values[SLOT_INTENSITY];
+            found.intensity = (found.intensity.0.min(value), found.intensity.1.max(value));
+        }
+    }
+
+    fn bad_point(&mut self) {
+        self.num_points += 1;
+    }
+
+    fn num_points(&self) -> u64 {
+        self.num_points
+    }
+
+    fn progress(num_points: u64) -> u64 {
+        num_points / 2
+    }
+}
+
+/// The pass before that, of compressed splats: the boxes of their chunks.
+#[derive(Debug, Default)]
+pub(super) struct Chunks(pub Vec<Chunk>);
+
+impl Sink for Chunks {
+    fn part(&self, _: u64, _: usize) -> Self {
+        Self::default()
+    }
+
+    fn append(&mut self, later: Self) {
+        self.0.extend(later.0);
+    }
+
+    fn chunk(&mut self, row: &Row) {
+        self.0.push(row.values.map(|value| value as f32));
+    }
+
+    fn point(&mut self, _: &Row) {}
+
+    fn bad_point(&mut self) {}
+
+    fn num_points(&self) -> u64 {
+        0
+    }
+
+    fn progress(_: u64) -> u64 {
+        0
+    }
+}
