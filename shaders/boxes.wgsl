@@ -26,9 +26,10 @@ fn depth_of(eye: EyeUniform, p: vec3<f32>) -> f32 {
     return dot(eye.row_w, vec4<f32>(p, 1.0));
 }
 
+// In the image, from its top left corner.
 fn px_of(eye: EyeUniform, p: vec3<f32>) -> vec2<f32> {
     let at = vec4<f32>(p, 1.0);
-    return vec2<f32>(dot(eye.row_x, at), dot(eye.row_y, at)) / depth_of(eye, p);
+    return vec2<f32>(dot(eye.row_x, at), dot(eye.row_y, at)) / depth_of(eye, p) - eye.first_px - f32(GUARD_PX);
 }
 
 // The part of p–q from p on, from where it is no nearer than the near clip.
@@ -65,12 +66,13 @@ fn box_vertex(vertex: u32, low: vec3<f32>, size: vec3<f32>, color: vec3<f32>) ->
     let corner = vertex % 6u;
     let is_far = corner >= 2u && corner != 4u;
     let side = select(-1.0, 1.0, corner == 1u || corner >= 4u);
-    let half_width = max(0.75, eye.size_px.y / 1080.0);
+    let size_px = vec2<f32>(f32(eye.width - 2u * GUARD_PX), f32(eye.height - 2u * GUARD_PX));
+    let half_width = max(0.75, size_px.y / 1080.0);
     let end = select(ends[0], ends[1], is_far);
     let w = depth_of(eye, end);
     let px = px_of(eye, end) + side * half_width / length * vec2<f32>(-along.y, along.x);
-    let x = 2.0 * px.x / eye.size_px.x - 1.0;
-    let y = 1.0 - 2.0 * px.y / eye.size_px.y;
+    let x = 2.0 * px.x / size_px.x - 1.0;
+    let y = 1.0 - 2.0 * px.y / size_px.y;
     return Edge(vec4<f32>(x * w, y * w, 0.5 * w, w), w, color);
 }
 

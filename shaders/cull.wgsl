@@ -34,12 +34,15 @@ fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     return distance + radius + SLACK * magnitude >= 0.0;
 }
 
+// Discs of points beyond the image reach into it.
 fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
+    let first = eye.first_px - view.margin_px;
+    let end = eye.end_px + view.margin_px;
     return in_front(eye.row_w - vec4<f32>(0.0, 0.0, 0.0, view.near), center, half_edge)
-        && in_front(eye.row_x, center, half_edge)
-        && in_front(eye.row_w * eye.size_px.x - eye.row_x, center, half_edge)
-        && in_front(eye.row_y, center, half_edge)
-        && in_front(eye.row_w * eye.size_px.y - eye.row_y, center, half_edge);
+        && in_front(eye.row_x - eye.row_w * first.x, center, half_edge)
+        && in_front(eye.row_w * end.x - eye.row_x, center, half_edge)
+        && in_front(eye.row_y - eye.row_w * first.y, center, half_edge)
+        && in_front(eye.row_w * end.y - eye.row_y, center, half_edge);
 }
 
 // Squared distance of the box from the eye. Nothing nearer than the near clip is drawn, so no point is magnified
@@ -127,24 +130,27 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let longest = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z));
     let diameter = FILL_OVERLAP * longest * widest(node.spacing);
     var flags = 0u;
-    var planes = max(view.forced_planes, 1u);
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let is_seen = (view.flags & KEEP_UNSEEN) != 0u || in_frustum(view.eyes[eye], center, half_edge);
         if is_seen && (!DISCS || is_needed(batch, node, view.eyes[eye], center, half_edge)) {
             flags |= 16u << eye;
-            let distance_sq = distance_sq(view.eyes[eye], center, half_edge);
-            let pixels_per_radian = view.eyes[eye].pixels_per_radian;
-            if view.forced_planes == 0u {
-                planes = max(planes, planes_needed(longest * pixels_per_radian, distance_sq));
-            }
-            let diameter_px = diameter * pixels_per_radian;
-            if diameter_px * diameter_px > view.fill_reach_px.x * view.fill_reach_px.x * distance_sq {
-                flags |= VISIBLE_FILL;
-            }
         }
     }
     if flags == 0u {
         return;
+    }
+    // Both eyes count, whichever sees it: what one eye's picture shows does not depend on where the other's ends.
+    var planes = max(view.forced_planes, 1u);
+    for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
+        let distance_sq = distance_sq(view.eyes[eye], center, half_edge);
+        let pixels_per_radian = view.eyes[eye].pixels_per_radian;
+        if view.forced_planes == 0u {
+            planes = max(planes, planes_needed(longest * pixels_per_radian, distance_sq));
+        }
+        let diameter_px = diameter * pixels_per_radian;
+        if diameter_px * diameter_px > view.fill_reach_px.x * view.fill_reach_px.x * distance_sq {
+            flags |= VISIBLE_FILL;
+        }
     }
     if DISCS && (node.flags & NODE_DISCS) != 0u {
         flags |= VISIBLE_FILL | VISIBLE_DISCS;

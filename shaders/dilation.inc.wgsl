@@ -9,7 +9,7 @@
 const EMPTY: vec2<u32> = vec2<u32>(EMPTY_DEPTH, 0u);
 const OPAQUE: u32 = 0xff000000u;
 
-// How far the pixel's kernel reaches: 1, 2, 3 by the ring that its centre lies in. The terms are added in the
+// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its centre lies in. The terms are added in the
 // twin's order.
 fn radius_px(x: i32, y: i32) -> u32 {
     if dilate.radius_px != 0u {
@@ -18,8 +18,9 @@ fn radius_px(x: i32, y: i32) -> u32 {
     let gaze = view.eyes[dilate.eye].gaze_in_view;
     let origin = view.eyes[dilate.eye].tangent_origin;
     let per_px = view.eyes[dilate.eye].tangent_per_px;
-    let right = origin.x + per_px.x * (f32(x) + 0.5);
-    let up = origin.y + per_px.y * (f32(y) + 0.5);
+    let first = view.eyes[dilate.eye].first_px;
+    let right = origin.x + per_px.x * (f32(x) + first.x + 0.5);
+    let up = origin.y + per_px.y * (f32(y) + first.y + 0.5);
     return 1u + ring_of(right * gaze.x + up * gaze.y - gaze.z, right * right + up * up + 1.0);
 }
 

@@ -35,9 +35,11 @@ struct EyeUniform {
     reserved: u32,
     tangent_origin: vec2<f32>,
     tangent_per_px: vec2<f32>,
-    size_px: vec2<f32>,
+    first_px: vec2<f32>,
+    end_px: vec2<f32>,
     width: u32,
     height: u32,
+    reserved_end: vec2<u32>,
 }
 
 struct ViewUniform {
@@ -51,6 +53,8 @@ struct ViewUniform {
     ring_sin: vec2<f32>,
     fill_reach_px: vec3<f32>,
     step_base: u32,
+    reserved: vec3<u32>,
+    margin_px: f32,
     eyes: array<EyeUniform, 2>,
 }
 

@@ -19,26 +19,26 @@ fn reach_px(eye: u32, p_in_head: vec3<f32>) -> f32 {
     return select(outer, view.fill_reach_px.x, ring == 0u);
 }
 
-// A point that is `diameter` world units wide, as a disc of pixels round its own.
-fn put_wide(eye: u32, pixel: u32, w: f32, id: u32, diameter: f32, reach_px: f32) {
-    if pixel == NO_PIXEL {
+// A point that is `diameter` world units wide, as a disc of pixels round its own, which may lie outside the image.
+fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, diameter: f32, reach_px: f32) {
+    if w == 0.0 {
         return;
     }
     let diameter_px = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
-    let radius = i32(ceil(clamp(0.5 * (diameter_px - reach_px), 0.0, f32(MAX_FILL_RADIUS))));
-    if radius == 0 {
-        put(eye, pixel, w, id);
-        return;
-    }
-    let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
-    let center = vec2<i32>(i32(pixel) % size.x, i32(pixel) / size.x);
-    let first = max(center - radius, vec2<i32>(0));
-    let last = min(center + radius, size - 1);
+    let radius_px = ceil(clamp(0.5 * (diameter_px - reach_px), 0.0, f32(MAX_FILL_RADIUS)));
+    let radius = i32(radius_px);
+    let width = i32(view.eyes[eye].width);
+    let size = vec2<f32>(f32(width), f32(view.eyes[eye].height));
+    // None where the whole disc lies outside.
+    let center_px = at - view.eyes[eye].first_px;
+    let center = vec2<i32>(center_px);
+    let first = vec2<i32>(clamp(center_px - radius_px, vec2<f32>(0.0), size));
+    let last = vec2<i32>(clamp(center_px + radius_px, vec2<f32>(-1.0), size - 1.0));
     for (var y = first.y; y <= last.y; y += 1) {
         for (var x = first.x; x <= last.x; x += 1) {
             let d = vec2<i32>(x, y) - center;
             if d.x * d.x + d.y * d.y <= radius * (radius + 1) {
-                put(eye, u32(y * size.x + x), w, id);
+                put(eye, u32(y * width + x), w, id);
             }
         }
     }
@@ -56,7 +56,7 @@ fn draw(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
     if FILL && (batch.flags & VISIBLE_FILL) != 0u {
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
             let reach = reach_px(eye, vec3<f32>(points.x[i], points.y[i], points.z[i]));
-            put_wide(eye, p.pixel[i], p.w[i], id[i], diameter[i], reach);
+            put_wide(eye, vec2<f32>(p.x[i], p.y[i]), p.w[i], id[i], diameter[i], reach);
         }
         return;
     }

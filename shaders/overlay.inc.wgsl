@@ -14,5 +14,5 @@ fn palette(number: u32) -> vec3<f32> {
 
 // The finished pixel at a position in the image.
 fn pixel_at(position: vec4<f32>) -> u32 {
-    return u32(position.y) * view.eyes[dilate.eye].width + u32(position.x);
+    return (u32(position.y) + GUARD_PX) * view.eyes[dilate.eye].width + u32(position.x) + GUARD_PX;
 }

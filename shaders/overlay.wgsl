@@ -34,7 +34,7 @@ fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
 // By the rule of dilation, with a line where a ring ends.
 @fragment
 fn rings(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let at = vec2<i32>(position.xy);
+    let at = vec2<i32>(position.xy) + i32(GUARD_PX);
     let ring = radius_px(at.x, at.y);
     let step = 1 + i32(view.eyes[dilate.eye].height / 720u);
     let is_edge = radius_px(at.x + step, at.y) != ring || radius_px(at.x, at.y + step) != ring

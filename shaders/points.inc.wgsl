@@ -14,7 +14,7 @@ const TURNS_PER_LOAD: u32 = POINTS_PER_LOAD / POINTS_PER_TURN;
 
 const MASK: u32 = (1u << PLANE_BITS) - 1u;
 
-// Points inside the eye's image have a pixel number; the others NO_PIXEL.
+// Points inside the eye's image, or its guard band, have a pixel number; the others NO_PIXEL.
 const NO_PIXEL: u32 = 0xffffffffu;
 
 /// Cells that a box edge has.
@@ -39,9 +39,12 @@ struct Turn {
     exists: vec4<bool>,
 }
 
-/// `w` is linear depth, whose IEEE bits order like the number itself.
+/// `x` and `y` are whole coordinates, inside the image or not. `w` is linear depth, whose IEEE bits order like the
+/// number itself; 0 for points that are not there or too near.
 struct Projected {
     pixel: vec4<u32>,
+    x: vec4<f32>,
+    y: vec4<f32>,
     w: vec4<f32>,
 }
 
@@ -56,13 +59,16 @@ fn row(r: vec4<f32>, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<f32> {
 fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool>) -> Projected {
     let w = row(view.eyes[eye].row_w, x, y, z);
     let per_w = 1.0 / w;
-    let u = row(view.eyes[eye].row_x, x, y, z) * per_w;
-    let v = row(view.eyes[eye].row_y, x, y, z) * per_w;
-    let size = view.eyes[eye].size_px;
-    let inside = exists & (w > vec4<f32>(view.near)) & (u >= vec4<f32>(0.0)) & (u < vec4<f32>(size.x))
-        & (v >= vec4<f32>(0.0)) & (v < vec4<f32>(size.y));
-    let pixel = vec4<u32>(v) * view.eyes[eye].width + vec4<u32>(u);
-    return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), w);
+    let u = floor(row(view.eyes[eye].row_x, x, y, z) * per_w);
+    let v = floor(row(view.eyes[eye].row_y, x, y, z) * per_w);
+    let first = view.eyes[eye].first_px;
+    let end = view.eyes[eye].end_px;
+    let is_there = exists & (w > vec4<f32>(view.near));
+    let inside = is_there & (u >= vec4<f32>(first.x)) & (u < vec4<f32>(end.x)) & (v >= vec4<f32>(first.y))
+        & (v < vec4<f32>(end.y));
+    // Differences of whole numbers are exact.
+    let pixel = vec4<u32>(v - first.y) * view.eyes[eye].width + vec4<u32>(u - first.x);
+    return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), u, v, select(vec4<f32>(0.0), w, is_there));
 }
 
 // What a turn gets of each plane: a whole load, or one point of it.

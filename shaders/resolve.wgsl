@@ -5,7 +5,7 @@
 
 @group(0) @binding(0) var<uniform> resolve: ResolveUniform;
 @group(0) @binding(1) var<storage, read> image: array<vec2<u32>>;
-// A bit a pixel, rows of whole words: 1 where the lenses hide it.
+// A bit a pixel of the image, which has no guard band, rows of whole words: 1 where the lenses hide it.
 @group(0) @binding(2) var<storage, read> hidden: array<u32>;
 @group(0) @binding(3) var<uniform> view: ViewUniform;
 
@@ -18,11 +18,11 @@ fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
 fn pixel_at(position: vec2<f32>) -> vec2<u32> {
     let x = u32(position.x);
     let y = u32(position.y);
-    let words = (resolve.size_px.x + 31u) / 32u;
+    let words = (resolve.size_px.x - 2u * GUARD_PX + 31u) / 32u;
     if ((hidden[y * words + x / 32u] >> (x % 32u)) & 1u) != 0u {
         return vec2<u32>(EMPTY_DEPTH, resolve.background);
     }
-    let pixel = image[y * resolve.size_px.x + x];
+    let pixel = image[(y + GUARD_PX) * resolve.size_px.x + x + GUARD_PX];
     return select(pixel, vec2<u32>(EMPTY_DEPTH, resolve.background), pixel.x == EMPTY_DEPTH);
 }
 

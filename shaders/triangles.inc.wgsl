@@ -86,17 +86,19 @@ fn triangle_of(eye: u32, batch: VisibleBatch, number: u32) -> Triangle {
     let growth_y = t.y.zxy * t.w.yzx - t.y.yzx * t.w.zxy;
     t.slack = TRIANGLE_SLACK_PX * sqrt(growth_x * growth_x + growth_y * growth_y);
 
-    let size = view.eyes[eye].size_px;
+    let first = view.eyes[eye].first_px;
+    let end = view.eyes[eye].end_px;
     if min(t.w.x, min(t.w.y, t.w.z)) > view.near {
         // Centres of pixels lie at halves.
         let u = t.x / t.w - 0.5;
         let v = t.y / t.w - 0.5;
         let low = vec2<f32>(min(u.x, min(u.y, u.z)), min(v.x, min(v.y, v.z))) - TRIANGLE_SLACK_PX;
         let high = vec2<f32>(max(u.x, max(u.y, u.z)), max(v.x, max(v.y, v.z))) + TRIANGLE_SLACK_PX;
-        t.first = vec2<i32>(clamp(ceil(low), vec2<f32>(0.0), size));
-        t.last = vec2<i32>(clamp(floor(high), vec2<f32>(-1.0), size - 1.0));
+        t.first = vec2<i32>(clamp(ceil(low), first, end));
+        t.last = vec2<i32>(clamp(floor(high), first - 1.0, end - 1.0));
     } else if max(t.w.x, max(t.w.y, t.w.z)) > view.near {
-        t.last = vec2<i32>(size) - 1;
+        t.first = vec2<i32>(first);
+        t.last = vec2<i32>(end) - 1;
     }
     return t;
 }
@@ -127,7 +129,8 @@ fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
     // The corner with the largest share gives the id.
     var point = select(t.points.y, t.points.x, shares.x >= shares.y);
     point = select(t.points.z, point, max(shares.x, shares.y) >= shares.z);
-    let pixel = u32(px.y) * view.eyes[eye].width + u32(px.x);
+    let corner = px - vec2<i32>(view.eyes[eye].first_px);
+    let pixel = u32(corner.y) * view.eyes[eye].width + u32(corner.x);
     put_seen(eye, select(NO_PIXEL, pixel, is_inside), w, (point << 1u) | 1u);
 }
 

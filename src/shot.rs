@@ -6,6 +6,7 @@ use crate::cloud::octree::build_octree;
 use crate::cloud::spt::build_spt;
 use crate::config::{Config, LodMethod};
 use crate::gpu::{Gpu, readback};
+use crate::layout::without_guard;
 use crate::look::Look;
 use crate::output::{Output, OutputError, OutputFile};
 use crate::progress::{Progress, Stop};
@@ -229,11 +230,9 @@ impl Shot {
 
     /// The pixels of an eye: bits of the depth, color.
     fn pixels(&self, eye: usize) -> anyhow::Result<Vec<Pixel>> {
-        let [width, height] = self.renderer.targets().sizes_px[eye];
         let bytes = readback::read_buffer(&self.gpu, self.renderer.pixels(eye))?;
-        let mut pixels: Vec<Pixel> = bytemuck::pod_collect_to_vec(&bytes);
-        pixels.truncate(width as usize * height as usize);
-        Ok(pixels)
+        let pixels: Vec<Pixel> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(without_guard(&pixels, self.renderer.targets().sizes_px[eye]))
     }
 }
 

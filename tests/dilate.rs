@@ -6,8 +6,8 @@ mod support;
 use glam::{DQuat, DVec3};
 use scanwalk::gpu::readback;
 use scanwalk::gpu::stage::Stage;
-use scanwalk::layout::{Detail, DilateUniform, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row};
-use scanwalk::render::{shaders, tiles};
+use scanwalk::layout::{Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, TILE_PX, Variant, ViewUniform};
+use scanwalk::render::shaders;
 use scanwalk::space::{Bounds, Eye, Fov, Pose, Split, View};
 use scanwalk::twin::dilate::{dilate, radius_px};
 use scanwalk::twin::resolve::{EMPTY, Pixel};
@@ -26,7 +26,15 @@ fn view(size_px: [u32; 2]) -> ViewUniform {
         gaze_in_view: DVec3::new(0.3 * sign, 0.2, -1.0).normalize(),
     };
     let view = View { eyes: vec![eye(-1.0), eye(1.0)], near: 0.05 };
-    ViewUniform::new(&view, &Split::of(&Bounds::EMPTY), &Detail::default())
+    let mut uniform = ViewUniform::new(&view, &Split::of(&Bounds::EMPTY), &Detail::default());
+    // As if this were the size with the guard band, which `dilate` does not tell from the image.
+    let guard = GUARD_PX as f32;
+    for eye in &mut uniform.eyes {
+        eye.first_px = eye.first_px.map(|px| px + guard);
+        eye.end_px = eye.end_px.map(|px| px - guard);
+        [eye.width, eye.height] = size_px;
+    }
+    uniform
 }
 
 fn by_ring(eye: u32) -> DilateUniform {
@@ -75,8 +83,8 @@ fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<
     };
     let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
     let eye = &view.eyes[dilate.eye as usize];
-    let size_px = [eye.width, eye.height];
-    let tiles = tiles(size_px, &vec![0; (mask_words_per_row(eye.width) * eye.height) as usize]);
+    let [across, down] = [0, 1].map(|axis: usize| [eye.width, eye.height][axis].div_ceil(TILE_PX[axis]));
+    let tiles: Vec<u32> = (0..down).flat_map(|y| (0..across).map(move |x| x | y << 16)).collect();
     let poison = vec![0xab; size_of_val(surface)];
     let buffers = [
         ("view", buffer("view", bytemuck::bytes_of(view), uniform)),
@@ -177,7 +185,8 @@ fn rings_follow_the_angle_from_the_gaze() {
         let mut counts = [0; 4];
         for (x, y) in (0..150).flat_map(|y| (0..200).map(move |x| (x, y))) {
             let along = |axis: usize, at: usize| {
-                f64::from(eye.tangent_origin[axis]) + f64::from(eye.tangent_per_px[axis]) * (at as f64 + 0.5)
+                let from_corner = at as f64 + f64::from(eye.first_px[axis]) + 0.5;
+                f64::from(eye.tangent_origin[axis]) + f64::from(eye.tangent_per_px[axis]) * from_corner
             };
             let angle = gaze.angle_between(DVec3::new(along(0, x), along(1, y), -1.0));
             let want = 1 + detail.ring_rad.iter().filter(|&&end| angle > end).count();

@@ -4,7 +4,7 @@ mod support;
 
 use glam::DVec3;
 use scanwalk::cloud::{Cloud, Order, build};
-use scanwalk::layout::{Batch, DRAWN_WHOLE, Detail, Node, ViewUniform, VisibleBatch};
+use scanwalk::layout::{Batch, DRAWN_WHOLE, Detail, Node, ViewUniform, VisibleBatch, guarded};
 use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::render::CloudBuffers;
@@ -121,7 +121,7 @@ fn cull_equals_its_twin() {
     let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();
     let full = ViewUniform { forced_planes: 3, ..uniform };
     let keys = |visible: &[VisibleBatch]| {
-        let mut keys = vec![twin::clear::pixels([640, 480], twin::clear::EMPTY); 2];
+        let mut keys = vec![twin::clear::pixels(guarded([640, 480]), twin::clear::EMPTY); 2];
         let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
         twin::points::points(&full, 2, visible, planes, None, false, &mut |put| {
             twin::depth::key(&mut keys, put)

@@ -4,9 +4,10 @@
 mod support;
 
 use scanwalk::cloud::spt::SequentialCloud;
-use scanwalk::layout::{SURFACE_TOLERANCE, ViewUniform};
+use scanwalk::layout::{SURFACE_TOLERANCE, ViewUniform, guarded, without_guard};
 use scanwalk::space::View;
 use scanwalk::synth::{self, Kind};
+use scanwalk::twin::clear;
 use scanwalk::twin::points::{self, Put};
 use support::{Canvas, discs, gpu, hqs, made_up, spt_of, stereo};
 
@@ -42,11 +43,11 @@ impl Destination {
 
 /// What an eye's pixels get if `fragments` come one after the other.
 fn drawn(spt: &SequentialCloud, fragments: &[Put], eye: usize) -> Vec<Destination> {
-    let mut pixels = vec![Destination::default(); (SIZE_PX[0] * SIZE_PX[1]) as usize];
+    let mut pixels = clear::pixels(guarded(SIZE_PX), Destination::default());
     for put in fragments.iter().filter(|put| put.eye == eye) {
         pixels[put.pixel].blend(spt.cloud.colors[(put.id >> 1) as usize], put.w);
     }
-    pixels
+    without_guard(&pixels, SIZE_PX)
 }
 
 /// With the nearest first, the two are the same but for rounding. In the list's order they differ where the nearest

@@ -7,12 +7,12 @@ use scanwalk::cloud::octree::build_octree;
 use scanwalk::cloud::{Cloud, GROUP_POINTS, Order};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
-use scanwalk::layout::{Detail, ViewUniform, VisibleBatch};
+use scanwalk::layout::{Detail, ViewUniform, VisibleBatch, guarded, without_guard};
 use scanwalk::look::Look;
 use scanwalk::method::Method;
 use scanwalk::progress::Progress;
 use scanwalk::space::{Eye, View};
-use scanwalk::twin::{fixed40, points};
+use scanwalk::twin::{clear, fixed40, points};
 use support::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
 
 const SIZE_PX: [u32; 2] = [97, 83];
@@ -167,8 +167,7 @@ fn fixed40_equals_its_twin() {
 /// The smallest 40-bit depth of each pixel of each eye.
 fn twin_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec<Vec<u64>> {
     let uniform = ViewUniform::new(view, &cloud.split, &Detail::default());
-    let [width, height] = SIZE_PX;
-    let mut depths = vec![vec![fixed40::EMPTY; (width * height) as usize]; view.eyes.len()];
+    let mut depths = vec![clear::pixels(guarded(SIZE_PX), fixed40::EMPTY); view.eyes.len()];
     let planes = cloud.planes.each_ref().map(Vec::as_slice);
     for batch in visible {
         let one = std::slice::from_ref(batch);
@@ -179,7 +178,7 @@ fn twin_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec<Vec<
             *depth = (*depth).min(fixed40::depth40_of(exact));
         });
     }
-    depths
+    depths.iter().map(|depths| without_guard(depths, SIZE_PX)).collect()
 }
 
 /// From the second frame on nothing but counters is cleared; with dilation, which needs the target, all is.

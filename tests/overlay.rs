@@ -7,7 +7,7 @@ use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{Cloud, Order};
 use scanwalk::config::{Dilate, Overlay, Quality};
 use scanwalk::gpu::{Atomics, readback};
-use scanwalk::layout::{Detail, DilateUniform, EMPTY_DEPTH, ViewUniform};
+use scanwalk::layout::{Detail, DilateUniform, EMPTY_DEPTH, GUARD_PX, ViewUniform};
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
 use scanwalk::render::{CloudBuffers, EyeImage, Overlays};
@@ -157,7 +157,8 @@ fn rings_follow_the_rule_of_dilation() {
     let [width, height] = SIZE_PX.map(|edge| edge as usize);
     for eye in 0..2 {
         let dilate = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
-        let ring = |x, y| twin::dilate::radius_px(&uniform, &dilate, x, y);
+        let guard = GUARD_PX as usize;
+        let ring = |x, y| twin::dilate::radius_px(&uniform, &dilate, x + guard, y + guard);
         let mut num_of = [0; 4];
         for (x, y) in (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))) {
             let own = ring(x, y);

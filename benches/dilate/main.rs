@@ -84,8 +84,11 @@ fn main() -> Result<()> {
 
 /// The direct form's text: what `dilate` has in front of it, then its own file.
 fn direct_source() -> String {
-    let shared =
-        [include_str!("../../shaders/layout.inc.wgsl"), include_str!("../../shaders/dilation.inc.wgsl")];
+    let shared = [
+        include_str!("../../shaders/layout.inc.wgsl"),
+        include_str!("../../shaders/rings.inc.wgsl"),
+        include_str!("../../shaders/dilation.inc.wgsl"),
+    ];
     format!("{}{}{}", layout::prelude(Variant::eyes(1)), shared.concat(), include_str!("direct.wgsl"))
 }
 
@@ -95,7 +98,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
         gpu.device.create_buffer_init(&contents)
     };
-    let pixels = scene::two_layers(size_px, empty_percent);
+    let pixels = scene::two_layers(layout::guarded(size_px), empty_percent);
     let surface = buffer("surface", bytemuck::cast_slice(&pixels), BufferUsages::STORAGE);
     let view = buffer("view", bytemuck::bytes_of(&scene::view(size_px)), BufferUsages::UNIFORM);
     let dilate = buffer("dilate", bytemuck::bytes_of(&DilateUniform::default()), BufferUsages::UNIFORM);

@@ -8,6 +8,7 @@ use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
 use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality};
 use scanwalk::gpu::{Gpu, readback};
+use scanwalk::layout::without_guard;
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
 use scanwalk::render::{self, CloudBuffers, EyeImage, Renderer, Setup};
@@ -110,11 +111,10 @@ impl Compute {
         Ok(Self { gpu: Arc::clone(gpu), renderer, image: image(gpu, size_px, FORMAT), frame: 0 })
     }
 
-    fn depths(&self, [width, height]: [u32; 2]) -> Result<Vec<f32>> {
+    fn depths(&self, size_px: [u32; 2]) -> Result<Vec<f32>> {
         let pixels: Vec<Pixel> =
             bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, self.renderer.pixels(0))?);
-        // The buffer's end may be padding.
-        Ok(pixels[..(width * height) as usize].iter().map(|&pixel| depth_of(pixel)).collect())
+        Ok(without_guard(&pixels, size_px).into_iter().map(depth_of).collect())
     }
 }
 

@@ -27,8 +27,9 @@ fn vertex_of(eye: u32, instance: u32, number: u32) -> Vertex {
         return nowhere;
     }
     let width = view.eyes[eye].width;
+    let size_px = vec2<f32>(f32(width), f32(view.eyes[eye].height));
     let center = vec2<f32>(vec2<u32>(p.pixel.x % width, p.pixel.x / width)) + 0.5;
-    let at = 2.0 * center / view.eyes[eye].size_px - 1.0;
+    let at = 2.0 * center / size_px - 1.0;
     let bits = bitcast<u32>(p.w.x);
     let depth = bitcast<f32>(bits - bitcast<u32>(view.near) + LEAST);
     return Vertex(vec4<f32>(at.x, -at.y, depth, 1.0), vec2<u32>(2u * chunk.first_index + points.id.x, bits));

@@ -5,7 +5,7 @@ use super::way::Way;
 use crate::cloud::Cloud;
 use crate::config::{Config, Quality};
 use crate::gpu::{Gpu, readback};
-use crate::layout::{COUNTERS_STRIDE, VisibleBatch};
+use crate::layout::{COUNTERS_STRIDE, VisibleBatch, without_guard};
 use crate::look::Look;
 use crate::method::Method;
 use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
@@ -123,9 +123,13 @@ impl Compute {
 
     fn counted(&self, times: &FrameTimes, num_eyes: usize) -> Result<Load> {
         let mut points_drawn = 0;
-        for buffer in &self.renderer.targets().depth[..num_eyes] {
+        let targets = self.renderer.targets();
+        for (buffer, size_px) in targets.depth[..num_eyes].iter().zip(&targets.sizes_px) {
             let asked: Vec<u32> = bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, buffer)?);
-            points_drawn += asked.iter().map(|&count| u64::from(count.wrapping_add(1))).sum::<u64>();
+            points_drawn += without_guard(&asked, *size_px)
+                .iter()
+                .map(|&count| u64::from(count.wrapping_add(1)))
+                .sum::<u64>();
         }
         let (visible, counters, _) = self.renderer.cull_results();
         let counters = readback::read_buffer(&self.gpu, counters)?;

@@ -2,12 +2,14 @@
 //! generated [`prelude`]; struct offsets are compared with naga's in `tests/shaders.rs`.
 
 mod flags;
+mod guard;
 mod prelude;
 
 pub use flags::{
     KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
     VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
 };
+pub use guard::{GUARD_PX, guarded, without_guard};
 pub use prelude::{Sums, Variant, prelude};
 
 use crate::cloud::{self, octree, spt};
@@ -220,6 +222,10 @@ impl Node {
 
 /// One eye as the shaders see it: rows of `pixel_from_head` ([`crate::space::Eye::pixel_from_head`]), the gaze,
 /// and the way from a pixel back to a direction.
+///
+/// Its pixels are those of the image with the guard band ([`GUARD_PX`]) round it. Their coordinates count from the
+/// corner of pixels that lies nearest to the optical axis, wherever the image's edges are: so a point is rounded to the
+/// same pixel in a picture and in each part of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct EyeUniform {
@@ -241,42 +247,54 @@ pub struct EyeUniform {
     pub gaze_in_view: [f32; 3],
     /// Always 0.
     pub reserved: u32,
-    /// Tangents of the angles to the image's top left corner: right and up are positive.
+    /// Tangents of the angles to the corner that coordinates count from: right and up are positive.
     pub tangent_origin: [f32; 2],
     /// Tangents from one pixel to the next, to the right and down. The centre of pixel (x, y) lies in the
     /// direction `(tangent_origin + tangent_per_px · (x + ½, y + ½), −1)` of view space.
     pub tangent_per_px: [f32; 2],
-    /// Image size in pixels, as floats.
-    pub size_px: [f32; 2],
-    /// Image width in pixels.
+    /// The top left pixel; a whole number.
+    pub first_px: [f32; 2],
+    /// The pixel beyond the bottom right one.
+    pub end_px: [f32; 2],
+    /// Width in pixels, with the guard band.
     pub width: u32,
-    /// Image height in pixels.
+    /// Height in pixels, with the guard band.
     pub height: u32,
+    /// Always 0.
+    pub reserved_end: [u32; 2],
 }
 
 impl EyeUniform {
     /// The GPU's form of an eye, relative to the head.
     #[must_use]
     pub fn new(eye: &Eye, head_in_world: DVec3) -> Self {
-        let [row_x, row_y, row_w] = eye.pixel_from_head(head_in_world).map(|row| row.map(|v| v as f32));
-        let [width, height] = eye.size_px;
+        let [row_x, row_y, row_w] = eye.pixel_from_head(head_in_world);
         let Fov { left, right, up, down } = eye.fov;
-        let per_px = [(right - left) / f64::from(width), (down - up) / f64::from(height)];
+        let [width, height] = eye.size_px.map(f64::from);
+        let per_px = [(right - left) / width, (down - up) / height];
+        // The corner nearest to the axis, in pixels of the image.
+        let corner = [-left / per_px[0], -up / per_px[1]].map(f64::round);
+        let from_corner =
+            |row: [f64; 4], corner: f64| std::array::from_fn(|i| (row[i] - corner * row_w[i]) as f32);
+        let [width, height] = guarded(eye.size_px);
+        let first_px = corner.map(|corner| (-corner - f64::from(GUARD_PX)) as f32);
         Self {
-            row_x,
-            row_y,
-            row_w,
+            row_x: from_corner(row_x, corner[0]),
+            row_y: from_corner(row_y, corner[1]),
+            row_w: row_w.map(|v| v as f32),
             eye_in_head: (eye.world_from_view.position - head_in_world).as_vec3().to_array(),
             pixels_per_radian: eye.pixels_per_radian() as f32,
             gaze_in_head: (eye.world_from_view.orientation * eye.gaze_in_view).as_vec3().to_array(),
             tolerance_rad: 0.0,
             gaze_in_view: eye.gaze_in_view.as_vec3().to_array(),
             reserved: 0,
-            tangent_origin: [left as f32, up as f32],
+            tangent_origin: [left + per_px[0] * corner[0], up + per_px[1] * corner[1]].map(|t| t as f32),
             tangent_per_px: per_px.map(|t| t as f32),
-            size_px: [width as f32, height as f32],
+            first_px,
+            end_px: [first_px[0] + width as f32, first_px[1] + height as f32],
             width,
             height,
+            reserved_end: [0; 2],
         }
     }
 }
@@ -343,6 +361,10 @@ pub struct ViewUniform {
     pub fill_reach_px: [f32; 3],
     /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale::base`].
     pub step_base: u32,
+    /// Always 0.
+    pub reserved: [u32; 3],
+    /// Pixels outside an eye's image in which a point may still be large enough to be seen.
+    pub margin_px: f32,
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
 }
@@ -375,6 +397,8 @@ impl ViewUniform {
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
             fill_reach_px: detail.fill_reach_px.unwrap_or([f32::MAX; 3]),
             step_base: 0,
+            reserved: [0; 3],
+            margin_px: if detail.fill_reach_px.is_some() { MAX_FILL_RADIUS as f32 } else { 0.0 },
             eyes: [eye(0), eye(1)],
         }
     }
@@ -417,7 +441,7 @@ pub fn mask_words_per_row(width: u32) -> u32 {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ResolveUniform {
-    /// Width, height in pixels.
+    /// Width, height in pixels, with the guard band.
     pub size_px: [u32; 2],
     /// Color where no point is, as stored: r | g≪8 | b≪16 | 255≪24.
     pub background: u32,

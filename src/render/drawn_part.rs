@@ -3,7 +3,10 @@
 
 use super::targets::Targets;
 use crate::gpu::Gpu;
-use crate::layout::{ClearUniform, DilateUniform, EMPTY_DEPTH, ResolveUniform, TILE_PX, mask_words_per_row};
+use crate::layout::{
+    ClearUniform, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GUARD_PX, ResolveUniform, TILE_PX, guarded,
+    mask_words_per_row,
+};
 use wgpu::util::DeviceExt;
 
 /// Both eyes' drawn part, as the shaders know it.
@@ -35,7 +38,7 @@ pub(super) struct Clearing {
 /// An eye's drawn part.
 #[derive(Debug)]
 pub(super) struct EyePart {
-    /// Tiles that somebody sees.
+    /// Tiles that somebody sees, or whose pixels dilation takes.
     pub num_tiles: u32,
     /// They; see [`tiles`].
     pub tiles: wgpu::Buffer,
@@ -88,7 +91,8 @@ impl Make<'_> {
             // There are no empty bindings.
             tiles: self.storage("tiles", if tiles.is_empty() { &[0] } else { &tiles }),
             hidden: self.storage("hidden", hidden),
-            resolve: self.uniform("resolve", &ResolveUniform { size_px, background, reserved: 0 }),
+            resolve: self
+                .uniform("resolve", &ResolveUniform { size_px: guarded(size_px), background, reserved: 0 }),
             dilate: self.uniform("dilate", &DilateUniform { eye: eye as u32, ..DilateUniform::default() }),
         }
     }
@@ -111,20 +115,25 @@ fn num_mask_words([width, height]: [u32; 2]) -> usize {
     (mask_words_per_row(width) * height) as usize
 }
 
-/// Tiles of which at least one pixel is not hidden, x | y≪16; `hidden` has a bit a pixel, in rows of
-/// [`mask_words_per_row`].
+/// Tiles, x | y≪16, of an image of this size with its guard band, in which or so near to which that dilation reaches it
+/// a pixel of the image is not hidden; `hidden` has a bit a pixel of the image, in rows of [`mask_words_per_row`].
 #[must_use]
 pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
     let [across, down] = TILE_PX;
     let words = mask_words_per_row(width);
     let is_hidden = |x: u32, y: u32| hidden[(y * words + x / 32) as usize] >> (x % 32) & 1 == 1;
-    let is_visible = |&(tx, ty): &(u32, u32)| {
-        let mut rows = ty * down..((ty + 1) * down).min(height);
-        let columns = tx * across..((tx + 1) * across).min(width);
-        rows.any(|y| columns.clone().any(|x| !is_hidden(x, y)))
+    // The image's pixels that a tile of this number and size has or reaches, along an axis.
+    let reached = |tile: u32, tile_px: u32, size_px: u32| {
+        let first = (tile * tile_px).saturating_sub(GUARD_PX + DILATE_REACH_PX);
+        first..((tile + 1) * tile_px + DILATE_REACH_PX).saturating_sub(GUARD_PX).min(size_px)
     };
-    let tiles = (0..height.div_ceil(down)).flat_map(|y| (0..width.div_ceil(across)).map(move |x| (x, y)));
-    tiles.filter(is_visible).map(|(x, y)| x | y << 16).collect()
+    let is_needed = |&(tx, ty): &(u32, u32)| {
+        let columns = reached(tx, across, width);
+        reached(ty, down, height).any(|y| columns.clone().any(|x| !is_hidden(x, y)))
+    };
+    let [columns, rows] = guarded([width, height]);
+    let tiles = (0..rows.div_ceil(down)).flat_map(|y| (0..columns.div_ceil(across)).map(move |x| (x, y)));
+    tiles.filter(is_needed).map(|(x, y)| x | y << 16).collect()
 }
 
 #[cfg(test)]
@@ -132,15 +141,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tile_is_left_out_only_when_all_of_it_is_hidden() {
+    fn a_tile_is_left_out_only_when_all_that_it_reaches_is_hidden() {
+        // With the guard band 86 × 26.
         let size = [80, 20];
         let none = vec![0; num_mask_words(size)];
         assert_eq!(tiles(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
-        // The left 32 columns of all rows, but for one pixel.
+        // The left 32 columns of all rows, but for one pixel: the tile ends at the image's column 29.
         let mut left = none.clone();
         left.iter_mut().step_by(3).for_each(|word| *word = u32::MAX);
         assert_eq!(tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
         left[3 * 19] ^= 1 << 15;
         assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        // Dilation reaches three pixels to the left of column 31, which is in the next tile.
+        left[3 * 19] ^= 1 << 15 | 1 << 31;
+        assert_eq!(tiles(size, &left), [1, 2, 1 << 16 | 1, 2 | 1 << 16]);
+        left[3 * 19 + 1] = 0;
+        left[3 * 19] = u32::MAX;
+        assert_eq!(tiles(size, &left), [1, 2, 1 << 16 | 1, 2 | 1 << 16]);
+    }
+
+    #[test]
+    fn tiles_of_the_guard_band_alone_are_there_for_dilation() {
+        // Rows 26 to 31 of the second row of tiles are beyond the guard band; a mask hides all but the corner.
+        let size = [26, 20];
+        let mut hidden = vec![u32::MAX; num_mask_words(size)];
+        assert!(tiles(size, &hidden).is_empty());
+        hidden[0] ^= 1;
+        assert_eq!(tiles(size, &hidden), [0]);
+        // Row 9 of the image is row 12 of the first tile; the second begins with row 13, three pixels on from row 10.
+        hidden[0] ^= 1;
+        hidden[9] ^= 1;
+        assert_eq!(tiles(size, &hidden), [0]);
+        hidden[10] ^= 1;
+        assert_eq!(tiles(size, &hidden), [0, 1 << 16]);
     }
 }

@@ -46,7 +46,7 @@ pub(super) struct Groups {
 /// Bind groups of an eye.
 #[derive(Debug)]
 pub(super) struct EyeGroups {
-    /// Tiles that somebody sees.
+    /// Tiles that somebody sees, or whose pixels dilation takes.
     pub num_tiles: u32,
     /// `shade`, one a chunk, or `blend`, one.
     pub surface: Vec<wgpu::BindGroup>,

@@ -8,7 +8,7 @@ use super::targets::Targets;
 use crate::gpu::Gpu;
 use crate::gpu::points::{self, DEPTH_FORMAT, Points};
 use crate::gpu::stage::{Bindings, shader_module};
-use crate::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant};
+use crate::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
 
 /// Id and depth of a pixel's point.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
@@ -70,10 +70,11 @@ impl PointList {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (eye, images): (usize, &PointImages),
-        [width, height]: [u32; 2],
+        size_px: [u32; 2],
         (groups, draws): (&[wgpu::BindGroup], &Draws),
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
     ) {
+        let [width, height] = guarded(size_px);
         let store = wgpu::StoreOp::Store;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("point-list"),
@@ -108,7 +109,8 @@ impl PointImages {
     pub fn new(gpu: &Gpu, targets: &Targets) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let view = |label, size_px, format, usage| {
-            gpu.texture(label, size_px, format, usage).create_view(&wgpu::TextureViewDescriptor::default())
+            gpu.texture(label, guarded(size_px), format, usage)
+                .create_view(&wgpu::TextureViewDescriptor::default())
         };
         let with_reads = usage | wgpu::TextureUsages::TEXTURE_BINDING;
         let sizes = &targets.sizes_px;

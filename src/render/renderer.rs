@@ -225,7 +225,8 @@ impl Renderer {
         &self.targets
     }
 
-    /// An eye's finished pixels, (depth, color), for pictures.
+    /// An eye's finished pixels, (depth, color), for pictures; with the guard band, see
+    /// [`crate::layout::without_guard`].
     #[must_use]
     pub fn pixels(&self, eye: usize) -> &wgpu::Buffer {
         &self.targets.finished(self.look.dilate)[eye]

@@ -1,7 +1,8 @@
-//! What the stages draw into, an eye's buffers each, row by row of the image's drawn part.
+//! What the stages draw into, an eye's buffers each, row by row of the image's drawn part with its guard band.
 
 use crate::config::Dilate;
 use crate::gpu::Gpu;
+use crate::layout::guarded;
 
 /// The eyes' pixels; made anew when an eye's size changes.
 #[derive(Debug)]
@@ -87,7 +88,8 @@ impl Targets {
     }
 }
 
-/// Bytes of an eye's pixels, rounded up to the 16 that `clear` writes at once.
-fn bytes_of([width, height]: [u32; 2], bytes_per_px: u64) -> u64 {
+/// Bytes of the pixels of an eye's image and its guard band, rounded up to the 16 that `clear` writes at once.
+fn bytes_of(size_px: [u32; 2], bytes_per_px: u64) -> u64 {
+    let [width, height] = guarded(size_px);
     (u64::from(width) * u64::from(height) * bytes_per_px).next_multiple_of(16)
 }

@@ -60,23 +60,25 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     let widest = shares(node.spacing).into_iter().fold(0.0, f32::max);
     let diameter = FILL_OVERLAP * longest * widest;
     let mut flags = 0;
-    let mut planes = view.forced_planes.max(1);
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
-        let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(eye, view.near, center, half_edge);
+        let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(view, eye, center, half_edge);
         if is_seen && is_needed(view, batch, node, eye, center, half_edge) {
             flags |= 16 << number;
-            let distance_sq = distance_sq(eye, view.near, center, half_edge);
-            if view.forced_planes == 0 {
-                planes = planes.max(planes_needed(longest * eye.pixels_per_radian, distance_sq));
-            }
-            let diameter_px = diameter * eye.pixels_per_radian;
-            if diameter_px * diameter_px > view.fill_reach_px[0] * view.fill_reach_px[0] * distance_sq {
-                flags |= VISIBLE_FILL;
-            }
         }
     }
     if flags == 0 {
         return None;
+    }
+    let mut planes = view.forced_planes.max(1);
+    for eye in &view.eyes[..num_eyes] {
+        let distance_sq = distance_sq(eye, view.near, center, half_edge);
+        if view.forced_planes == 0 {
+            planes = planes.max(planes_needed(longest * eye.pixels_per_radian, distance_sq));
+        }
+        let diameter_px = diameter * eye.pixels_per_radian;
+        if diameter_px * diameter_px > view.fill_reach_px[0] * view.fill_reach_px[0] * distance_sq {
+            flags |= VISIBLE_FILL;
+        }
     }
     if node.flags & NODE_DISCS != 0 {
         flags |= VISIBLE_FILL | VISIBLE_DISCS;
@@ -140,14 +142,17 @@ fn is_needed(
     inside < dot(half_edge, half_edge).sqrt() + SLACK * distance_sq.sqrt()
 }
 
-fn in_frustum(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> bool {
-    let far_side = |row: [f32; 4], size: f32| std::array::from_fn(|i| eye.row_w[i] * size - row[i]);
+fn in_frustum(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], half_edge: [f32; 3]) -> bool {
+    let first = eye.first_px.map(|px| px - view.margin_px);
+    let end = eye.end_px.map(|px| px + view.margin_px);
+    let from = |row: [f32; 4], px: f32| std::array::from_fn(|i| row[i] - eye.row_w[i] * px);
+    let to = |row: [f32; 4], px: f32| std::array::from_fn(|i| eye.row_w[i] * px - row[i]);
     let [x, y, z, w] = eye.row_w;
-    in_front([x, y, z, w - near], center, half_edge)
-        && in_front(eye.row_x, center, half_edge)
-        && in_front(far_side(eye.row_x, eye.size_px[0]), center, half_edge)
-        && in_front(eye.row_y, center, half_edge)
-        && in_front(far_side(eye.row_y, eye.size_px[1]), center, half_edge)
+    in_front([x, y, z, w - view.near], center, half_edge)
+        && in_front(from(eye.row_x, first[0]), center, half_edge)
+        && in_front(to(eye.row_x, end[0]), center, half_edge)
+        && in_front(from(eye.row_y, first[1]), center, half_edge)
+        && in_front(to(eye.row_y, end[1]), center, half_edge)
 }
 
 fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {

@@ -44,7 +44,7 @@ pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
         .collect()
 }
 
-/// How far the kernel of a pixel reaches: 1, 2, 3 by the ring that its centre lies in.
+/// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its centre lies in.
 #[must_use]
 pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize) -> usize {
     if dilate.radius_px != 0 {
@@ -52,8 +52,8 @@ pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize)
     }
     let eye = &view.eyes[dilate.eye as usize];
     let gaze = eye.gaze_in_view;
-    let right = eye.tangent_origin[0] + eye.tangent_per_px[0] * (x as f32 + 0.5);
-    let up = eye.tangent_origin[1] + eye.tangent_per_px[1] * (y as f32 + 0.5);
+    let right = eye.tangent_origin[0] + eye.tangent_per_px[0] * (x as f32 + eye.first_px[0] + 0.5);
+    let up = eye.tangent_origin[1] + eye.tangent_per_px[1] * (y as f32 + eye.first_px[1] + 0.5);
     let along = right * gaze[0] + up * gaze[1] - gaze[2];
     1 + ring(view, along, right * right + up * up + 1.0)
 }

@@ -17,7 +17,9 @@ use crate::cloud::Cloud;
 use crate::cloud::octree::Octree;
 use crate::cloud::spt::SequentialCloud;
 use crate::config::{Dilate, Quality};
-use crate::layout::{Batch, DilateUniform, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch};
+use crate::layout::{
+    Batch, DilateUniform, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch, guarded, without_guard,
+};
 use crate::look::Look;
 use crate::space::View;
 
@@ -86,7 +88,7 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// What a frame leaves, an entry an eye where it is of pixels.
+/// What a frame leaves, an entry an eye where it is of pixels: the image's, without its guard band.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Batches drawn.
@@ -131,17 +133,18 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
         let fill = look.detail.fill_reach_px.is_some();
         points::points(&uniform, num_eyes, &visible, [hi, mid, lo], scene.shapes, fill, put);
     };
+    let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| guarded(eye.size_px)).collect();
     let mut frame = Frame::default();
     match look.quality {
         Quality::Closest => {
-            frame.keys = view.eyes.iter().map(|e| clear::pixels(e.size_px, clear::EMPTY)).collect();
+            frame.keys = sizes_px.iter().map(|&size_px| clear::pixels(size_px, clear::EMPTY)).collect();
             points(&mut |put| depth::key(&mut frame.keys, put));
             let shade = |keys: &Vec<u64>| resolve::shade(keys, &|id| scene.color(id));
             frame.surface = frame.keys.iter().map(shade).collect();
         }
         Quality::Hqs => {
-            frame.depth = view.eyes.iter().map(|e| clear::pixels(e.size_px, EMPTY_DEPTH)).collect();
-            frame.sums = view.eyes.iter().map(|e| clear::pixels(e.size_px, [0; 4])).collect();
+            frame.depth = sizes_px.iter().map(|&size_px| clear::pixels(size_px, EMPTY_DEPTH)).collect();
+            frame.sums = sizes_px.iter().map(|&size_px| clear::pixels(size_px, [0; 4])).collect();
             points(&mut |put| depth::nearest(&mut frame.depth, put));
             points(&mut |put| color::add(&mut frame.sums, &frame.depth, put, scene.color_put(&put)));
             let eyes = frame.depth.iter().zip(&frame.sums);
@@ -158,6 +161,20 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
     frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
     let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, look.background_word());
     frame.images = frame.pixels.iter().map(image).collect();
-    let visible_nodes = cull::num_nodes(&visible, &scene.batches);
-    Frame { visible, visible_nodes, states, ..frame }
+    Frame {
+        visible_nodes: cull::num_nodes(&visible, &scene.batches),
+        visible,
+        states,
+        keys: images_of(&frame.keys, view),
+        depth: images_of(&frame.depth, view),
+        sums: images_of(&frame.sums, view),
+        surface: images_of(&frame.surface, view),
+        pixels: images_of(&frame.pixels, view),
+        images: images_of(&frame.images, view),
+    }
+}
+
+/// The eyes' pixels without their guard bands.
+fn images_of<T: Clone>(eyes: &[Vec<T>], view: &View) -> Vec<Vec<T>> {
+    eyes.iter().zip(&view.eyes).map(|(pixels, eye)| without_guard(pixels, eye.size_px)).collect()
 }

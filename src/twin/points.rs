@@ -17,7 +17,7 @@ const CELLS: f32 = 1_073_741_824.0;
 pub struct Put {
     /// 0 left, 1 right.
     pub eye: usize,
-    /// Number of the pixel, row by row.
+    /// Number of the pixel, row by row, in the image with its guard band.
     pub pixel: usize,
     /// Linear depth.
     pub w: f32,
@@ -66,15 +66,15 @@ pub fn points(
                 if batch.flags & 16 << eye == 0 || !is_chosen {
                     continue;
                 }
-                let Some((pixel, w)) = project(uniform, view.near, p_in_head) else { continue };
+                let Some((at, w)) = project(uniform, view.near, p_in_head) else { continue };
                 if fill && batch.flags & VISIBLE_FILL != 0 {
                     let diameter_px = diameter * uniform.pixels_per_radian * (1.0 / w);
                     let radius = (0.5 * (diameter_px - reach_px(view, uniform, p_in_head)))
                         .clamp(0.0, MAX_FILL_RADIUS as f32);
-                    pixels_round(uniform, pixel, radius.ceil() as usize, &mut |pixel| {
+                    pixels_round(uniform, at, radius.ceil(), &mut |pixel| {
                         put(Put { eye, pixel, w, id, mixture: None });
                     });
-                } else {
+                } else if let Some(pixel) = pixel_at(uniform, at) {
                     put(Put { eye, pixel, w, id, mixture: None });
                 }
             }
@@ -113,15 +113,18 @@ impl Disc {
     }
 }
 
-/// The pixels of a disc round a pixel, cut at the image's edges.
-fn pixels_round(eye: &EyeUniform, pixel: usize, radius: usize, each: &mut dyn FnMut(usize)) {
-    let (width, height) = (eye.width as usize, eye.height as usize);
-    let (x, y) = (pixel % width, pixel / width);
-    for v in y.saturating_sub(radius)..(y + radius + 1).min(height) {
-        for u in x.saturating_sub(radius)..(x + radius + 1).min(width) {
-            let (dx, dy) = (u.abs_diff(x), v.abs_diff(y));
+/// The pixels of a disc round the pixel at these coordinates, cut at the image's edges.
+fn pixels_round(eye: &EyeUniform, at: [f32; 2], radius: f32, each: &mut dyn FnMut(usize)) {
+    let size = [eye.width as f32, eye.height as f32];
+    let center: [f32; 2] = std::array::from_fn(|i| at[i] - eye.first_px[i]);
+    let first: [i32; 2] = std::array::from_fn(|i| (center[i] - radius).clamp(0.0, size[i]) as i32);
+    let last: [i32; 2] = std::array::from_fn(|i| (center[i] + radius).clamp(-1.0, size[i] - 1.0) as i32);
+    let (center, radius) = (center.map(|px| px as i32), radius as i32);
+    for v in first[1]..=last[1] {
+        for u in first[0]..=last[0] {
+            let (dx, dy) = (u - center[0], v - center[1]);
             if dx * dx + dy * dy <= radius * (radius + 1) {
-                each(v * width + u);
+                each((v * eye.width as i32 + u) as usize);
             }
         }
     }
@@ -148,13 +151,18 @@ pub fn p_in_head(batch: &VisibleBatch, cells: [i32; 3]) -> [f32; 3] {
     std::array::from_fn(|i| (cells[i] - batch.head_cell[i]) as f32 * batch.cell[i] + batch.offset[i])
 }
 
-/// Pixel number and linear depth of a point, if the eye sees it.
-#[must_use]
-pub fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<(usize, f32)> {
+/// Whole coordinates and linear depth of a point, in the image or outside, if it is not too near.
+fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<([f32; 2], f32)> {
     let row = |r: [f32; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
     let w = row(eye.row_w);
     let per_w = 1.0 / w;
-    let (u, v) = (row(eye.row_x) * per_w, row(eye.row_y) * per_w);
-    let inside = w > near && u >= 0.0 && u < eye.size_px[0] && v >= 0.0 && v < eye.size_px[1];
-    inside.then(|| (v as usize * eye.width as usize + u as usize, w))
+    let at = [(row(eye.row_x) * per_w).floor(), (row(eye.row_y) * per_w).floor()];
+    (w > near).then_some((at, w))
+}
+
+/// Number of the pixel at these coordinates, if it is of the image or its guard band.
+fn pixel_at(eye: &EyeUniform, at: [f32; 2]) -> Option<usize> {
+    let inside = (0..2).all(|i| at[i] >= eye.first_px[i] && at[i] < eye.end_px[i]);
+    let [x, y] = [0, 1].map(|i: usize| (at[i] - eye.first_px[i]) as usize);
+    inside.then(|| y * eye.width as usize + x)
 }

@@ -58,7 +58,8 @@ pub(super) fn triangles(
                     let corner = largest(shares);
                     let sum = shares[0] + shares[1] + shares[2];
                     let mixture = Mixture { points: triangle.points, shares: shares.map(|s| s / sum) };
-                    let pixel = v as usize * uniform.width as usize + u as usize;
+                    let [x, y] = [u - uniform.first_px[0] as i32, v - uniform.first_px[1] as i32];
+                    let pixel = y as usize * uniform.width as usize + x as usize;
                     let id = triangle.points[corner] << 1 | 1;
                     put(Put { eye, pixel, w, id, mixture: Some(mixture) });
                 }
@@ -144,14 +145,17 @@ impl Triangle {
 
 /// First and last of the pixels to look at.
 fn pixels(near: f32, eye: &EyeUniform, x: [f32; 3], y: [f32; 3], w: [f32; 3]) -> Option<[[i32; 2]; 2]> {
-    let size = eye.size_px;
     if least(w) > near {
         let at = |v: [f32; 3]| [0, 1, 2].map(|i| v[i] / w[i] - 0.5);
         let (u, v) = (at(x), at(y));
-        let first = |v: [f32; 3], size: f32| (least(v) - TRIANGLE_SLACK_PX).ceil().clamp(0.0, size) as i32;
-        let last =
-            |v: [f32; 3], size: f32| (most(v) + TRIANGLE_SLACK_PX).floor().clamp(-1.0, size - 1.0) as i32;
-        return Some([[first(u, size[0]), first(v, size[1])], [last(u, size[0]), last(v, size[1])]]);
+        let (first_px, end_px) = (eye.first_px, eye.end_px);
+        let first = |v: [f32; 3], axis: usize| {
+            (least(v) - TRIANGLE_SLACK_PX).ceil().clamp(first_px[axis], end_px[axis]) as i32
+        };
+        let last = |v: [f32; 3], axis: usize| {
+            (most(v) + TRIANGLE_SLACK_PX).floor().clamp(first_px[axis] - 1.0, end_px[axis] - 1.0) as i32
+        };
+        return Some([[first(u, 0), first(v, 1)], [last(u, 0), last(v, 1)]]);
     }
-    (most(w) > near).then(|| [[0, 0], size.map(|size| size as i32 - 1)])
+    (most(w) > near).then(|| [eye.first_px.map(|px| px as i32), eye.end_px.map(|px| px as i32 - 1)])
 }

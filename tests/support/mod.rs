@@ -8,7 +8,7 @@ use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::config::Quality;
 use scanwalk::gpu::{Atomics, Gpu, readback};
 
-use scanwalk::layout::{CullCounters, Detail, VisibleBatch};
+use scanwalk::layout::{CullCounters, Detail, VisibleBatch, without_guard};
 use scanwalk::look::Look;
 use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
@@ -194,7 +194,7 @@ impl Canvas {
     }
 }
 
-/// Both eyes' pixels of a target.
+/// Both eyes' pixels of a target, without their guard bands.
 fn of_eyes<T: bytemuck::Pod>(
     targets: &Targets,
     pair: &[wgpu::Buffer; 2],
@@ -203,9 +203,8 @@ fn of_eyes<T: bytemuck::Pod>(
     targets.drawn_px.iter().zip(pair).map(|(&size, buffer)| of_eye(&read(buffer), size)).collect()
 }
 
-fn of_eye<T: bytemuck::Pod>(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<T> {
-    let num_bytes = (width * height) as usize * size_of::<T>();
-    bytemuck::pod_collect_to_vec(&bytes[..num_bytes.min(bytes.len())])
+fn of_eye<T: bytemuck::Pod>(bytes: &[u8], size_px: [u32; 2]) -> Vec<T> {
+    without_guard(&bytemuck::pod_collect_to_vec::<u8, T>(bytes), size_px)
 }
 
 pub fn sizes(view: &View) -> Vec<[u32; 2]> {
