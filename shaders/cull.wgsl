@@ -45,20 +45,21 @@ fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool 
         && in_front(eye.row_w * end.y - eye.row_y, center, half_edge);
 }
 
-// Squared distance of the box from the eye. Nothing nearer than the near clip is drawn, so no point is magnified
-// more than there.
-fn distance_sq(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> f32 {
-    let gap = max(abs(center - eye.eye_in_head) - half_edge, vec3<f32>(0.0));
-    return max(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z, view.near * view.near);
-}
-
-// Planes that a box of this edge asks for: 1 below the threshold, 2 below 1024 times that, else 3.
-fn planes_needed(edge: f32, distance_sq: f32) -> u32 {
-    let fine = PRECISION_THRESHOLD_PX * 1024.0;
-    if edge * edge < PRECISION_THRESHOLD_PX * PRECISION_THRESHOLD_PX * distance_sq {
+// Planes that a box whose edge is drawn so large asks for: 1 below the threshold, 2 below 1024 times that, else 3.
+fn planes_needed(edge_px: f32) -> u32 {
+    if edge_px < PRECISION_THRESHOLD_PX {
         return 1u;
     }
-    return select(3u, 2u, edge * edge < fine * fine * distance_sq);
+    return select(3u, 2u, edge_px < PRECISION_THRESHOLD_PX * 1024.0);
+}
+
+// False if no point of a box is drawn larger than one pixel, though its edge is drawn so large: see `radius_px`. `far` is
+// the distance of its farthest corner over its least depth.
+fn may_be_wide(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spacing: f32) -> bool {
+    let stretch = min(far, 1.0 / eye.widest_cos);
+    let undivided_px = min(vec3<f32>(edge_px), view.undivided_px);
+    let across_px = max(vec3<f32>(widest * edge_px), SAMPLES_COVER * sample_spacing * undivided_px);
+    return any(stretch * across_px > (1.0 - SLACK) * view.fill_reach_px);
 }
 
 // False if no disc of a batch is drawn: none has the tolerances that the eye has there, or all show it their backs.
@@ -97,6 +98,14 @@ fn widest(spacing: vec4<u32>) -> f32 {
     return max(widest.x, widest.y);
 }
 
+// How far apart a node's samples lie, as a share of its edge: further where the root is drawn with a part of them.
+fn spacing_drawn(node: Node, drawn: u32) -> f32 {
+    if (node.flags & NODE_ROOT) == 0u || drawn == DRAWN_WHOLE {
+        return node.sample_spacing;
+    }
+    return node.sample_spacing / sqrt(f32((drawn >> 8u) + 1u) / 16777216.0);
+}
+
 // State of the child in each octant, in 8 bits; 255 where there is none.
 fn own_colors(node: Node) -> vec2<u32> {
     var own = vec2<u32>(0xffffffffu);
@@ -128,7 +137,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let center = half_edge - head_hi - head_lo;
 
     let longest = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z));
-    let diameter = FILL_OVERLAP * longest * widest(node.spacing);
+    let widest = POINTS_COVER * widest(node.spacing);
+    let sample_spacing = spacing_drawn(node, drawn);
     var flags = 0u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let is_seen = (view.flags & KEEP_UNSEEN) != 0u || in_frustum(view.eyes[eye], center, half_edge);
@@ -142,13 +152,16 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     // Both eyes count, whichever sees it: what one eye's picture shows does not depend on where the other's ends.
     var planes = max(view.forced_planes, 1u);
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
-        let distance_sq = distance_sq(view.eyes[eye], center, half_edge);
-        let pixels_per_radian = view.eyes[eye].pixels_per_radian;
+        let along = abs(view.eyes[eye].row_w.xyz);
+        let reach = along.x * half_edge.x + along.y * half_edge.y + along.z * half_edge.z;
+        let depth = nearest_depth(view.eyes[eye], center, half_edge, reach);
+        let edge_px = longest * view.eyes[eye].pixels_per_radian / depth;
         if view.forced_planes == 0u {
-            planes = max(planes, planes_needed(longest * pixels_per_radian, distance_sq));
+            planes = max(planes, planes_needed(edge_px));
         }
-        let diameter_px = diameter * pixels_per_radian;
-        if diameter_px * diameter_px > view.fill_reach_px.x * view.fill_reach_px.x * distance_sq {
+        let corner = abs(center - view.eyes[eye].eye_in_head) + half_edge;
+        let far = sqrt(corner.x * corner.x + corner.y * corner.y + corner.z * corner.z) / depth;
+        if may_be_wide(view.eyes[eye], edge_px, far, widest, sample_spacing) {
             flags |= VISIBLE_FILL;
         }
     }
@@ -177,6 +190,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     visible[slot] = VisibleBatch(
         head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes,
-        node.spacing, own_colors(node), drawn, id.x,
+        node.spacing, own_colors(node), drawn, id.x, vec3<u32>(0u), sample_spacing,
     );
 }

@@ -27,8 +27,13 @@ fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f
     return (step >= (shape & vec4<u32>(255u))) & (step < ((shape >> vec4<u32>(8u)) & vec4<u32>(255u)));
 }
 
-// World units that discs are wide.
-fn diameters(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+// World units that discs are wide: as far as they are apart.
+fn spacings(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
     let step = (shapes_of(load, turn) >> vec4<u32>(16u)) & vec4<u32>(255u);
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
+}
+
+// Discs are as wide as they are made, but for what dilation covers in any case.
+fn disc_px(spacing_px: f32, reach_px: f32) -> f32 {
+    return spacing_px - reach_px;
 }

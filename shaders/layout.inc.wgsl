@@ -20,7 +20,7 @@ struct Node {
     child_mask: u32,
     flags: u32,
     level: u32,
-    reserved: u32,
+    sample_spacing: f32,
 }
 
 struct EyeUniform {
@@ -32,7 +32,7 @@ struct EyeUniform {
     gaze_in_head: vec3<f32>,
     tolerance_rad: f32,
     gaze_in_view: vec3<f32>,
-    reserved: u32,
+    widest_cos: f32,
     tangent_origin: vec2<f32>,
     tangent_per_px: vec2<f32>,
     first_px: vec2<f32>,
@@ -53,7 +53,7 @@ struct ViewUniform {
     ring_sin: vec2<f32>,
     fill_reach_px: vec3<f32>,
     step_base: u32,
-    reserved: vec3<u32>,
+    undivided_px: vec3<f32>,
     margin_px: f32,
     eyes: array<EyeUniform, 2>,
 }
@@ -69,6 +69,8 @@ struct VisibleBatch {
     own: vec2<u32>,
     drawn: u32,
     batch: u32,
+    reserved: vec3<u32>,
+    sample_spacing: f32,
 }
 
 struct ChunkUniform {

@@ -2,7 +2,9 @@
 // One thread a node. [2022 §3.7]; frame.md section 4.
 //
 // Size and ring are judged by the cube's nearest point and by its sphere, so a node is never judged smaller or
-// further out than a node within it: what is drawn is a tree.
+// further out than a node within it: what is drawn is a tree. Nearest is what has the least depth, as in cull's
+// precision: an edge across the view is as many pixels long as it has pixels per radian over depth, which away from the
+// optical axis is less than distance.
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<storage, read> nodes: array<Node>;
@@ -37,9 +39,10 @@ fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
 // Projected edge in thresholds.
 fn importance(eye: EyeUniform, center: vec3<f32>, edge: f32) -> f32 {
     let from_eye = center - eye.eye_in_head;
-    let gap = max(abs(from_eye) - vec3<f32>(0.5 * edge), vec3<f32>(0.0));
-    let distance = max(sqrt(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z), view.near);
-    let edge_px = edge * eye.pixels_per_radian / distance;
+    // Written as one product, for compilers would make it one, and the twin must know.
+    let reach = 0.5 * edge * (abs(eye.row_w.x) + abs(eye.row_w.y) + abs(eye.row_w.z));
+    let depth = nearest_depth(eye, center, vec3<f32>(0.5 * edge), reach);
+    let edge_px = edge * eye.pixels_per_radian / depth;
     return edge_px / threshold_px(eye.gaze_in_head, from_eye, RADIUS * edge);
 }
 

@@ -9,23 +9,32 @@
 var<private> this_group: u32;
 var<private> this_thread: u32;
 
-// Pixels that points may be wide without being drawn larger than one, by the ring in which the eye sees them: what
-// dilation closes there in any case. The terms are added in the twin's order.
-fn reach_px(eye: u32, p_in_head: vec3<f32>) -> f32 {
-    let gaze = view.eyes[eye].gaze_in_head;
-    let p = p_in_head - view.eyes[eye].eye_in_head;
-    let ring = ring_of(p.x * gaze.x + p.y * gaze.y + p.z * gaze.z, p.x * p.x + p.y * p.y + p.z * p.z);
-    let outer = select(view.fill_reach_px.z, view.fill_reach_px.y, ring == 1u);
-    return select(outer, view.fill_reach_px.x, ring == 0u);
+fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
+    return select(select(values.z, values.y, ring == 1u), values.x, ring == 0u);
 }
 
-// A point that is `diameter` world units wide, as a disc of pixels round its own, which may lie outside the image.
-fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, diameter: f32, reach_px: f32) {
-    if w == 0.0 {
-        return;
-    }
-    let diameter_px = diameter * view.eyes[eye].pixels_per_radian * (1.0 / w);
-    let radius_px = ceil(clamp(0.5 * (diameter_px - reach_px), 0.0, f32(MAX_FILL_RADIUS)));
+// How far the disc of a point reaches round its own pixel, by what it is to close: points that are `spacing` world units
+// apart, and what level of detail leaves open. Where nodes below are not drawn, the edge of theirs has at most twice the
+// threshold, of which a share lies between its samples. Away from the optical axis a length along the radius is longer in
+// pixels than one across, by distance over depth. The terms are added in the twin's order.
+fn radius_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
+    let gaze = view.eyes[eye].gaze_in_head;
+    let p = p_in_head - view.eyes[eye].eye_in_head;
+    let distance_sq = p.x * p.x + p.y * p.y + p.z * p.z;
+    let ring = ring_of(p.x * gaze.x + p.y * gaze.y + p.z * gaze.z, distance_sq);
+    let reach_px = of_ring(ring, view.fill_reach_px);
+    let per_w = 1.0 / w;
+    let px_per_unit = view.eyes[eye].pixels_per_radian * per_w;
+    let stretch = sqrt(distance_sq) * per_w;
+    let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
+    let undivided_px = min(edge * px_per_unit, of_ring(ring, view.undivided_px));
+    let samples_px = SAMPLES_COVER * batch.sample_spacing * undivided_px * stretch - reach_px;
+    let diameter_px = max(disc_px(spacing * px_per_unit * stretch, reach_px), samples_px);
+    return ceil(clamp(0.5 * diameter_px, 0.0, f32(MAX_FILL_RADIUS)));
+}
+
+// A point as a disc of pixels round its own, which may lie outside the image.
+fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, radius_px: f32) {
     let radius = i32(radius_px);
     let width = i32(view.eyes[eye].width);
     let size = vec2<f32>(f32(width), f32(view.eyes[eye].height));
@@ -50,13 +59,16 @@ fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
     }
 }
 
-fn draw(eye: u32, batch: VisibleBatch, points: Turn, diameter: vec4<f32>) {
+fn draw(eye: u32, batch: VisibleBatch, points: Turn, spacing: vec4<f32>) {
     let p = seen(eye, batch, points);
     let id = points.id;
     if FILL && (batch.flags & VISIBLE_FILL) != 0u {
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
-            let reach = reach_px(eye, vec3<f32>(points.x[i], points.y[i], points.z[i]));
-            put_wide(eye, vec2<f32>(p.x[i], p.y[i]), p.w[i], id[i], diameter[i], reach);
+            if p.w[i] > 0.0 {
+                let p_in_head = vec3<f32>(points.x[i], points.y[i], points.z[i]);
+                let radius = radius_px(eye, batch, p_in_head, p.w[i], spacing[i]);
+                put_wide(eye, vec2<f32>(p.x[i], p.y[i]), p.w[i], id[i], radius);
+            }
         }
         return;
     }
@@ -85,16 +97,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             break;
         }
         let points = points_of(batch, turn);
-        var diameter = vec4<f32>(0.0);
+        var spacing = vec4<f32>(0.0);
         if FILL && (batch.flags & VISIBLE_FILL) != 0u {
             let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
-            diameter = diameters(points.load, turn, points.octant, edge, batch.spacing);
+            spacing = spacings(points.load, turn, points.octant, edge, batch.spacing);
         }
         if sees(0u, batch) {
-            draw(0u, batch, points, diameter);
+            draw(0u, batch, points, spacing);
         }
         if NUM_EYES == 2u && sees(1u, batch) {
-            draw(1u, batch, points, diameter);
+            draw(1u, batch, points, spacing);
         }
     }
 }

@@ -5,12 +5,17 @@ fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f
     return vec4<bool>(true);
 }
 
-// World units that points are wide, in a batch with this longest edge and the spacing of its node.
-fn diameters(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
-    var diameter: vec4<f32>;
+// World units that points are apart, in a batch with this longest edge and the spacing of its node.
+fn spacings(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+    var apart: vec4<f32>;
     for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
         let pair = unpack2x16float(spacing[octant[i] >> 1u]);
-        diameter[i] = FILL_OVERLAP * edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u);
+        apart[i] = edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u);
     }
-    return diameter;
+    return apart;
+}
+
+// How wide the disc of a point is that lies so many pixels from the next, where dilation covers some in any case.
+fn disc_px(spacing_px: f32, reach_px: f32) -> f32 {
+    return min(POINTS_COVER * spacing_px - reach_px, FILL_OVERLAP * spacing_px);
 }

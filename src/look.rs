@@ -4,9 +4,13 @@ use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
 use crate::layout::Detail;
 use crate::method::Method;
 
-/// [`Detail::fill_reach_px`] beside dilation by rings, whose kernels bridge two, four and six empty pixels. Points lie
-/// unevenly: where the mean gap comes near that, there are pinholes.
-pub const RINGS_REACH_PX: [f32; 3] = [2.0, 3.5, 5.0];
+/// [`Detail::fill_reach_px`] beside dilation by rings: the kernels' widths.
+pub const RINGS_REACH_PX: [f32; 3] = [3.0, 5.0, 7.0];
+/// The same for discs of a sequential point tree, which have the sizes that close a surface. Kernels bridge two, four and
+/// six empty pixels; discs lie unevenly, and where the gap comes near that there are pinholes.
+const DISCS_REACH_PX: [f32; 3] = [2.0, 3.5, 5.0];
+/// Without dilation.
+const NO_REACH_PX: [f32; 3] = [1.0; 3];
 
 /// What a frame is to look like.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,9 +32,13 @@ impl Look {
     #[must_use]
     pub fn of(config: &Config) -> Self {
         let frame = &config.frame;
-        let reach_px = if frame.dilate == Dilate::Rings { RINGS_REACH_PX } else { [1.0; 3] };
         // Discs have their sizes, and are drawn so.
         let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
+        let reach_px = match frame.dilate {
+            Dilate::Off => NO_REACH_PX,
+            Dilate::Rings if discs => DISCS_REACH_PX,
+            Dilate::Rings => RINGS_REACH_PX,
+        };
         let detail = Detail {
             forced_planes: if frame.precision == Precision::Full { 3 } else { 0 },
             threshold_px: config.lod.threshold_px.map(|px| px as f32),

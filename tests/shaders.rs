@@ -97,12 +97,14 @@ macro_rules! host {
 fn host_structs() -> Vec<HostStruct> {
     vec![
         host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval),
-        host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level, reserved),
+        host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level,
+            sample_spacing),
         host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
-            gaze_in_view, reserved, tangent_origin, tangent_per_px, first_px, end_px, width, height, reserved_end),
+            gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height, reserved_end),
         host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
-            fill_reach_px, step_base, reserved, margin_px, eyes),
-        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch),
+            fill_reach_px, step_base, undivided_px, margin_px, eyes),
+        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
+            reserved, sample_spacing),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),
         host!(ResolveUniform: size_px, background, reserved),

@@ -5,6 +5,8 @@
 
 mod contestant;
 mod figures;
+mod holes;
+mod holes_table;
 mod metrics;
 mod motion;
 mod picture;
@@ -15,6 +17,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use contestant::{CONTESTANTS, Contestant, Truth};
 use figures::{Figures, Motion, Recording, Table};
+use holes_table::Holes;
 use picture::Picture;
 use scanwalk::gpu::Gpu;
 use scanwalk::space::View;
@@ -55,6 +58,8 @@ struct Args {
     /// Also write the pictures
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
+    #[command(flatten)]
+    holes: Holes,
     /// GPU whose name contains this
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -77,8 +82,14 @@ fn main() -> Result<()> {
     let gpu = Arc::new(Gpu::open(args.adapter.as_deref())?);
     let size_px = if quick { QUICK_SIZE_PX } else { SIZE_PX };
 
-    let mut out = io::stdout().lock();
     let mut csv = args.csv.as_deref().map(create).transpose()?;
+    if args.holes.is_wanted() {
+        let mut nowhere = io::sink();
+        let csv: &mut dyn Write = csv.as_mut().map_or(&mut nowhere, |csv| csv);
+        let points = (1e6 * args.points).round() as u64;
+        return args.holes.run(&gpu, (&args.scan, points), csv, args.pictures.as_ref());
+    }
+    let mut out = io::stdout().lock();
     if let Some(csv) = &mut csv {
         Table::csv_header(csv)?;
     }

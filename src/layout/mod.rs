@@ -4,6 +4,7 @@
 mod flags;
 mod guard;
 mod prelude;
+mod view;
 
 pub use flags::{
     KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
@@ -11,11 +12,11 @@ pub use flags::{
 };
 pub use guard::{GUARD_PX, guarded, without_guard};
 pub use prelude::{Sums, Variant, prelude};
+pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 
 use crate::cloud::{self, octree, spt};
-use crate::space::{Eye, Fov, Split, View};
+use crate::space::Split;
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
 
 /// Threads of a workgroup of the geometry stages [2022 §3.2].
 pub const WORKGROUP_SIZE: u32 = 128;
@@ -50,9 +51,14 @@ pub const FADE_END: f32 = 1.189_207_1;
 pub const SURFACE_TOLERANCE: f32 = 1.01;
 /// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
 pub const MAX_FILL_RADIUS: u32 = 15;
-/// How much wider than the points' mean distance the disc is that `fill` draws: it must reach over the diagonal,
+/// How much wider than the points' mean distance the disc is at most that `fill` draws: it must reach over the diagonal,
 /// and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
+/// How much wider than the points' mean distance the square is to be that disc and dilation together cover: of points that
+/// lie at random, such a square has none once in two thousand times.
+pub const POINTS_COVER: f32 = 2.75;
+/// The same of a node's samples, which lie more evenly.
+pub const SAMPLES_COVER: f32 = 1.5;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
@@ -153,8 +159,9 @@ pub struct Node {
     pub flags: u32,
     /// Halvings from the root's cube.
     pub level: u32,
-    /// Always 0.
-    pub reserved: u32,
+    /// How far apart its samples lie, as a share of `edge`: what is seen of the surface while nothing below it is
+    /// drawn. 0 where nothing is below.
+    pub sample_spacing: f32,
 }
 
 impl Node {
@@ -168,7 +175,7 @@ impl Node {
         child_mask: 0,
         flags: NODE_WHOLE,
         level: 0,
-        reserved: 0,
+        sample_spacing: 0.0,
     };
 
     /// The GPU's form of a run of a sequential point tree.
@@ -215,191 +222,7 @@ impl Node {
             child_mask: children.iter().map(|child| 1 << node.octant_of(child)).sum(),
             flags,
             level: node.level,
-            reserved: 0,
-        }
-    }
-}
-
-/// One eye as the shaders see it: rows of `pixel_from_head` ([`crate::space::Eye::pixel_from_head`]), the gaze,
-/// and the way from a pixel back to a direction.
-///
-/// Its pixels are those of the image with the guard band ([`GUARD_PX`]) round it. Their coordinates count from the
-/// corner of pixels that lies nearest to the optical axis, wherever the image's edges are: so a point is rounded to the
-/// same pixel in a picture and in each part of it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct EyeUniform {
-    /// Row that gives px · w.
-    pub row_x: [f32; 4],
-    /// Row that gives py · w.
-    pub row_y: [f32; 4],
-    /// Row that gives w, the linear depth.
-    pub row_w: [f32; 4],
-    /// The eye in head space.
-    pub eye_in_head: [f32; 3],
-    /// Pixels per radian at the optical axis.
-    pub pixels_per_radian: f32,
-    /// Direction of the gaze in head space, unit length.
-    pub gaze_in_head: [f32; 3],
-    /// Angle that an error may have, radians: the tolerance at a distance of 1. 0 but for sequential point trees.
-    pub tolerance_rad: f32,
-    /// Direction of the gaze in view space, unit length; (0, 0, −1) is the optical axis.
-    pub gaze_in_view: [f32; 3],
-    /// Always 0.
-    pub reserved: u32,
-    /// Tangents of the angles to the corner that coordinates count from: right and up are positive.
-    pub tangent_origin: [f32; 2],
-    /// Tangents from one pixel to the next, to the right and down. The centre of pixel (x, y) lies in the
-    /// direction `(tangent_origin + tangent_per_px · (x + ½, y + ½), −1)` of view space.
-    pub tangent_per_px: [f32; 2],
-    /// The top left pixel; a whole number.
-    pub first_px: [f32; 2],
-    /// The pixel beyond the bottom right one.
-    pub end_px: [f32; 2],
-    /// Width in pixels, with the guard band.
-    pub width: u32,
-    /// Height in pixels, with the guard band.
-    pub height: u32,
-    /// Always 0.
-    pub reserved_end: [u32; 2],
-}
-
-impl EyeUniform {
-    /// The GPU's form of an eye, relative to the head.
-    #[must_use]
-    pub fn new(eye: &Eye, head_in_world: DVec3) -> Self {
-        let [row_x, row_y, row_w] = eye.pixel_from_head(head_in_world);
-        let Fov { left, right, up, down } = eye.fov;
-        let [width, height] = eye.size_px.map(f64::from);
-        let per_px = [(right - left) / width, (down - up) / height];
-        // The corner nearest to the axis, in pixels of the image.
-        let corner = [-left / per_px[0], -up / per_px[1]].map(f64::round);
-        let from_corner =
-            |row: [f64; 4], corner: f64| std::array::from_fn(|i| (row[i] - corner * row_w[i]) as f32);
-        let [width, height] = guarded(eye.size_px);
-        let first_px = corner.map(|corner| (-corner - f64::from(GUARD_PX)) as f32);
-        Self {
-            row_x: from_corner(row_x, corner[0]),
-            row_y: from_corner(row_y, corner[1]),
-            row_w: row_w.map(|v| v as f32),
-            eye_in_head: (eye.world_from_view.position - head_in_world).as_vec3().to_array(),
-            pixels_per_radian: eye.pixels_per_radian() as f32,
-            gaze_in_head: (eye.world_from_view.orientation * eye.gaze_in_view).as_vec3().to_array(),
-            tolerance_rad: 0.0,
-            gaze_in_view: eye.gaze_in_view.as_vec3().to_array(),
-            reserved: 0,
-            tangent_origin: [left + per_px[0] * corner[0], up + per_px[1] * corner[1]].map(|t| t as f32),
-            tangent_per_px: per_px.map(|t| t as f32),
-            first_px,
-            end_px: [first_px[0] + width as f32, first_px[1] + height as f32],
-            width,
-            height,
-            reserved_end: [0; 2],
-        }
-    }
-}
-
-/// How much of a cloud a frame draws.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detail {
-    /// 0: precision by projected size; 1, 2, 3: that many planes always.
-    pub forced_planes: u32,
-    /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
-    pub threshold_px: [f32; 3],
-    /// Angles from the gaze at which the inner and the middle ring end, radians.
-    pub ring_rad: [f64; 2],
-    /// Thresholds grow from the first to the third between the rings' ends.
-    pub smooth: bool,
-    /// Points of a node appear one by one.
-    pub fade: bool,
-    /// Points narrower than this, in pixels of the inner, middle and outer ring, are drawn as one pixel; `None`: all are,
-    /// always.
-    pub fill_reach_px: Option<[f32; 3]>,
-    /// Pixels that a disc of a sequential point tree may be wrong by, ε of [SPT §3.5]; `None`: there is none to draw.
-    pub error_px: Option<f32>,
-    /// Batches that neither eye sees are drawn too, so that all points are read.
-    pub keep_unseen: bool,
-}
-
-impl Default for Detail {
-    /// The papers' thresholds, no fading.
-    fn default() -> Self {
-        Self {
-            forced_planes: 0,
-            threshold_px: [100.0, 200.0, 300.0],
-            ring_rad: [20f64.to_radians(), 38f64.to_radians()],
-            smooth: false,
-            fade: false,
-            fill_reach_px: None,
-            error_px: None,
-            keep_unseen: false,
-        }
-    }
-}
-
-/// The view of one frame: both eyes and the head that they are relative to.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct ViewUniform {
-    /// Head position, coarse part, relative to the cloud origin.
-    pub head_hi: [f32; 3],
-    /// Points with w ≤ near are not drawn.
-    pub near: f32,
-    /// Head position, fine part.
-    pub head_lo: [f32; 3],
-    /// 0: precision by projected size; 1, 2, 3: that many planes always.
-    pub forced_planes: u32,
-    /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
-    pub threshold_px: [f32; 3],
-    /// [`LOD_FADE`], [`LOD_SMOOTH`], [`KEEP_UNSEEN`].
-    pub flags: u32,
-    /// Cosines of the angles from the gaze at which the inner and the middle ring end.
-    pub ring_cos: [f32; 2],
-    /// Their sines.
-    pub ring_sin: [f32; 2],
-    /// Points narrower than this, in pixels of the inner, middle and outer ring, are drawn as one pixel.
-    pub fill_reach_px: [f32; 3],
-    /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale::base`].
-    pub step_base: u32,
-    /// Always 0.
-    pub reserved: [u32; 3],
-    /// Pixels outside an eye's image in which a point may still be large enough to be seen.
-    pub margin_px: f32,
-    /// Left, right. With one eye the second is a copy of the first and not drawn.
-    pub eyes: [EyeUniform; 2],
-}
-
-impl ViewUniform {
-    /// The GPU's form of a view of one or two eyes. For a sequential point tree, `step_base` is to be set besides.
-    ///
-    /// # Panics
-    /// If the view has no eye.
-    #[must_use]
-    pub fn new(view: &View, split: &Split, detail: &Detail) -> Self {
-        let head_in_world = view.head_in_world();
-        let (hi, lo) = split.pair(head_in_world);
-        let eye = |index: usize| {
-            let eye = &view.eyes[index.min(view.eyes.len() - 1)];
-            let error_rad = f64::from(detail.error_px.unwrap_or(0.0)) / eye.pixels_per_radian();
-            let tolerance_rad = error_rad.min(spt::MAX_TOLERANCE_RAD) as f32;
-            EyeUniform { tolerance_rad, ..EyeUniform::new(eye, head_in_world) }
-        };
-        Self {
-            head_hi: hi.to_array(),
-            near: view.near as f32,
-            head_lo: lo.to_array(),
-            forced_planes: detail.forced_planes,
-            threshold_px: detail.threshold_px,
-            flags: if detail.fade { LOD_FADE } else { 0 }
-                | if detail.smooth { LOD_SMOOTH } else { 0 }
-                | if detail.keep_unseen { KEEP_UNSEEN } else { 0 },
-            ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
-            ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
-            fill_reach_px: detail.fill_reach_px.unwrap_or([f32::MAX; 3]),
-            step_base: 0,
-            reserved: [0; 3],
-            margin_px: if detail.fill_reach_px.is_some() { MAX_FILL_RADIUS as f32 } else { 0.0 },
-            eyes: [eye(0), eye(1)],
+            sample_spacing: node.sample_spacing,
         }
     }
 }
@@ -478,6 +301,10 @@ pub struct VisibleBatch {
     pub drawn: u32,
     /// The batch.
     pub batch: u32,
+    /// Always 0.
+    pub reserved: [u32; 3],
+    /// [`Node::sample_spacing`]; of the root's samples that are drawn.
+    pub sample_spacing: f32,
 }
 
 /// Dispatch arguments of `depth` and the frame's counters, written by `cull`.

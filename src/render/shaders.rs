@@ -23,6 +23,8 @@ const CHOICE: Shared = |variant| match variant.discs {
         concat!(include_str!("../../shaders/steps.inc.wgsl"), include_str!("../../shaders/discs.inc.wgsl"))
     }
 };
+/// How large what lies in a box is drawn.
+const SIZES: Shared = shared!("sizes");
 /// The rings round the gaze.
 const RINGS: Shared = shared!("rings");
 /// The geometry stages' loop over them, and over triangles where there may be some.
@@ -90,8 +92,8 @@ macro_rules! shader {
 /// Every shader of the frame, in its order; then the overlays' and those of other methods.
 pub const SHADERS: [Shader; 27] = [
     shader!("clear", &[]),
-    shader!("lod", &[]),
-    shader!("cull", &[STEPS]),
+    shader!("lod", &[SIZES]),
+    shader!("cull", &[SIZES, STEPS]),
     shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
     shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, DEPTHS]),
     shader!("ids", &[POINTS, CHOICE, RINGS, LOOP]),

@@ -1,10 +1,11 @@
 //! Twin of `cull`: frustum, precision, and the head in each batch's cells.
 
+use super::sizes::nearest_depth;
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    Batch, EyeUniform, FILL_OVERLAP, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, NODE_DISCS,
-    NODE_ONE_SIDED, NODE_TRIANGLES, Node, PRECISION_THRESHOLD_PX, VISIBLE_DISCS, VISIBLE_FILL,
-    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, NODE_DISCS, NODE_ONE_SIDED,
+    NODE_ROOT, NODE_TRIANGLES, Node, POINTS_COVER, PRECISION_THRESHOLD_PX, SAMPLES_COVER, VISIBLE_DISCS,
+    VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -27,7 +28,7 @@ pub fn cull(
         if drawn == 0 {
             return None;
         }
-        let visible = cull_batch(view, num_eyes, batch, node)?;
+        let visible = cull_batch(view, num_eyes, batch, node, drawn)?;
         Some(VisibleBatch { own: own_colors(node, states), drawn, batch: number as u32, ..visible })
     };
     batches.iter().enumerate().filter_map(one).collect()
@@ -49,7 +50,21 @@ fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
     own
 }
 
-fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -> Option<VisibleBatch> {
+/// How far apart a node's samples lie, as a share of its edge: further where the root is drawn with a part of them.
+fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
+    if node.flags & NODE_ROOT == 0 || drawn == DRAWN_WHOLE {
+        return node.sample_spacing;
+    }
+    node.sample_spacing / (((drawn >> 8) + 1) as f32 / 16_777_216.0).sqrt()
+}
+
+fn cull_batch(
+    view: &ViewUniform,
+    num_eyes: usize,
+    batch: &Batch,
+    node: &Node,
+    drawn: u32,
+) -> Option<VisibleBatch> {
     let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let half_edge = batch.cell.map(|c| c * HALF_CELLS);
     let head_hi = axes(&|i| view.head_hi[i] - batch.min_hi[i]);
@@ -58,7 +73,8 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
 
     let longest = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2]));
     let widest = shares(node.spacing).into_iter().fold(0.0, f32::max);
-    let diameter = FILL_OVERLAP * longest * widest;
+    let widest = POINTS_COVER * widest;
+    let sample_spacing = spacing_drawn(node, drawn);
     let mut flags = 0;
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
         let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(view, eye, center, half_edge);
@@ -71,12 +87,16 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
     }
     let mut planes = view.forced_planes.max(1);
     for eye in &view.eyes[..num_eyes] {
-        let distance_sq = distance_sq(eye, view.near, center, half_edge);
+        let [x, y, z, _] = eye.row_w.map(f32::abs);
+        let reach = x * half_edge[0] + y * half_edge[1] + z * half_edge[2];
+        let depth = nearest_depth(view, eye, center, half_edge, reach);
+        let edge_px = longest * eye.pixels_per_radian / depth;
         if view.forced_planes == 0 {
-            planes = planes.max(planes_needed(longest * eye.pixels_per_radian, distance_sq));
+            planes = planes.max(planes_needed(edge_px));
         }
-        let diameter_px = diameter * eye.pixels_per_radian;
-        if diameter_px * diameter_px > view.fill_reach_px[0] * view.fill_reach_px[0] * distance_sq {
+        let corner = axes(&|i| (center[i] - eye.eye_in_head[i]).abs() + half_edge[i]);
+        let far = (corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2]).sqrt() / depth;
+        if may_be_wide(view, eye, edge_px, far, widest, sample_spacing) {
             flags |= VISIBLE_FILL;
         }
     }
@@ -106,6 +126,8 @@ fn cull_batch(view: &ViewUniform, num_eyes: usize, batch: &Batch, node: &Node) -
         own: [0; 2],
         drawn: 0,
         batch: 0,
+        reserved: [0; 3],
+        sample_spacing,
     })
 }
 
@@ -164,21 +186,28 @@ fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
     distance + radius + SLACK * magnitude >= 0.0
 }
 
-fn distance_sq(eye: &EyeUniform, near: f32, center: [f32; 3], half_edge: [f32; 3]) -> f32 {
-    let gap: [f32; 3] =
-        std::array::from_fn(|i| ((center[i] - eye.eye_in_head[i]).abs() - half_edge[i]).max(0.0));
-    (gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]).max(near * near)
+fn planes_needed(edge_px: f32) -> u32 {
+    match edge_px {
+        px if px < PRECISION_THRESHOLD_PX => 1,
+        px if px < PRECISION_THRESHOLD_PX * 1024.0 => 2,
+        _ => 3,
+    }
 }
 
-fn planes_needed(edge: f32, distance_sq: f32) -> u32 {
-    let fine = PRECISION_THRESHOLD_PX * 1024.0;
-    if edge * edge < PRECISION_THRESHOLD_PX * PRECISION_THRESHOLD_PX * distance_sq {
-        1
-    } else if edge * edge < fine * fine * distance_sq {
-        2
-    } else {
-        3
-    }
+fn may_be_wide(
+    view: &ViewUniform,
+    eye: &EyeUniform,
+    edge_px: f32,
+    far: f32,
+    widest: f32,
+    sample_spacing: f32,
+) -> bool {
+    let stretch = far.min(1.0 / eye.widest_cos);
+    (0..3).any(|ring| {
+        let undivided_px = edge_px.min(view.undivided_px[ring]);
+        let across_px = (widest * edge_px).max(SAMPLES_COVER * sample_spacing * undivided_px);
+        stretch * across_px > (1.0 - SLACK) * view.fill_reach_px[ring]
+    })
 }
 
 /// The eight f16 of [`Node::spacing`].

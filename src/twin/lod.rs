@@ -1,5 +1,6 @@
 //! Twin of `lod`: each node's state.
 
+use super::sizes::nearest_depth;
 use crate::layout::{
     DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, HYSTERESIS, LOD_FADE, LOD_SMOOTH, NODE_ROOT, NODE_WHOLE,
     Node, ViewUniform,
@@ -40,9 +41,9 @@ fn node_state(view: &ViewUniform, num_eyes: usize, node: &Node, before: u32) -> 
 /// Projected edge in thresholds.
 fn importance(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], edge: f32) -> f32 {
     let from_eye: [f32; 3] = std::array::from_fn(|i| center[i] - eye.eye_in_head[i]);
-    let gap = from_eye.map(|v| (v.abs() - 0.5 * edge).max(0.0));
-    let distance = (gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]).sqrt().max(view.near);
-    let edge_px = edge * eye.pixels_per_radian / distance;
+    let [x, y, z, _] = eye.row_w.map(f32::abs);
+    let depth = nearest_depth(view, eye, center, [0.5 * edge; 3], 0.5 * edge * (x + y + z));
+    let edge_px = edge * eye.pixels_per_radian / depth;
     edge_px / threshold_px(view, eye.gaze_in_head, from_eye, RADIUS * edge)
 }
 

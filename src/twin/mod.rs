@@ -11,6 +11,7 @@ pub mod lod;
 pub mod points;
 pub mod resolve;
 pub mod rings;
+mod sizes;
 pub mod triangles;
 
 use crate::cloud::Cloud;

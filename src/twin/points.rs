@@ -5,8 +5,8 @@ use super::rings::ring;
 use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, VISIBLE_DISCS, VISIBLE_FILL,
-    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, POINTS_COVER, SAMPLES_COVER,
+    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -59,8 +59,10 @@ pub fn points(
             let disc = shapes.filter(|_| batch.flags & VISIBLE_DISCS != 0);
             let disc = disc.map(|shapes| Disc::of(view, shapes[index as usize]));
             let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
-            let spacing = FILL_OVERLAP * edge * shares(batch.spacing)[octant];
-            let diameter = disc.map_or(spacing, |disc| disc.diameter);
+            let spacing = edge * shares(batch.spacing)[octant];
+            let is_disc = shapes.is_some();
+            let length = disc.map_or(spacing, |disc| disc.diameter);
+            let apart = if is_disc { Apart::Discs(length) } else { Apart::Points(length) };
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
                 let is_chosen = disc.is_none_or(|disc| disc.is_chosen(uniform, p_in_head));
                 if batch.flags & 16 << eye == 0 || !is_chosen {
@@ -68,10 +70,8 @@ pub fn points(
                 }
                 let Some((at, w)) = project(uniform, view.near, p_in_head) else { continue };
                 if fill && batch.flags & VISIBLE_FILL != 0 {
-                    let diameter_px = diameter * uniform.pixels_per_radian * (1.0 / w);
-                    let radius = (0.5 * (diameter_px - reach_px(view, uniform, p_in_head)))
-                        .clamp(0.0, MAX_FILL_RADIUS as f32);
-                    pixels_round(uniform, at, radius.ceil(), &mut |pixel| {
+                    let radius = radius_px(view, uniform, batch, p_in_head, w, apart);
+                    pixels_round(uniform, at, radius, &mut |pixel| {
                         put(Put { eye, pixel, w, id, mixture: None });
                     });
                 } else if let Some(pixel) = pixel_at(uniform, at) {
@@ -82,11 +82,49 @@ pub fn points(
     }
 }
 
-/// Pixels that a point may be wide without being drawn larger than one: by its ring.
-fn reach_px(view: &ViewUniform, eye: &EyeUniform, p_in_head: [f32; 3]) -> f32 {
+/// How far the disc of a point reaches round its own pixel.
+fn radius_px(
+    view: &ViewUniform,
+    eye: &EyeUniform,
+    batch: &VisibleBatch,
+    p_in_head: [f32; 3],
+    w: f32,
+    apart: Apart,
+) -> f32 {
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let from_eye: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
-    view.fill_reach_px[ring(view, dot(from_eye, eye.gaze_in_head), dot(from_eye, from_eye))]
+    let distance_sq = dot(from_eye, from_eye);
+    let ring = ring(view, dot(from_eye, eye.gaze_in_head), distance_sq);
+    let per_w = 1.0 / w;
+    let px_per_unit = eye.pixels_per_radian * per_w;
+    let reach_px = view.fill_reach_px[ring];
+    let stretch = distance_sq.sqrt() * per_w;
+    let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
+    let undivided_px = (edge * px_per_unit).min(view.undivided_px[ring]);
+    let samples_px = SAMPLES_COVER * batch.sample_spacing * undivided_px * stretch - reach_px;
+    let apart_px = apart.length() * px_per_unit * stretch;
+    let disc_px = match apart {
+        Apart::Points(_) => (POINTS_COVER * apart_px - reach_px).min(FILL_OVERLAP * apart_px),
+        Apart::Discs(_) => apart_px - reach_px,
+    };
+    (0.5 * disc_px.max(samples_px)).clamp(0.0, MAX_FILL_RADIUS as f32).ceil()
+}
+
+/// How far apart what is drawn lies, world units.
+#[derive(Clone, Copy)]
+enum Apart {
+    /// Points of flat clouds and of an octree's nodes.
+    Points(f32),
+    /// Discs of a sequential point tree, which are as wide.
+    Discs(f32),
+}
+
+impl Apart {
+    fn length(self) -> f32 {
+        match self {
+            Self::Points(length) | Self::Discs(length) => length,
+        }
+    }
 }
 
 /// A disc of a sequential point tree: twin of `discs.inc.wgsl`.

@@ -2,7 +2,7 @@
 
 use super::keys::{Cube, Key, Root};
 use super::tree::Draft;
-use super::{Node, Octree};
+use super::{GRID_BITS, Node, Octree};
 use crate::cloud::index::Index;
 use crate::cloud::quantize::{Cells, planes};
 use crate::cloud::{Batch, BuildError, Cloud};
@@ -98,6 +98,7 @@ fn node(root: &Root, draft: &Draft, parent: Option<u32>, children: Range<usize>,
         num_points_within: draft.keys.len() as u32,
         octant_spacing: draft.octant_spacing.map(|s| if edge > 0.0 { (s / edge) as f32 } else { 0.0 }),
         crowd: draft.crowd,
+        sample_spacing: (draft.sample_cells / f64::from(1u32 << GRID_BITS)) as f32,
     }
 }
 

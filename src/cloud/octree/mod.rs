@@ -82,6 +82,9 @@ pub struct Node {
     pub octant_spacing: [f32; 8],
     /// Most of its points that share a cell of a grid of 128³; 1 if inner.
     pub crowd: u32,
+    /// How far apart its samples lie on a surface, together with those that nodes above took of its cube, as a share of
+    /// `edge`: 1 / 128, more where some went for their number. 0 if a leaf.
+    pub sample_spacing: f32,
 }
 
 impl Node {

@@ -58,12 +58,15 @@ pub(super) struct Sampled {
     pub samples: Vec<Sample>,
     /// How many of them came from each child.
     pub num_taken: [u32; 8],
+    /// How many were kept before some went for their number.
+    pub num_spread: usize,
 }
 
 impl Sampled {
     /// Keeps `limit` of them. Those that go are stood for by the one before: on the curve, a neighbour.
     fn thin(&mut self, limit: usize) {
         let num_samples = self.samples.len();
+        self.num_spread = num_samples;
         if num_samples <= limit {
             return;
         }

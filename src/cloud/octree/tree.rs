@@ -35,6 +35,8 @@ pub(super) struct Draft {
     pub spacing: f64,
     /// Most of its points in a cell of its grid.
     pub crowd: u32,
+    /// Spacing of its samples in cells of its grid, 1 or more; 0 of a leaf.
+    pub sample_cells: f64,
     /// In Morton order.
     pub children: Vec<Draft>,
 }
@@ -149,6 +151,7 @@ impl Builder<'_> {
             octant_spacing,
             spacing: share * self.root.edge(level),
             crowd,
+            sample_cells: 0.0,
             children: Vec::new(),
         };
         (draft, Offer::All)
@@ -198,6 +201,8 @@ impl Builder<'_> {
         }
         // What was taken whole and has nothing below is no node any more.
         children.retain(|child| child.num_points > 0 || !child.children.is_empty());
+        // On a surface, half as many points lie √2 times as far apart.
+        let sample_cells = (sampled.num_spread as f64 / sampled.samples.len() as f64).sqrt();
         let draft = Draft {
             cube,
             keys: part.range(),
@@ -205,6 +210,7 @@ impl Builder<'_> {
             octant_spacing,
             spacing,
             crowd: 1,
+            sample_cells,
             children,
         };
         (draft, Offer::Samples(sampled.samples))

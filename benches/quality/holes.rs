@@ -1,0 +1,183 @@
+//! Holes by the angle from the gaze: how many pixels are empty that the frame without level of detail fills, for headsets,
+//! presets and steps of the governor.
+
+use anyhow::{Context, Result};
+use glam::DVec3;
+use scanwalk::config::{self, Config};
+use scanwalk::gpu::{Gpu, readback};
+use scanwalk::look::Look;
+use scanwalk::render::{self, CloudBuffers, EyeImage, Renderer, Setup};
+use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
+use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
+use std::sync::Arc;
+
+/// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
+pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
+/// No point has this color.
+const EMPTY_RGB: [u8; 3] = [255, 0, 255];
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Radius of the sphere that [`sphere`] makes, world units.
+const SPHERE_RADIUS: f64 = 5.0;
+
+/// A closed sphere round the origin: points on it at random, each as likely everywhere.
+pub fn sphere(num_points: u64) -> Scan {
+    let mut state = 0x5ca1_ab1e_u64;
+    let mut unit = || {
+        // splitmix64
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let scale = 1e-5;
+    let (mut xyz, mut rgb) = (Vec::new(), Vec::new());
+    for _ in 0..num_points {
+        let (z, turn) = (2.0 * unit() - 1.0, std::f64::consts::TAU * unit());
+        let across = (1.0 - z * z).sqrt();
+        let p = SPHERE_RADIUS * DVec3::new(across * turn.cos(), across * turn.sin(), z);
+        xyz.push((p / scale).round().as_ivec3().to_array());
+        // Stripes, so that one sees something.
+        let stripe = ((4.0 * p.x).floor() + (4.0 * p.y).floor() + (4.0 * p.z).floor()).rem_euclid(2.0);
+        rgb.push([40 + 150 * stripe as u16, 90, 160]);
+    }
+    let points = Points { xyz, rgb, ..Points::default() };
+    let bounds = Bounds { min: DVec3::splat(-SPHERE_RADIUS), max: DVec3::splat(SPHERE_RADIUS) };
+    let lattice = Lattice { scale: DVec3::splat(scale), offset: DVec3::ZERO };
+    let format = "made up".into();
+    let color = ColorSource::Rgb8;
+    let file =
+        ScanFile { path: "sphere".into(), format, lattice, points, color, bounds, ..ScanFile::default() };
+    Scan { files: vec![file], ..Scan::default() }
+}
+
+/// Settings of these presets, then of `sets`.
+pub fn settings(presets: &[&str], sets: &[String]) -> Result<Config> {
+    let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
+    let mut config = config::load(&presets, None, sets)?;
+    config.frame.background = EMPTY_RGB;
+    Ok(config)
+}
+
+/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
+pub fn left_eye(config: &Config, eye: DVec3, target: DVec3, share: f64) -> View {
+    let [outward, inward, up, down] = config.simulated.fov_deg.map(f64::to_radians);
+    let share = share * config.headset.resolution_scale;
+    let eye = Eye {
+        world_from_view: Pose::look_at(eye, target, DVec3::Z),
+        fov: Fov::from_angles(-outward, inward, up, -down),
+        size_px: config.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32),
+        gaze_in_view: Eye::AHEAD,
+    };
+    View { eyes: vec![eye], near: config.frame.near_m }
+}
+
+/// A frame, as far as holes are counted.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// Width, height.
+    pub size_px: [u32; 2],
+    /// sRGB as stored.
+    pub rgb: Vec<[u8; 3]>,
+    /// Points in the batches that were drawn.
+    pub points_read: u64,
+}
+
+impl Drawn {
+    fn is_empty(&self, pixel: usize) -> bool {
+        self.rgb[pixel] == EMPTY_RGB
+    }
+}
+
+/// Draws frames of one eye.
+pub struct Drawer {
+    gpu: Arc<Gpu>,
+    renderer: Renderer,
+    image: wgpu::Texture,
+    frame: u64,
+}
+
+impl Drawer {
+    /// Of a cloud, in pictures of this size; `config` says what pipelines are for.
+    ///
+    /// # Errors
+    /// If the size does not fit the GPU.
+    pub fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, config: &Config, size_px: [u32; 2]) -> Result<Self> {
+        let atomics = render::tier(gpu, config)?;
+        let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
+        let mut renderer = Renderer::new(gpu, setup, Look::of(config))?;
+        renderer.set_cloud(cloud)?;
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let image = gpu.texture("image", size_px, FORMAT, usage);
+        Ok(Self { gpu: Arc::clone(gpu), renderer, image, frame: 0 })
+    }
+
+    /// Gives the cloud back.
+    pub fn finish(mut self) -> Option<CloudBuffers> {
+        self.renderer.take_cloud()
+    }
+
+    /// One frame, with thresholds multiplied as the governor does.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn draw(&mut self, config: &Config, view: &View, lod_scale: f32) -> Result<Drawn> {
+        self.renderer.set_look(Look::of(config))?;
+        self.renderer.set_lod_scale(lod_scale);
+        let color = &self.image.create_view(&wgpu::TextureViewDescriptor::default());
+        self.frame += 1;
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.renderer.record(&mut encoder, self.frame, &[EyeImage { color, depth: None }]);
+        {
+            let queue = self.gpu.queue.lock();
+            self.renderer.set_view(&queue, view);
+            queue.submit([encoder.finish()]);
+        }
+        self.renderer.submitted();
+        let rgba = readback::read_texture(&self.gpu, &self.image)?;
+        let points_read = self.renderer.collect_times().context("the GPU gave no frame back")?.points_read;
+        let size_px = view.eyes[0].size_px;
+        Ok(Drawn { size_px, rgb: rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect(), points_read })
+    }
+}
+
+/// The same settings with every point drawn.
+pub fn unreduced(config: &Config) -> Config {
+    let mut whole = config.clone();
+    whole.lod.threshold_px = [1e-3; 3];
+    whole
+}
+
+/// Pixels of a ring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ring {
+    /// Of those that are judged, the empty ones.
+    pub empty: u64,
+    /// Those that the unreduced frame fills; all, where there is none.
+    pub judged: u64,
+}
+
+impl Ring {
+    /// Share that is empty, in percent; NaN where nothing is judged.
+    pub fn percent(&self) -> f64 {
+        100.0 * self.empty as f64 / self.judged as f64
+    }
+}
+
+/// Holes of each ring, beside the frame that draws every point, if there is one.
+pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>) -> [Ring; RINGS_DEG.len()] {
+    let eye = &view.eyes[0];
+    let (fov, gaze) = (eye.fov, eye.gaze_in_view.normalize());
+    let cosines = RINGS_DEG.map(|deg| deg.to_radians().cos());
+    let [width, height] = drawn.size_px.map(|size| size as usize);
+    let mut rings = [Ring::default(); RINGS_DEG.len()];
+    for pixel in (0..width * height).filter(|&pixel| whole.is_none_or(|whole| !whole.is_empty(pixel))) {
+        let share = |at: usize, size: usize| (at as f64 + 0.5) / size as f64;
+        let right = fov.left + (fov.right - fov.left) * share(pixel % width, width);
+        let up = fov.up + (fov.down - fov.up) * share(pixel / width, height);
+        let along = DVec3::new(right, up, -1.0).normalize().dot(gaze);
+        let number = cosines.iter().position(|&cos| along >= cos).unwrap_or(RINGS_DEG.len() - 1);
+        rings[number].judged += 1;
+        rings[number].empty += u64::from(drawn.is_empty(pixel));
+    }
+    rings
+}

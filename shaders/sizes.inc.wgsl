@@ -1,0 +1,11 @@
+// How large what lies in a box is drawn: by its depth, for `lod` and `cull`.
+
+// The least depth that points of a box have which the eye sees; near at least, since nothing nearer is drawn. `reach` is
+// how far the box reaches along the optical axis from its centre. The terms are added in the twin's order.
+fn nearest_depth(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>, reach: f32) -> f32 {
+    let axis = eye.row_w;
+    let middle = axis.x * center.x + axis.y * center.y + axis.z * center.z + axis.w;
+    let gap = max(abs(center - eye.eye_in_head) - half_edge, vec3<f32>(0.0));
+    let distance = sqrt(gap.x * gap.x + gap.y * gap.y + gap.z * gap.z);
+    return max(max(middle - reach, eye.widest_cos * distance), view.near);
+}

@@ -1,0 +1,102 @@
+//! No holes at the edge of sight: from inside a closed sphere, no ring has more than 0.05 % empty pixels, in any headset,
+//! with any preset, at any step of the governor. A small form of the benchmark's table (`docs/bench/holes`): as many points
+//! a pixel as there, a fifth of the width and height.
+
+mod support;
+
+#[allow(dead_code, reason = "the benchmark uses more")]
+#[path = "../benches/quality/holes.rs"]
+mod holes;
+
+use glam::DVec3;
+use holes::{Drawer, Drawn, RINGS_DEG, Ring, left_eye, settings, sphere, unreduced};
+use scanwalk::cloud::octree::{Octree, build_octree};
+use scanwalk::progress::Progress;
+use scanwalk::render::CloudBuffers;
+use std::sync::OnceLock;
+use support::gpu;
+
+const SHARE: f64 = 0.2;
+/// 8 million in the full form.
+const POINTS: u64 = 320_000;
+/// Of a ring's pixels.
+const MAX_PERCENT: f64 = 0.05;
+
+fn octree() -> &'static Octree {
+    static OCTREE: OnceLock<Octree> = OnceLock::new();
+    let build = || build_octree(&sphere(POINTS), &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    OCTREE.get_or_init(build)
+}
+
+/// Holes of each ring, from the middle of the sphere, with each of the settings and steps of the governor.
+fn rings(presets: &[&str], frames: &[(&str, f32)]) -> Vec<[Ring; RINGS_DEG.len()]> {
+    let of = |set: &str| settings(presets, &[set.to_owned()]).expect("settings");
+    let first = of(frames[0].0);
+    let view = left_eye(&first, DVec3::ZERO, DVec3::new(3.0, 4.0, 0.5), SHARE);
+    let cloud = CloudBuffers::upload_layered(&gpu(), octree(), 0, &Progress::hidden()).expect("upload");
+    let mut drawer = Drawer::new(&gpu(), cloud, &first, view.eyes[0].size_px).expect("room on the GPU");
+    let mut draw = |&(set, lod_scale): &(&str, f32)| {
+        let drawn = drawer.draw(&of(set), &view, lod_scale).expect("a frame");
+        holes::holes(&view, &drawn, None)
+    };
+    frames.iter().map(&mut draw).collect()
+}
+
+fn assert_closed(what: &str, rings: &[Ring]) {
+    println!("{what}: {rings:?}");
+    for (ring, deg) in rings.iter().zip(RINGS_DEG) {
+        // A few pixels of a small ring are no share.
+        let is_closed = ring.percent() <= MAX_PERCENT || ring.empty <= 3;
+        assert!(is_closed, "{what}, up to {deg}°: {ring:?}, {:.3} %", ring.percent());
+    }
+}
+
+#[test]
+fn a_closed_surface_has_no_holes_at_any_angle() {
+    let frames = [("fovea.smooth=false", 1.0), ("fovea.smooth=true", 2.0), ("fovea.smooth=false", 3.0)];
+    for headset in ["valve-index", "meta-quest-3", "bigscreen-beyond-2"] {
+        for preset in ["quality", "balanced", "performance"] {
+            for ((set, lod_scale), rings) in frames.into_iter().zip(rings(&[preset, headset], &frames)) {
+                assert!(rings.iter().all(|ring| ring.judged > 500), "every ring is seen: {rings:?}");
+                assert_closed(&format!("{headset}, {preset}, {set}, × {lod_scale}"), &rings);
+            }
+        }
+    }
+}
+
+/// Thresholds that a user sets are followed like the governor's.
+#[test]
+fn thresholds_set_by_hand_open_no_holes() {
+    let by_hand = rings(&["balanced", "valve-index"], &[("lod.threshold_px=[300, 600, 900]", 1.0)]);
+    assert_closed("by hand", &by_hand[0]);
+    // The measure can fail: without larger points that is full of holes.
+    let bare = rings(&["balanced", "valve-index"], &[("frame.fill=false", 3.0)]);
+    println!("without fill: {bare:?}");
+    assert!(bare[0].iter().any(|ring| ring.percent() > 1.0), "{bare:?}");
+}
+
+/// An empty pixel counts in the ring that it lies in, unless it is empty without level of detail too.
+#[test]
+fn a_hole_is_counted_in_its_ring() {
+    let config = settings(&["balanced", "valve-index"], &[]).expect("settings");
+    let view = left_eye(&config, DVec3::ZERO, DVec3::Y, 0.02);
+    let [width, height] = view.eyes[0].size_px;
+    let whole =
+        Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };
+    let with_hole = |at: usize| {
+        let mut drawn = whole.clone();
+        drawn.rgb[at] = config.frame.background;
+        drawn
+    };
+    let center = (height / 2 * width + width / 2) as usize;
+    for (at, want) in [(0, 4), (center, 0)] {
+        let drawn = with_hole(at);
+        let rings = holes::holes(&view, &drawn, Some(&whole));
+        let empty = rings.map(|ring| ring.empty);
+        assert_eq!((empty[want], empty.iter().sum::<u64>()), (1, 1), "{empty:?}");
+        assert_eq!(rings.iter().map(|ring| ring.judged).sum::<u64>(), u64::from(width * height));
+        let beside_itself = holes::holes(&view, &drawn, Some(&drawn));
+        assert!(beside_itself.iter().all(|ring| ring.empty == 0));
+    }
+    assert!(unreduced(&config).lod.threshold_px.iter().all(|&px| px < 1.0));
+}
