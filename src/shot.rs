@@ -34,24 +34,39 @@ pub struct ShotOptions {
     pub scans: Vec<PathBuf>,
     /// The picture of each eye: one, with `stereo` two.
     pub out: Vec<Output>,
-    /// Where the camera stands, world space; None: where it sees the whole scan.
+    /// Where the camera stands, in the files' coordinates; None: where it sees the whole scan.
     pub eye: Option<DVec3>,
-    /// Where it looks; None: the scan's centre.
+    /// Where it looks, in the files' coordinates; None: the scan's centre.
     pub target: Option<DVec3>,
-    /// Which way is up.
-    pub up: DVec3,
+    /// Which way is up, along the files' axes; None: what is up in the world.
+    pub up: Option<DVec3>,
     /// How much is seen.
     pub fov: ShotFov,
     /// Width, height in pixels.
     pub size_px: [u32; 2],
     /// Two eyes, `ipd` apart along the camera's right, both looking the same way.
     pub stereo: bool,
-    /// Distance of the eyes, world units.
+    /// Distance of the eyes in metres.
     pub ipd: f64,
     /// Linear depth of each eye as NumPy float32 (H, W), +inf where nothing is; none if it is not wanted.
     pub depth: Vec<Output>,
     /// Figures as JSON.
     pub metrics: Option<Output>,
+}
+
+impl ShotOptions {
+    /// The same picture, asked for in the world's coordinates rather than the files'.
+    fn in_world(&self, scan: &Scan) -> Self {
+        let world_from_file = scan.world_from_file();
+        let place = |p: Option<DVec3>| p.map(|p_in_file| world_from_file.p_in_world(p_in_file));
+        Self {
+            eye: place(self.eye),
+            target: place(self.target),
+            up: self.up.map(|up_in_file| world_from_file.direction_in_world(up_in_file)),
+            ipd: self.ipd / scan.unit_m.unwrap_or(1.0),
+            ..self.clone()
+        }
+    }
 }
 
 /// A picture's field of view.
@@ -88,6 +103,7 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
+    let options = &options.in_world(&scan);
     let (buffers, body) = upload(&gpu, scan, config, stop)?;
     let num_points = buffers.num_points;
     let load_s = load_began.elapsed().as_secs_f64();
@@ -162,7 +178,7 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
     let target = options.target.unwrap_or(bounds.center());
     let eye = options.eye.unwrap_or_else(|| overview(bounds, target, fov));
     anyhow::ensure!(eye != target, "--eye and --target are the same place: the camera has no direction");
-    let center = Pose::look_at(eye, target, options.up);
+    let center = Pose::look_at(eye, target, options.up.unwrap_or(DVec3::Z));
     let at = |sideways: f64, fov: Fov| {
         let position = center.position + center.orientation * DVec3::X * sideways;
         Eye {

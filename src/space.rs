@@ -1,7 +1,7 @@
 //! Every space and every matrix of the program, in f64; f32 only at the very end (frame.md section 2).
 //!
 //! Spaces, all right-handed:
-//! - **world**: scan coordinates as the files have them (f64, z up for LAS), in file units.
+//! - **world**: the scan's coordinates (f64, z up), in one unit along all axes: see `scan::WorldFromFile`.
 //! - **stage**: the headset's play space: metres, y up, floor at 0.
 //! - **view**: an eye's own space: x right, y up, looking along −z. Lengths are world units.
 //! - **head**: world axes, origin at the point midway between the eyes. The GPU works in it: numbers near

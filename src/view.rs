@@ -326,7 +326,7 @@ fn sequential(
 
 /// What the window's panel says of the scan.
 fn scan_facts(scan: &scan::Scan) -> Vec<(String, String)> {
-    let size = scan.bounds().size();
+    let size = scan.bounds_in_file().size();
     let mut facts = vec![("points".to_string(), scan::info::grouped(scan.num_points()))];
     facts.push(("size".into(), format!("{:.2} × {:.2} × {:.2}", size.x, size.y, size.z)));
     if let Some(file) = scan.files.first() {

@@ -56,7 +56,7 @@ const TABLE: &[Row] = &[
 
 /// What differs from the row, or nothing.
 fn difference(scan: &Scan, (name, num_points, min, max): &Row) -> Option<String> {
-    let bounds = scan.bounds();
+    let bounds = scan.bounds_in_file();
     let near = |a: [f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.00051);
     let same =
         scan.num_points() == *num_points && near(bounds.min.into(), min) && near(bounds.max.into(), max);
@@ -138,8 +138,12 @@ fn colors_and_units_are_recognised() {
     assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").unit_m, Some(0.3048));
     assert_eq!(scan("laz-aerial-rgbnir-ign/las_with_several_extra_byte_bloc.laz").unit_m, Some(1.0));
     let degrees = scan("las-small/epsg_4326.las");
-    assert_eq!((degrees.crs.as_deref(), degrees.unit_m), (Some("EPSG:4326, WGS 84"), None));
+    assert_eq!((degrees.crs.as_deref(), degrees.unit_in_file_m), (Some("EPSG:4326, WGS 84"), None));
     assert!(degrees.warnings[0].contains("in degrees"));
+    // Two kilometres across, upright, in metres.
+    let size = degrees.bounds().size();
+    assert!((2000.0..2200.0).contains(&size.x) && (1050.0..1200.0).contains(&size.y), "{size}");
+    assert!((38.0..41.0).contains(&size.z) && degrees.unit_m == Some(1.0), "{size}");
 }
 
 #[test]

@@ -11,7 +11,6 @@ use crate::scan;
 use crate::shot::{self, ShotFov, ShotOptions};
 use crate::synth::{self, SynthOptions};
 use crate::view::{self, ViewOptions, Wish};
-use glam::DVec3;
 
 /// Runs the command that was asked for.
 pub(super) fn run(cli: &Cli, partials: &Partials, stop: &Stop) -> anyhow::Result<()> {
@@ -87,7 +86,7 @@ fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, stop: &Stop)
         out: outputs.take(OutputKind::Picture),
         eye: args.eye,
         target: args.target,
-        up: args.up.unwrap_or(DVec3::Z),
+        up: args.up,
         fov: match args.half_angles {
             Some(half_angles_deg) => ShotFov::HalfAngles(half_angles_deg),
             None => ShotFov::Vertical(args.fov_y),

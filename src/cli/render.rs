@@ -24,13 +24,14 @@ pub struct RenderArgs {
     /// The picture; with --stereo OUT.left.png and OUT.right.png
     #[arg(short, long, value_name = "OUT.png")]
     pub out: PathBuf,
-    /// Where the eye is, in the scan's coordinates [default: so that all is seen]
+    /// Where the eye is, in the file's own coordinates, those that `info` prints: degrees if it has degrees; of several
+    /// files, the first one's [default: so that all is seen]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
     pub eye: Option<DVec3>,
-    /// What it looks at [default: the middle of the scan]
+    /// What it looks at, in the same coordinates [default: the middle of the scan]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
     pub target: Option<DVec3>,
-    /// Which way is up [default: 0,0,1]
+    /// Which way is up, along the file's axes [default: what is up in the scan]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
     pub up: Option<DVec3>,
     /// Vertical field of view in degrees

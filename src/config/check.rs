@@ -17,6 +17,10 @@ pub(super) struct Problem {
 
 /// Checks every value that its type leaves too much freedom.
 pub(super) fn check(config: &Config) -> Result<(), Problem> {
+    let units = [("cloud.unit", config.cloud.unit), ("cloud.vertical_unit", config.cloud.vertical_unit)];
+    for (key, unit) in units {
+        number(key, unit.metres().unwrap_or(1.0), 1e-9..=1e9)?;
+    }
     number("frame.near_m", config.frame.near_m, 1e-6..=1e6)?;
     rings(&config.fovea)?;
     for threshold in config.lod.threshold_px {

@@ -15,7 +15,7 @@ pub use presets::{PRESETS, Preset};
 
 use crate::cloud::Order;
 use crate::method::Method;
-use crate::scan::{ReadOptions, Up};
+use crate::scan::{Project, ReadOptions, Unit, Up};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set.
@@ -109,13 +109,20 @@ pub struct CloudConfig {
     pub up: Up,
     /// Whether a file that cannot be read is an error although others can.
     pub strict: bool,
+    /// Unit of the files' lengths.
+    pub unit: Unit,
+    /// Unit of the files' heights, where it is another.
+    pub vertical_unit: Unit,
+    /// Which files lie on the earth.
+    pub project: Project,
 }
 
 impl CloudConfig {
     /// How files are read.
     #[must_use]
     pub fn read_options(&self) -> ReadOptions {
-        ReadOptions { up: self.up, strict: self.strict }
+        let Self { up, unit, vertical_unit, project, strict, .. } = *self;
+        ReadOptions { up, unit, vertical_unit, project, strict }
     }
 }
 

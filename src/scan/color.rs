@@ -1,7 +1,9 @@
 //! From columns to colours: which column a file is coloured by, and the ramp for those without colour.
 
+use super::info::grouped;
 use super::stats::Stats;
-use super::{ColorSource, ScanFile};
+use super::white::{ColorCounts, White};
+use super::{ColorSource, Scan, ScanFile};
 use crate::space::Bounds;
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -19,9 +21,15 @@ impl ScanFile {
     #[must_use]
     pub fn color(&self, index: usize) -> u32 {
         match self.color {
-            ColorSource::Rgb8 => pack(self.points.rgb[index].map(|c| c.min(255) as u8)),
-            // round(c / 257) in integers: 257 is odd, so no tie exists.
-            ColorSource::Rgb16 => pack(self.points.rgb[index].map(|c| ((u32::from(c) + 128) / 257) as u8)),
+            ColorSource::Rgb8 => pack(self.points.rgb[index].map(|c| byte(c, 255))),
+            ColorSource::Rgb10 => pack(self.points.rgb[index].map(|c| byte(c, 1023))),
+            ColorSource::Rgb12 => pack(self.points.rgb[index].map(|c| byte(c, 4095))),
+            ColorSource::Rgb16 => pack(self.points.rgb[index].map(|c| byte(c, u16::MAX))),
+            ColorSource::Rgb8And16 => {
+                let rgb = self.points.rgb[index];
+                let white = if rgb.iter().all(|&c| c <= 255) { 255 } else { u16::MAX };
+                pack(rgb.map(|c| byte(c, white)))
+            }
             ColorSource::Intensity { low, high } => ramp(f64::from(self.points.intensity[index]), low, high),
             ColorSource::Height { low, high } => {
                 let z = self.lattice.offset.z + self.lattice.scale.z * f64::from(self.points.xyz[index][2]);
@@ -31,16 +39,90 @@ impl ScanFile {
     }
 }
 
-/// What a file with these extremes is coloured by; ranges of ramps follow in [`share_ranges`].
+/// What a file with these columns is coloured by; ranges of ramps follow in [`share_ranges`].
 pub(super) fn source(stats: &Stats) -> ColorSource {
-    if stats.rgb_max > 255 {
-        ColorSource::Rgb16
-    } else if stats.rgb_max > 0 {
-        ColorSource::Rgb8
-    } else if stats.intensity_min < stats.intensity_max {
+    if stats.colors.num_points == 0 || stats.colors.constant().is_some() {
+        return without_rgb(stats);
+    }
+    match stats.colors.white() {
+        White::One(255) => ColorSource::Rgb8,
+        White::One(1023) => ColorSource::Rgb10,
+        White::One(4095) => ColorSource::Rgb12,
+        White::One(_) => ColorSource::Rgb16,
+        White::Two => ColorSource::Rgb8And16,
+    }
+}
+
+fn without_rgb(stats: &Stats) -> ColorSource {
+    if stats.intensity_min < stats.intensity_max {
         ColorSource::Intensity { low: 0.0, high: 0.0 }
     } else {
         ColorSource::Height { low: 0.0, high: 0.0 }
+    }
+}
+
+/// Decides about files of which each has a single color. Where these differ, they tell the files apart and stay;
+/// otherwise the color tells nothing, and the column would only cost memory. Greys are what exporters fill in.
+pub(super) fn settle_single_colors(scan: &mut Scan) {
+    let is_grey = |[r, g, b]: [u16; 3]| r == g && g == b;
+    let mut single: Vec<[u16; 3]> = scan.files.iter().filter_map(|file| file.one_color).collect();
+    single.retain(|&color| !is_grey(color));
+    single.sort_unstable();
+    single.dedup();
+    for file in &mut scan.files {
+        let Some(color) = file.one_color else { continue };
+        if single.len() > 1 && !is_grey(color) {
+            file.one_color = None;
+            file.color = if color.iter().all(|&c| c <= 255) { ColorSource::Rgb8 } else { ColorSource::Rgb16 };
+            continue;
+        }
+        file.points.rgb = Vec::new();
+        if color != [0; 3] {
+            let path = file.path.display();
+            scan.warnings.push(format!(
+                "{path}: has the same color at all points, {color:?}, which is taken for none"
+            ));
+        }
+    }
+}
+
+/// What is odd about a file's colors, as sentences whose subject is the file.
+pub(super) fn oddities(colors: &ColorCounts, color: ColorSource) -> Vec<String> {
+    let mut sentences = Vec::new();
+    if color == ColorSource::Rgb8And16 {
+        let what = "has colors of 8 bits at some points and of 16 at others, as if files had been merged";
+        sentences.push(format!("{what}; each point is drawn by its own"));
+    }
+    if color.is_rgb() && is_mostly_black(colors) {
+        let num_colored = grouped((colors.num_points - colors.num_black) as usize);
+        let num_points = grouped(colors.num_points as usize);
+        sentences.push(format!(
+            "has a color at only {num_colored} of {num_points} points; the others are drawn in greys"
+        ));
+    }
+    sentences
+}
+
+/// True if black is no color but the lack of one.
+pub(super) fn is_mostly_black(colors: &ColorCounts) -> bool {
+    2 * colors.num_black > colors.num_points
+}
+
+impl ColorSource {
+    /// The stored value of full brightness; of files with two, the larger. `None` if no stored colors are drawn.
+    pub(super) fn white(self) -> Option<u16> {
+        match self {
+            Self::Rgb8 => Some(255),
+            Self::Rgb10 => Some(1023),
+            Self::Rgb12 => Some(4095),
+            Self::Rgb16 | Self::Rgb8And16 => Some(u16::MAX),
+            Self::Intensity { .. } | Self::Height { .. } => None,
+        }
+    }
+
+    /// True if the points' own colors are drawn.
+    fn is_rgb(self) -> bool {
+        self.white().is_some()
     }
 }
 
@@ -52,7 +134,7 @@ pub(super) fn share_ranges(files: &mut [ScanFile], scene: &Bounds) {
         match &mut file.color {
             ColorSource::Intensity { low, high } => (*low, *high) = intensity,
             ColorSource::Height { low, high } => (*low, *high) = height,
-            ColorSource::Rgb8 | ColorSource::Rgb16 => {}
+            _ => {}
         }
     }
 }
@@ -119,6 +201,12 @@ fn height_range(files: &[ScanFile], scene: &Bounds) -> (f64, f64) {
     let mut at = |index| *heights.select_nth_unstable_by(index, f64::total_cmp).1;
     let robust = (at(tail), at(last - tail));
     if robust.0 < robust.1 { robust } else { (at(0), at(last)) }
+}
+
+/// round(c · 255 / white), in integers: no white here is even, so no tie exists. Above the white is white.
+fn byte(c: u16, white: u16) -> u8 {
+    let (c, white) = (u32::from(c.min(white)), u32::from(white));
+    ((2 * 255 * c + white) / (2 * white)) as u8
 }
 
 fn pack([r, g, b]: [u8; 3]) -> u32 {
@@ -203,6 +291,72 @@ mod tests {
         });
         assert_eq!(file.color, ColorSource::Rgb8);
         assert_eq!(file.color(0), 255 | 1 << 8 | 2 << 16 | 255 << 24);
+    }
+
+    #[test]
+    fn ten_and_twelve_bits_round_and_each_point_of_a_merged_file_has_its_own_white() {
+        let shown = |color, rgb| {
+            let points = Points { xyz: vec![[0; 3]], rgb: vec![rgb], ..Points::default() };
+            let file = ScanFile { points, color, ..ScanFile::default() };
+            file.color(0).to_le_bytes()
+        };
+        for (color, white) in [(ColorSource::Rgb10, 1023), (ColorSource::Rgb12, 4095)] {
+            for c in 0..=white {
+                let expected = (f64::from(c) * 255.0 / f64::from(white)).round() as u8;
+                assert_eq!(shown(color, [c, white, 0]), [expected, 255, 0, 255]);
+            }
+            assert_eq!(shown(color, [60_000, 0, 0])[0], 255, "beyond the white is white");
+        }
+        assert_eq!(shown(ColorSource::Rgb8And16, [255, 7, 0]), [255, 7, 0, 255]);
+        assert_eq!(shown(ColorSource::Rgb8And16, [257, 256, 65535]), [1, 1, 255, 255]);
+    }
+
+    #[test]
+    fn one_color_everywhere_is_none_unless_it_tells_files_apart() {
+        let tile = |rgb| {
+            let points = Points {
+                xyz: vec![[0; 3]; 2],
+                rgb: vec![rgb; 2],
+                intensity: vec![3, 9],
+                ..Points::default()
+            };
+            let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+            ScanFile { one_color: stats.colors.constant(), ..file(points) }
+        };
+        let settled = |colors: &[[u16; 3]]| {
+            let mut scan = Scan { files: colors.iter().map(|&rgb| tile(rgb)).collect(), ..Scan::default() };
+            settle_single_colors(&mut scan);
+            let sources = scan.files.iter().map(|file| file.color.is_rgb()).collect::<Vec<_>>();
+            (
+                sources,
+                scan.files.iter().all(|file| file.color.is_rgb() != file.points.rgb.is_empty()),
+                scan.warnings.len(),
+            )
+        };
+        let (red, blue, white, black) = ([255, 0, 0], [0, 0, 65535], [65535; 3], [0; 3]);
+        for color in [red, white, [1; 3]] {
+            assert_eq!(settled(&[color]), (vec![false], true, 1), "{color:?}");
+            assert_eq!(settled(&[color, color]), (vec![false; 2], true, 2), "{color:?}");
+        }
+        assert_eq!(settled(&[black]), (vec![false], true, 0));
+        assert_eq!(settled(&[red, blue]), (vec![true; 2], true, 0));
+        assert_eq!(settled(&[red, blue, white, black]), (vec![true, true, false, false], true, 1));
+    }
+
+    #[test]
+    fn few_colored_points_and_merged_bits_are_said() {
+        let said = |rgb: &[[u16; 3]]| {
+            let stats = Stats::of(&[], rgb, &[]);
+            oddities(&stats.colors, source(&stats))
+        };
+        let mut few = vec![[0; 3]; 6000];
+        few[10] = [255, 0, 0];
+        assert_eq!(said(&few), ["has a color at only 1 of 6,000 points; the others are drawn in greys"]);
+        let even: Vec<[u16; 3]> = (0..300).map(|at| [at % 256, 5, 5]).collect();
+        assert!(said(&even).is_empty());
+        let merged = [even, vec![[60_000, 9000, 8000]; 300]].concat();
+        assert!(said(&merged)[0].contains("8 bits at some points and of 16 at others"));
+        assert!(said(&[[0; 3]; 10]).is_empty());
     }
 
     #[test]

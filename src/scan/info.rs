@@ -1,8 +1,9 @@
 //! `scanwalk info`: what is in the files, for people or as JSON.
 
-use super::{ColorSource, Header, ReadOptions, Scan, ScanFile, read};
+use super::{ColorSource, Header, InFile, ReadOptions, Scan, ScanFile, WorldFromFile, read, unit};
 use crate::progress::Stop;
 use crate::space::Bounds;
+use glam::DVec3;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -16,10 +17,12 @@ struct Description {
     format: String,
     attributes: Vec<String>,
     color_bits: Option<u8>,
+    color_white: Option<u16>,
     normals: bool,
     triangles: usize,
     crs: Option<String>,
     unit_m: Option<f64>,
+    vertical_unit_m: Option<f64>,
     files: Vec<FileDescription>,
     warnings: Vec<String>,
 }
@@ -38,7 +41,6 @@ struct FileDescription {
 /// What [`super::read()`] reports; a closed standard output.
 pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, stop: &Stop) -> anyhow::Result<()> {
     let (scan, headers) = read::read_with_headers(paths, options, stop)?;
-    let scan = scan.with_scene();
     let text = if json {
         serde_json::to_string_pretty(&describe(&scan, &headers))? + "\n"
     } else {
@@ -52,18 +54,21 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
     let file = |file: &ScanFile| FileDescription {
         path: file.path.display().to_string(),
         points: file.points.xyz.len(),
-        bbox: bbox(file.bounds),
+        bbox: bbox(file.in_file.bounds),
     };
+    let white = scan.files.iter().filter_map(|file| file.color.white()).max();
     Description {
         points: scan.num_points(),
-        bbox: bbox(scan.bounds()),
+        bbox: bbox(scan.bounds_in_file()),
         format: distinct(headers.iter().map(|header| header.format.clone())).join("; "),
         attributes: distinct(headers.iter().flat_map(|header| header.attributes.clone())),
-        color_bits: scan.files.iter().filter_map(color_bits).max(),
+        color_bits: white.map(|white| if white == 255 { 8 } else { 16 }),
+        color_white: white,
         normals: scan.files.iter().any(|file| !file.points.normals.is_empty()),
         triangles: scan.files.iter().map(|file| file.triangles.len()).sum(),
         crs: scan.crs.clone(),
-        unit_m: scan.unit_m,
+        unit_m: scan.unit_in_file_m,
+        vertical_unit_m: vertical_unit_m(scan),
         files: scan.files.iter().map(file).collect(),
         warnings: scan.warnings.clone(),
     }
@@ -71,14 +76,6 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
 
 fn bbox(bounds: Bounds) -> [[f64; 3]; 2] {
     [bounds.min.to_array(), bounds.max.to_array()]
-}
-
-fn color_bits(file: &ScanFile) -> Option<u8> {
-    match file.color {
-        ColorSource::Rgb8 => Some(8),
-        ColorSource::Rgb16 => Some(16),
-        ColorSource::Intensity { .. } | ColorSource::Height { .. } => None,
-    }
 }
 
 /// In the order of first appearance.
@@ -97,15 +94,15 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     let described = describe(scan, headers);
     let mut lines: Vec<(&str, String)> = Vec::new();
     lines.push(("points", grouped(described.points)));
-    lines.extend(box_lines(scan.bounds(), scan.unit_m, decimals));
+    lines.extend(box_lines(scan.bounds_in_file(), size_m(scan), decimals));
     lines.push(("format", described.format));
     lines.push(("attributes", described.attributes.join(", ")));
-    lines.push(("colour", distinct(scan.files.iter().map(|file| color_words(file.color))).join("; ")));
+    lines.push(("colour", distinct(scan.files.iter().map(color_words)).join("; ")));
     lines.push(("normals", if described.normals { "yes".into() } else { String::new() }));
     let triangles = (described.triangles > 0).then(|| grouped(described.triangles));
     lines.push(("triangles", triangles.unwrap_or_default()));
     lines.push(("system", described.crs.unwrap_or_else(|| "not stated".into())));
-    lines.push(("unit", unit_words(scan.unit_m)));
+    lines.push(("unit", unit_words(scan.unit_in_file_m, described.vertical_unit_m)));
     let software = distinct(headers.iter().filter_map(|header| header.software.clone()));
     let created = distinct(headers.iter().filter_map(|header| header.created.clone()));
     lines.push(("written by", software.join("; ")));
@@ -125,48 +122,82 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     text
 }
 
-fn box_lines(bounds: Bounds, unit_m: Option<f64>, decimals: usize) -> [(&'static str, String); 3] {
-    let three = |v: glam::DVec3| format!("{:.decimals$}  {:.decimals$}  {:.decimals$}", v.x, v.y, v.z);
-    let size = bounds.size();
-    let mut size_text = three(size).replace("  ", " x ");
-    match unit_m {
-        Some(1.0) => size_text += " m",
-        Some(unit_m) => {
-            let metres = size * unit_m;
-            // Writing to a string cannot fail.
-            let _ = write!(size_text, " ({:.1} x {:.1} x {:.1} m)", metres.x, metres.y, metres.z);
-        }
-        None => {}
-    }
-    [("from", three(bounds.min)), ("to", three(bounds.max)), ("size", size_text)]
-}
-
-fn color_words(color: ColorSource) -> String {
-    match color {
-        ColorSource::Rgb8 => "8 bits".into(),
-        ColorSource::Rgb16 => "16 bits".into(),
-        ColorSource::Intensity { low, high } => format!("none; shown by intensity, {low} to {high}"),
-        ColorSource::Height { low, high } => format!("none; shown by height, {low:.2} to {high:.2}"),
+/// Metres a unit of height, where it is another than across.
+fn vertical_unit_m(scan: &Scan) -> Option<f64> {
+    match scan.world_from_file() {
+        WorldFromFile::Axes { height_scale: 1.0, .. } | WorldFromFile::Geocentric { .. } => None,
+        WorldFromFile::Axes { height_scale, .. } => scan.unit_in_file_m.map(|unit_m| height_scale * unit_m),
+        WorldFromFile::Geographic { height_m, .. } => Some(height_m),
     }
 }
 
-fn unit_words(unit_m: Option<f64>) -> String {
-    match unit_m {
-        None => "not stated".into(),
-        Some(1.0) => "metre".into(),
-        Some(0.3048) => "foot (0.3048 m)".into(),
-        Some(unit_m) => format!("{unit_m} m"),
-    }
+/// How large the scan is in metres, along the files' axes; of coordinates on the earth along those that are drawn.
+fn size_m(scan: &Scan) -> Option<DVec3> {
+    let size = scan.bounds().size() * scan.unit_m?;
+    let is_turned = matches!(scan.world_from_file(), WorldFromFile::Axes { y_is_up: true, .. });
+    Some(if is_turned { DVec3::new(size.x, size.z, size.y) } else { size })
 }
 
-/// Digits behind the point that the finest lattice needs, within reason: seven of a file's size are enough.
-fn decimals(files: &[ScanFile]) -> usize {
-    let step = |file: &ScanFile| {
-        let readable = 1e-7 * file.bounds.size().max_element();
-        file.lattice.scale.abs().min_element().max(readable)
+fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&'static str, String); 3] {
+    let three = |v: DVec3, between: &str| {
+        let texts = [0, 1, 2].map(|axis| format!("{:.*}", decimals[axis], v[axis]));
+        texts.join(between)
     };
-    let finest = files.iter().map(step).fold(1.0, f64::min);
-    (-finest.log10()).ceil().clamp(0.0, 9.0) as usize
+    let size = bounds.size();
+    let mut size_text = three(size, " x ");
+    if let Some(size_m) = size_m {
+        if (size_m - size).abs().max_element() <= 1e-9 * size.max_element() {
+            size_text += " m";
+        } else {
+            // Two digits of the longest edge at least.
+            let decimals = (1.0 - size_m.max_element().log10().floor()).clamp(1.0, 9.0) as usize;
+            // Writing to a string cannot fail.
+            let _ = write!(
+                size_text,
+                " ({:.decimals$} x {:.decimals$} x {:.decimals$} m)",
+                size_m.x, size_m.y, size_m.z
+            );
+        }
+    }
+    [("from", three(bounds.min, "  ")), ("to", three(bounds.max, "  ")), ("size", size_text)]
+}
+
+fn color_words(file: &ScanFile) -> String {
+    let none = match file.one_color {
+        Some([0, 0, 0]) => "none (all points are black)".to_owned(),
+        Some([r, g, b]) => format!("none (all points are {r}, {g}, {b})"),
+        None => "none".into(),
+    };
+    match file.color {
+        ColorSource::Rgb8 => "8 bits".into(),
+        ColorSource::Rgb10 => "10 bits".into(),
+        ColorSource::Rgb12 => "12 bits".into(),
+        ColorSource::Rgb16 => "16 bits".into(),
+        ColorSource::Rgb8And16 => "8 and 16 bits, mixed".into(),
+        ColorSource::Intensity { low, high } => format!("{none}; shown by intensity, {low} to {high}"),
+        ColorSource::Height { low, high } => format!("{none}; shown by height, {low:.2} to {high:.2}"),
+    }
+}
+
+fn unit_words(unit_m: Option<f64>, vertical_unit_m: Option<f64>) -> String {
+    let across = unit_m.map_or_else(|| "not stated".into(), unit::words);
+    match vertical_unit_m {
+        Some(vertical_m) => format!("{across}; of heights {}", unit::words(vertical_m)),
+        None => across,
+    }
+}
+
+/// Digits behind the point that the finest lattice needs along each axis, within reason: seven of a file's size are
+/// enough.
+fn decimals(files: &[ScanFile]) -> [usize; 3] {
+    [0, 1, 2].map(|axis| {
+        let step = |file: &ScanFile| {
+            let InFile { lattice, bounds } = file.in_file;
+            lattice.scale[axis].abs().max(1e-7 * bounds.size()[axis])
+        };
+        let finest = files.iter().map(step).fold(1.0, f64::min);
+        (-finest.log10()).ceil().clamp(0.0, 9.0) as usize
+    })
 }
 
 /// 1234567 as 1,234,567.
@@ -191,7 +222,6 @@ pub(crate) fn grouped_by(count: u64, separator: char) -> String {
 mod tests {
     use super::*;
     use crate::scan::{Lattice, Points};
-    use glam::DVec3;
 
     #[test]
     fn counts_are_grouped() {
@@ -215,14 +245,15 @@ mod tests {
             lattice,
             points,
             color,
-            bounds,
+            in_file: InFile { lattice, bounds },
             ..ScanFile::default()
         };
         let scan = Scan { files: vec![file], ..Scan::default() };
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({
             "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],
-            "color_bits": 16, "normals": false, "triangles": 0, "crs": null, "unit_m": null, "warnings": [],
+            "color_bits": 16, "color_white": 65535, "normals": false, "triangles": 0, "crs": null, "unit_m": null,
+            "vertical_unit_m": null, "warnings": [],
             "files": [{"path": "a.las", "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]]}],
         });
         assert_eq!(json, expected);
@@ -231,8 +262,15 @@ mod tests {
     #[test]
     fn people_see_sizes_in_metres() {
         let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(10.0, 20.0, 30.0) };
-        let [_, _, (name, size)] = box_lines(bounds, Some(0.3048), 2);
-        assert_eq!((name, size.as_str()), ("size", "10.00 x 20.00 x 30.00 (3.0 x 6.1 x 9.1 m)"));
+        let lines = |size_m| box_lines(bounds, size_m, [3, 2, 1]).map(|(_, text)| text);
+        let feet = lines(Some(bounds.size() * 0.3048));
+        assert_eq!(
+            feet,
+            ["0.000  0.00  0.0", "10.000  20.00  30.0", "10.000 x 20.00 x 30.0 (3.0 x 6.1 x 9.1 m)"]
+        );
+        assert_eq!(lines(Some(bounds.size() * 1e-3))[2], "10.000 x 20.00 x 30.0 (0.010 x 0.020 x 0.030 m)");
+        assert_eq!(lines(Some(bounds.size()))[2], "10.000 x 20.00 x 30.0 m");
+        assert_eq!(lines(None)[2], "10.000 x 20.00 x 30.0");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod color;
 mod crs;
+mod earth;
 mod error;
 mod guard;
 pub mod info;
@@ -16,12 +17,20 @@ mod scene;
 mod sniff;
 mod source;
 mod stats;
+mod uncolored;
+mod unit;
 mod up;
+mod white;
+mod world;
 
+pub use crs::{Angle, Axes};
+pub use earth::{Geodetic, LocalFrame};
 pub use error::ScanError;
 pub use read::{peek, read};
 pub use scene::Scene;
+pub use unit::Unit;
 pub use up::Up;
+pub use world::{Project, WorldFromFile};
 
 use crate::progress::Progress;
 use crate::space::Bounds;
@@ -60,7 +69,8 @@ impl Lattice {
 pub struct Points {
     /// Lattice coordinates.
     pub xyz: Vec<[i32; 3]>,
-    /// Red, green, blue as stored (8 or 16 bits used; see [`ColorSource`]).
+    /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); where most points of a file are black,
+    /// these are grey.
     pub rgb: Vec<[u16; 3]>,
     /// Intensity as stored.
     pub intensity: Vec<u16>,
@@ -73,8 +83,14 @@ pub struct Points {
 pub enum ColorSource {
     /// `rgb` holds 8-bit values.
     Rgb8,
+    /// `rgb` holds 10-bit values; 8-bit colour = round(c · 255 / 1023).
+    Rgb10,
+    /// `rgb` holds 12-bit values; 8-bit colour = round(c · 255 / 4095).
+    Rgb12,
     /// `rgb` holds 16-bit values; 8-bit colour = round(c / 257).
     Rgb16,
+    /// `rgb` holds 16-bit values for points of which a channel exceeds 255, and 8-bit values for the others.
+    Rgb8And16,
     /// No colour: intensity through the ramp, `low..=high` of the scan.
     Intensity {
         /// Value at the dark end.
@@ -111,11 +127,28 @@ pub struct ScanFile {
     pub points: Points,
     /// Their colours.
     pub color: ColorSource,
+    /// The color that all points have, which is therefore taken for none.
+    pub one_color: Option<[u16; 3]>,
+    /// True if most points are black, which is then the lack of a color.
+    pub is_mostly_black: bool,
     /// True box of the points read, world space.
     pub bounds: Bounds,
+    /// How the file has them.
+    pub in_file: InFile,
+    /// What was done to its coordinates.
+    pub world_from_file: WorldFromFile,
     /// Triangles of a mesh, of point numbers in this file, each less than the number of its points; counter-clockwise
     /// where the surface is seen from. Empty for all that is no mesh.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// A file's points in its own coordinates, where the world's are others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InFile {
+    /// Grid of its coordinates.
+    pub lattice: Lattice,
+    /// Box of the points read.
+    pub bounds: Bounds,
 }
 
 /// How files are read: what a user may say of them that they do not say themselves.
@@ -123,6 +156,12 @@ pub struct ScanFile {
 pub struct ReadOptions {
     /// Axis of the files that points up.
     pub up: Up,
+    /// Unit of their lengths.
+    pub unit: Unit,
+    /// Unit of their heights, where it is another.
+    pub vertical_unit: Unit,
+    /// Which files lie on the earth.
+    pub project: Project,
     /// Whether a file that cannot be read is an error although others can.
     pub strict: bool,
 }
@@ -136,10 +175,12 @@ pub struct Scan {
     pub warnings: Vec<String>,
     /// Coordinate reference system, as the files name it.
     pub crs: Option<String>,
-    /// Metres a world unit where the files say so.
+    /// Metres a world unit where the files or the user say so.
     pub unit_m: Option<f64>,
     /// What a viewer means by it; empty until it is found.
     pub scene: Scene,
+    /// Metres a unit of the files' lengths across, where they or the user say so.
+    pub unit_in_file_m: Option<f64>,
 }
 
 impl Scan {
@@ -154,10 +195,22 @@ impl Scan {
     pub fn bounds(&self) -> Bounds {
         self.files.iter().fold(Bounds::EMPTY, |b, f| b.union(f.bounds))
     }
+
+    /// Box of all files, in their own coordinates.
+    #[must_use]
+    pub fn bounds_in_file(&self) -> Bounds {
+        self.files.iter().fold(Bounds::EMPTY, |b, f| b.union(f.in_file.bounds))
+    }
+
+    /// From the coordinates of the files, of the first if they differ, to those of the world.
+    #[must_use]
+    pub fn world_from_file(&self) -> WorldFromFile {
+        self.files.first().map(|file| file.world_from_file).unwrap_or_default()
+    }
 }
 
 /// What a file says of itself, known before its points are read.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
     /// Where it came from.
     pub path: PathBuf,
@@ -169,8 +222,16 @@ pub struct Header {
     pub attributes: Vec<String>,
     /// Coordinate reference system.
     pub crs: Option<String>,
-    /// Metres a world unit.
+    /// Metres a unit of x and y.
     pub unit_m: Option<f64>,
+    /// Metres a unit of height, where that is stated by itself.
+    pub vertical_unit_m: Option<f64>,
+    /// What the coordinates are.
+    pub axes: Option<Axes>,
+    /// True if the format stores whole steps of a grid that its writer chose, which tells how exact coordinates are.
+    pub is_on_fixed_grid: bool,
+    /// Why y must be up, as the end of a sentence whose subject is the file.
+    pub y_is_up: Option<&'static str>,
     /// Program that wrote the file.
     pub software: Option<String>,
     /// Day on which it was written, "2024-05-09".

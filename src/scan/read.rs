@@ -3,13 +3,15 @@
 use super::inputs::{self, Inputs};
 use super::source::Source;
 use super::{
-    Columns, FORMATS, HEAD_BYTES, Header, ReadOptions, Reader, Scan, ScanError, ScanFile, color, sniff,
+    Columns, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
+    WorldFromFile, color, sniff, uncolored, world,
 };
 use crate::progress::{Job, Progress};
 use crate::space::Bounds;
 use std::path::{Path, PathBuf};
 
-/// Reads files as one scan with z up, in the order given; shows its progress, and ends soon after the job is told to stop.
+/// Reads files as one scan with z up and one scale on all axes, in the order given; shows its progress, and ends soon
+/// after the job is told to stop.
 ///
 /// Files of which only a part can be read give that part and a warning in [`Scan::warnings`]; so do files of which
 /// nothing can be read, if others can and `options` are not strict. All headers are checked before the first point
@@ -18,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The first file of which nothing can be read, with the reason and what to do; [`ScanError::Stopped`].
 pub fn read(paths: &[PathBuf], options: &ReadOptions, job: impl Into<Job>) -> Result<Scan, ScanError> {
-    Ok(read_with_headers(paths, options, job)?.0.upright(options.up).with_scene())
+    Ok(read_with_headers(paths, options, job)?.0)
 }
 
 /// Reads the headers only.
@@ -29,7 +31,7 @@ pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
     inputs::choose(paths)?.paths.iter().map(|path| Ok(open(path)?.header().clone())).collect()
 }
 
-/// The scan in the files' own coordinates, without its scene, and what each file in it says of itself.
+/// The scan, and what each file in it says of itself.
 pub(super) fn read_with_headers(
     paths: &[PathBuf],
     options: &ReadOptions,
@@ -55,6 +57,10 @@ pub(super) fn read_with_headers(
     }
     scan.warnings.extend(failures.warnings(headers.is_empty())?);
     name_system(&mut scan, &headers);
+    world::place(&mut scan, &headers, options);
+    color::settle_single_colors(&mut scan);
+    let mut scan = scan.with_scene();
+    scan.files.iter_mut().filter(|file| file.is_mostly_black).for_each(uncolored::fill_with_grey);
     Ok((scan, headers))
 }
 
@@ -98,17 +104,15 @@ fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
     }
 }
 
-fn add(scan: &mut Scan, header: &Header, mut columns: Columns) {
-    let sentences = header.warnings.iter().chain(&columns.warnings);
-    scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
+fn add(scan: &mut Scan, header: &Header, columns: Columns) {
     let stats = columns.stats;
-    let color = color::source(&stats);
-    if stats.rgb_max == 0 {
-        // Black throughout is no colour; the column would only cost memory.
-        columns.points.rgb = Vec::new();
-    }
+    let (color, one_color) = (color::source(&stats), stats.colors.constant());
+    let odd_colors = color::oddities(&stats.colors, color);
+    let sentences = header.warnings.iter().chain(&columns.warnings).chain(&odd_colors);
+    scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     // Scales may be negative, so either corner of the lattice may be the smaller one.
     let corners = [stats.xyz_min, stats.xyz_max].map(|xyz| columns.lattice.p_in_world(xyz));
+    let bounds = Bounds::EMPTY.with(corners[0]).with(corners[1]);
     scan.files.push(ScanFile {
         path: header.path.clone(),
         format: header.format.clone(),
@@ -116,14 +120,18 @@ fn add(scan: &mut Scan, header: &Header, mut columns: Columns) {
         points: columns.points,
         triangles: columns.triangles,
         color,
-        bounds: Bounds::EMPTY.with(corners[0]).with(corners[1]),
+        one_color,
+        is_mostly_black: color::is_mostly_black(&stats.colors),
+        bounds,
+        in_file: InFile { lattice: columns.lattice, bounds },
+        world_from_file: WorldFromFile::default(),
     });
 }
 
-/// The coordinate system and unit of the first file that names one; a warning for files that differ.
+/// The coordinate system of the first file that names one; a warning for files that differ in it or in their unit.
 fn name_system(scan: &mut Scan, headers: &[Header]) {
     scan.crs = headers.iter().find_map(|header| header.crs.clone());
-    scan.unit_m = headers.iter().find_map(|header| header.unit_m);
+    let unit_m = headers.iter().find_map(|header| header.unit_m);
     for header in headers {
         let path = header.path.display();
         if let (Some(all), Some(own)) = (&scan.crs, &header.crs)
@@ -131,7 +139,7 @@ fn name_system(scan: &mut Scan, headers: &[Header]) {
         {
             scan.warnings.push(format!("{path}: has the coordinate system {own}, other files {all}"));
         }
-        if let (Some(all), Some(own)) = (scan.unit_m, header.unit_m)
+        if let (Some(all), Some(own)) = (unit_m, header.unit_m)
             && all != own
         {
             scan.warnings

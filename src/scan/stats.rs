@@ -1,14 +1,16 @@
-//! Extremes of columns, gathered block by block while the block is in the cache.
+//! Extremes of columns and the distribution of colors, gathered block by block while the block is in the cache.
 
-/// Smallest and largest values of a run of points.
+use super::white::ColorCounts;
+
+/// What there is in a run of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stats {
     /// Smallest lattice coordinates.
     pub xyz_min: [i32; 3],
     /// Largest lattice coordinates.
     pub xyz_max: [i32; 3],
-    /// Largest red, green or blue; 0 without colour.
-    pub rgb_max: u16,
+    /// Its colors.
+    pub colors: ColorCounts,
     /// Smallest intensity.
     pub intensity_min: u16,
     /// Largest intensity.
@@ -20,7 +22,7 @@ impl Stats {
     pub const EMPTY: Self = Self {
         xyz_min: [i32::MAX; 3],
         xyz_max: [i32::MIN; 3],
-        rgb_max: 0,
+        colors: ColorCounts::NONE,
         intensity_min: u16::MAX,
         intensity_max: 0,
     };
@@ -32,7 +34,7 @@ impl Stats {
             stats.xyz_min = std::array::from_fn(|axis| stats.xyz_min[axis].min(p[axis]));
             stats.xyz_max = std::array::from_fn(|axis| stats.xyz_max[axis].max(p[axis]));
         }
-        stats.rgb_max = rgb.iter().flatten().fold(0, |max, &value| max.max(value));
+        stats.colors = ColorCounts::of(rgb);
         stats.intensity_min = intensity.iter().fold(u16::MAX, |min, &value| min.min(value));
         stats.intensity_max = intensity.iter().fold(0, |max, &value| max.max(value));
         stats
@@ -43,7 +45,7 @@ impl Stats {
         Self {
             xyz_min: std::array::from_fn(|axis| self.xyz_min[axis].min(other.xyz_min[axis])),
             xyz_max: std::array::from_fn(|axis| self.xyz_max[axis].max(other.xyz_max[axis])),
-            rgb_max: self.rgb_max.max(other.rgb_max),
+            colors: self.colors.union(other.colors),
             intensity_min: self.intensity_min.min(other.intensity_min),
             intensity_max: self.intensity_max.max(other.intensity_max),
         }

@@ -123,12 +123,6 @@ fn describe(source: &Source, las: &LasHeader, vlrs: &[Vlr], packing: &Packing) -
     };
     let mut warnings = las.oddities.clone();
     let crs = crs(las, vlrs);
-    if crs.degrees {
-        warnings.push(
-            "has its coordinates in degrees: the scan will look flat; project it (for example to UTM) first"
-                .into(),
-        );
-    }
     if let Packing::Laz(laz) = packing
         && laz.record_bytes() < usize::from(record::standard_bytes(las.point_format).unwrap_or(0))
     {
@@ -144,6 +138,10 @@ fn describe(source: &Source, las: &LasHeader, vlrs: &[Vlr], packing: &Packing) -
         attributes: attributes(las, vlrs, packing),
         crs: crs.name,
         unit_m: crs.unit_m,
+        vertical_unit_m: crs.vertical_unit_m,
+        axes: crs.axes,
+        is_on_fixed_grid: true,
+        y_is_up: None,
         software: Some(las.software.clone()).filter(|name| !name.is_empty()),
         created: las.created_date(),
         warnings,
@@ -154,13 +152,8 @@ fn crs(las: &LasHeader, vlrs: &[Vlr]) -> Crs {
     let payload = |kind| vlr::payload(vlrs, kind).unwrap_or_default();
     let wkt = crs::from_wkt(payload(Kind::Wkt));
     let keys = crs::from_geotiff(payload(Kind::GeoKeys), payload(Kind::GeoDoubles), payload(Kind::GeoTexts));
-    let (first, second) = if las.wkt { (wkt, keys) } else { (keys, wkt) };
-    if first.name.is_none() && first.unit_m.is_none() && !first.degrees {
-        return second;
-    }
     // The second only fills in what the first leaves open.
-    let unit_m = first.unit_m.or(second.unit_m.filter(|_| !first.degrees));
-    Crs { name: first.name.or(second.name), unit_m, degrees: first.degrees }
+    if las.wkt { wkt.or(keys) } else { keys.or(wkt) }
 }
 
 fn attributes(las: &LasHeader, vlrs: &[Vlr], packing: &Packing) -> Vec<String> {

@@ -43,9 +43,7 @@ pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color)
         rows.rgb = rows.faces.colors_of_points(num_points);
     }
     let mut stats = stats(&rows.xyz, &rows.rgb, &rows.intensity);
-    if stats.rgb_max > 0 {
-        stats.rgb_max = white(how.meaning, found, of_faces).unwrap_or(stats.rgb_max);
-    }
+    stats.colors.known = white(how.meaning, found, of_faces);
     let points = Points { xyz: rows.xyz, rgb: rows.rgb, intensity: rows.intensity, normals: rows.normals };
     let triangles = rows.faces.triangles;
     (Columns { lattice: how.grid.lattice, points, triangles, stats, warnings: Vec::new() }, loss)

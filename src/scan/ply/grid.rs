@@ -32,11 +32,9 @@ pub(super) struct Grid {
 impl Grid {
     /// For places in a box that holds something; some of them are a sample.
     pub fn over(_sample: Vec<DVec3>, bounds: Bounds) -> Self {
-        let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
-        let scale = DVec3::from_array(axes.map(|(step, _)| step));
-        let offset = DVec3::from_array(axes.map(|(_, origin)| origin));
+        let lattice = lattice(bounds);
         // The reciprocal of a power of two is exact.
-        Self { lattice: Lattice { scale, offset }, per_unit: scale.recip().to_array() }
+        Self { lattice, per_unit: lattice.scale.recip().to_array() }
     }
 
     /// True of places that it holds.
@@ -51,6 +49,15 @@ impl Grid {
         let offset = self.lattice.offset.to_array();
         // `as` saturates, which half a step beyond the box would need.
         std::array::from_fn(|axis| ((p[axis] - offset[axis]) * self.per_unit[axis]).round() as i32)
+    }
+}
+
+/// The lattice for a box that holds something.
+pub(in crate::scan) fn lattice(bounds: Bounds) -> Lattice {
+    let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
+    Lattice {
+        scale: DVec3::from_array(axes.map(|(step, _)| step)),
+        offset: DVec3::from_array(axes.map(|(_, origin)| origin)),
     }
 }
 

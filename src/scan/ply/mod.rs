@@ -11,7 +11,7 @@ mod binary;
 mod body;
 mod columns;
 mod faces;
-mod grid;
+pub(super) mod grid;
 mod header;
 mod plan;
 mod point;
@@ -22,7 +22,7 @@ mod value;
 mod window;
 
 use super::source::Source;
-use super::{Columns, Format, Header, Reader, ScanError};
+use super::{Columns, Format, Header, Reader, ScanError, up};
 use crate::progress::Progress;
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
@@ -266,11 +266,11 @@ fn describe(source: &Source, ply: &PlyHeader, plans: &[Plan], points: &Plan, has
         format: format!("PLY, {kind}{splat}"),
         num_points,
         attributes: attributes(plans, points, has),
-        crs: None,
-        unit_m: None,
+        y_is_up: up::why_y(&ply.remarks, &points.extra),
         software: software(&ply.remarks),
         created: created(&ply.remarks),
         warnings: ply.oddities.iter().cloned().chain(texture(ply, has)).collect(),
+        ..Header::default()
     }
 }
 

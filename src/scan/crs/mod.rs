@@ -1,0 +1,138 @@
+//! Coordinate systems as scans name them: GeoTIFF keys or well-known text, to a name, axes and units. What a file
+//! leaves out, the EPSG's register says by the system's number.
+
+mod geotiff;
+mod wkt;
+
+pub(crate) use geotiff::from_geotiff;
+pub(crate) use wkt::from_wkt;
+
+/// Metres of a US survey foot.
+pub(crate) const US_SURVEY_FOOT_M: f64 = 1200.0 / 3937.0;
+/// Metres of an international foot.
+pub(crate) const FOOT_M: f64 = 0.3048;
+
+/// What x, y and z of a coordinate system are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axes {
+    /// Lengths across and a height.
+    Planar,
+    /// Longitude, latitude and a height.
+    Geographic(Angle),
+    /// Lengths from the earth's centre: to longitude 0 on the equator, to 90 degrees east, to the north pole.
+    Geocentric,
+}
+
+/// A unit of angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Angle {
+    /// 360 are a turn.
+    Degree,
+    /// 400 are a turn.
+    Gradian,
+    /// 2 π are a turn.
+    Radian,
+}
+
+impl Angle {
+    /// Radians of one.
+    #[must_use]
+    pub fn radians(self) -> f64 {
+        match self {
+            Self::Degree => std::f64::consts::PI / 180.0,
+            Self::Gradian => std::f64::consts::PI / 200.0,
+            Self::Radian => 1.0,
+        }
+    }
+
+    /// The unit that is about so many radians: files round the number. Degrees unless another fits.
+    fn of_radians(radians: Option<f64>) -> Self {
+        let fits = |unit: &Self| radians.is_some_and(|value| (value / unit.radians() - 1.0).abs() < 0.01);
+        [Self::Gradian, Self::Radian].into_iter().find(fits).unwrap_or(Self::Degree)
+    }
+}
+
+/// What could be found out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Crs {
+    /// For people: "EPSG:26910, NAD83 / UTM zone 10N".
+    pub name: Option<String>,
+    /// Metres a unit of x and y; `None` for angles too.
+    pub unit_m: Option<f64>,
+    /// Metres a unit of height, where that is stated by itself.
+    pub vertical_unit_m: Option<f64>,
+    /// What the coordinates are.
+    pub axes: Option<Axes>,
+    code: Option<u32>,
+    vertical_code: Option<u32>,
+}
+
+impl Crs {
+    fn new(
+        code: Option<u32>,
+        name: Option<String>,
+        axes: Axes,
+        unit_m: Option<f64>,
+        vertical_unit_m: Option<f64>,
+    ) -> Self {
+        let code = code.filter(|&code| code > 0 && code != 32767);
+        let named = name.filter(|name| !name.is_empty() && name != "unnamed" && name != "unknown");
+        let name = named_with(code, named);
+        let [unit_m, vertical_unit_m] = [unit_m, vertical_unit_m].map(|unit| unit.and_then(length));
+        let unit_m = unit_m.filter(|_| !matches!(axes, Axes::Geographic(_)));
+        Self { name, unit_m, vertical_unit_m, axes: Some(axes), code, vertical_code: None }
+    }
+
+    /// With what the register says of the numbers, where the file says nothing itself.
+    fn or_registered(self) -> Self {
+        let system = self.code.and_then(registered).unwrap_or_default();
+        let vertical = self.vertical_code.and_then(registered).unwrap_or_default();
+        // A number of a geocentric system counts more than the kind that a file calls it.
+        let axes = system.axes.filter(|&axes| axes == Axes::Geocentric).or(self.axes);
+        let says_name = self.name.as_ref().is_some_and(|name| name.contains(", "));
+        Self {
+            name: if says_name { self.name } else { system.name.or(self.name) },
+            unit_m: self.unit_m.or(system.unit_m).filter(|_| !matches!(axes, Some(Axes::Geographic(_)))),
+            vertical_unit_m: self.vertical_unit_m.or(vertical.vertical_unit_m).or(system.vertical_unit_m),
+            axes,
+            ..self
+        }
+    }
+
+    /// With what `other` says, where this says nothing.
+    pub fn or(self, other: Self) -> Self {
+        if self.name.is_none() && self.unit_m.is_none() && self.axes.is_none() {
+            return Self { vertical_unit_m: self.vertical_unit_m.or(other.vertical_unit_m), ..other };
+        }
+        let unit_m = self.unit_m.or(other.unit_m.filter(|_| !matches!(self.axes, Some(Axes::Geographic(_)))));
+        let vertical_unit_m = self.vertical_unit_m.or(other.vertical_unit_m);
+        Self {
+            name: self.name.or(other.name),
+            unit_m,
+            vertical_unit_m,
+            axes: self.axes.or(other.axes),
+            ..self
+        }
+    }
+}
+
+fn named_with(code: Option<u32>, name: Option<String>) -> Option<String> {
+    match (code, name) {
+        (Some(code), Some(name)) => Some(format!("EPSG:{code}, {name}")),
+        (Some(code), None) => Some(format!("EPSG:{code}")),
+        (None, name) => name,
+    }
+}
+
+/// A length in metres that makes sense, feet to their last digit: files round them.
+fn length(metres: f64) -> Option<f64> {
+    let close = |unit: &f64| (metres / unit - 1.0).abs() < 1e-7;
+    let unit_m = [FOOT_M, US_SURVEY_FOOT_M].into_iter().find(close).unwrap_or(metres);
+    Some(unit_m).filter(|unit| unit.is_finite() && *unit > 0.0)
+}
+
+/// What the EPSG's register has under a number.
+fn registered(code: u32) -> Option<Crs> {
+    let text = epsg_utils::epsg_to_wkt2(i32::try_from(code).ok()?).ok()?;
+    Some(wkt::read(text.as_bytes()))
+}

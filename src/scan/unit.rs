@@ -1,0 +1,136 @@
+//! Units of length as a user names them.
+
+use super::crs::{FOOT_M, US_SURVEY_FOOT_M};
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
+
+/// Names of units, and metres of one.
+const NAMED: [(&str, f64); 5] =
+    [("m", 1.0), ("mm", 0.001), ("cm", 0.01), ("ft", FOOT_M), ("us-ft", US_SURVEY_FOOT_M)];
+/// What stands for no unit of the user's.
+const AUTO: &str = "auto";
+
+/// The unit of a file's coordinates: as the file states it, or as the user does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Unit {
+    /// As the file states it.
+    #[default]
+    Auto,
+    /// So many metres.
+    Metres(f64),
+}
+
+impl Unit {
+    /// Metres of one, if the user says so.
+    #[must_use]
+    pub fn metres(self) -> Option<f64> {
+        match self {
+            Self::Auto => None,
+            Self::Metres(metres) => Some(metres),
+        }
+    }
+
+    fn named(text: &str) -> Option<Self> {
+        if text == AUTO {
+            return Some(Self::Auto);
+        }
+        let named = NAMED.iter().find(|(name, _)| *name == text).map(|(_, metres)| *metres);
+        named.or_else(|| text.parse().ok()).map(Self::Metres)
+    }
+}
+
+impl Serialize for Unit {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => to.serialize_str(AUTO),
+            Self::Metres(metres) => match NAMED.iter().find(|(_, unit)| unit == metres) {
+                Some((name, _)) => to.serialize_str(name),
+                None => to.serialize_f64(*metres),
+            },
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Unit {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(Names)
+    }
+}
+
+/// Takes a name or a number.
+struct Names;
+
+impl Visitor<'_> for Names {
+    type Value = Unit;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("`auto`, `m`, `mm`, `cm`, `ft`, `us-ft` or a number of metres")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Unit, E> {
+        Unit::named(text).ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+    }
+
+    fn visit_f64<E: Error>(self, metres: f64) -> Result<Unit, E> {
+        Ok(Unit::Metres(metres))
+    }
+
+    fn visit_i64<E: Error>(self, metres: i64) -> Result<Unit, E> {
+        Ok(Unit::Metres(metres as f64))
+    }
+
+    fn visit_u64<E: Error>(self, metres: u64) -> Result<Unit, E> {
+        Ok(Unit::Metres(metres as f64))
+    }
+}
+
+/// A unit for people: "metre", "US survey foot (0.3048006 m)".
+pub(super) fn words(unit_m: f64) -> String {
+    let name = match unit_m {
+        1.0 => return "metre".into(),
+        0.001 => "millimetre",
+        0.01 => "centimetre",
+        FOOT_M => "foot",
+        US_SURVEY_FOOT_M => return "US survey foot (0.3048006 m)".into(),
+        _ => return format!("{unit_m} m"),
+    };
+    format!("{name} ({unit_m} m)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize, Serialize)]
+    struct Setting {
+        unit: Unit,
+    }
+
+    #[test]
+    fn names_and_numbers_are_units_and_come_back() {
+        for (text, unit) in [
+            ("\"auto\"", Unit::Auto),
+            ("\"mm\"", Unit::Metres(0.001)),
+            ("\"us-ft\"", Unit::Metres(US_SURVEY_FOOT_M)),
+            ("0.9144", Unit::Metres(0.9144)),
+            ("\"0.9144\"", Unit::Metres(0.9144)),
+            ("2", Unit::Metres(2.0)),
+        ] {
+            let read: Setting = toml::from_str(&format!("unit = {text}")).unwrap();
+            assert_eq!(read.unit, unit, "{text}");
+            let again: Setting = toml::from_str(&toml::to_string(&read).unwrap()).unwrap();
+            assert_eq!(again.unit, unit, "{text}");
+        }
+        let error = toml::from_str::<Setting>("unit = \"feet\"").err().unwrap().to_string();
+        assert!(error.contains("expected `auto`, `m`, `mm`"), "{error}");
+    }
+
+    #[test]
+    fn people_read_names() {
+        assert_eq!(words(1.0), "metre");
+        assert_eq!(words(0.001), "millimetre (0.001 m)");
+        assert_eq!(words(US_SURVEY_FOOT_M), "US survey foot (0.3048006 m)");
+        assert_eq!(words(0.5), "0.5 m");
+    }
+}

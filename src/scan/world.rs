@@ -1,0 +1,357 @@
+//! From the files' coordinates to the world that is drawn: z up, one scale on all axes, lengths and no angles.
+//!
+//! Files with lengths keep their stored integers: turning and scaling change the grid only. Those on the earth are
+//! put onto a new grid, along axes east, north and up about the scan's middle that all files of the scan share.
+
+use super::crs::{Angle, Axes};
+use super::earth::{Geodetic, LocalFrame};
+use super::ply::grid;
+use super::up::Up;
+use super::{Header, Lattice, ReadOptions, Scan, ScanFile};
+use crate::space::Bounds;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Units that differ by less are one: a foot and a US survey foot are, for what can be seen.
+const SAME_UNIT: f64 = 1e-5;
+/// Points of a file that are looked at to find the scan's middle.
+const MOST_SAMPLES: usize = 1 << 14;
+/// Points of a task for a core.
+const BLOCK: usize = 1 << 16;
+
+/// Which files are put from the earth onto axes east, north and up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Project {
+    /// Those whose coordinate system says so, and those without one whose coordinates leave no doubt.
+    #[default]
+    Auto,
+    /// None: coordinates are drawn as they are.
+    Off,
+    /// All: x and y are longitude and latitude in degrees, whatever the files say.
+    Degrees,
+    /// All: x, y and z are lengths from the earth's centre, whatever the files say.
+    Geocentric,
+}
+
+/// How a file's coordinates become those of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WorldFromFile {
+    /// By axes that are exchanged and heights that are scaled.
+    Axes {
+        /// (x, y, z) becomes (x, −z, y).
+        y_is_up: bool,
+        /// World units a unit of height.
+        height_scale: f64,
+    },
+    /// Longitude, latitude and height.
+    Geographic {
+        /// Unit of x and y.
+        angle: Angle,
+        /// Metres a unit of z.
+        height_m: f64,
+        /// The world's axes.
+        frame: LocalFrame,
+    },
+    /// Lengths from the earth's centre.
+    Geocentric {
+        /// Metres a unit.
+        unit_m: f64,
+        /// The world's axes.
+        frame: LocalFrame,
+    },
+}
+
+impl Default for WorldFromFile {
+    /// As the file has them.
+    fn default() -> Self {
+        Self::Axes { y_is_up: false, height_scale: 1.0 }
+    }
+}
+
+impl WorldFromFile {
+    /// A place of the file in the world.
+    #[must_use]
+    pub fn p_in_world(&self, p_in_file: DVec3) -> DVec3 {
+        match self {
+            Self::Axes { height_scale, .. } => {
+                self.direction_in_world(p_in_file) * DVec3::new(1.0, 1.0, *height_scale)
+            }
+            Self::Geographic { frame, .. } | Self::Geocentric { frame, .. } => {
+                frame.p_in_local(self.axes().geocentric(p_in_file, self.scale()))
+            }
+        }
+    }
+
+    /// A direction along the file's axes as one along the world's. Longitude, latitude and height are directions east,
+    /// north and up already.
+    #[must_use]
+    pub fn direction_in_world(&self, direction_in_file: DVec3) -> DVec3 {
+        match self {
+            Self::Axes { y_is_up: true, .. } => {
+                DVec3::new(direction_in_file.x, -direction_in_file.z, direction_in_file.y)
+            }
+            Self::Axes { .. } | Self::Geographic { .. } => direction_in_file,
+            Self::Geocentric { frame, .. } => frame.direction_in_local(direction_in_file),
+        }
+    }
+
+    fn axes(&self) -> Axes {
+        match self {
+            Self::Axes { .. } => Axes::Planar,
+            Self::Geographic { angle, .. } => Axes::Geographic(*angle),
+            Self::Geocentric { .. } => Axes::Geocentric,
+        }
+    }
+
+    /// Metres a unit of length; for angles, of height.
+    fn scale(&self) -> f64 {
+        match self {
+            Self::Axes { height_scale, .. } => *height_scale,
+            Self::Geographic { height_m: scale, .. } | Self::Geocentric { unit_m: scale, .. } => *scale,
+        }
+    }
+}
+
+impl Axes {
+    /// Metres from the earth's centre, of coordinates on the earth.
+    fn geocentric(self, p_in_file: DVec3, unit_m: f64) -> DVec3 {
+        let Self::Geographic(angle) = self else { return p_in_file * unit_m };
+        let (longitude, latitude) = (p_in_file.x * angle.radians(), p_in_file.y * angle.radians());
+        Geodetic { longitude, latitude, height_m: p_in_file.z * unit_m }.geocentric()
+    }
+}
+
+/// Puts all files into one world, and says what was done that a user does not expect.
+pub(super) fn place(scan: &mut Scan, headers: &[Header], options: &ReadOptions) {
+    let units: Vec<Units> = headers.iter().map(|header| Units::of(header, options)).collect();
+    let axes: Vec<Axes> =
+        scan.files.iter().zip(headers).map(|(file, header)| axes(file, header, options)).collect();
+    let on_earth = |at: &usize| axes[*at] != Axes::Planar;
+    let projected: Vec<usize> = (0..scan.files.len()).filter(on_earth).collect();
+    scan.unit_in_file_m = units.iter().find_map(|units| units.across_m);
+    scan.unit_m = if projected.is_empty() { scan.unit_in_file_m } else { Some(1.0) };
+    let middle = middle(projected.iter().map(|&at| (&scan.files[at], axes[at], units[at].scale(axes[at]))));
+    let frame = LocalFrame::at(middle);
+    for (at, file) in scan.files.iter_mut().enumerate() {
+        let scale = units[at].scale(axes[at]);
+        file.world_from_file = match axes[at] {
+            Axes::Planar => {
+                let y_is_up = options.up == Up::Y || options.up == Up::Auto && headers[at].y_is_up.is_some();
+                WorldFromFile::Axes { y_is_up, height_scale: scale }
+            }
+            Axes::Geographic(angle) => WorldFromFile::Geographic { angle, height_m: scale, frame },
+            Axes::Geocentric => WorldFromFile::Geocentric { unit_m: scale, frame },
+        };
+        match axes[at] {
+            Axes::Planar => regrid(file),
+            _ => project(file),
+        }
+    }
+    let sentences = sentences(scan, headers, options, middle);
+    scan.warnings.extend(sentences);
+}
+
+/// The units of a file's coordinates.
+struct Units {
+    across_m: Option<f64>,
+    up_m: Option<f64>,
+}
+
+impl Units {
+    /// As the user states them, or else the file. What the user says of all axes holds for heights too.
+    fn of(header: &Header, options: &ReadOptions) -> Self {
+        let (unit_m, vertical_m) = (options.unit.metres(), options.vertical_unit.metres());
+        // Who states a unit of heights only, has metres across, unless the file says otherwise.
+        let metre = vertical_m.map(|_| 1.0);
+        Self {
+            across_m: unit_m.or(header.unit_m).or(metre),
+            up_m: vertical_m.or(unit_m).or(header.vertical_unit_m),
+        }
+    }
+
+    /// World units a unit of height of planar axes, metres a unit of the others' lengths.
+    fn scale(&self, axes: Axes) -> f64 {
+        match axes {
+            Axes::Planar => match (self.across_m, self.up_m) {
+                (Some(across), Some(up)) if (up / across - 1.0).abs() > SAME_UNIT => up / across,
+                _ => 1.0,
+            },
+            Axes::Geographic(_) => self.up_m.unwrap_or(1.0),
+            Axes::Geocentric => self.across_m.unwrap_or(1.0),
+        }
+    }
+}
+
+/// What the axes of a file are.
+fn axes(file: &ScanFile, header: &Header, options: &ReadOptions) -> Axes {
+    match options.project {
+        Project::Off => Axes::Planar,
+        Project::Degrees => Axes::Geographic(Angle::Degree),
+        Project::Geocentric => Axes::Geocentric,
+        Project::Auto => match header.axes {
+            Some(axes) if is_possible(file, axes) => axes,
+            Some(_) => Axes::Planar,
+            None => evident_axes(file, header.is_on_fixed_grid).unwrap_or(Axes::Planar),
+        },
+    }
+}
+
+/// False if a file's points cannot be where its coordinate system says: some files name one that is not theirs.
+fn is_possible(file: &ScanFile, axes: Axes) -> bool {
+    let middle = median(samples(file).collect());
+    match axes {
+        Axes::Planar => true,
+        Axes::Geographic(angle) => {
+            let turn = std::f64::consts::TAU / angle.radians();
+            middle.x.abs() <= turn && middle.y.abs() <= 0.25 * turn
+        }
+        Axes::Geocentric => (-20e3..100e3).contains(&Geodetic::of_geocentric(middle).height_m),
+    }
+}
+
+/// What the axes must be of a file that does not say it, where the coordinates leave no doubt.
+fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
+    let Bounds { min, max } = file.bounds;
+    let (size, middle) = (file.bounds.size(), file.bounds.center());
+    let across = size.x.max(size.y);
+    let in_range = min.x >= -180.0 && max.x <= 180.0 && min.y >= -90.0 && max.y <= 90.0;
+    let has_extent = size.x > 0.0 && size.y > 0.0 && across < 1.0;
+    // A degree is 111 km: what is degrees across looks like a needle, far from zero for its thickness. A grid of whole
+    // steps in metres has not got the decimals that degrees need, or has them for heights too.
+    let (step, needle) = (file.lattice.scale.abs(), size.z / across);
+    let has_decimals = step.x.max(step.y) <= 1e-5 && step.z >= 10.0 * step.x.max(step.y);
+    let is_needle = needle >= if is_on_fixed_grid { 50.0 } else { 1000.0 }
+        && middle.truncate().length() >= 1000.0 * across;
+    if in_range && has_extent && is_needle && has_decimals {
+        return Some(Axes::Geographic(Angle::Degree));
+    }
+    // No survey has heights of 20 km.
+    let p = median(samples(file).collect());
+    let height_m = Geodetic::of_geocentric(p).height_m;
+    (p.z.abs() > 20_000.0 && (-1000.0..9000.0).contains(&height_m)).then_some(Axes::Geocentric)
+}
+
+/// Some points of a file, evenly over it, in its coordinates.
+fn samples(file: &ScanFile) -> impl Iterator<Item = DVec3> {
+    let step = file.points.xyz.len().div_ceil(MOST_SAMPLES).max(1);
+    file.points.xyz.iter().step_by(step).map(|&xyz| file.lattice.p_in_world(xyz))
+}
+
+/// Half of the points lie on each side, along each axis: strays do not move it.
+fn median(points: Vec<DVec3>) -> DVec3 {
+    let along = |axis: usize| {
+        let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
+        let half = values.len() / 2;
+        if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(half, f64::total_cmp).1 }
+    };
+    DVec3::new(along(0), along(1), along(2))
+}
+
+/// The middle of files on the earth, each with its axes and metres a unit.
+fn middle<'a>(files: impl Iterator<Item = (&'a ScanFile, Axes, f64)>) -> Geodetic {
+    let places =
+        files.flat_map(|(file, axes, unit_m)| samples(file).map(move |p| axes.geocentric(p, unit_m)));
+    Geodetic::of_geocentric(median(places.collect()))
+}
+
+/// Turns and scales the grid of a file with lengths; no coordinate is rounded.
+fn regrid(file: &mut ScanFile) {
+    let world_from_file = file.world_from_file;
+    if world_from_file == WorldFromFile::default() {
+        return;
+    }
+    let WorldFromFile::Axes { y_is_up, height_scale } = world_from_file else { return };
+    let Lattice { scale, offset } = file.lattice;
+    // The sign is the scale's: a negated coordinate might not fit.
+    file.lattice =
+        Lattice { scale: world_from_file.p_in_world(scale), offset: world_from_file.p_in_world(offset) };
+    if y_is_up {
+        file.points.xyz.par_iter_mut().for_each(|p| p.swap(1, 2));
+    }
+    turn_normals(file, DVec3::new(1.0, 1.0, 1.0 / height_scale));
+    rebound(file);
+}
+
+/// Puts a file's points from the earth onto a new grid along the world's axes.
+fn project(file: &mut ScanFile) {
+    let (world_from_file, lattice) = (file.world_from_file, file.lattice);
+    let place = |xyz: [i32; 3]| world_from_file.p_in_world(lattice.p_in_world(xyz));
+    let box_of =
+        |block: &[[i32; 3]]| block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(place(xyz)));
+    let bounds = file.points.xyz.par_chunks(BLOCK).map(box_of).reduce(|| Bounds::EMPTY, Bounds::union);
+    file.lattice = grid::lattice(bounds);
+    let Lattice { scale, offset } = file.lattice;
+    // The box is the grid's: nothing saturates but the half step beyond it.
+    let steps = |p: DVec3| ((p - offset) / scale).round().to_array().map(|step| step as i32);
+    file.points.xyz.par_iter_mut().for_each(|xyz| *xyz = steps(place(*xyz)));
+    turn_normals(file, DVec3::ONE);
+    rebound(file);
+}
+
+/// Normals along the world's axes. Those of a scaled surface lean the other way: `scale` is the reciprocal.
+fn turn_normals(file: &mut ScanFile, scale: DVec3) {
+    let world_from_file = file.world_from_file;
+    file.points.normals.par_iter_mut().for_each(|normal| {
+        let turned = world_from_file.direction_in_world(DVec3::from_array(normal.map(f64::from))) * scale;
+        // Where all is as long as before, keep the last bit.
+        let turned = if scale == DVec3::ONE { turned } else { turned.normalize() };
+        *normal = turned.as_vec3().to_array();
+    });
+}
+
+/// The box again, of the points as they now are.
+fn rebound(file: &mut ScanFile) {
+    let lattice = file.lattice;
+    let box_of = |block: &[[i32; 3]]| {
+        block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(lattice.p_in_world(xyz)))
+    };
+    file.bounds = file.points.xyz.par_chunks(BLOCK).map(box_of).reduce(|| Bounds::EMPTY, Bounds::union);
+}
+
+/// What was done, once for the scan, and where the rest is odd.
+fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geodetic) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let all = || scan.files.iter().zip(headers);
+    let is_projected = |file: &ScanFile| !matches!(file.world_from_file, WorldFromFile::Axes { .. });
+    if let Some((file, header)) = all().find(|(file, _)| is_projected(file)) {
+        let what = match file.world_from_file {
+            WorldFromFile::Geographic { angle: Angle::Degree, .. } => "in degrees",
+            WorldFromFile::Geographic { .. } => "in angles",
+            _ => "from the earth's centre",
+        };
+        let is_guess = options.project == Project::Auto && header.axes.is_none();
+        let how = if is_guess {
+            "names no coordinate system, but has its coordinates"
+        } else {
+            "has its coordinates"
+        };
+        let (lon, lat) = (middle.longitude.to_degrees(), middle.latitude.to_degrees());
+        let path = file.path.display();
+        sentences.push(format!(
+            "{path}: {how} {what}; they are drawn in metres east, north and up of longitude {lon:.5}, latitude {lat:.5} \
+             (cloud.project=off draws them as they are)"
+        ));
+        if let Some((other, _)) = all().find(|(file, _)| !is_projected(file)) {
+            let other = other.path.display();
+            sentences.push(format!(
+                "{other}: has its coordinates in lengths, others on the earth; they do not fit together"
+            ));
+        }
+    }
+    for (file, header) in all() {
+        let path = file.path.display();
+        if options.project == Project::Off && matches!(header.axes, Some(Axes::Geographic(_))) {
+            sentences.push(format!("{path}: has its coordinates in degrees and is drawn so, which looks flat (cloud.project=auto)"));
+        }
+        if options.project == Project::Auto
+            && let (Some(Axes::Geographic(_) | Axes::Geocentric), false) = (header.axes, is_projected(file))
+        {
+            sentences.push(format!("{path}: its coordinate system is one on the earth, but its points are not there; they are drawn as lengths"));
+        }
+        if let (Up::Auto, Some(why), false) = (options.up, &header.y_is_up, is_projected(file)) {
+            sentences.push(format!("{path}: {why}, so its y axis is taken for up (cloud.up=z leaves it)"));
+        }
+    }
+    sentences
+}
