@@ -336,3 +336,37 @@ fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> a
     });
     Ok(serde_json::to_string_pretty(&metrics)? + "\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::{ScanFile, WorldFromFile};
+
+    #[test]
+    fn places_are_those_of_the_file_and_eyes_are_apart_in_metres() {
+        let options = ShotOptions {
+            scans: Vec::new(),
+            out: Vec::new(),
+            eye: Some(DVec3::new(1.0, 2.0, 3.0)),
+            target: None,
+            up: Some(DVec3::Y),
+            fov: ShotFov::Vertical(60.0),
+            size_px: [1, 1],
+            stereo: true,
+            ipd: 0.063,
+            depth: Vec::new(),
+            metrics: None,
+        };
+        // Millimetres, y up, heights in metres.
+        let world_from_file = WorldFromFile::Axes { y_is_up: true, height_scale: 1000.0 };
+        let file = ScanFile { world_from_file, ..ScanFile::default() };
+        let scan = Scan { files: vec![file], unit_m: Some(0.001), ..Scan::default() };
+        let in_world = options.in_world(&scan);
+        assert_eq!(in_world.eye, Some(DVec3::new(1.0, -3.0, 2000.0)));
+        assert_eq!((in_world.target, in_world.up), (None, Some(DVec3::Z)));
+        assert!((in_world.ipd - 63.0).abs() < 1e-9);
+        // A scan in metres as it is changes nothing.
+        let same = options.in_world(&Scan::default());
+        assert_eq!((same.eye, same.up, same.ipd), (options.eye, options.up, options.ipd));
+    }
+}

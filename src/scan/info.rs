@@ -102,7 +102,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     let triangles = (described.triangles > 0).then(|| grouped(described.triangles));
     lines.push(("triangles", triangles.unwrap_or_default()));
     lines.push(("system", described.crs.unwrap_or_else(|| "not stated".into())));
-    lines.push(("unit", unit_words(scan.unit_in_file_m, described.vertical_unit_m)));
+    lines.push(("unit", unit_words(scan, described.vertical_unit_m)));
     let software = distinct(headers.iter().filter_map(|header| header.software.clone()));
     let created = distinct(headers.iter().filter_map(|header| header.created.clone()));
     lines.push(("written by", software.join("; ")));
@@ -179,8 +179,12 @@ fn color_words(file: &ScanFile) -> String {
     }
 }
 
-fn unit_words(unit_m: Option<f64>, vertical_unit_m: Option<f64>) -> String {
-    let across = unit_m.map_or_else(|| "not stated".into(), unit::words);
+fn unit_words(scan: &Scan, vertical_unit_m: Option<f64>) -> String {
+    let across = match (scan.world_from_file(), scan.unit_in_file_m) {
+        (WorldFromFile::Geographic { angle, .. }, _) => angle.name().into(),
+        (_, Some(unit_m)) => unit::words(unit_m),
+        (_, None) => "not stated".into(),
+    };
     match vertical_unit_m {
         Some(vertical_m) => format!("{across}; of heights {}", unit::words(vertical_m)),
         None => across,

@@ -45,6 +45,15 @@ impl Angle {
         }
     }
 
+    /// For people: "degree".
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Degree => "degree",
+            Self::Gradian => "gradian",
+            Self::Radian => "radian",
+        }
+    }
+
     /// The unit that is about so many radians: files round the number. Degrees unless another fits.
     fn of_radians(radians: Option<f64>) -> Self {
         let fits = |unit: &Self| radians.is_some_and(|value| (value / unit.radians() - 1.0).abs() < 0.01);
