@@ -6,11 +6,17 @@ mod scan_fixture;
 
 use scan_fixture::Fixture;
 use scanwalk::progress::Stop;
-use scanwalk::scan::{ReadOptions, Scan, ScanError, read};
+use scanwalk::scan::{Project, ReadOptions, Scan, ScanError, Unit, Up, read};
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-const STRICT: ReadOptions = ReadOptions { up: scanwalk::scan::Up::Z, strict: true };
+const STRICT: ReadOptions = ReadOptions {
+    up: Up::Auto,
+    unit: Unit::Auto,
+    vertical_unit: Unit::Auto,
+    project: Project::Auto,
+    strict: true,
+};
 
 fn read_all(paths: &[PathBuf]) -> Result<Scan, ScanError> {
     read(paths, &ReadOptions::default(), &Stop::default())
