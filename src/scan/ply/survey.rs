@@ -31,8 +31,9 @@ pub(super) struct Found {
 #[derive(Debug)]
 pub(super) struct Survey<'a> {
     meaning: &'a Meaning,
-    /// Points from one of the sample to the next.
+    /// Points from one of the sample to the next, and those until then.
     stride: u64,
+    until_next: u64,
     first_point: u64,
     num_points: u64,
     pub found: Found,
@@ -49,7 +50,8 @@ impl<'a> Survey<'a> {
             bright: [0; 2],
             intensity: (f64::MAX, f64::MIN),
         };
-        Self { meaning, stride: num_points.div_ceil(SAMPLE).max(1), first_point: 0, num_points: 0, found }
+        let stride = num_points.div_ceil(SAMPLE).max(1);
+        Self { meaning, stride, until_next: 0, first_point: 0, num_points: 0, found }
     }
 }
 
@@ -73,8 +75,9 @@ impl Sink for Survey<'_> {
     #[inline]
     fn point(&mut self, row: &Row) {
         let number = self.first_point + self.num_points;
-        let is_of_sample = self.num_points.is_multiple_of(self.stride);
         self.num_points += 1;
+        let is_of_sample = self.until_next == 0;
+        self.until_next = if is_of_sample { self.stride } else { self.until_next } - 1;
         let place = self.meaning.place(number, row);
         if !grid::is_place(&place) {
             return;

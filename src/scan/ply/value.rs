@@ -226,6 +226,11 @@ impl Values for Words<'_> {
     /// The type is not asked: text that says more than its type holds is believed.
     #[inline]
     fn value(&mut self, _: Type) -> Option<f64> {
+        self.0 = self.0.trim_ascii_start();
+        if let Some((value, rest)) = plain_number(self.0) {
+            self.0 = rest;
+            return Some(value);
+        }
         number(self.word()?)
     }
 
@@ -236,6 +241,43 @@ impl Values for Words<'_> {
     fn skip(&mut self, num_values: u64, _: u64) -> Option<()> {
         (0..num_values).try_for_each(|_| self.word().map(|_| ()))
     }
+}
+
+/// The most digits behind the point of a plain number: powers of ten up to this are exact.
+const MOST_DECIMALS: usize = 22;
+const POWERS_OF_TEN: [f64; MOST_DECIMALS + 1] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19, 1e20, 1e21, 1e22,
+];
+
+/// The number that a text starts with, and the rest behind it, if it is of the plain kind that nearly all are: digits
+/// with a point perhaps, as a whole less than 2⁵³. Then it is a quotient of two exact numbers, so correctly rounded.
+#[inline]
+fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
+    let digits = text.strip_prefix(b"-").unwrap_or(text);
+    let (mut whole, mut num_digits, mut point) = (0u64, 0, None);
+    let mut end = digits.len();
+    for (at, byte) in digits.iter().enumerate() {
+        match byte {
+            b'0'..=b'9' => {
+                whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
+                num_digits += 1;
+            }
+            b'.' if point.is_none() => point = Some(at),
+            _ if byte.is_ascii_whitespace() => {
+                end = at;
+                break;
+            }
+            _ => return None,
+        }
+    }
+    let num_decimals = point.map_or(0, |point| end - point - 1);
+    // 19 digits are less than 2⁶⁴.
+    if !(1..=19).contains(&num_digits) || whole > 1 << 53 || num_decimals > MOST_DECIMALS {
+        return None;
+    }
+    let value = whole as f64 / POWERS_OF_TEN[num_decimals];
+    Some((if digits.len() < text.len() { -value } else { value }, &digits[end..]))
 }
 
 /// What a word says as a number.
@@ -329,6 +371,20 @@ mod tests {
         assert_eq!(Bytes::new(&[][..], false).skip(1, u64::MAX), None);
         assert_eq!(Record { bytes: &[1, 2], big_endian: false }.skip(1, u64::MAX), None);
         assert_eq!(Words(b"1 2").skip(u64::MAX, 0), None);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn plain_numbers_are_rounded_as_others(digits in "-?[0-9]{0,12}\\.?[0-9]{0,24}", float in proptest::num::f64::ANY) {
+            for word in [digits, float.to_string(), format!("{float:e}"), format!("{float:.3}")] {
+                let text = format!("{word} 1");
+                let (mut words, expected) = (Words(text.as_bytes()), word.parse::<f64>().ok());
+                let read = if word.is_empty() { None } else { words.value(Type::Double) };
+                let same = read.map(f64::to_bits) == expected.map(f64::to_bits)
+                    || read.is_some_and(f64::is_nan) && expected.is_some_and(f64::is_nan);
+                proptest::prop_assert!(same, "{word}: {read:?}, not {expected:?}");
+            }
+        }
     }
 
     #[test]

@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(pieces(1), [0..4, 4..8, 8..9, 9..14]);
         assert_eq!(pieces(4), [0..4, 4..8, 8..14]);
         assert_eq!(pieces(5), [0..8, 8..14]);
-        assert_eq!(pieces(99), [0..14]);
+        assert_eq!((pieces(99).len(), &pieces(99)[0]), (1, &(0..14)));
         assert!(cut(b"", 5, |_| true).is_empty());
     }
 
