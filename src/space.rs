@@ -224,6 +224,18 @@ impl Eye {
         [px, py, w]
     }
 
+    /// Clip coordinates of a place, for what the GPU's own pipeline draws: w is the linear depth, and z / w is near / w,
+    /// as depth images have it.
+    #[must_use]
+    pub fn clip_from_world(&self, p_in_world: DVec3, near: f64) -> [f32; 4] {
+        let p = self.world_from_view.inverse().matrix().transform_point3(p_in_world);
+        let Fov { left, right, up, down } = self.fov;
+        let w = -p.z;
+        let x = (2.0 * p.x - (left + right) * w) / (right - left);
+        let y = (2.0 * p.y - (up + down) * w) / (up - down);
+        [x, y, near, w].map(|c| c as f32)
+    }
+
     /// Pixels per radian at the optical axis; the smaller of both directions would lose detail, so the larger.
     #[must_use]
     pub fn pixels_per_radian(&self) -> f64 {
@@ -326,6 +338,11 @@ mod tests {
             let rows = camera.pixel_from_head(head);
             let q = (p - head).extend(1.0);
             let [x, y, w] = rows.map(|r| glam::DVec4::from_array(r).dot(q));
+            let clip = camera.clip_from_world(p, 0.05).map(f64::from);
+            if w > 0.05 {
+                prop_assert!(((0.5 + 0.5 * clip[0] / clip[3]) * 641.0 - x / w).abs() < 1e-3 * (1.0 + (x / w).abs()));
+                prop_assert!(((0.5 - 0.5 * clip[1] / clip[3]) * 479.0 - y / w).abs() < 1e-3 * (1.0 + (y / w).abs()));
+            }
             let want = contract_pixel(p, eye, target, DVec3::Z, fov.to_radians(), size.map(f64::from));
             prop_assume!(want.2.abs() > 0.05);
             prop_assert!((w - want.2).abs() < 1e-9);

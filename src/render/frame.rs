@@ -211,11 +211,12 @@ impl Renderer {
             timestamp_writes: self.timer.render(RESOLVE, false, is_last),
             ..Default::default()
         });
-        // Before there is a cloud, the background is all there is to see.
-        if self.cloud.is_some() {
-            let [width, height] = self.targets.drawn_px[eye];
-            pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
-            pass.set_scissor_rect(0, 0, width, height);
+        let [width, height] = self.targets.drawn_px[eye];
+        pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+        pass.set_scissor_rect(0, 0, width, height);
+        if self.cloud.is_none() {
+            self.waiting.draw(&mut pass, eye);
+        } else {
             pass.set_pipeline(&self.pipelines.image.pipeline);
             pass.set_bind_group(0, &self.groups.eyes[eye].image, &[]);
             pass.draw(0..3, 0..1);

@@ -12,6 +12,7 @@ mod renderer;
 pub mod shaders;
 mod targets;
 mod tier;
+mod waiting;
 
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
 pub use drawn_part::tiles;

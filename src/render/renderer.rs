@@ -6,12 +6,13 @@ use super::groups::{self, Groups, Parts};
 use super::pipelines::{For, Pipelines};
 use super::point_list::{Draws, PointImages};
 use super::targets::{TargetTooLarge, Targets};
+use super::waiting::Waiting;
 use crate::config::Quality;
 use crate::gpu::timer::Timer;
-use crate::gpu::{Atomics, Gpu};
+use crate::gpu::{Atomics, Gpu, QueueGuard};
 use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform};
 use crate::look::Look;
-use crate::space::Split;
+use crate::space::{Eye, Pose, Split};
 use crate::timing::STAGES;
 use std::sync::Arc;
 
@@ -51,6 +52,7 @@ pub struct Renderer {
     pub(super) points: Option<(PointImages, Draws)>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
+    pub(super) waiting: Waiting,
     drawn: DrawnPart,
     pub(super) groups: Groups,
     /// The frame before has cleared its targets, and nothing has changed since.
@@ -74,6 +76,7 @@ impl Renderer {
         let drawn = DrawnPart::new(gpu, &targets, &[], look.background_word());
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
+        let waiting = Waiting::new(gpu, &setup);
         let mut renderer = Self {
             gpu: Arc::clone(gpu),
             setup,
@@ -87,6 +90,7 @@ impl Renderer {
             kept_sums: None,
             points: None,
             hidden: vec![],
+            waiting,
             drawn,
             groups: Groups::default(),
             targets_are_clear: false,
@@ -95,6 +99,19 @@ impl Renderer {
         };
         renderer.rebind();
         Ok(renderer)
+    }
+
+    /// While there is no cloud: how much of the work until then is done, 0 to 1, as a bar and a number that stand at
+    /// `world_from_bar`, metres across. `None`: nothing. Shown from the frame on that is recorded next.
+    pub fn set_waiting(
+        &mut self,
+        queue: &QueueGuard,
+        eyes: &[Eye],
+        near: f64,
+        world_from_bar: &Pose,
+        fraction: Option<f64>,
+    ) {
+        self.waiting.set(queue, eyes, near, world_from_bar, fraction);
     }
 
     /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. Takes

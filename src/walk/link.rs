@@ -130,6 +130,12 @@ impl WalkEnd {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).doing = doing;
     }
 
+    /// The work that goes on; `None` if that cannot be told without waiting for somebody.
+    pub(super) fn try_doing(&self) -> Option<Option<Done>> {
+        let shared = self.shared.try_lock().ok()?;
+        Some(shared.doing.as_ref().map(|count| count.now()))
+    }
+
     /// Changes what else the window says about loading; called by the loader's thread only.
     pub fn update_load(&self, change: impl FnOnce(&mut LoadState)) {
         change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner).load);

@@ -7,6 +7,7 @@ use super::masks::Masks;
 use super::mirror::Mirror;
 use super::pose_path::PosePath;
 use super::screenshot::Screenshots;
+use super::waiting::Waiting;
 use super::{Beat, Headset, StageEye};
 use crate::config::Config;
 use crate::gpu::Gpu;
@@ -142,6 +143,7 @@ struct Frames {
     scan_shown: Option<Instant>,
     /// The loader is not done.
     arriving: bool,
+    waiting: Waiting,
     /// What clouds took of this thread since the last row, for that row's `record_ms`.
     load_ms: f32,
     last_display_ns: Option<i64>,
@@ -184,6 +186,7 @@ impl Frames {
             began: Instant::now(),
             scan_shown: None,
             arriving: true,
+            waiting: Waiting::default(),
             load_ms: 0.0,
             last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
@@ -290,6 +293,9 @@ impl Frames {
             let view = locomotion.view(pose, &eyes, self.drawn_px, walk.config.frame.near_m);
             self.renderer.set_view(&walk.gpu.queue.lock(), &view);
             self.last_view = Some(view);
+        } else {
+            let (queue, near) = (walk.gpu.queue.lock(), walk.config.frame.near_m);
+            self.waiting.show(&mut self.renderer, &queue, &walk.link, (&eyes, self.drawn_px, near));
         }
         headset.submit(Some(encoder))?;
         self.renderer.submitted();

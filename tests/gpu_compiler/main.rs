@@ -67,8 +67,12 @@ impl Executable {
 
 /// The project's shaders for pictures (one eye) and headsets (two), in the forms that matter.
 fn our_shaders() -> Vec<Shader> {
-    let mut shaders =
-        vec![Shader { name: "mirror".into(), text: include_str!("../../shaders/mirror.wgsl").into() }];
+    let mut shaders = [
+        ("mirror", include_str!("../../shaders/mirror.wgsl")),
+        ("waiting", include_str!("../../shaders/waiting.wgsl")),
+    ]
+    .map(|(name, text)| Shader { name: name.into(), text: text.into() })
+    .to_vec();
     let mut add = |name: String, shader: &str, variant: Variant| {
         shaders.push(Shader { name, text: source(shader, variant) });
     };
