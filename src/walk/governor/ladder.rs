@@ -10,9 +10,9 @@ const LOD_SCALES: [f32; 8] = [1.15, 1.32, 1.51, 1.73, 1.99, 2.28, 2.62, 3.0];
 pub(super) const RESOLUTION_SCALES: [f32; 5] = [0.92, 0.84, 0.76, 0.68, 0.6];
 /// `hqs` costs at most so many times what `closest` does.
 const MOST_SAVED_BY_CLOSEST: f32 = 2.0;
-/// The coarsest level of detail that still makes a good picture: points of a node then lie `threshold_px` / 128 × this
-/// apart, 1.6, 3.1 and 4.7 pixels in the three rings, which is what dilation by rings closes by itself
-/// ([`crate::look::RINGS_REACH_PX`]).
+/// The coarsest level of detail whose picture is still sharp: points of a node then lie `threshold_px` / 128 × this apart,
+/// 1.6, 3.1 and 4.7 pixels in the three rings, half of what dilation by rings reaches over or little more
+/// ([`crate::look::RINGS_REACH_PX`]); beyond, discs close the gaps, and blur.
 const GOOD_LOD_SCALE: f32 = 1.99;
 
 /// Frames with room before a step up: half a second at 90 Hz.
