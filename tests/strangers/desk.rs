@@ -1,0 +1,206 @@
+//! A stranger's desk: a folder with files in it, and the program run there.
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// No input may hang the program: this is far beyond what any row takes.
+const LONGEST: Duration = Duration::from_secs(120);
+/// Pixels of pictures: small, and wider than high.
+pub const SIZE: [usize; 2] = [96, 64];
+
+/// What a run came to.
+pub struct Ran {
+    pub code: i32,
+    pub out: Vec<u8>,
+    pub err: String,
+}
+
+impl Ran {
+    /// The sentence that holds all of these words, in any case.
+    pub fn says(&self, words: &[&str]) -> bool {
+        let lines = self.err.lines().map(str::to_lowercase);
+        lines.into_iter().any(|line| words.iter().all(|word| line.contains(&word.to_lowercase())))
+    }
+
+    /// In a cell of the table.
+    pub fn in_words(&self) -> String {
+        let words = self.err.trim().replace('\n', " | ");
+        format!("exit {}: {}", self.code, if words.is_empty() { "no word" } else { &words })
+    }
+}
+
+pub struct Desk {
+    folder: tempfile::TempDir,
+}
+
+impl Desk {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn put(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), bytes).expect("a file");
+    }
+
+    /// Runs the program here, with names relative to the folder.
+    pub fn run(&self, args: &[&str]) -> Ran {
+        let files = ["stdout", "stderr"].map(|name| {
+            let path = self.path(&format!(".{name}"));
+            (std::fs::File::create(&path).expect("a file"), path)
+        });
+        let [(out, out_path), (err, err_path)] = files;
+        let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+        command.args(args).current_dir(self.folder.path()).stdin(Stdio::null()).stdout(out).stderr(err);
+        for name in ["RUST_LOG", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(name);
+        }
+        let mut child = command.spawn().expect("the program starts");
+        let until = Instant::now() + LONGEST;
+        let code = loop {
+            match child.try_wait().expect("a child of ours") {
+                Some(status) => break status.code().unwrap_or(-1),
+                None if Instant::now() > until => {
+                    child.kill().expect("a child of ours");
+                    let _ = child.wait();
+                    break -2;
+                }
+                None => std::thread::sleep(Duration::from_millis(10)),
+            }
+        };
+        let read = |path: PathBuf| std::fs::read(path).expect("what it said");
+        Ran { code, out: read(out_path), err: String::from_utf8_lossy(&read(err_path)).into_owned() }
+    }
+
+    /// What `info --json` says; or how it failed.
+    pub fn info(&self, args: &[&str]) -> Result<Info, String> {
+        let ran = self.run(&[&["info", "--json"], args].concat());
+        match serde_json::from_slice(&ran.out) {
+            Ok(json) if ran.code == 0 => Ok(Info { json, ran }),
+            _ => Err(ran.in_words()),
+        }
+    }
+
+    /// The picture that `render` makes of these; or how it failed.
+    pub fn render(&self, args: &[&str]) -> Result<Picture, String> {
+        let size = format!("{}x{}", SIZE[0], SIZE[1]);
+        let fixed = ["render", "-o", "picture.png", "--size", &size];
+        let ran = self.run(&[&fixed[..], args].concat());
+        if ran.code != 0 {
+            return Err(ran.in_words());
+        }
+        let bytes = std::fs::read(self.path("picture.png")).map_err(|error| error.to_string())?;
+        Ok(Picture { pixels: decoded(&bytes)?, ran })
+    }
+
+    /// Where a walk's head is at first, in the coordinates that it walks in; or how it failed.
+    pub fn start(&self, args: &[&str]) -> Result<Start, String> {
+        let fixed = ["view", "--headset", "off", "--window", "off", "--frames", "2", "--log", "frames.csv"];
+        let small = ["--set", "simulated.size_px=[64,64]"];
+        let ran = self.run(&[&fixed[..], &small, args].concat());
+        let log = std::fs::read_to_string(self.path("frames.csv"));
+        let Some(log) = log.ok().filter(|_| ran.code == 0) else { return Err(ran.in_words()) };
+        let mut lines = log.lines().filter(|line| !line.starts_with('#'));
+        let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+        let column = |name: &str| names.iter().position(|n| *n == name);
+        let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+        let row = rows.iter().find(|row| column("head_x").is_some_and(|at| !row[at].is_empty()));
+        let row = row.ok_or("no frame showed the scan")?;
+        let number = |name: &str| column(name).and_then(|at| row[at].parse::<f64>().ok());
+        let head = ["head_x", "head_y", "head_z"].map(number);
+        let [Some(x), Some(y), Some(z)] = head else { return Err(format!("the head is at {head:?}")) };
+        Ok(Start { head: [x, y, z], ran })
+    }
+}
+
+pub struct Info {
+    pub json: Value,
+    pub ran: Ran,
+}
+
+impl Info {
+    pub fn points(&self) -> u64 {
+        self.json["points"].as_u64().unwrap_or(0)
+    }
+
+    /// A warning, or a line on stderr, that holds all of these words.
+    pub fn says(&self, words: &[&str]) -> bool {
+        let warnings = self.json["warnings"].as_array().cloned().unwrap_or_default();
+        let has_all =
+            |text: &str| words.iter().all(|word| text.to_lowercase().contains(&word.to_lowercase()));
+        warnings.iter().filter_map(Value::as_str).any(has_all) || self.ran.says(words)
+    }
+
+    /// In a cell of the table.
+    pub fn in_words(&self) -> String {
+        let warnings = &self.json["warnings"];
+        format!("{} points, unit {}, warnings {warnings}", self.points(), self.json["unit_m"])
+    }
+}
+
+pub struct Start {
+    pub head: [f64; 3],
+    pub ran: Ran,
+}
+
+impl Start {
+    /// In a cell of the table; how far the head is from a place.
+    pub fn from(&self, place: [f64; 3]) -> (f64, String) {
+        let away: f64 = (0..3).map(|axis| (self.head[axis] - place[axis]).powi(2)).sum();
+        (away.sqrt(), format!("{:.2} from the scene, at {:.2?}", away.sqrt(), self.head))
+    }
+}
+
+/// A picture of [`SIZE`] pixels.
+pub struct Picture {
+    pub pixels: Vec<[u8; 3]>,
+    pub ran: Ran,
+}
+
+impl Picture {
+    pub fn lit(&self) -> usize {
+        self.pixels.iter().filter(|pixel| **pixel != [0; 3]).count()
+    }
+
+    /// The brightest of all channels.
+    pub fn brightest(&self) -> u8 {
+        self.pixels.iter().flatten().copied().max().unwrap_or(0)
+    }
+
+    /// Pixels of about this color.
+    pub fn num_near(&self, color: [u8; 3]) -> usize {
+        let near = |pixel: &&[u8; 3]| (0..3).all(|c| pixel[c].abs_diff(color[c]) <= 12);
+        self.pixels.iter().filter(near).count()
+    }
+
+    pub fn middle_is_lit(&self) -> bool {
+        let [width, height] = SIZE;
+        let around = |x: usize, y: usize| self.pixels[y * width + x] != [0; 3];
+        (height / 2 - 2..height / 2 + 2).any(|y| (width / 2 - 2..width / 2 + 2).any(|x| around(x, y)))
+    }
+
+    /// How much of the shorter side the lit pixels span, across or down, without the last hundredth at each end.
+    pub fn span(&self) -> f64 {
+        let [width, height] = SIZE;
+        let lit = (0..width * height).filter(|at| self.pixels[*at] != [0; 3]);
+        let (mut xs, mut ys): (Vec<usize>, Vec<usize>) = lit.map(|at| (at % width, at / width)).unzip();
+        let span = |values: &mut Vec<usize>| {
+            values.sort_unstable();
+            let cut = values.len() / 100;
+            values.get(values.len().saturating_sub(1 + cut)).map_or(0, |last| last + 1 - values[cut])
+        };
+        span(&mut xs).max(span(&mut ys)) as f64 / width.min(height) as f64
+    }
+}
+
+pub fn decoded(bytes: &[u8]) -> Result<Vec<[u8; 3]>, String> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().map_err(|e| e.to_string())?;
+    let mut pixels = vec![0; reader.output_buffer_size().ok_or("too large a picture")?];
+    reader.next_frame(&mut pixels).map_err(|error| error.to_string())?;
+    Ok(pixels.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect())
+}
