@@ -3,7 +3,7 @@
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     let key = key_of(w, id);
-    if key < key_in(eye, pixel) {
+    if may_win(eye, pixel, key) {
         min_key(eye, pixel, key);
     }
 }

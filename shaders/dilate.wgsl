@@ -1,30 +1,48 @@
 // dilate: closes the gaps between points of one surface. A pixel that lies farther than the nearest surface of its
 // window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
-// others stay as they are. One eye a dispatch; frame.md section 6.
+// others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
 //
 // In two passes through workgroup memory: rows first, each pixel with the radius of its own ring, then columns over
-// what the rows found. Sums are integers, so their order does not show. A thread makes four neighbours at once: they
-// share ten taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in different banks.
+// what the rows found. Sums are integers, so their order does not show. Neighbours are made at once, eight in a row and
+// four in a column, since they share taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in
+// different banks.
+//
+// Depths come first. Where they say that a tile is one surface without gaps, it is written as it is, and where it is empty
+// no colour is read. A thread keeps its own four pixels; workgroup memory is for those of others.
+
+@group(0) @binding(3) var<storage, read_write> image: array<vec2<u32>>;
+
+const EMPTY: vec2<u32> = vec2<u32>(EMPTY_DEPTH, 0u);
+const OPAQUE: u32 = 0xff000000u;
 
 const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;
 const NUM_ROWS: u32 = TILE_PX.y + 2u * DILATE_REACH_PX;
 const TILE_STRIDE: u32 = NUM_COLUMNS | 1u;
 const ROW_STRIDE: u32 = TILE_PX.x | 1u;
+/// Pixels that reach into the tile: above and below it, and in all.
+const NUM_ABOVE_BELOW: u32 = 2u * DILATE_REACH_PX * NUM_COLUMNS;
+const NUM_AROUND: u32 = NUM_ABOVE_BELOW + 2u * DILATE_REACH_PX * TILE_PX.y;
 
-/// The tile and what reaches into it.
-var<workgroup> tile: array<vec2<u32>, TILE_STRIDE * NUM_ROWS>;
-/// Its farthest depth, and the complement of its nearest: both begin at 0.
+/// The eye, read once.
+var<private> eye: EyeUniform;
+
+/// Depths of the tile and of what reaches into it.
+var<workgroup> tile_depth: array<u32, TILE_STRIDE * NUM_ROWS>;
+/// Their colours, with 1 for alpha: its sum is that of the weights.
+var<workgroup> tile_color: array<u32, TILE_STRIDE * NUM_ROWS>;
+/// The farthest depth, and the complement of the nearest: both begin at 0.
 var<workgroup> farthest: atomic<u32>;
 var<workgroup> nearness: atomic<u32>;
 /// Nearest depth of each pixel's row window.
 var<workgroup> row_nearest: array<u32, ROW_STRIDE * NUM_ROWS>;
-/// Sums of that surface's colours times weights, 16 bits each: r | b≪16, g | a≪16. Alpha is 255 throughout, so its
-/// sum stands for that of the weights.
+/// Sums of that surface's colours times weights, 16 bits each: r | b≪16, g | weights≪16.
 var<workgroup> row_sums: array<vec2<u32>, ROW_STRIDE * NUM_ROWS>;
 
 /// Ten values that follow each other.
 alias Run = array<u32, 10>;
+/// Fourteen: eight neighbours and what they reach.
+alias Row = array<u32, 14>;
 /// What each of four neighbours sees of a run, at the distances −3 to 3.
 alias Taps = array<vec4<u32>, 7>;
 /// A part of each of four values.
@@ -66,23 +84,41 @@ fn weigh(end: vec4<u32>, d: Taps, v: Taps, part: Part) -> vec4<u32> {
     return (sum << falloff) + counted(end, d[0], v[0], part) + counted(end, d[6], v[6], part);
 }
 
-fn load(corner: vec2<i32>, thread: u32) {
-    let size = vec2<u32>(view.eyes[dilate.eye].width, view.eyes[dilate.eye].height);
-    var far = 0u;
-    var near = EMPTY_DEPTH;
-    for (var i = thread; i < NUM_COLUMNS * NUM_ROWS; i += NUM_THREADS) {
-        let local = vec2<u32>(i % NUM_COLUMNS, i / NUM_COLUMNS);
-        // Left of the image and above it, coordinates wrap to large ones.
-        let pixel = vec2<u32>(corner) + local;
-        let inside = all(pixel < size);
-        let point = surface[select(0u, pixel.y * size.x + pixel.x, inside)];
-        let loaded = select(EMPTY, vec2<u32>(point.x, point.y | OPAQUE), inside && point.x != EMPTY_DEPTH);
-        far = max(far, select(0u, point.x, inside));
-        near = min(near, loaded.x);
-        tile[local.y * TILE_STRIDE + local.x] = loaded;
+// Left of the image and above it, coordinates wrap to large ones.
+fn is_inside(pixel: vec2<u32>) -> bool {
+    return pixel.x < eye.width && pixel.y < eye.height;
+}
+
+fn number_of(pixel: vec2<u32>) -> u32 {
+    return pixel.y * eye.width + pixel.x;
+}
+
+// Place in the tile of the pixels around it.
+fn place_around(i: u32) -> vec2<u32> {
+    if i < NUM_ABOVE_BELOW {
+        let row = i / NUM_COLUMNS;
+        return vec2<u32>(i % NUM_COLUMNS, select(row, row + TILE_PX.y, row >= DILATE_REACH_PX));
     }
-    atomicMax(&farthest, far);
-    atomicMax(&nearness, ~near);
+    let side = (i - NUM_ABOVE_BELOW) % (2u * DILATE_REACH_PX);
+    let row = (i - NUM_ABOVE_BELOW) / (2u * DILATE_REACH_PX);
+    return vec2<u32>(select(side, side + TILE_PX.x, side >= DILATE_REACH_PX), row + DILATE_REACH_PX);
+}
+
+// A pixel's depth, which counts for the tile's nearest and farthest; outside the image there is none.
+fn load_depth(pixel: vec2<u32>, range: ptr<function, vec2<u32>>) -> u32 {
+    if !is_inside(pixel) {
+        return EMPTY_DEPTH;
+    }
+    let w = surface_depth(number_of(pixel));
+    *range = vec2<u32>(min((*range).x, w), max((*range).y, w));
+    return w;
+}
+
+fn load_color(pixel: vec2<u32>, w: u32) -> u32 {
+    if w == EMPTY_DEPTH {
+        return 0u;
+    }
+    return surface_color(number_of(pixel));
 }
 
 // True if no pixel of the tile has anything to take: it is one surface without gaps, or empty.
@@ -91,32 +127,71 @@ fn is_whole() -> bool {
     return nearest == EMPTY_DEPTH || atomicLoad(&farthest) <= surface_end(vec4<u32>(nearest)).x;
 }
 
-// Sums up the row windows of four pixels, the first of which is column + reach, row of the tile.
-fn sum_rows(corner: vec2<i32>, column: u32, row: u32) {
-    let i = row * TILE_STRIDE + column;
-    let run = array(tile[i], tile[i + 1u], tile[i + 2u], tile[i + 3u], tile[i + 4u], tile[i + 5u], tile[i + 6u],
-        tile[i + 7u], tile[i + 8u], tile[i + 9u]);
-    let x = corner.x + i32(column + DILATE_REACH_PX);
-    let y = corner.y + i32(row);
-    let radius = vec4(radius_px(x, y), radius_px(x + 1, y), radius_px(x + 2, y), radius_px(x + 3, y));
-    let d = within(radius, taps(Run(run[0].x, run[1].x, run[2].x, run[3].x, run[4].x, run[5].x, run[6].x, run[7].x,
-        run[8].x, run[9].x)));
+fn keep(at: u32, w: u32, color: u32) {
+    tile_depth[at] = w;
+    keep_color(at, color);
+}
+
+fn keep_color(at: u32, color: u32) {
+    tile_color[at] = (color & 0xffffffu) | 0x01000000u;
+}
+
+// The rings' radii of four pixels, the next of which are `step` further.
+fn radii(first: vec2<u32>, step: vec2<i32>) -> vec4<u32> {
+    let a = vec2<i32>(first);
+    let b = a + step;
+    let c = b + step;
+    let d = c + step;
+    return vec4(radius_px(eye, a.x, a.y), radius_px(eye, b.x, b.y), radius_px(eye, c.x, c.y), radius_px(eye, d.x, d.y));
+}
+
+// Sums up the row windows of four pixels, the first of which is `pixel` and goes to `to`.
+fn sum_row(pixel: vec2<u32>, to: u32, depth: Run, color: Run) {
+    let d = within(radii(pixel, vec2(1, 0)), taps(depth));
     let nearest = nearest_of(d);
     let end = surface_end(nearest);
-    let rgba = taps(Run(run[0].y, run[1].y, run[2].y, run[3].y, run[4].y, run[5].y, run[6].y, run[7].y, run[8].y,
-        run[9].y));
-    let rb = weigh(end, d, rgba, Part(0u, 0x00ff00ffu));
-    let ga = weigh(end, d, rgba, Part(8u, 0x00ff00ffu));
-
-    let to = row * ROW_STRIDE + column;
+    let c = taps(color);
+    let rb = weigh(end, d, c, Part(0u, 0x00ff00ffu));
+    let gw = weigh(end, d, c, Part(8u, 0x00ff00ffu));
     row_nearest[to] = nearest.x;
     row_nearest[to + 1u] = nearest.y;
     row_nearest[to + 2u] = nearest.z;
     row_nearest[to + 3u] = nearest.w;
-    row_sums[to] = vec2(rb.x, ga.x);
-    row_sums[to + 1u] = vec2(rb.y, ga.y);
-    row_sums[to + 2u] = vec2(rb.z, ga.z);
-    row_sums[to + 3u] = vec2(rb.w, ga.w);
+    row_sums[to] = vec2(rb.x, gw.x);
+    row_sums[to + 1u] = vec2(rb.y, gw.y);
+    row_sums[to + 2u] = vec2(rb.z, gw.z);
+    row_sums[to + 3u] = vec2(rb.w, gw.w);
+}
+
+fn first_run(v: Row) -> Run {
+    return Run(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9]);
+}
+
+fn last_run(v: Row) -> Run {
+    return Run(v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], v[12], v[13]);
+}
+
+// Sums up the row windows of eight pixels, the first of which lies at column + reach, row of the tile.
+fn sum_rows(corner: vec2<u32>, column: u32, row: u32) {
+    let i = row * TILE_STRIDE + column;
+    let depth = Row(tile_depth[i], tile_depth[i + 1u], tile_depth[i + 2u], tile_depth[i + 3u], tile_depth[i + 4u],
+        tile_depth[i + 5u], tile_depth[i + 6u], tile_depth[i + 7u], tile_depth[i + 8u], tile_depth[i + 9u],
+        tile_depth[i + 10u], tile_depth[i + 11u], tile_depth[i + 12u], tile_depth[i + 13u]);
+    let color = Row(tile_color[i], tile_color[i + 1u], tile_color[i + 2u], tile_color[i + 3u], tile_color[i + 4u],
+        tile_color[i + 5u], tile_color[i + 6u], tile_color[i + 7u], tile_color[i + 8u], tile_color[i + 9u],
+        tile_color[i + 10u], tile_color[i + 11u], tile_color[i + 12u], tile_color[i + 13u]);
+    let pixel = corner + vec2(column + DILATE_REACH_PX, row);
+    let to = row * ROW_STRIDE + column;
+    sum_row(pixel, to, first_run(depth), first_run(color));
+    sum_row(pixel + vec2(4u, 0u), to + 4u, last_run(depth), last_run(color));
+}
+
+// What the rows found in the column windows of four pixels.
+fn column_depths(radius: vec4<u32>, i: u32) -> Taps {
+    let k = ROW_STRIDE;
+    return within(radius, taps(Run(row_nearest[i], row_nearest[i + k], row_nearest[i + 2u * k],
+        row_nearest[i + 3u * k], row_nearest[i + 4u * k], row_nearest[i + 5u * k], row_nearest[i + 6u * k],
+        row_nearest[i + 7u * k], row_nearest[i + 8u * k], row_nearest[i + 9u * k])));
 }
 
 // Colours of four pixels below each other, whose columns begin at `i` and have depths `d`.
@@ -126,53 +201,19 @@ fn blend_columns(i: u32, end: vec4<u32>, d: Taps) -> vec4<u32> {
         row_sums[i + 5u * k], row_sums[i + 6u * k], row_sums[i + 7u * k], row_sums[i + 8u * k], row_sums[i + 9u * k]);
     let rb = taps(Run(run[0].x, run[1].x, run[2].x, run[3].x, run[4].x, run[5].x, run[6].x, run[7].x, run[8].x,
         run[9].x));
-    let ga = taps(Run(run[0].y, run[1].y, run[2].y, run[3].y, run[4].y, run[5].y, run[6].y, run[7].y, run[8].y,
+    let gw = taps(Run(run[0].y, run[1].y, run[2].y, run[3].y, run[4].y, run[5].y, run[6].y, run[7].y, run[8].y,
         run[9].y));
     // Where nothing counts there is no colour either, and no division by 0.
-    let weights = max(weigh(end, d, ga, Part(16u, 0xffffu)) / 255u, vec4<u32>(1u));
-    let half = weights / 2u;
-    let r = (weigh(end, d, rb, Part(0u, 0xffffu)) + half) / weights;
-    let g = (weigh(end, d, ga, Part(0u, 0xffffu)) + half) / weights;
-    let b = (weigh(end, d, rb, Part(16u, 0xffffu)) + half) / weights;
+    let weights = max(weigh(end, d, gw, Part(16u, 0xffffu)), vec4<u32>(1u));
+    let r = mean(weigh(end, d, rb, Part(0u, 0xffffu)), weights);
+    let g = mean(weigh(end, d, gw, Part(0u, 0xffffu)), weights);
+    let b = mean(weigh(end, d, rb, Part(16u, 0xffffu)), weights);
     return r | g << vec4<u32>(8u) | b << vec4<u32>(16u) | vec4<u32>(OPAQUE);
 }
 
-// Fills four pixels below each other.
-fn fill_columns(pixel: vec2<u32>, column: u32, row: u32) {
-    let i = row * ROW_STRIDE + column;
-    let k = ROW_STRIDE;
-    let run = Run(row_nearest[i], row_nearest[i + k], row_nearest[i + 2u * k], row_nearest[i + 3u * k],
-        row_nearest[i + 4u * k], row_nearest[i + 5u * k], row_nearest[i + 6u * k], row_nearest[i + 7u * k],
-        row_nearest[i + 8u * k], row_nearest[i + 9u * k]);
-    let x = i32(pixel.x);
-    let y = i32(pixel.y);
-    let radius = vec4(radius_px(x, y), radius_px(x, y + 1), radius_px(x, y + 2), radius_px(x, y + 3));
-    let d = within(radius, taps(run));
-    let nearest = nearest_of(d);
-    let end = surface_end(nearest);
-
-    let own = array(own_pixel(column, row), own_pixel(column, row + 1u), own_pixel(column, row + 2u),
-        own_pixel(column, row + 3u));
-    // An empty pixel that finds nothing stays too.
-    let stays = (vec4(own[0].x, own[1].x, own[2].x, own[3].x) <= end) | (nearest == vec4<u32>(EMPTY_DEPTH));
-    var color = vec4<u32>(0u);
-    if !all(stays) {
-        color = blend_columns(i, end, d);
-    }
-    store(pixel, select(vec2(nearest.x, color.x), own[0], stays.x));
-    store(pixel + vec2(0u, 1u), select(vec2(nearest.y, color.y), own[1], stays.y));
-    store(pixel + vec2(0u, 2u), select(vec2(nearest.z, color.z), own[2], stays.z));
-    store(pixel + vec2(0u, 3u), select(vec2(nearest.w, color.w), own[3], stays.w));
-}
-
-fn own_pixel(column: u32, row: u32) -> vec2<u32> {
-    return tile[(row + DILATE_REACH_PX) * TILE_STRIDE + column + DILATE_REACH_PX];
-}
-
-fn store(pixel: vec2<u32>, value: vec2<u32>) {
-    let width = view.eyes[dilate.eye].width;
-    if pixel.x < width && pixel.y < view.eyes[dilate.eye].height {
-        image[pixel.y * width + pixel.x] = value;
+fn store(pixel: vec2<u32>, depth: u32, color: u32) {
+    if is_inside(pixel) {
+        image[number_of(pixel)] = vec2<u32>(depth, color);
     }
 }
 
@@ -182,24 +223,58 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
+    eye = view.eyes[dilate.eye];
     let first = first_pixel(group, groups);
-    let corner = vec2<i32>(first) - i32(DILATE_REACH_PX);
-    load(corner, thread);
-    workgroupBarrier();
-    let whole = is_whole();
-    if !whole {
-        for (var i = thread; i < TILE_PX.x / 4u * NUM_ROWS; i += NUM_THREADS) {
-            sum_rows(corner, 4u * (i / NUM_ROWS), i % NUM_ROWS);
-        }
-    }
-    workgroupBarrier();
+    let corner = first - DILATE_REACH_PX;
+    // Four pixels below each other are this thread's own.
     let column = thread % TILE_PX.x;
     let row = 4u * (thread / TILE_PX.x);
-    if whole {
-        for (var i = row; i < row + 4u; i += 1u) {
-            store(first + vec2(column, i), own_pixel(column, i));
-        }
-    } else {
-        fill_columns(first + vec2(column, row), column, row);
+    let a = first + vec2(column, row);
+    let b = a + vec2(0u, 1u);
+    let c = a + vec2(0u, 2u);
+    let d = a + vec2(0u, 3u);
+
+    var range = vec2<u32>(EMPTY_DEPTH, 0u);
+    let own = vec4<u32>(load_depth(a, &range), load_depth(b, &range), load_depth(c, &range), load_depth(d, &range));
+    for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
+        let place = place_around(i);
+        tile_depth[place.y * TILE_STRIDE + place.x] = load_depth(corner + place, &range);
     }
+    atomicMax(&nearness, ~range.x);
+    atomicMax(&farthest, range.y);
+    workgroupBarrier();
+    var depth = own;
+    var color = vec4<u32>(load_color(a, own.x), load_color(b, own.y), load_color(c, own.z), load_color(d, own.w));
+    if !is_whole() {
+        let at = (row + DILATE_REACH_PX) * TILE_STRIDE + column + DILATE_REACH_PX;
+        keep(at, own.x, color.x);
+        keep(at + TILE_STRIDE, own.y, color.y);
+        keep(at + 2u * TILE_STRIDE, own.z, color.z);
+        keep(at + 3u * TILE_STRIDE, own.w, color.w);
+        for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
+            let place = place_around(i);
+            let at = place.y * TILE_STRIDE + place.x;
+            keep_color(at, load_color(corner + place, tile_depth[at]));
+        }
+        workgroupBarrier();
+        for (var i = thread; i < TILE_PX.x / 8u * NUM_ROWS; i += NUM_THREADS) {
+            sum_rows(corner, 8u * (i / NUM_ROWS), i % NUM_ROWS);
+        }
+        workgroupBarrier();
+        let i = row * ROW_STRIDE + column;
+        let around = column_depths(radii(a, vec2(0, 1)), i);
+        let nearest = nearest_of(around);
+        let end = surface_end(nearest);
+        // An empty pixel that finds nothing stays too.
+        let stays = (own <= end) | (nearest == vec4<u32>(EMPTY_DEPTH));
+        if !all(stays) {
+            depth = select(nearest, own, stays);
+            color = select(blend_columns(i, end, around), color, stays);
+        }
+    }
+    color = select(color | vec4<u32>(OPAQUE), vec4<u32>(0u), depth == vec4<u32>(EMPTY_DEPTH));
+    store(a, depth.x, color.x);
+    store(b, depth.y, color.y);
+    store(c, depth.z, color.z);
+    store(d, depth.w, color.w);
 }

@@ -34,17 +34,18 @@ fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
 // By the rule of dilation, with a line where a ring ends.
 @fragment
 fn rings(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let eye = view.eyes[dilate.eye];
     let at = vec2<i32>(position.xy) + i32(GUARD_PX);
-    let ring = radius_px(at.x, at.y);
-    let step = 1 + i32(view.eyes[dilate.eye].height / 720u);
-    let is_edge = radius_px(at.x + step, at.y) != ring || radius_px(at.x, at.y + step) != ring
-        || radius_px(at.x - step, at.y) != ring || radius_px(at.x, at.y - step) != ring;
+    let ring = radius_px(eye, at.x, at.y);
+    let step = 1 + i32(eye.height / 720u);
+    let is_edge = radius_px(eye, at.x + step, at.y) != ring || radius_px(eye, at.x, at.y + step) != ring
+        || radius_px(eye, at.x - step, at.y) != ring || radius_px(eye, at.x, at.y - step) != ring;
     return vec4<f32>(palette(ring - 1u), select(RING_ALPHA.x, RING_ALPHA.y, is_edge));
 }
 
 @fragment
 fn depth(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let w = surface[pixel_at(position)].x;
+    let w = surface_depth(pixel_at(position));
     if w == EMPTY_DEPTH {
         return NOTHING;
     }

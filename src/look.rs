@@ -1,8 +1,8 @@
 //! What a frame is to look like: the settings that the stages, on the GPU and as twins, go by.
 
-use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
+use crate::config::{Config, Dilate, EarlyZLoad, LodMethod, Precision, Quality};
 use crate::layout::Detail;
-use crate::method::Method;
+use crate::method::{Access, Method};
 
 /// [`Detail::fill_reach_px`] beside dilation by rings: the kernels' widths.
 pub const RINGS_REACH_PX: [f32; 3] = [3.0, 5.0, 7.0];
@@ -25,6 +25,8 @@ pub struct Look {
     pub background: [u8; 3],
     /// How much of the cloud is drawn.
     pub detail: Detail,
+    /// How shaders reach memory: of this the picture does not depend.
+    pub access: Access,
 }
 
 impl Look {
@@ -50,7 +52,18 @@ impl Look {
             keep_unseen: !frame.cull,
         };
         let quality = frame.method.quality().unwrap_or(frame.quality);
-        Self { method: frame.method, quality, dilate: frame.dilate, background: frame.background, detail }
+        let access = Access {
+            plain_looks: config.gpu.early_z_load == EarlyZLoad::Plain,
+            checked: config.gpu.bounds_checks || Access::default().checked,
+        };
+        Self {
+            method: frame.method,
+            quality,
+            dilate: frame.dilate,
+            background: frame.background,
+            detail,
+            access,
+        }
     }
 
     /// The background as the stages have it: r | g≪8 | b≪16 | 255≪24.

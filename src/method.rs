@@ -7,6 +7,22 @@ use crate::config::Quality;
 use crate::layout::Sums;
 use serde::{Deserialize, Serialize};
 
+/// How shaders reach memory, whatever the method. The picture is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// Early-z looks at a pixel by a plain load, not by an atomic one.
+    pub plain_looks: bool,
+    /// Shaders check every index.
+    pub checked: bool,
+}
+
+impl Default for Access {
+    /// Atomic loads; checks in debug builds, and so in tests.
+    fn default() -> Self {
+        Self { plain_looks: false, checked: cfg!(debug_assertions) }
+    }
+}
+
 /// How points get into pixels. Names as in the papers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]

@@ -6,11 +6,14 @@ mod support;
 use glam::{DQuat, DVec3};
 use scanwalk::gpu::readback;
 use scanwalk::gpu::stage::Stage;
-use scanwalk::layout::{Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, TILE_PX, Variant, ViewUniform};
+use scanwalk::layout::{
+    Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, Sums, TILE_PX, Variant, ViewUniform,
+};
 use scanwalk::render::shaders;
 use scanwalk::space::{Bounds, Eye, Fov, Pose, Split, View};
+use scanwalk::twin::color::Sum;
 use scanwalk::twin::dilate::{dilate, radius_px};
-use scanwalk::twin::resolve::{EMPTY, Pixel};
+use scanwalk::twin::resolve::{EMPTY, Pixel, blend};
 use support::{Random, gpu};
 use wgpu::util::DeviceExt;
 
@@ -73,10 +76,42 @@ fn sparse([width, height]: [u32; 2], percent: u64, seed: u64) -> Vec<Pixel> {
     pixels
 }
 
-/// The GPU's image. The buffer holds something else before, so that no pixel can be left out unseen.
+/// The GPU's image of a surface.
 fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<Pixel> {
+    run("dilate", Variant::eyes(2), (view, dilate), &[("surface", bytemuck::cast_slice(surface))])
+}
+
+/// The GPU's image of depths and sums, which are in four words or in one.
+fn blended_on_gpu(
+    view: &ViewUniform,
+    dilate: &DilateUniform,
+    depth: &[u32],
+    sums: &[Sum],
+) -> [Vec<Pixel>; 2] {
+    let packed: Vec<u64> = sums.iter().map(|&[r, g, b, n]| pack([n, r, g, b])).collect();
+    let inputs: [(&str, &[u8]); 3] = [
+        ("depth", bytemuck::cast_slice(depth)),
+        ("sums", bytemuck::cast_slice(&packed)),
+        ("wide", bytemuck::cast_slice(sums)),
+    ];
+    [Sums::Packed, Sums::Wide]
+        .map(|sums| run("blend-dilate", Variant { sums, ..Variant::eyes(2) }, (view, dilate), &inputs))
+}
+
+/// 10 bits of a count, 18 of each channel.
+fn pack(words: [u32; 4]) -> u64 {
+    words.iter().zip([0, 10, 28, 46]).fold(0, |sum, (&word, shift)| sum | u64::from(word) << shift)
+}
+
+/// The GPU's image. The buffer holds something else before, so that no pixel can be left out unseen.
+fn run(
+    shader: &'static str,
+    variant: Variant,
+    (view, dilate): (&ViewUniform, &DilateUniform),
+    inputs: &[(&'static str, &[u8])],
+) -> Vec<Pixel> {
     let gpu = gpu();
-    let stage = Stage::new(&gpu, "dilate", &shaders::source("dilate", Variant::eyes(2)));
+    let stage = Stage::new(&gpu, shader, &shaders::source(shader, variant));
     let buffer = |label, contents: &[u8], usage| {
         let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
         gpu.device.create_buffer_init(&contents)
@@ -85,20 +120,20 @@ fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<
     let eye = &view.eyes[dilate.eye as usize];
     let [across, down] = [0, 1].map(|axis: usize| [eye.width, eye.height][axis].div_ceil(TILE_PX[axis]));
     let tiles: Vec<u32> = (0..down).flat_map(|y| (0..across).map(move |x| x | y << 16)).collect();
-    let poison = vec![0xab; size_of_val(surface)];
-    let buffers = [
+    let poison = vec![0xab; (eye.width * eye.height) as usize * size_of::<Pixel>()];
+    let mut buffers = vec![
+        ("image", buffer("image", &poison, storage | wgpu::BufferUsages::COPY_SRC)),
         ("view", buffer("view", bytemuck::bytes_of(view), uniform)),
         ("dilate", buffer("dilate", bytemuck::bytes_of(dilate), uniform)),
         ("tiles", buffer("tiles", bytemuck::cast_slice(&tiles), storage)),
-        ("surface", buffer("surface", bytemuck::cast_slice(surface), storage)),
-        ("image", buffer("image", &poison, storage | wgpu::BufferUsages::COPY_SRC)),
     ];
-    let resources = buffers.each_ref().map(|(name, buffer)| (*name, buffer.as_entire_binding()));
+    buffers.extend(inputs.iter().map(|&(name, bytes)| (name, buffer(name, bytes, storage))));
+    let resources: Vec<_> = buffers.iter().map(|(name, b)| (*name, b.as_entire_binding())).collect();
     let group = stage.bind(&gpu, &resources);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.dispatch(&mut encoder.begin_compute_pass(&Default::default()), &group, tiles.len() as u32);
     gpu.queue.lock().submit([encoder.finish()]);
-    let bytes = readback::read_buffer(&gpu, &buffers[4].1).expect("an image");
+    let bytes = readback::read_buffer(&gpu, &buffers[0].1).expect("an image");
     bytemuck::pod_collect_to_vec(&bytes)
 }
 
@@ -151,6 +186,45 @@ fn gpu_equals_its_twin_where_tiles_are_whole_or_depths_extreme() {
     for (number, surface) in surfaces.iter().enumerate() {
         let want = dilate(&view, &by_ring(1), surface);
         assert_eq!(num_differing(&on_gpu(&view, &by_ring(1), surface), &want), 0, "surface {number}");
+    }
+}
+
+/// So many points in each pixel of a surface that there are sums of all sizes, whose means are not the colors that
+/// the surface had.
+fn sums_of(surface: &[Pixel], max_points: u64) -> Vec<Sum> {
+    let mut random = Random(17);
+    let mut sum = |&[depth, color]: &Pixel| {
+        let [r, g, b, _] = color.to_le_bytes().map(u64::from);
+        let count = 1 + random.next() % max_points;
+        let mut channel = |of: u64| (count * of + random.next() % count).min(255 * count) as u32;
+        if depth == EMPTY[0] { [0; 4] } else { [channel(r), channel(g), channel(b), count as u32] }
+    };
+    surface.iter().map(&mut sum).collect()
+}
+
+#[test]
+fn blended_and_dilated_in_one_equals_the_twins() {
+    for (number, size) in [[333, 217], [5, 3], [33, 17], [1, 40], [128, 96]].into_iter().enumerate() {
+        let view = view(size);
+        for (percent, max_points) in [(10, 1), (40, 3), (70, 1023), (97, 20), (100, 300)] {
+            let surface = sparse(size, percent, number as u64);
+            let depth: Vec<u32> = surface.iter().map(|p| p[0]).collect();
+            let sums = sums_of(&surface, max_points);
+            for uniform in [by_ring(0), by_ring(1), fixed(3)] {
+                let want = dilate(&view, &uniform, &blend(&depth, &sums));
+                for image in blended_on_gpu(&view, &uniform, &depth, &sums) {
+                    let differing = num_differing(&image, &want);
+                    assert_eq!(differing, 0, "{size:?}, {percent} %, {uniform:?}: pixels that differ");
+                }
+            }
+            // The comparison can fail: sums count, not only depths.
+            let mut wrong = sums.clone();
+            let point = depth.iter().position(|&w| w != EMPTY[0]);
+            if let Some(at) = point.filter(|&at| sums[at][1] < 255 * sums[at][3]) {
+                wrong[at][1] += sums[at][3];
+                assert_ne!(blend(&depth, &wrong), blend(&depth, &sums));
+            }
+        }
     }
 }
 
@@ -339,4 +413,38 @@ fn the_twin_equals_the_plain_definition_on_one_depth() {
         }
         assert!(want.iter().any(Option::is_none) || percent > 10, "some pixels have no point near");
     }
+}
+
+/// Means by floats are those of integers, for every count that `mean` is used for and every mean at its edges, even where
+/// a division is wrong by as much as Vulkan allows: 2.5 units in the last place.
+#[test]
+fn float_means_are_exact() {
+    let max_count = 12_000u32;
+    let weights: u32 = (0..=2 * 3).map(|i: i32| 64u32 >> (2 * (i - 3).abs())).sum();
+    let text = shaders::source("blend-dilate", Variant::eyes(1));
+    assert!(text.contains(&format!("MAX_MEAN_COUNT: u32 = {max_count}u")), "the shader's limit");
+    assert!(weights * weights < max_count, "what `dilate` divides by");
+    let mean = |sum: u32, count: u32, units: i32| {
+        let quotient = ((sum + count / 2) as f32 + 0.5) / count as f32;
+        let steps = units.unsigned_abs() as usize;
+        let step = if units < 0 { f32::next_down } else { f32::next_up };
+        (0..steps).fold(quotient, |q, _| step(q)) as u32
+    };
+    let mut is_wrong_by_more = false;
+    for count in 1..max_count {
+        for value in 0..=255 {
+            // The first sum of this mean, and the last.
+            let first = (value * count).saturating_sub(count / 2);
+            let last = (value * count + (count - 1) / 2).min(255 * count);
+            for sum in [first, last] {
+                let want = (sum + count / 2) / count;
+                // The quotient here is right to half a unit.
+                for units in [-3, 0, 3] {
+                    assert_eq!(mean(sum, count, units), want, "{sum} / {count}, {units} units off");
+                }
+                is_wrong_by_more |= mean(sum, count, 6) != want || mean(sum, count, -6) != want;
+            }
+        }
+    }
+    assert!(is_wrong_by_more, "the check can fail");
 }

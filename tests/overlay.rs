@@ -55,7 +55,6 @@ fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay:
     let (image_views, copy_views) = (views(&images), views(&copies));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let renderer = &mut canvas.renderer;
-    renderer.keep_sums(overlay == Overlay::Overdraw);
     renderer.record(&mut encoder, 0, &image_views.each_ref().map(|color| EyeImage { color, depth: None }));
     for (image, copy) in images.iter().zip(&copies) {
         encoder.copy_texture_to_texture(image.as_image_copy(), copy.as_image_copy(), image.size());

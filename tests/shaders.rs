@@ -47,9 +47,21 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
                 let fixed40 = name.contains("40");
                 for (basic, converged, early_z) in LOOPS {
                     let fill = fill && !converged;
-                    let variant =
-                        Variant { num_eyes, fill, discs, sums, keys, basic, converged, early_z, fixed40 };
-                    texts.push((format!("{name} {variant:?}"), source(name, variant)));
+                    for plain_looks in [false, true] {
+                        let variant = Variant {
+                            num_eyes,
+                            fill,
+                            discs,
+                            sums,
+                            keys,
+                            basic,
+                            converged,
+                            early_z,
+                            plain_looks,
+                            fixed40,
+                        };
+                        texts.push((format!("{name} {variant:?}"), source(name, variant)));
+                    }
                 }
             }
         }

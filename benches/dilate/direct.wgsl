@@ -1,6 +1,10 @@
 // The rule of dilation over the whole square window at once, straight from global memory: what `dilate` is timed
 // against.
 
+@group(0) @binding(3) var<storage, read_write> image: array<vec2<u32>>;
+
+const OPAQUE: u32 = 0xff000000u;
+
 fn weight(x: u32, y: u32, center: vec2<u32>) -> u32 {
     let distance = max(x, center.x) - min(x, center.x) + max(y, center.y) - min(y, center.y);
     return 1u << (DILATE_FALLOFF_BITS * (2u * DILATE_REACH_PX - distance));
@@ -13,7 +17,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width || id.y >= height {
         return;
     }
-    let radius = radius_px(i32(id.x), i32(id.y));
+    let radius = radius_px(view.eyes[dilate.eye], i32(id.x), i32(id.y));
     let first = vec2<u32>(max(id.x, radius) - radius, max(id.y, radius) - radius);
     let last = vec2<u32>(min(id.x + radius, width - 1u), min(id.y + radius, height - 1u));
 

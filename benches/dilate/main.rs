@@ -88,6 +88,7 @@ fn direct_source() -> String {
         include_str!("../../shaders/layout.inc.wgsl"),
         include_str!("../../shaders/rings.inc.wgsl"),
         include_str!("../../shaders/dilation.inc.wgsl"),
+        include_str!("../../shaders/kept_surface.inc.wgsl"),
     ];
     format!("{}{}{}", layout::prelude(Variant::eyes(1)), shared.concat(), include_str!("direct.wgsl"))
 }

@@ -11,7 +11,7 @@ fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     }
     // Of equal depths all ask: the smallest id wins, as ever.
     let key = key_of(w, id);
-    if !EARLY_Z || key < key_in(eye, pixel) {
+    if !EARLY_Z || may_win(eye, pixel, key) {
         min_key(eye, pixel, key);
     }
 }

@@ -3,7 +3,7 @@
 use crate::config::{Dilate, LodConfig, Precision, Quality};
 use crate::layout::Detail;
 use crate::look::Look;
-use crate::method::Method;
+use crate::method::{Access, Method};
 
 /// The forms of a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +74,7 @@ impl Way {
             dilate: Dilate::Off,
             background: [0; 3],
             detail: if self.form == Form::Spt { discs } else { plain },
+            access: Access::default(),
         }
     }
 }

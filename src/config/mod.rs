@@ -82,6 +82,21 @@ pub struct GpuConfig {
     pub chunk_mib: u32,
     /// Which atomics the stages use; all draw the same picture.
     pub tier: Tier,
+    /// How early-z loads the pixel that it looks at; the picture is the same.
+    pub early_z_load: EarlyZLoad,
+    /// Shaders check every index besides, to find faults: slower, the same picture. Debug builds always do.
+    pub bounds_checks: bool,
+}
+
+/// How early-z loads the pixel that it looks at, before it asks for it by an atomic operation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EarlyZLoad {
+    /// By an atomic load, which a GPU may take past its first cache.
+    #[default]
+    Atomic,
+    /// By a plain load, as the papers do: what it sees may be out of date, which costs an atomic operation and no more.
+    Plain,
 }
 
 /// What the stages ask of the GPU's atomics (frame.md section 7). Each tier draws the same picture.

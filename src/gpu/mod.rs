@@ -7,6 +7,7 @@ mod queue;
 pub mod readback;
 pub mod stage;
 pub mod timer;
+mod trusted;
 
 pub use open::{Atomics, GpuError, required_features};
 pub(crate) use open::{block_on, instance_flags};

@@ -1,6 +1,6 @@
 //! A compute stage: one shader, one entry point `main`, its resources bound by their names in the shader.
 
-use super::Gpu;
+use super::{Gpu, trusted};
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -81,11 +81,20 @@ impl Stage {
     /// Compiles `wgsl` (the whole text, prelude included).
     #[must_use]
     pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
-        let module = shader_module(&gpu.device, name, wgsl);
+        Self::of_module(gpu, name, wgsl, &shader_module(&gpu.device, name, wgsl))
+    }
+
+    /// The same without a check of every index: for texts of `shaders/`, with resources as large as the frame's.
+    #[must_use]
+    pub fn trusted(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
+        Self::of_module(gpu, name, wgsl, &trusted::shader_module(&gpu.device, name, wgsl))
+    }
+
+    fn of_module(gpu: &Gpu, name: &'static str, wgsl: &str, module: &wgpu::ShaderModule) -> Self {
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: None,
-            module: &module,
+            module,
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,

@@ -43,6 +43,8 @@ pub struct Variant {
     pub converged: bool,
     /// A pixel is looked at before it is asked for [2021 §3.2].
     pub early_z: bool,
+    /// That look is a plain load, not an atomic one.
+    pub plain_looks: bool,
     /// Depths are of 40 bits, made with f64 [2019 §2.1].
     pub fixed40: bool,
 }
@@ -60,6 +62,7 @@ impl Variant {
             basic: false,
             converged: false,
             early_z: true,
+            plain_looks: false,
             fixed40: false,
         }
     }
@@ -68,7 +71,7 @@ impl Variant {
 /// WGSL text of every constant of the layout; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
-    let Variant { num_eyes, fill, discs, sums, keys, basic, converged, early_z, fixed40 } = variant;
+    let Variant { num_eyes, fill, discs, sums, keys, basic, converged, early_z, fixed40, .. } = variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
     // Not every GPU knows f64: only those hear of it who use it.

@@ -55,14 +55,18 @@ impl Renderer {
         self.record_cull(encoder);
         self.record_depth(encoder);
         self.record_color(encoder);
-        self.record_kept_sums(encoder);
         self.record_resolve(encoder, images);
         self.timer.end(encoder, &self.counters);
         self.targets_are_clear = self.groups.clear_counters.is_some() && self.cloud.is_some();
     }
 
     /// Sets the eyes of the frame that is submitted next through the same guard.
+    ///
+    /// # Panics
+    /// If the eyes' images are not as large as what is drawn: shaders trust in that.
     pub fn set_view(&mut self, queue: &QueueGuard, view: &View) {
+        let sizes_px = view.eyes.iter().map(|eye| eye.size_px).take(self.targets.drawn_px.len());
+        assert!(sizes_px.eq(self.targets.drawn_px.iter().copied()), "eyes as large as what is drawn");
         if let Some(cloud) = &self.cloud {
             let threshold_px = self.look.detail.threshold_px.map(|px| px * self.lod_scale);
             let error_px = self.look.detail.error_px.map(|px| px * self.lod_scale);
@@ -174,16 +178,19 @@ impl Renderer {
                 label: Some("surface"),
                 timestamp_writes: self.timer.compute(RESOLVE, true, false),
             });
-            let surface = match self.look.quality {
-                Quality::Closest => &self.pipelines.closest.shade,
-                Quality::Hqs => &groups::hqs(&self.pipelines, self.cloud.as_ref()).blend,
+            let (surface, dilate) = match self.look.quality {
+                Quality::Closest => (&self.pipelines.closest.shade, &self.pipelines.closest.dilate),
+                Quality::Hqs => {
+                    let hqs = groups::hqs(&self.pipelines, self.cloud.as_ref());
+                    (&hqs.blend, &hqs.blend_dilate)
+                }
             };
             for eye in &self.groups.eyes {
                 for group in &eye.surface {
                     surface.dispatch(&mut pass, group, eye.num_tiles);
                 }
                 if let Some(group) = &eye.dilate {
-                    self.pipelines.dilate.dispatch(&mut pass, group, eye.num_tiles);
+                    dilate.dispatch(&mut pass, group, eye.num_tiles);
                 }
             }
         }

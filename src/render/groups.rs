@@ -48,8 +48,9 @@ pub(super) struct Groups {
 pub(super) struct EyeGroups {
     /// Tiles that somebody sees, or whose pixels dilation takes.
     pub num_tiles: u32,
-    /// `shade`, one a chunk, or `blend`, one.
+    /// `shade`, one a chunk; or `blend`, one, where gaps stay open.
     pub surface: Vec<wgpu::BindGroup>,
+    /// `dilate`, or `blend-dilate`.
     pub dilate: Option<wgpu::BindGroup>,
     pub image: wgpu::BindGroup,
 }
@@ -177,7 +178,10 @@ impl Parts<'_> {
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
             ("shapes", chunk.shapes.as_entire_binding()),
         ]);
-        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 7] = [
+        // What early-z looks at, bound a second time.
+        let is_key = self.quality == Quality::Closest && self.pipelines.closest.ids.is_none();
+        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 8] = [
+            (if is_key { keys } else { depth }, ["seen_left", "seen_right"]),
             (keys, ["keys_left", "keys_right"]),
             (keys, ["sums_left", "sums_right"]),
             (keys, ["ids_left", "ids_right"]),
@@ -212,7 +216,7 @@ impl Parts<'_> {
             ("wide", targets.wide[eye].as_entire_binding()),
             ("surface", targets.surface[eye].as_entire_binding()),
             ("view", self.view.as_entire_binding()),
-            ("image", targets.finished(self.dilate)[eye].as_entire_binding()),
+            ("image", targets.finished(self.quality, self.dilate)[eye].as_entire_binding()),
         ];
         let points = self.points.map(|images| wgpu::BindingResource::TextureView(&images.points[eye]));
         resources.extend(points.map(|points| ("points", points)));
@@ -220,7 +224,7 @@ impl Parts<'_> {
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
-        let Pipelines { closest, dilate, image, .. } = self.pipelines;
+        let Pipelines { closest, image, .. } = self.pipelines;
         let resources = self.of_eye(eye);
         let shade =
             |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
@@ -228,9 +232,14 @@ impl Parts<'_> {
             _ if self.cloud.is_none() => vec![],
             Quality::Closest if closest.shade_clears => vec![closest.shade.bind(self.gpu, &resources)],
             Quality::Closest => (0..self.chunks().len()).map(shade).collect(),
+            Quality::Hqs if self.dilate == Dilate::Rings => vec![],
             Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
         };
         let dilates = self.cloud.is_some() && self.dilate == Dilate::Rings;
+        let dilate = match self.quality {
+            Quality::Closest => &closest.dilate,
+            Quality::Hqs => &self.hqs().blend_dilate,
+        };
         EyeGroups {
             num_tiles: self.drawn.eyes[eye].num_tiles,
             surface,

@@ -6,7 +6,7 @@ use super::cloud_buffers::CloudBuffers;
 use super::groups;
 use super::renderer::Renderer;
 use super::shaders;
-use crate::config::{Dilate, Overlay, Quality};
+use crate::config::{Overlay, Quality};
 use crate::gpu::Gpu;
 use crate::gpu::stage::{Bindings, shader_module};
 use crate::layout::{COUNTERS_STRIDE, CullCounters, DilateUniform, Sums, Variant};
@@ -85,8 +85,7 @@ impl Overlays {
     }
 
     /// Draws an overlay of the frame that `renderer` has just recorded over copies of its images, one an eye.
-    /// `overdraw` needs [`Renderer::keep_sums`], and the quality `hqs`: else, and without a cloud, nothing is drawn.
-    /// The time that it takes comes after the frame's stages and is in none of their times.
+    /// `overdraw` needs the quality `hqs`: else, and without a cloud, nothing is drawn. The time that it takes comes after the frame's stages and is in none of their times.
     pub fn record(
         &mut self,
         renderer: &Renderer,
@@ -169,12 +168,11 @@ impl Overlays {
         chunk: usize,
     ) -> wgpu::BindGroup {
         let targets = &renderer.targets;
-        let sums = renderer.kept_sums.as_ref().unwrap_or(&targets.keys);
         let resources = [
             ("view", renderer.view.as_entire_binding()),
             ("dilate", self.eyes[eye].as_entire_binding()),
-            ("surface", targets.finished(renderer.look.dilate)[eye].as_entire_binding()),
-            ("sums", sums[eye].as_entire_binding()),
+            ("surface", renderer.pixels(eye).as_entire_binding()),
+            ("sums", targets.keys[eye].as_entire_binding()),
             ("wide", targets.wide[eye].as_entire_binding()),
             (
                 "counters",
@@ -230,33 +228,5 @@ impl Pass {
         });
         let bindings = Bindings::of(name, wgsl, vertex).with(Bindings::of(name, wgsl, fragment));
         Self { pipeline, bindings }
-    }
-}
-
-impl Renderer {
-    /// Keeps each frame's sums for [`Overlay::Overdraw`] where `dilate` would write over them: a copy of the targets a
-    /// frame, whose time goes to `resolve`.
-    pub fn keep_sums(&mut self, keep: bool) {
-        let sums = groups::hqs(&self.pipelines, self.cloud.as_ref()).sums;
-        let is_lost = self.look.quality == Quality::Hqs && self.look.dilate == Dilate::Rings;
-        if !(keep && is_lost && sums != Sums::Wide) {
-            if self.kept_sums.take().is_some() {
-                self.rebound();
-            }
-            return;
-        }
-        let sizes = self.targets.keys.each_ref().map(wgpu::Buffer::size);
-        let fits = |kept: &[wgpu::Buffer; 2]| kept.each_ref().map(wgpu::Buffer::size) == sizes;
-        if !self.kept_sums.as_ref().is_some_and(fits) {
-            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            self.kept_sums = Some(sizes.map(|size| self.gpu.buffer("kept sums", size, usage)));
-            self.rebound();
-        }
-    }
-
-    pub(super) fn record_kept_sums(&self, encoder: &mut wgpu::CommandEncoder) {
-        for (keys, kept) in self.targets.keys.iter().zip(self.kept_sums.iter().flatten()) {
-            encoder.copy_buffer_to_buffer(keys, 0, kept, 0, kept.size().min(keys.size()));
-        }
     }
 }

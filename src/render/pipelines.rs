@@ -5,7 +5,7 @@ use super::shaders;
 use crate::gpu::stage::{Bindings, Stage, shader_module};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
-use crate::method::Method;
+use crate::method::{Access, Method};
 
 /// Every pipeline that a renderer may need.
 #[derive(Debug)]
@@ -16,7 +16,6 @@ pub(super) struct Pipelines {
     pub closest: Closest,
     /// Of each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
-    pub dilate: Stage,
     pub image: Image,
 }
 
@@ -27,6 +26,7 @@ pub(super) struct Closest {
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage>,
     pub shade: Stage,
+    pub dilate: Stage,
     /// `shade` gets all from the keys, whatever chunk a point is of, and clears them.
     pub shade_clears: bool,
     /// `depth` counts the points that ask for their pixel, where `hqs` has depths; less one.
@@ -48,7 +48,10 @@ pub(super) struct Hqs {
     pub sums: Sums,
     pub depth: Stage,
     pub color: Stage,
+    /// Where gaps stay open.
     pub blend: Stage,
+    /// `blend` and `dilate` in one, where they are closed.
+    pub blend_dilate: Stage,
 }
 
 /// The pass that writes an eye's image.
@@ -66,23 +69,25 @@ pub(super) struct For {
     pub discs: bool,
     pub atomics: Atomics,
     pub method: Method,
+    pub access: Access,
     pub color_format: wgpu::TextureFormat,
     pub depth_format: Option<wgpu::TextureFormat>,
 }
 
 impl Pipelines {
     pub fn new(gpu: &Gpu, what: For) -> Self {
-        let For { num_eyes, fill, discs, atomics, method, .. } = what;
+        let For { num_eyes, fill, discs, atomics, method, access, .. } = what;
         let keys = atomics >= Atomics::Int64Minmax;
         let variant = Variant {
             fill,
             discs,
             keys,
             basic: method.is_basic(),
+            plain_looks: access.plain_looks,
             fixed40: method == Method::Fixed40,
             ..Variant::eyes(num_eyes)
         };
-        let stage = |name, variant| Stage::new(gpu, name, &shaders::source(name, variant));
+        let stage = |name, variant| stage(gpu, access, name, variant);
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
             let color = match sums {
@@ -95,6 +100,7 @@ impl Pipelines {
                 depth: stage("depth32", variant),
                 color: stage(color, variant),
                 blend: stage("blend", variant),
+                blend_dilate: stage("blend-dilate", variant),
             }
         };
         let forms = match method.sums() {
@@ -109,7 +115,7 @@ impl Pipelines {
             closest: Closest {
                 depth: match method {
                     Method::PointList => Depth::PointList(PointList::new(gpu, variant)),
-                    _ => Depth::Compute(closest(gpu, method, variant)),
+                    _ => Depth::Compute(closest(gpu, access, method, variant)),
                 },
                 ids: (!keys && method != Method::PointList).then(|| stage("ids", variant)),
                 shade: stage(
@@ -120,11 +126,11 @@ impl Pipelines {
                     },
                     variant,
                 ),
+                dilate: stage("dilate", variant),
                 shade_clears: method == Method::Fixed40,
                 counts: method == Method::Count,
             },
             hqs: forms.into_iter().map(hqs).collect(),
-            dilate: stage("dilate", variant),
             image: Image::new(gpu, what, &shaders::source("resolve", variant)),
         }
     }
@@ -141,7 +147,7 @@ impl Closest {
 }
 
 /// The method's way to the nearest point.
-fn closest(gpu: &Gpu, method: Method, variant: Variant) -> Stage {
+fn closest(gpu: &Gpu, access: Access, method: Method, variant: Variant) -> Stage {
     let name = match method {
         Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Fixed40 | Method::Count => {
             method.name()
@@ -155,7 +161,13 @@ fn closest(gpu: &Gpu, method: Method, variant: Variant) -> Stage {
         _ => "depth",
     };
     let (converged, early_z) = (method.is_converged(), method != Method::Reduce);
-    Stage::new(gpu, name, &shaders::source(name, Variant { converged, early_z, ..variant }))
+    stage(gpu, access, name, Variant { converged, early_z, ..variant })
+}
+
+/// One of the frame's stages.
+fn stage(gpu: &Gpu, access: Access, name: &'static str, variant: Variant) -> Stage {
+    let compile = if access.checked { Stage::new } else { Stage::trusted };
+    compile(gpu, name, &shaders::source(name, variant))
 }
 
 impl Image {

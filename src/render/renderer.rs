@@ -46,8 +46,6 @@ pub struct Renderer {
     pub(super) cloud: Option<CloudBuffers>,
     pub(super) counters: wgpu::Buffer,
     pub(super) targets: Targets,
-    /// Sums of the frame's colors, which `dilate` writes over; see [`Self::keep_sums`].
-    pub(super) kept_sums: Option<[wgpu::Buffer; 2]>,
     /// Of the method `point-list`.
     pub(super) points: Option<(PointImages, Draws)>,
     /// Bits of the pixels that the lenses hide, an eye each.
@@ -87,7 +85,6 @@ impl Renderer {
             cloud: None,
             counters,
             targets,
-            kept_sums: None,
             points: None,
             hidden: vec![],
             waiting,
@@ -246,7 +243,7 @@ impl Renderer {
     /// [`crate::layout::without_guard`].
     #[must_use]
     pub fn pixels(&self, eye: usize) -> &wgpu::Buffer {
-        &self.targets.finished(self.look.dilate)[eye]
+        &self.targets.finished(self.look.quality, self.look.dilate)[eye]
     }
 
     /// Visible lists of each chunk, the counters and the nodes' states, for tests.
@@ -313,6 +310,7 @@ fn what(setup: &Setup, look: &Look) -> For {
         atomics: setup.atomics,
         discs: look.detail.error_px.is_some(),
         method: look.method,
+        access: look.access,
         color_format: setup.color_format,
         depth_format: setup.depth_format,
     }

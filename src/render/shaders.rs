@@ -44,6 +44,17 @@ const KEYS: Shared =
     |variant| if variant.keys { include_str!("../../shaders/keys.inc.wgsl") } else { DEPTHS(variant) };
 /// Depths alone.
 const DEPTHS: Shared = shared!("depths");
+/// Early-z's look at a pixel.
+const LOOK: Shared = |variant| match (variant.plain_looks, variant.keys) {
+    (false, _) => include_str!("../../shaders/atomic_look.inc.wgsl"),
+    (true, true) => include_str!("../../shaders/plain_look_keys.inc.wgsl"),
+    (true, false) => LOOK_DEPTHS(variant),
+};
+/// The same at depths alone.
+const LOOK_DEPTHS: Shared = |variant| match variant.plain_looks {
+    false => include_str!("../../shaders/atomic_look.inc.wgsl"),
+    true => include_str!("../../shaders/plain_look_depths.inc.wgsl"),
+};
 /// What threads of a subgroup tell each other, and the same without subgroups.
 const SUBGROUP: Shared = shared!("subgroup");
 const SUBGROUP_EMULATED: Shared = shared!("subgroup_emulated");
@@ -64,6 +75,11 @@ const SURFACE: Shared = shared!("surface");
 const CHUNK_COLORS: Shared = shared!("chunk_colors");
 /// The rule of dilation.
 const DILATION: Shared = shared!("dilation");
+/// A pixel's depth and color before gaps are closed: as `shade` left them, or from the sums of `hqs` quality.
+const KEPT_SURFACE: Shared = shared!("kept_surface");
+const BLENDED_SURFACE: Shared = shared!("blended_surface");
+/// Means of color channels.
+const MEAN: Shared = shared!("mean");
 /// Stored colors to linear light.
 const SRGB: Shared = shared!("srgb");
 /// What overlays share.
@@ -90,26 +106,31 @@ macro_rules! shader {
 }
 
 /// Every shader of the frame, in its order; then the overlays' and those of other methods.
-pub const SHADERS: [Shader; 27] = [
+pub const SHADERS: [Shader; 28] = [
     shader!("clear", &[]),
     shader!("lod", &[SIZES]),
     shader!("cull", &[SIZES, STEPS]),
-    shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
-    shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, DEPTHS]),
+    shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, KEYS, LOOK]),
+    shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, DEPTHS, LOOK_DEPTHS]),
     shader!("ids", &[POINTS, CHOICE, RINGS, LOOP]),
     shader!("color", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
     shader!("color32", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
     shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
-    shader!("blend", &[TILES, SURFACE]),
-    shader!("dilate", &[TILES, RINGS, DILATION]),
+    shader!("blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE]),
+    shader!("dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE]),
+    shader!("blend-dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE]),
     shader!("resolve", &[SRGB]),
-    shader!("overlay", &[RINGS, DILATION, SRGB, OVERLAY]),
-    shader!("boxes", &[RINGS, DILATION, SRGB, OVERLAY]),
+    shader!("overlay", &[RINGS, DILATION, KEPT_SURFACE, SRGB, OVERLAY]),
+    shader!("boxes", &[RINGS, DILATION, KEPT_SURFACE, SRGB, OVERLAY]),
     shader!("just-set", "methods/just_set", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
     shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
     shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
-    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP]),
-    shader!("reduce-emulated", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP_EMULATED]),
+    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, KEYS, LOOK, SUBGROUP]),
+    shader!(
+        "reduce-emulated",
+        "methods/reduce",
+        &[POINTS, CHOICE, RINGS, LOOP, KEYS, LOOK, SUBGROUP_EMULATED]
+    ),
     shader!("dedup", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP]),
     shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP_EMULATED]),
     shader!("count", "methods/count", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),

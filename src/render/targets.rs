@@ -1,6 +1,6 @@
 //! What the stages draw into, an eye's buffers each, row by row of the image's drawn part with its guard band.
 
-use crate::config::Dilate;
+use crate::config::{Dilate, Quality};
 use crate::gpu::Gpu;
 use crate::layout::guarded;
 
@@ -11,14 +11,14 @@ pub struct Targets {
     pub sizes_px: Vec<[u32; 2]>,
     /// Width, height of the part that is drawn, from the top left corner.
     pub drawn_px: Vec<[u32; 2]>,
-    /// 8 bytes a pixel: `closest`: depth ≪ 32 | id; `hqs`: sums. Once these are read, the image with its gaps
-    /// filled: (depth, color).
+    /// 8 bytes a pixel: `closest`: depth ≪ 32 | id, and once these are read, the image with its gaps filled:
+    /// (depth, color). `hqs`: sums.
     pub keys: [wgpu::Buffer; 2],
     /// 4 bytes a pixel: the nearest depth, where it is not part of a key.
     pub depth: [wgpu::Buffer; 2],
     /// 16 bytes a pixel: sums in four u32, where the packed ones do not do; else next to nothing.
     pub wide: [wgpu::Buffer; 2],
-    /// 8 bytes a pixel: (depth, color) before gaps are filled.
+    /// 8 bytes a pixel, (depth, color): `closest`: before gaps are filled. `hqs`: the image.
     pub surface: [wgpu::Buffer; 2],
 }
 
@@ -68,10 +68,11 @@ impl Targets {
 
     /// The eyes' finished pixels, (depth, color).
     #[must_use]
-    pub fn finished(&self, dilate: Dilate) -> &[wgpu::Buffer; 2] {
-        match dilate {
-            Dilate::Off => &self.surface,
-            Dilate::Rings => &self.keys,
+    pub fn finished(&self, quality: Quality, dilate: Dilate) -> &[wgpu::Buffer; 2] {
+        match (quality, dilate) {
+            // The keys have become a surface, which is filled.
+            (Quality::Closest, Dilate::Rings) => &self.keys,
+            _ => &self.surface,
         }
     }
 

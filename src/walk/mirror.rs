@@ -47,11 +47,6 @@ impl Mirror {
         self.shown.as_ref()
     }
 
-    /// To be called before the renderer records a frame.
-    pub fn prepare(&self, renderer: &mut Renderer) {
-        renderer.keep_sums(self.overlay == Overlay::Overdraw);
-    }
-
     /// To be called after the renderer has recorded it, into `images`. `images_last`: they are still there when the
     /// window draws.
     pub fn record(

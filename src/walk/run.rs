@@ -277,9 +277,6 @@ impl Frames {
             color: &color[eye],
             depth: depth.as_ref().map(|views| &views[eye]),
         });
-        if let Some(mirror) = &self.mirror {
-            mirror.prepare(&mut self.renderer);
-        }
         self.renderer.record(&mut encoder, self.frame, &eyes);
         self.record_copies(walk, headset, &mut encoder, &images.color);
         let record_ms = ms(record_began.elapsed()) + std::mem::take(&mut self.load_ms);

@@ -38,6 +38,8 @@ const FORBIDDEN: [&str; 3] = ["Spilled SGPRs", "Spilled VGPRs", "Scratch size"];
 struct Shader {
     name: String,
     text: String,
+    /// With wgpu's checks of every index and loop.
+    checked: bool,
 }
 
 /// What the compiler says of one executable: a compute stage, or the vertex or fragment half of a pass.
@@ -71,10 +73,19 @@ fn our_shaders() -> Vec<Shader> {
         ("mirror", include_str!("../../shaders/mirror.wgsl")),
         ("waiting", include_str!("../../shaders/waiting.wgsl")),
     ]
-    .map(|(name, text)| Shader { name: name.into(), text: text.into() })
+    .map(|(name, text)| Shader { name: name.into(), text: text.into(), checked: true })
     .to_vec();
     let mut add = |name: String, shader: &str, variant: Variant| {
-        shaders.push(Shader { name, text: source(shader, variant) });
+        // What drivers get of a release build, and of a debug build those of which there is much to do.
+        let shader = Shader { name, text: source(shader, variant), checked: false };
+        if ["depth32-2-fill", "color-2-fill", "blend-dilate-2"].contains(&&*shader.name) {
+            shaders.push(Shader {
+                name: format!("{}-checked", shader.name),
+                checked: true,
+                ..shader.clone()
+            });
+        }
+        shaders.push(shader);
     };
     for shader in SHADERS {
         for num_eyes in [1, 2] {
@@ -90,7 +101,11 @@ fn our_shaders() -> Vec<Shader> {
                 let discs = Variant { discs: true, ..fill };
                 add(format!("{}-{num_eyes}-discs", shader.name), shader.name, discs);
             }
-            if ["color", "blend"].contains(&shader.name) {
+            if ["depth", "depth32"].contains(&shader.name) {
+                let plain_looks = Variant { plain_looks: true, ..plain };
+                add(format!("{}-{num_eyes}-plain-looks", shader.name), shader.name, plain_looks);
+            }
+            if ["color", "blend", "blend-dilate"].contains(&shader.name) {
                 let protected = Variant { sums: Sums::Protected, ..plain };
                 add(format!("{}-{num_eyes}-protected", shader.name), shader.name, protected);
             }
@@ -101,7 +116,7 @@ fn our_shaders() -> Vec<Shader> {
 
 /// Shaders of this test's own, whose fate is known.
 fn samples() -> Vec<Shader> {
-    let sample = |name: &str, text: &str| Shader { name: name.into(), text: text.into() };
+    let sample = |name: &str, text: &str| Shader { name: name.into(), text: text.into(), checked: false };
     vec![
         sample("lean", include_str!("shaders/lean.wgsl")),
         sample("pass", include_str!("shaders/pass.wgsl")),
@@ -155,7 +170,8 @@ fn compile_in_child() {
         Err(reason) => return println!("{}{reason}", radv::NO_DEVICE),
     };
     let compile = |shader: &Shader| {
-        let executables = wgsl::Parsed::new(&shader.text).and_then(|parsed| gpu.compile(&parsed));
+        let executables =
+            wgsl::Parsed::new(&shader.text, shader.checked).and_then(|parsed| gpu.compile(&parsed));
         executables
             .unwrap_or_else(|error| panic!("{}: {error}", shader.name))
             .into_iter()

@@ -20,9 +20,10 @@ pub struct Targets {
 }
 
 impl Parsed {
-    /// Parses, validates, and writes SPIR-V as wgpu does for trusted shaders: without bounds checks.
-    pub fn new(text: &str) -> Result<Self, String> {
-        use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy::Unchecked};
+    /// Parses, validates, and writes SPIR-V as wgpu does: for trusted shaders without bounds checks, for others with those
+    /// that it adds where the driver has checks of its own (`robustBufferAccess2`).
+    pub fn new(text: &str, checked: bool) -> Result<Self, String> {
+        use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy::Restrict, BoundsCheckPolicy::Unchecked};
         use naga::valid::{Capabilities, ValidationFlags, Validator};
         let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::all())
@@ -35,12 +36,13 @@ impl Parsed {
         let options = naga::back::spv::Options {
             lang_version: (1, 4),
             bounds_check_policies: BoundsCheckPolicies {
-                index: Unchecked,
+                index: if checked { Restrict } else { Unchecked },
                 buffer: Unchecked,
                 image_load: Unchecked,
                 binding_array: Unchecked,
             },
-            force_loop_bounding: false,
+            force_loop_bounding: checked,
+            emit_int_div_checks: checked,
             ..naga::back::spv::Options::default()
         };
         let spirv = naga::back::spv::write_vec(&module, &info, &options, None).map_err(|e| e.to_string())?;

@@ -1,0 +1,12 @@
+// What plain_look_keys.inc.wgsl is where a key is the depth alone.
+
+@group(0) @binding(16) var<storage, read_write> seen_left: array<u32>;
+@group(0) @binding(17) var<storage, read_write> seen_right: array<u32>;
+
+// Whether a key may still win the pixel.
+fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
+    if eye == 0u {
+        return key < seen_left[pixel];
+    }
+    return key < seen_right[pixel];
+}

@@ -1,0 +1,15 @@
+// Early-z's look at a pixel by a plain load, which a GPU may answer from its first cache, as the papers' is; atomic loads
+// pass by it on some. The targets are bound a second time for that. What is seen may be out of date: then it is farther
+// than what is there, and costs an atomic operation. Only the depth is looked at, one word: of two, one could be of
+// before and one of after an exchange. Where depths are equal all ask, and the smallest id wins as ever.
+
+@group(0) @binding(16) var<storage, read_write> seen_left: array<vec2<u32>>;
+@group(0) @binding(17) var<storage, read_write> seen_right: array<vec2<u32>>;
+
+// Whether a key may still win the pixel.
+fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
+    if eye == 0u {
+        return u32(key >> 32u) <= seen_left[pixel].y;
+    }
+    return u32(key >> 32u) <= seen_right[pixel].y;
+}
