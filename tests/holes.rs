@@ -97,6 +97,9 @@ fn a_hole_is_counted_in_its_ring() {
         assert_eq!(rings.iter().map(|ring| ring.judged).sum::<u64>(), u64::from(width * height));
         let beside_itself = holes::holes(&view, &drawn, Some(&drawn));
         assert!(beside_itself.iter().all(|ring| ring.empty == 0));
+        let judged = beside_itself.iter().map(|ring| ring.judged).sum::<u64>();
+        let beside = if at == 0 { 4 } else { 9 };
+        assert_eq!(judged, u64::from(width * height) - beside, "nor do its neighbours count");
     }
     assert!(unreduced(&config).lod.threshold_px.iter().all(|&px| px < 1.0));
 }

@@ -86,6 +86,15 @@ impl Drawn {
     fn is_empty(&self, pixel: usize) -> bool {
         self.rgb[pixel] == EMPTY_RGB
     }
+
+    /// True if the pixel and its eight neighbours show something: at edges, what a pixel shows is a matter of half a pixel.
+    fn is_inside(&self, pixel: usize) -> bool {
+        let [width, height] = self.size_px.map(|size| size as usize);
+        let (x, y) = (pixel % width, pixel / width);
+        let mut rows = y.saturating_sub(1)..height.min(y + 2);
+        let columns = x.saturating_sub(1)..width.min(x + 2);
+        rows.all(|y| columns.clone().all(|x| !self.is_empty(y * width + x)))
+    }
 }
 
 /// Draws frames of one eye.
@@ -152,7 +161,7 @@ pub fn unreduced(config: &Config) -> Config {
 pub struct Ring {
     /// Of those that are judged, the empty ones.
     pub empty: u64,
-    /// Those that the unreduced frame fills; all, where there is none.
+    /// Those that the unreduced frame fills, as it does their eight neighbours; all, where there is none.
     pub judged: u64,
 }
 
@@ -170,7 +179,7 @@ pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>) -> [Ring; RINGS_
     let cosines = RINGS_DEG.map(|deg| deg.to_radians().cos());
     let [width, height] = drawn.size_px.map(|size| size as usize);
     let mut rings = [Ring::default(); RINGS_DEG.len()];
-    for pixel in (0..width * height).filter(|&pixel| whole.is_none_or(|whole| !whole.is_empty(pixel))) {
+    for pixel in (0..width * height).filter(|&pixel| whole.is_none_or(|whole| whole.is_inside(pixel))) {
         let share = |at: usize, size: usize| (at as f64 + 0.5) / size as f64;
         let right = fov.left + (fov.right - fov.left) * share(pixel % width, width);
         let up = fov.up + (fov.down - fov.up) * share(pixel / width, height);
