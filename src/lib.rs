@@ -25,6 +25,7 @@ pub mod layout;
 pub mod look;
 pub mod method;
 pub mod output;
+pub mod overview;
 pub mod progress;
 pub mod render;
 pub mod report;

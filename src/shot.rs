@@ -9,10 +9,11 @@ use crate::gpu::{Gpu, readback};
 use crate::layout::without_guard;
 use crate::look::Look;
 use crate::output::{Output, OutputError, OutputFile};
+use crate::overview::{self, Lens};
 use crate::progress::{Progress, Stop};
 use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
-use crate::scan::{self, Scan};
-use crate::space::{Bounds, Eye, Fov, Pose, View};
+use crate::scan::{self, Scan, Scene};
+use crate::space::{Eye, Fov, Pose, View};
 use crate::timing::STAGES;
 use crate::twin::resolve::{Pixel, depth_of};
 use anyhow::Context;
@@ -24,6 +25,8 @@ use std::time::Instant;
 
 /// Frames drawn to measure one; the first warms up.
 const MEASURED_FRAMES: usize = 6;
+/// Where one looks from unless the user says so: from the south-east, 25 degrees up.
+const FROM: DVec3 = DVec3::new(0.55, -0.72, 0.42);
 /// sRGB: what is read back are the stored colours.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
@@ -104,17 +107,20 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
         eprintln!("scanwalk: warning: {warning}");
     }
     let options = &options.in_world(&scan);
-    let (buffers, body) = upload(&gpu, scan, config, stop)?;
+    let (buffers, scene) = upload(&gpu, scan, config, stop)?;
     let num_points = buffers.num_points;
     let load_s = load_began.elapsed().as_secs_f64();
 
-    let view = view(options, &body, config.frame.near_m)?;
+    let view = view(options, &scene, config.frame.near_m)?;
     let mut shot = Shot::new(&gpu, &view, config)?;
     shot.renderer.set_cloud(buffers)?;
     let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
     let times: Vec<FrameTimes> =
         (0..num_frames).map(|frame| shot.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
 
+    if !shot.shows_points(&view)? {
+        eprintln!("scanwalk: warning: {}", overview::out_of_view(&scene, &view));
+    }
     // All are written before the first gets its name: a failure leaves what was there before.
     let mut written: Vec<(&Output, OutputFile)> = Vec::new();
     for (output, image) in options.out.iter().zip(&shot.images) {
@@ -134,8 +140,8 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     Ok(())
 }
 
-/// The scan on the GPU, as the settings want it, and the box of its scene.
-fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Bounds)> {
+/// The scan on the GPU, as the settings want it, and its scene.
+fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Scene)> {
     let num_points = scan.num_points() as u64;
     let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
     let sending = || Progress::new("sending", "bytes", 16 * num_points, stop);
@@ -145,7 +151,7 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
         let spt = build_spt(&scan, config.lod.cull_backfaces, &building)?;
         drop((scan, building));
         let buffers = CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending())?;
-        return Ok((buffers, spt.cloud.scene.bounds));
+        return Ok((buffers, spt.cloud.scene));
     }
     if config.lod.enabled {
         let building = Progress::new("building the octree", "points", 2 * num_points, stop);
@@ -153,20 +159,20 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
         drop((scan, building));
         return Ok((
             CloudBuffers::upload_layered(gpu, &octree, chunk_limit, &sending())?,
-            octree.cloud.scene.bounds,
+            octree.cloud.scene,
         ));
     }
     let sorting = Progress::new("batching", "points", num_points, stop);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
     drop((scan, sorting));
-    Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene.bounds))
+    Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene))
 }
 
 /// The eyes of the picture.
 ///
 /// # Errors
 /// Eye and target at one place, or a field of view or a size that shows nothing.
-pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result<View> {
+pub fn view(options: &ShotOptions, scene: &Scene, near_m: f64) -> anyhow::Result<View> {
     let [width, height] = options.size_px;
     anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
     let fov = options.fov.left(options.size_px);
@@ -175,11 +181,28 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
         "the field of view {:?} shows nothing",
         options.fov
     );
-    let target = options.target.unwrap_or(bounds.center());
-    let eye = options.eye.unwrap_or_else(|| overview(bounds, target, fov));
-    anyhow::ensure!(eye != target, "--eye and --target are the same place: the camera has no direction");
-    let center = Pose::look_at(eye, target, options.up.unwrap_or(DVec3::Z));
-    let at = |sideways: f64, fov: Fov| {
+    let half = 0.5 * options.ipd;
+    let lenses = if options.stereo {
+        vec![Lens { sideways: -half, fov }, Lens { sideways: half, fov: fov.mirrored() }]
+    } else {
+        vec![Lens { sideways: 0.0, fov }]
+    };
+    let up = options.up.unwrap_or(DVec3::Z);
+    let center = match (options.eye, options.target) {
+        (None, target) => {
+            let orientation = Pose::look_at(FROM, DVec3::ZERO, up).orientation;
+            Pose { position: overview::place(scene, orientation, &lenses, target), orientation }
+        }
+        (Some(eye), target) => {
+            let target = target.unwrap_or(scene.bounds.center());
+            anyhow::ensure!(
+                eye != target,
+                "--eye and --target are the same place: the camera has no direction"
+            );
+            Pose::look_at(eye, target, up)
+        }
+    };
+    let at = |&Lens { sideways, fov }: &Lens| {
         let position = center.position + center.orientation * DVec3::X * sideways;
         Eye {
             world_from_view: Pose { position, ..center },
@@ -188,17 +211,7 @@ pub fn view(options: &ShotOptions, bounds: &Bounds, near: f64) -> anyhow::Result
             gaze_in_view: Eye::AHEAD,
         }
     };
-    let half = 0.5 * options.ipd;
-    let eyes =
-        if options.stereo { vec![at(-half, fov), at(half, fov.mirrored())] } else { vec![at(0.0, fov)] };
-    Ok(View { eyes, near })
-}
-
-/// From the south-east, 25 degrees up, so far away that the box's sphere fits the picture.
-fn overview(bounds: &Bounds, target: DVec3, fov: Fov) -> DVec3 {
-    let radius = (0.5 * bounds.size().length()).max(1e-3);
-    let half_angle = fov.up.min(fov.right).min(-fov.left).min(-fov.down).max(0.05).atan();
-    target + DVec3::new(0.55, -0.72, 0.42).normalize() * (radius / half_angle.sin()).max(radius * 0.2)
+    Ok(View { eyes: lenses.iter().map(at).collect(), near: overview::near(near_m, scene) })
 }
 
 /// A renderer with images of its own.
@@ -225,6 +238,16 @@ impl Shot {
         let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
         let renderer = Renderer::new(gpu, setup, Look::of(config))?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, images })
+    }
+
+    /// True if any eye's picture has a point in it.
+    fn shows_points(&self, view: &View) -> anyhow::Result<bool> {
+        for eye in 0..view.eyes.len() {
+            if self.pixels(eye)?.iter().any(|&pixel| depth_of(pixel).is_finite()) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Draws one frame and waits for it.

@@ -227,7 +227,12 @@ fn load(
     drop(sending);
     let flat_bytes = buffers.bytes;
     // The walk may have ended meanwhile: then nobody waits for the cloud.
-    let _ = shelf.loaded.send(Loaded { cloud: buffers, start: Some(start(&cloud, unit_m)) });
+    let start = start(&cloud.scene, unit_m);
+    if start.magnified > 1.0 {
+        let (size, times) = (cloud.scene.bounds.edge() * unit_m, start.magnified);
+        eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
+    }
+    let _ = shelf.loaded.send(Loaded { cloud: buffers, start: Some(start) });
     drop(cloud);
     let bytes = if config.lod.enabled {
         detailed(scan, config, gpu, link, &job, shelf)?.unwrap_or(flat_bytes)

@@ -16,6 +16,7 @@ const STRICT: ReadOptions = ReadOptions {
     vertical_unit: Unit::Auto,
     project: Project::Auto,
     strict: true,
+    show_withheld: false,
 };
 
 fn read_all(paths: &[PathBuf]) -> Result<Scan, ScanError> {

@@ -182,7 +182,7 @@ impl Witness {
 fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>, Vec<CloudBuffers>) {
     let mut config = Config::default();
     config.governor.enabled = false;
-    let start = start(&build(scan, Order::Morton, &Progress::hidden()).expect("a cloud"), 1.0);
+    let start = start(&build(scan, Order::Morton, &Progress::hidden()).expect("a cloud").scene, 1.0);
     let [flat, layered] = clouds(scan);
     let (frame_link, commands, viewer) = link::link();
     let (loaded_sender, loaded) = channel();

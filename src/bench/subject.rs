@@ -71,7 +71,7 @@ impl Subject {
         let paths: [PathBuf; 1] = [path.to_owned()];
         let scan = scan::read(&paths, options, stop)?;
         let cloud = cloud::build(&scan, Order::Original, &Progress::silent(stop))?;
-        let start = start(&cloud, scan.unit_m.unwrap_or(1.0));
+        let start = start(&cloud.scene, scan.unit_m.unwrap_or(1.0));
         let up = DVec3::Z * EYE_HEIGHT_M * start.units_per_m;
         let above = |floor: DVec3| floor + up;
         let center = cloud.scene.bounds.center();

@@ -5,7 +5,7 @@ use super::quantize::{Cells, planes};
 use super::{Batch, Cloud, GROUP_POINTS, Order, morton};
 use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::progress::Progress;
-use crate::scan::{Scan, Scene};
+use crate::scan::{FARTHEST, Scan, Scene};
 use crate::space::{Bounds, Split};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -46,8 +46,8 @@ pub enum BuildError {
 
 /// Ids of 32 bits, two for each point, and room for the gaps between batches.
 const MAX_POINTS: usize = 2_147_000_000;
-/// Largest box edge: far more than any planet, far less than f32 holds.
-const MAX_EDGE: f64 = 1e15;
+/// Largest box edge: that of points which are read.
+const MAX_EDGE: f64 = 2.0 * FARTHEST;
 
 /// Orders the points of a scan, cuts them into batches and quantises them.
 ///
@@ -59,7 +59,7 @@ pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, Bu
     let Checked { num_points, bounds, scene } = check(scan)?;
     let index = Index::new(scan);
     let sorted = match order {
-        Order::Original => None,
+        Order::Original => parted(&index, &bounds, &scene.bounds),
         Order::Morton => Some(sort(&index, &bounds, &scene.bounds)),
         Order::Shuffled => Some(shuffled(num_points)),
         Order::ShuffledMorton => Some(shuffled_groups(&sort(&index, &bounds, &scene.bounds))),
@@ -70,9 +70,9 @@ pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, Bu
     let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
 
     // No batch holds points of the scene and strays: its box would be too large for the former's precision.
-    let by_code = order == Order::Morton;
+    let by_place = matches!(order, Order::Original | Order::Morton);
     let num_near =
-        sorted.as_ref().filter(|_| by_code).map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
+        sorted.as_ref().filter(|_| by_place).map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
     let cut = Cut { num_near, num_points };
     let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
     let batches = cut
@@ -136,6 +136,18 @@ pub(super) fn check(scan: &Scan) -> Result<Checked, BuildError> {
     }
     let scene = if scan.scene.is_empty() { Scene::of(scan).0 } else { scan.scene.clone() };
     Ok(Checked { num_points, bounds, scene })
+}
+
+/// (0 or [`FAR`], point): the files' order, but strays last; `None` if there are none.
+fn parted(index: &Index, bounds: &Bounds, scene: &Bounds) -> Option<Vec<(u64, u32)>> {
+    if scene.contains(bounds.min) && scene.contains(bounds.max) {
+        return None;
+    }
+    let place = |i: u32| (if scene.contains(index.position(i as usize)) { 0 } else { FAR }, i);
+    let (mut near, far): (Vec<_>, Vec<_>) =
+        (0..index.num_points as u32).into_par_iter().map(place).partition(|key| key.0 == 0);
+    near.extend(far);
+    Some(near)
 }
 
 /// A number that looks random, another for each `i`: splitmix64.

@@ -130,14 +130,16 @@ pub struct CloudConfig {
     pub vertical_unit: Unit,
     /// Which files lie on the earth.
     pub project: Project,
+    /// Draw points that files say are withheld.
+    pub show_withheld: bool,
 }
 
 impl CloudConfig {
     /// How files are read.
     #[must_use]
     pub fn read_options(&self) -> ReadOptions {
-        let Self { up, unit, vertical_unit, project, strict, .. } = *self;
-        ReadOptions { up, unit, vertical_unit, project, strict }
+        let Self { up, unit, vertical_unit, project, strict, show_withheld, .. } = *self;
+        ReadOptions { up, unit, vertical_unit, project, strict, show_withheld }
     }
 }
 
@@ -145,7 +147,8 @@ impl CloudConfig {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FrameConfig {
-    /// Points nearer than this are not drawn; metres in a headset, world units in a picture.
+    /// Points nearer than this are not drawn; metres in a headset, world units in a picture, where the default
+    /// shrinks with scenes that it would cut.
     pub near_m: f64,
     /// Colour where no point is: red, green, blue, 0–255.
     pub background: [u8; 3],

@@ -98,6 +98,19 @@ pub enum ScanError {
         /// Why, and what to do.
         reason: String,
     },
+    /// Coordinates that nothing on Earth has.
+    #[error(
+        "{path}: has points {farthest:.1e} units from zero, and {limit:e} is the most: \
+         its scale or offset is broken; export it again",
+        path = path.display(),
+        limit = super::FARTHEST
+    )]
+    TooFar {
+        /// The file.
+        path: PathBuf,
+        /// Its largest coordinate.
+        farthest: f64,
+    },
     /// Compressed in a way that cannot be undone here.
     #[error("{path}: its compressed points cannot be read: {reason}", path = path.display())]
     Compression {

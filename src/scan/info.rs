@@ -24,6 +24,9 @@ struct Description {
     unit_m: Option<f64>,
     vertical_unit_m: Option<f64>,
     files: Vec<FileDescription>,
+    scene: [[f64; 3]; 2],
+    withheld: u64,
+    noise: usize,
     warnings: Vec<String>,
 }
 
@@ -35,12 +38,16 @@ struct FileDescription {
     bbox: [[f64; 3]; 2],
 }
 
-/// Reads the files to their ends and prints what is in them: true counts and boxes, not those of the headers.
+/// Reads the files to their ends and prints what is in them: true counts and boxes, not those of the headers. Points
+/// that are withheld count too.
 ///
 /// # Errors
 /// What [`super::read()`] reports; a closed standard output.
 pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, stop: &Stop) -> anyhow::Result<()> {
-    let (scan, headers) = read::read_with_headers(paths, options, stop)?;
+    let options = ReadOptions { show_withheld: true, ..options.clone() };
+    let (mut scan, headers) = read::read_with_headers(paths, &options, stop)?;
+    let asides: Vec<String> = scan.files.iter().flat_map(asides).collect();
+    scan.warnings.extend(asides);
     let text = if json {
         serde_json::to_string_pretty(&describe(&scan, &headers))? + "\n"
     } else {
@@ -70,8 +77,34 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
         unit_m: scan.unit_in_file_m,
         vertical_unit_m: vertical_unit_m(scan),
         files: scan.files.iter().map(file).collect(),
+        scene: bbox(scan.scene.bounds),
+        withheld: scan.files.iter().map(|file| file.points.num_withheld).sum(),
+        noise: scan.files.iter().map(num_noise).sum(),
         warnings: scan.warnings.clone(),
     }
+}
+
+/// Points of a noise class that are not withheld.
+fn num_noise(file: &ScanFile) -> usize {
+    file.points.noise.count().saturating_sub(file.points.num_withheld as usize)
+}
+
+/// Sentences about points that the view does not go by.
+fn asides(file: &ScanFile) -> Vec<String> {
+    let (path, num_noise, num_withheld) = (file.path.display(), num_noise(file), file.points.num_withheld);
+    let mut sentences = Vec::new();
+    if num_withheld > 0 {
+        sentences.push(format!(
+            "{path}: {num_withheld} points are withheld, which means deleted: they are not drawn, unless \
+             cloud.show_withheld is set"
+        ));
+    }
+    if num_noise > 0 {
+        sentences.push(format!(
+            "{path}: {num_noise} points are noise (class 7 or 18): they are drawn, but the view does not go by them"
+        ));
+    }
+    sentences
 }
 
 fn bbox(bounds: Bounds) -> [[f64; 3]; 2] {
@@ -95,6 +128,13 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     let mut lines: Vec<(&str, String)> = Vec::new();
     lines.push(("points", grouped(described.points)));
     lines.extend(box_lines(scan.bounds_in_file(), size_m(scan), decimals));
+    // What is drawn elsewhere than its file says has a scene elsewhere too.
+    let in_place = scan.files.iter().all(|file| file.in_file.lattice == file.lattice);
+    if in_place && scan.scene.bounds != scan.bounds() {
+        let names = ["scene from", "to", "size"];
+        let of_scene = box_lines(scan.scene.bounds, None, decimals);
+        lines.extend(names.into_iter().zip(of_scene).map(|(name, (_, value))| (name, value)));
+    }
     lines.push(("format", described.format));
     lines.push(("attributes", described.attributes.join(", ")));
     lines.push(("colour", distinct(scan.files.iter().map(color_words)).join("; ")));
@@ -140,7 +180,11 @@ fn size_m(scan: &Scan) -> Option<DVec3> {
 
 fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&'static str, String); 3] {
     let three = |v: DVec3, between: &str| {
-        let texts = [0, 1, 2].map(|axis| format!("{:.*}", decimals[axis], v[axis]));
+        // Of large numbers nobody reads the digits.
+        let texts = [0, 1, 2].map(|axis| match v[axis] {
+            c if c.abs() < 1e12 => format!("{c:.*}", decimals[axis]),
+            c => format!("{c:.4e}"),
+        });
         texts.join(between)
     };
     let size = bounds.size();
@@ -197,7 +241,7 @@ fn decimals(files: &[ScanFile]) -> [usize; 3] {
     [0, 1, 2].map(|axis| {
         let step = |file: &ScanFile| {
             let InFile { lattice, bounds } = file.in_file;
-            lattice.scale[axis].abs().max(1e-7 * bounds.size()[axis])
+            lattice.scale[axis].abs().max(1e-7 * bounds.size()[axis].min(1e6))
         };
         let finest = files.iter().map(step).fold(1.0, f64::min);
         (-finest.log10()).ceil().clamp(0.0, 9.0) as usize
@@ -249,15 +293,17 @@ mod tests {
             lattice,
             points,
             color,
+            bounds,
             in_file: InFile { lattice, bounds },
             ..ScanFile::default()
         };
-        let scan = Scan { files: vec![file], ..Scan::default() };
+        let scan = Scan { files: vec![file], ..Scan::default() }.with_scene();
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({
             "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],
             "color_bits": 16, "color_white": 65535, "normals": false, "triangles": 0, "crs": null, "unit_m": null,
             "vertical_unit_m": null, "warnings": [],
+            "scene": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "withheld": 0, "noise": 0,
             "files": [{"path": "a.las", "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]]}],
         });
         assert_eq!(json, expected);

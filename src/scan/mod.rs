@@ -11,6 +11,7 @@ mod guard;
 pub mod info;
 mod inputs;
 mod las;
+mod marks;
 mod ply;
 mod read;
 mod scene;
@@ -26,6 +27,7 @@ mod world;
 pub use crs::{Angle, Axes};
 pub use earth::{Geodetic, LocalFrame};
 pub use error::ScanError;
+pub use marks::Marks;
 pub use read::{peek, read};
 pub use scene::Scene;
 pub use unit::Unit;
@@ -76,6 +78,18 @@ pub struct Points {
     pub intensity: Vec<u16>,
     /// Unit normals, world axes, pointing to the side from which the surface was seen. NaN where a point has none.
     pub normals: Vec<[f32; 3]>,
+    /// Points that are drawn and do not count for the scene: of a noise class, or withheld and shown all the same.
+    pub noise: Marks,
+    /// Points that the file says are withheld: deleted. They are in the columns only if they are to be shown.
+    pub num_withheld: u64,
+}
+
+impl Points {
+    /// Points that were read, in the columns or left out as withheld.
+    #[must_use]
+    pub fn num_read(&self, show_withheld: bool) -> u64 {
+        self.xyz.len() as u64 + if show_withheld { 0 } else { self.num_withheld }
+    }
 }
 
 /// Where a file's point colours come from; decided once the whole file (for ramps: the whole scan) is read.
@@ -164,6 +178,8 @@ pub struct ReadOptions {
     pub project: Project,
     /// Whether a file that cannot be read is an error although others can.
     pub strict: bool,
+    /// Points that are withheld, which means deleted, are read too.
+    pub show_withheld: bool,
 }
 
 /// Several files as one cloud.
@@ -255,7 +271,7 @@ trait Reader {
     fn header(&self) -> &Header;
 
     /// Reads all points that can be read; at least one.
-    fn read(&self, progress: &Progress) -> Result<Columns, ScanError>;
+    fn read(&self, options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError>;
 }
 
 /// The points of a file and what was learnt on the way.
@@ -278,6 +294,8 @@ impl Default for Columns {
     }
 }
 
+/// Largest coordinate: far more than any planet, and f32 still holds its square.
+pub const FARTHEST: f64 = 1e15;
 /// All formats that can be read.
 const FORMATS: [&dyn Format; 2] = [&las::Las, &ply::Ply];
 /// Bytes from a file's start that tell its format.

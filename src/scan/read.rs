@@ -3,7 +3,7 @@
 use super::inputs::{self, Inputs};
 use super::source::Source;
 use super::{
-    Columns, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
+    Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
     WorldFromFile, color, sniff, uncolored, world,
 };
 use crate::progress::{Job, Progress};
@@ -49,9 +49,13 @@ pub(super) fn read_with_headers(
     let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
     for (path, _) in announced {
         // Opened again: the system allows fewer open files than a scan may have.
-        let columns = open(path).and_then(|reader| Ok((reader.header().clone(), reader.read(&progress)?)));
+        let columns = open(path).and_then(|reader| {
+            let columns = reader.read(options, &progress)?;
+            within_reach(path, &columns)?;
+            Ok((reader.header().clone(), columns))
+        });
         if let Some((header, columns)) = failures.sort(columns)? {
-            add(&mut scan, &header, columns);
+            add(&mut scan, &header, columns, options.show_withheld);
             headers.push(header);
         }
     }
@@ -104,15 +108,21 @@ fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
     }
 }
 
-fn add(scan: &mut Scan, header: &Header, columns: Columns) {
+fn add(scan: &mut Scan, header: &Header, columns: Columns, show_withheld: bool) {
     let stats = columns.stats;
     let (color, one_color) = (color::source(&stats), stats.colors.constant());
     let odd_colors = color::oddities(&stats.colors, color);
     let sentences = header.warnings.iter().chain(&columns.warnings).chain(&odd_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
-    // Scales may be negative, so either corner of the lattice may be the smaller one.
-    let corners = [stats.xyz_min, stats.xyz_max].map(|xyz| columns.lattice.p_in_world(xyz));
-    let bounds = Bounds::EMPTY.with(corners[0]).with(corners[1]);
+    let num_withheld = columns.points.num_withheld;
+    if num_withheld > 0 && !show_withheld {
+        let path = header.path.display();
+        scan.warnings.push(format!(
+            "{path}: has {num_withheld} points that are withheld, which means deleted; they are not drawn \
+             (--set cloud.show_withheld=true shows them)"
+        ));
+    }
+    let bounds = bounds(&columns);
     scan.files.push(ScanFile {
         path: header.path.clone(),
         format: header.format.clone(),
@@ -126,6 +136,20 @@ fn add(scan: &mut Scan, header: &Header, columns: Columns) {
         in_file: InFile { lattice: columns.lattice, bounds },
         world_from_file: WorldFromFile::default(),
     });
+}
+
+/// True box of a file's points.
+fn bounds(columns: &Columns) -> Bounds {
+    // Scales may be negative, so either corner of the lattice may be the smaller one.
+    let corners = [columns.stats.xyz_min, columns.stats.xyz_max];
+    Bounds::around(&corners.map(|xyz| columns.lattice.p_in_world(xyz)))
+}
+
+/// Refuses a file whose points nothing can show.
+fn within_reach(path: &Path, columns: &Columns) -> Result<(), ScanError> {
+    let bounds = bounds(columns);
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if farthest > FARTHEST { Err(ScanError::TooFar { path: path.to_owned(), farthest }) } else { Ok(()) }
 }
 
 /// The coordinate system of the first file that names one; a warning for files that differ in it or in their unit.

@@ -21,6 +21,8 @@ pub struct Start {
     pub yaw: f64,
     /// World units a metre.
     pub units_per_m: f64,
+    /// How many times as large as it is the scan is shown, as by a magnifying glass.
+    pub magnified: f64,
     /// Longest horizontal extent of the scan in metres: it sets the default speed.
     pub extent_m: f64,
     /// Place and yaw from which the whole scan is seen.
@@ -74,7 +76,9 @@ impl Locomotion {
         let base = if self.config.speed > 0.0 {
             self.config.speed
         } else {
-            (0.1 * self.start.extent_m).clamp(1.0, 60.0)
+            // Round a small object one moves slowly.
+            let extent_m = self.start.extent_m;
+            (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0)
         };
         base * self.speed_factor
     }
@@ -202,6 +206,7 @@ mod tests {
             floor_in_world: DVec3::new(5e5, 4e6, 100.0),
             yaw: 0.0,
             units_per_m: 1.0,
+            magnified: 1.0,
             extent_m: 20.0,
             overview: (DVec3::new(5e5, 4e6 - 50.0, 120.0), 0.0),
         }

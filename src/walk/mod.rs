@@ -14,6 +14,7 @@ mod run;
 mod screenshot;
 pub mod simulated;
 pub mod start;
+mod surroundings;
 mod waiting;
 
 pub use run::{Loaded, Walk, WalkSummary};

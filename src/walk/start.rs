@@ -1,41 +1,87 @@
-//! Where a walk begins: inside a place, before an object, above a landscape.
+//! Where a walk begins: inside a place, before an object, above a landscape's edge.
 
 use super::locomotion::Start;
-use crate::cloud::Cloud;
+use super::surroundings::{Standing, standing};
+use crate::overview::{self, Lens};
+use crate::scan::Scene;
+use crate::space::{Bounds, Fov, Pose};
 use glam::DVec3;
 
-/// Below this many metres across, a scan is an object: stand before it.
-const OBJECT_M: f64 = 4.0;
-/// Above this many metres across, it is a landscape: look at it from its edge, from above.
+/// A scene whose middle half of points, along each axis but twice as wide, spans more metres than this is a landscape:
+/// look at it from its edge, from above.
 const LANDSCAPE_M: f64 = 250.0;
+/// Nobody sees much of what is smaller than this: it is shown as if it were `SHOWN_M` long, as by a magnifying glass.
+const SMALLEST_M: f64 = 0.02;
+const SHOWN_M: f64 = 0.3;
+/// The eye above the floor, metres, give or take.
+const EYE_M: f64 = 1.6;
+/// How far away one stands before an object at least, metres.
+const BEFORE_M: f64 = 0.4;
+/// What one sees without turning one's head, degrees.
+const SEEN_DEG: f64 = 60.0;
 
-/// The starting place for a cloud whose world unit is `unit_m` metres.
+/// The starting place for a scene whose world unit is `unit_m` metres.
 #[must_use]
-pub fn start(cloud: &Cloud, unit_m: f64) -> Start {
-    let bounds = cloud.scene.bounds;
-    let center = bounds.center();
+pub fn start(scene: &Scene, unit_m: f64) -> Start {
+    let bounds = scene.bounds;
+    let (units_per_m, magnified) = scale(&bounds, unit_m);
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
-    let extent_m = extent * unit_m;
-    let units_per_m = 1.0 / unit_m;
-    // From the south, so far back that a view of 60 degrees holds the scan, a little above.
-    let back = 0.9 * extent + bounds.size().z;
-    let overview = DVec3::new(center.x, center.y - back, center.z + 0.15 * back - 1.7 * units_per_m);
-    let floor_in_world = if extent_m < OBJECT_M {
-        let distance = 0.5 * extent + (0.8 * extent_m).max(0.6) * units_per_m;
-        DVec3::new(center.x, center.y - distance, center.z - 1.6 * units_per_m)
-    } else if extent_m > LANDSCAPE_M {
-        overview
+    let extent_m = extent / units_per_m;
+    let overview = above_the_edge(&bounds, extent, units_per_m);
+    let (floor_in_world, yaw) = if spread(scene) / units_per_m > LANDSCAPE_M {
+        (overview, 0.0)
     } else {
-        DVec3::new(center.x, center.y, floor(cloud, center, 0.1 * extent).unwrap_or(bounds.min.z))
+        match standing(scene, units_per_m) {
+            Some(Standing { floor_in_world, enclosed: true }) => (floor_in_world, 0.0),
+            Some(Standing { floor_in_world, .. }) => {
+                (floor_in_world, toward(scene, floor_in_world, units_per_m))
+            }
+            None => (before(scene, units_per_m), 0.0),
+        }
     };
-    Start { floor_in_world, yaw: 0.0, units_per_m, extent_m, overview: (overview, 0.0) }
+    Start { floor_in_world, yaw, units_per_m, magnified, extent_m, overview: (overview, 0.0) }
 }
 
-/// Height of the floor round `center`: a low percentile of the points within `radius`, so that neither stray
-/// points below nor furniture matter. None if there are no points.
-fn floor(cloud: &Cloud, center: DVec3, radius: f64) -> Option<f64> {
-    let near = cloud.scene.samples.iter().filter(|p| (**p - center).truncate().length() < radius);
-    let mut heights: Vec<f64> = near.map(|p| p.z).collect();
-    let low = heights.len() / 20;
-    (!heights.is_empty()).then(|| *heights.select_nth_unstable_by(low, f64::total_cmp).1)
+/// World units a metre of the viewer's, and how many times as large the scene is shown.
+fn scale(bounds: &Bounds, unit_m: f64) -> (f64, f64) {
+    let edge_m = bounds.edge() * unit_m;
+    let magnified = if edge_m > 0.0 && edge_m < SMALLEST_M { SHOWN_M / edge_m } else { 1.0 };
+    (1.0 / (unit_m * magnified), magnified)
 }
+
+/// From the south, so far back that a view of 60 degrees holds the scene, a little above.
+fn above_the_edge(bounds: &Bounds, extent: f64, units_per_m: f64) -> DVec3 {
+    let center = bounds.center();
+    let back = 0.9 * extent + bounds.size().z;
+    DVec3::new(center.x, center.y - back, center.z + 0.15 * back - 1.7 * units_per_m)
+}
+
+/// The floor south of an object, so far away that it is seen whole: the eye at its middle if it is small, otherwise on
+/// the ground that it stands on.
+fn before(scene: &Scene, units_per_m: f64) -> DVec3 {
+    let bounds = scene.bounds;
+    let eye_height = (0.5 * bounds.size().z).min(EYE_M * units_per_m);
+    let target = bounds.center().with_z(bounds.min.z + eye_height);
+    let north = Pose::look_at(DVec3::ZERO, DVec3::Y, DVec3::Z).orientation;
+    let lens = Lens { sideways: 0.0, fov: Fov::symmetric(SEEN_DEG.to_radians(), 1.0) };
+    let eye = overview::place(scene, north, &[lens], Some(target));
+    let nearest = bounds.min.y - BEFORE_M * units_per_m;
+    eye.with_y(eye.y.min(nearest)) - DVec3::Z * EYE_M * units_per_m
+}
+
+/// How wide most of the scene is spread, world units: a few far away do not make a landscape.
+fn spread(scene: &Scene) -> f64 {
+    let width = |axis| scene.quarters(axis).map_or(0.0, |[low, _, high]| high - low);
+    2.0 * width(0).max(width(1))
+}
+
+/// The yaw of somebody who looks to where most of a scene is, north if that is where they stand; see [`Start::yaw`].
+fn toward(scene: &Scene, floor_in_world: DVec3, units_per_m: f64) -> f64 {
+    let middle = |axis| scene.quarters(axis).map_or(0.0, |[_, middle, _]| middle - floor_in_world[axis]);
+    let (x, y) = (middle(0), middle(1));
+    if x.hypot(y) > units_per_m { (-x).atan2(y) } else { 0.0 }
+}
+
+#[cfg(test)]
+#[path = "start_tests.rs"]
+mod tests;

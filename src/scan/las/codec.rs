@@ -2,7 +2,7 @@
 //!
 //! A chunk is checked before it is handed to the decompressor, which believes sizes that a chunk states.
 
-use super::record::Layout;
+use super::record::{Flags, Layout};
 use crate::scan::Points;
 use laz::laszip::LazItemType;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
@@ -68,7 +68,9 @@ impl Codec {
         if record_bytes > usize::from(u16::MAX) {
             return Err(format!("its LASzip record describes points of {record_bytes} bytes"));
         }
-        let layout = Layout { record_bytes, core_offset: 0, rgb_offset };
+        let is_extended = first.item_type() == LazItemType::Point14;
+        let flags = if is_extended { Flags::EXTENDED } else { Flags::LEGACY };
+        let layout = Layout { record_bytes, core_offset: 0, rgb_offset, flags };
         Ok(Self { items, layout, layered, num_layers })
     }
 
@@ -89,7 +91,12 @@ impl Codec {
     ///
     /// # Errors
     /// Why the chunk is damaged, as the end of a sentence. May panic on damaged chunks.
-    pub fn decode_chunk(&self, bytes: &[u8], announced: Option<u64>) -> Result<Points, String> {
+    pub fn decode_chunk(
+        &self,
+        bytes: &[u8],
+        announced: Option<u64>,
+        show_withheld: bool,
+    ) -> Result<Points, String> {
         if bytes.len() < self.least_bytes() {
             return Err("is shorter than a single point".into());
         }
@@ -114,7 +121,7 @@ impl Codec {
         let vouched = limit.min(bytes.len() as u64 * VOUCHED_POINTS_PER_BYTE) as usize;
         self.reserve(&mut points, vouched).map_err(|_| "needs more memory than there is")?;
         let mut cursor = Cursor::new(bytes);
-        match self.decode(&mut cursor, limit, &mut points) {
+        match self.decode(&mut cursor, limit, show_withheld, &mut points) {
             // Without a count, the end of the bytes is the end of the points.
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof && num_points.is_none() => {}
             Err(error) => return Err(format!("is damaged ({error})")),
@@ -127,7 +134,8 @@ impl Codec {
         Ok(points)
     }
 
-    /// Appends up to `num_points` points of one chunk that starts where `source` stands.
+    /// Reads up to `num_points` points of one chunk that starts where `source` stands, and appends them,
+    /// but for those that are withheld and not to be shown.
     ///
     /// # Errors
     /// The end of the source (the points before it are whole), damage, no memory. May panic on damage.
@@ -135,6 +143,7 @@ impl Codec {
         &self,
         source: R,
         num_points: u64,
+        show_withheld: bool,
         points: &mut Points,
     ) -> io::Result<()> {
         let mut decompressor =
@@ -146,7 +155,7 @@ impl Codec {
             self.reserve(points, block).map_err(|_| io::ErrorKind::OutOfMemory)?;
             for _ in 0..block {
                 decompressor.decompress_next(&mut record)?;
-                self.layout.push(&record, points);
+                self.layout.push(&record, show_withheld, points);
             }
             left -= block as u64;
         }
@@ -169,7 +178,12 @@ impl Codec {
             Box::new(SequentialPointRecordDecompressor::new(source))
         };
         decompressor.set_fields_from(&self.items)?;
-        let columns = DecompressionSelection::base().decompress_z().decompress_intensity().decompress_rgb();
+        let columns = DecompressionSelection::base()
+            .decompress_z()
+            .decompress_classification()
+            .decompress_flags()
+            .decompress_intensity()
+            .decompress_rgb();
         decompressor.set_selection(columns);
         Ok(decompressor)
     }

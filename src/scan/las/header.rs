@@ -3,7 +3,7 @@
 //! Only what decides where the bytes of the points lie is believed, and only as far as the file's size bears
 //! it out. Boxes and return counts are not even parsed.
 
-use super::record::{self, Layout};
+use super::record::{self, Flags, Layout};
 use crate::scan::source::Source;
 use crate::scan::{Lattice, ScanError};
 use glam::DVec3;
@@ -75,7 +75,11 @@ impl LasHeader {
 
     /// Columns of an uncompressed record.
     pub fn layout(&self, source: &Source) -> Result<Layout, ScanError> {
-        Layout::of_format(self.point_format, self.record_bytes).ok_or_else(|| ScanError::Field {
+        let layout = Layout::of_format(self.point_format, self.record_bytes).map(|layout| match self.minor {
+            0 => Layout { flags: Flags::FIRST, ..layout },
+            _ => layout,
+        });
+        layout.ok_or_else(|| ScanError::Field {
             path: source.path().to_owned(),
             offset: 105,
             field: "Point Data Record Length",

@@ -3,6 +3,7 @@
 use super::chunks::{self, Chunk, Chunks, TABLE_POSITION_BYTES};
 use super::codec::Codec;
 use super::header::LasHeader;
+use super::record::Flags;
 use crate::progress::Progress;
 use crate::scan::source::Source;
 use crate::scan::stats::Stats;
@@ -35,11 +36,11 @@ enum Cut {
 }
 
 impl Laz {
-    /// From the payload of the LASzip record.
+    /// From the payload of the LASzip record of a file of LAS 1.`minor`.
     ///
     /// # Errors
     /// Why nothing of it can be decompressed, and what to do.
-    pub fn parse(payload: &[u8]) -> Result<Self, String> {
+    pub fn parse(payload: &[u8], minor: u8) -> Result<Self, String> {
         let advice = "write it again with a current LASzip, or as LAS";
         let vlr = match guard::catch(|| LazVlr::read_from(payload)) {
             Ok(Ok(vlr)) => vlr,
@@ -57,7 +58,10 @@ impl Laz {
                 ));
             }
         };
-        let codec = Codec::new(vlr.items().clone()).map_err(|reason| format!("{reason}; {advice}"))?;
+        let mut codec = Codec::new(vlr.items().clone()).map_err(|reason| format!("{reason}; {advice}"))?;
+        if minor == 0 {
+            codec.layout.flags = Flags::FIRST;
+        }
         Ok(Self { codec, cut })
     }
 
@@ -79,18 +83,20 @@ impl Laz {
         &self,
         source: &Source,
         header: &LasHeader,
+        show_withheld: bool,
         progress: &Progress,
     ) -> Result<Columns, ScanError> {
         let offset = header.points_offset;
+        let reading = Reading { source, header, show_withheld, progress };
         let chunk_points = match self.cut {
-            Cut::Not => return self.read_serially(source, header, offset, None, progress),
+            Cut::Not => return self.read_serially(&reading, offset, None),
             Cut::Fixed(size) => Some(size),
             Cut::Variable => None,
         };
         match chunks::find(source, &self.codec, offset, chunk_points, header.announced_points)? {
-            Chunks::Listed(chunks) => self.read_chunks(source, &chunks, progress),
+            Chunks::Listed(chunks) => self.read_chunks(&reading, &chunks),
             Chunks::Followed(chunks, reason) => {
-                let mut columns = self.read_chunks(source, &chunks, progress)?;
+                let mut columns = self.read_chunks(&reading, &chunks)?;
                 columns
                     .warnings
                     .insert(0, format!("{reason}; {} whole chunks were found without it", chunks.len()));
@@ -103,8 +109,7 @@ impl Laz {
                     );
                     return Err(ScanError::Compression { path: source.path().to_owned(), reason });
                 };
-                let mut columns =
-                    self.read_serially(source, header, offset + TABLE_POSITION_BYTES, Some(size), progress)?;
+                let mut columns = self.read_serially(&reading, offset + TABLE_POSITION_BYTES, Some(size))?;
                 columns.warnings.insert(0, format!("{reason}; it was read on one core instead of all"));
                 Ok(columns)
             }
@@ -112,16 +117,12 @@ impl Laz {
     }
 
     /// While a window of chunks is decompressed, the one before it is appended.
-    fn read_chunks(
-        &self,
-        source: &Source,
-        chunks: &[Chunk],
-        progress: &Progress,
-    ) -> Result<Columns, ScanError> {
-        let mut assembly = Assembly::default();
+    fn read_chunks(&self, reading: &Reading, chunks: &[Chunk]) -> Result<Columns, ScanError> {
+        let Reading { source, progress, .. } = *reading;
+        let mut assembly = Assembly { show_withheld: reading.show_withheld, ..Assembly::default() };
         let mut decoded = Vec::new();
         for window in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
-            let decode = || window.par_iter().map(|chunk| (*chunk, self.read_chunk(source, chunk, progress)));
+            let decode = || window.par_iter().map(|chunk| (*chunk, self.read_chunk(reading, chunk)));
             let before = std::mem::take(&mut decoded);
             let (now, appended) = rayon::join(|| decode().collect(), || assembly.append(source, before));
             appended?;
@@ -134,7 +135,8 @@ impl Laz {
         assembly.finish(source)
     }
 
-    fn read_chunk(&self, source: &Source, chunk: &Chunk, progress: &Progress) -> Decoded {
+    fn read_chunk(&self, reading: &Reading, chunk: &Chunk) -> Decoded {
+        let Reading { source, progress, show_withheld, .. } = *reading;
         if progress.stopped() {
             return Ok((Points::default(), Stats::EMPTY));
         }
@@ -142,35 +144,35 @@ impl Laz {
         if (bytes.len() as u64) < chunk.num_bytes {
             return Err("is cut off by the file's end".into());
         }
-        let points = guard::catch(|| self.codec.decode_chunk(&bytes, chunk.num_points))
+        let points = guard::catch(|| self.codec.decode_chunk(&bytes, chunk.num_points, show_withheld))
             .unwrap_or_else(|panic| Err(format!("is damaged ({panic})")))?;
         let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
-        progress.add(points.xyz.len() as u64);
+        progress.add(points.num_read(show_withheld));
         Ok((points, stats))
     }
 
     /// Chunk after chunk on one core, as far as it goes: no chunk says where it ends.
     fn read_serially(
         &self,
-        source: &Source,
-        header: &LasHeader,
+        reading: &Reading,
         offset: u64,
         chunk_points: Option<u32>,
-        progress: &Progress,
     ) -> Result<Columns, ScanError> {
+        let Reading { source, header, show_withheld, progress } = *reading;
         let mut columns = Columns::default();
         let mut reader = BufReader::with_capacity(1 << 20, source.reader(offset));
         let most = source.len().saturating_mul(1000);
         let announced = if header.announced_points == 0 { most } else { header.announced_points.min(most) };
         let points = &mut columns.points;
-        while (points.xyz.len() as u64) < announced {
+        while points.num_read(show_withheld) < announced {
             if progress.stopped() {
                 return Err(ScanError::Stopped);
             }
-            let before = points.xyz.len();
-            let left = announced - before as u64;
+            let (before, num_withheld) = (points.xyz.len(), points.num_withheld);
+            let num_read = points.num_read(show_withheld);
+            let left = announced - num_read;
             let wanted = chunk_points.map_or(left, |size| left.min(u64::from(size)));
-            let end = guard::catch(|| self.codec.decode(&mut reader, wanted, points));
+            let end = guard::catch(|| self.codec.decode(&mut reader, wanted, show_withheld, points));
             let problem = match end {
                 Ok(Ok(())) => None,
                 Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
@@ -179,12 +181,12 @@ impl Laz {
                 Ok(Err(error)) if error.kind() == io::ErrorKind::OutOfMemory => {
                     return Err(ScanError::Memory { path: source.path().to_owned(), num_points: announced });
                 }
-                Ok(Err(error)) => Some(truncated(points, before, error.to_string())),
-                Err(panic) => Some(truncated(points, before, panic)),
+                Ok(Err(error)) => Some(truncated(points, before, num_withheld, error.to_string())),
+                Err(panic) => Some(truncated(points, before, num_withheld, panic)),
             };
-            progress.add((points.xyz.len() - before) as u64);
+            progress.add(points.num_read(show_withheld) - num_read);
             if let Some(problem) = problem {
-                let num_points = points.xyz.len();
+                let num_points = points.num_read(show_withheld);
                 columns
                     .warnings
                     .push(format!("could be decompressed up to point {num_points} only: {problem}"));
@@ -197,11 +199,21 @@ impl Laz {
 }
 
 /// Drops the points of the chunk that went wrong: what came before the error may be nonsense already.
-fn truncated(points: &mut Points, num_points: usize, problem: String) -> String {
+fn truncated(points: &mut Points, num_points: usize, num_withheld: u64, problem: String) -> String {
     points.xyz.truncate(num_points);
     points.rgb.truncate(num_points);
     points.intensity.truncate(num_points);
+    points.noise.truncate(num_points);
+    points.num_withheld = num_withheld;
     problem
+}
+
+/// What is read, and how.
+struct Reading<'a> {
+    source: &'a Source,
+    header: &'a LasHeader,
+    show_withheld: bool,
+    progress: &'a Progress,
 }
 
 /// A chunk's points, or why they are lost.
@@ -212,6 +224,7 @@ type Decoded = Result<(Points, Stats), String>;
 struct Assembly {
     columns: Columns,
     damaged: Vec<Damaged>,
+    show_withheld: bool,
     num_chunks: usize,
     first_point: u64,
 }
@@ -222,7 +235,7 @@ impl Assembly {
             self.num_chunks += 1;
             match decoded {
                 Ok((points, stats)) => {
-                    self.first_point += points.xyz.len() as u64;
+                    self.first_point += points.num_read(self.show_withheld);
                     self.extend(points, stats).map_err(|num_points| ScanError::Memory {
                         path: source.path().to_owned(),
                         num_points,
@@ -248,6 +261,8 @@ impl Assembly {
         let reserved = reserved.and_then(|()| all.rgb.try_reserve(points.rgb.len()));
         let reserved = reserved.and_then(|()| all.intensity.try_reserve(points.intensity.len()));
         reserved.map_err(|_| num_points)?;
+        all.noise.append(&points.noise, all.xyz.len());
+        all.num_withheld += points.num_withheld;
         all.xyz.extend_from_slice(&points.xyz);
         all.rgb.extend_from_slice(&points.rgb);
         all.intensity.extend_from_slice(&points.intensity);
@@ -291,6 +306,7 @@ fn report(
 ) -> Result<(), ScanError> {
     if let Some(first) = damaged.first()
         && columns.points.xyz.is_empty()
+        && columns.points.num_withheld == 0
     {
         let reason = format!("{}; get the file again", first.sentence(num_chunks));
         return Err(ScanError::Compression { path: source.path().to_owned(), reason });

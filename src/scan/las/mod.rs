@@ -10,7 +10,7 @@ mod vlr;
 
 use super::crs::{self, Crs};
 use super::source::Source;
-use super::{Columns, Format, Header, Reader, ScanError};
+use super::{Columns, Format, Header, ReadOptions, Reader, ScanError};
 use crate::progress::Progress;
 use header::LasHeader;
 use laz::Laz;
@@ -47,7 +47,7 @@ impl Packing {
     fn of(source: &Source, las: &LasHeader, vlrs: &[Vlr]) -> Result<Self, ScanError> {
         let fail = |reason| ScanError::Compression { path: source.path().to_owned(), reason };
         match (vlr::payload(vlrs, Kind::Laszip), las.compressed) {
-            (Some(payload), true) => Ok(Self::Laz(Box::new(Laz::parse(payload).map_err(fail)?))),
+            (Some(payload), true) => Ok(Self::Laz(Box::new(Laz::parse(payload, las.minor).map_err(fail)?))),
             (None, true) => {
                 let reason = "the record that says how (\"laszip encoded\") is missing; get the file again";
                 Err(fail(reason.to_owned()))
@@ -77,9 +77,9 @@ impl Reader for LasFile {
         &self.header
     }
 
-    fn read(&self, progress: &Progress) -> Result<Columns, ScanError> {
+    fn read(&self, options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError> {
         let Self { source, las, packing, .. } = self;
-        let announced = las.announced_points;
+        let (announced, show_withheld) = (las.announced_points, options.show_withheld);
         if las.points_offset >= source.len() {
             let reason = if announced == 0 {
                 "its header announces none".to_owned()
@@ -92,11 +92,16 @@ impl Reader for LasFile {
             return Err(ScanError::NoPoints { path: source.path().to_owned(), reason });
         }
         let mut columns = match packing {
-            Packing::Raw(layout) => raw::read(source, las, *layout, progress)?,
-            Packing::Laz(laz) => laz.read(source, las, progress)?,
+            Packing::Raw(layout) => raw::read(source, las, *layout, show_withheld, progress)?,
+            Packing::Laz(laz) => laz.read(source, las, show_withheld, progress)?,
         };
         columns.lattice = las.lattice;
-        let num_points = columns.points.xyz.len() as u64;
+        let num_points = columns.points.num_read(show_withheld);
+        if columns.points.xyz.is_empty() && num_points > 0 {
+            let advice = "--set cloud.show_withheld=true shows them";
+            let reason = format!("all {num_points} are withheld, which means deleted; {advice}");
+            return Err(ScanError::NoPoints { path: source.path().to_owned(), reason });
+        }
         if num_points == 0 {
             let reason = format!("its header announces {announced}, none could be read");
             return Err(ScanError::NoPoints { path: source.path().to_owned(), reason });

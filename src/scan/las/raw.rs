@@ -1,13 +1,14 @@
 //! Uncompressed points: blocks of records, read and parsed in parallel, straight into their place.
 
 use super::header::LasHeader;
-use super::record::Layout;
+use super::record::{Block, Kept, Layout};
 use crate::progress::Progress;
 use crate::scan::source::Source;
 use crate::scan::stats::Stats;
 use crate::scan::{Columns, Points, ScanError};
 use rayon::prelude::*;
 use std::io;
+use std::ops::Range;
 
 /// Points of a block: its records (1 MiB at most) stay in a core's cache from reading to the last column.
 const BLOCK_POINTS: usize = 1 << 14;
@@ -20,6 +21,7 @@ pub(super) fn read(
     source: &Source,
     header: &LasHeader,
     layout: Layout,
+    show_withheld: bool,
     progress: &Progress,
 ) -> Result<Columns, ScanError> {
     let announced = num_points(source, header);
@@ -39,8 +41,9 @@ pub(super) fn read(
         .enumerate()
         .map_init(Vec::new, |buffer, (index, block)| {
             let offset = header.points_offset + index as u64 * block_bytes;
-            let end = block.read(source, offset, &layout, buffer, progress);
-            progress.add(end.num_points as u64);
+            let task = Task { source, layout: &layout, show_withheld, progress };
+            let end = task.read(block, offset, buffer);
+            progress.add(end.num_read as u64);
             end
         })
         .collect();
@@ -68,59 +71,63 @@ pub(super) fn num_points(source: &Source, header: &LasHeader) -> u64 {
     }
 }
 
-/// One block's part of the columns.
-struct Block<'a> {
-    xyz: &'a mut [[i32; 3]],
-    rgb: &'a mut [[u16; 3]],
-    intensity: &'a mut [u16],
+/// How blocks are read.
+struct Task<'a> {
+    source: &'a Source,
+    layout: &'a Layout,
+    show_withheld: bool,
+    progress: &'a Progress,
 }
 
 /// How far a block got.
 struct BlockEnd {
-    num_points: usize,
+    num_read: usize,
     whole: bool,
+    kept: Kept,
     stats: Stats,
     error: Option<io::Error>,
 }
 
-impl Block<'_> {
-    fn read(
-        self,
-        source: &Source,
-        offset: u64,
-        layout: &Layout,
-        buffer: &mut Vec<u8>,
-        progress: &Progress,
-    ) -> BlockEnd {
-        if progress.stopped() {
-            return BlockEnd { num_points: 0, whole: false, stats: Stats::EMPTY, error: None };
+impl Task<'_> {
+    fn read(&self, mut block: Block, offset: u64, buffer: &mut Vec<u8>) -> BlockEnd {
+        let (layout, num_wanted) = (self.layout, block.xyz.len());
+        if self.progress.stopped() {
+            let (kept, stats) = (Kept::default(), Stats::EMPTY);
+            return BlockEnd { num_read: 0, whole: false, kept, stats, error: None };
         }
-        buffer.resize(self.xyz.len() * layout.record_bytes, 0);
-        let (num_bytes, error) = match source.read_at(buffer, offset) {
+        buffer.resize(num_wanted * layout.record_bytes, 0);
+        let (num_bytes, error) = match self.source.read_at(buffer, offset) {
             Ok(num_bytes) => (num_bytes, None),
             Err(error) => (0, Some(error)),
         };
-        let num_points = num_bytes / layout.record_bytes;
-        let records = &buffer[..num_points * layout.record_bytes];
-        layout.parse(records, self.xyz, self.rgb, self.intensity);
-        let rgb = &self.rgb[..num_points.min(self.rgb.len())];
-        let stats = Stats::of(&self.xyz[..num_points], rgb, &self.intensity[..num_points]);
-        BlockEnd { num_points, whole: num_points == self.xyz.len(), stats, error }
+        let num_read = num_bytes / layout.record_bytes;
+        let records = &buffer[..num_read * layout.record_bytes];
+        layout.parse(records, block.xyz, block.rgb, block.intensity);
+        let kept = layout.sift(records, self.show_withheld, &mut block);
+        let num_points = kept.num_points;
+        let rgb = &block.rgb[..num_points.min(block.rgb.len())];
+        let stats = Stats::of(&block.xyz[..num_points], rgb, &block.intensity[..num_points]);
+        BlockEnd { num_read, whole: num_read == num_wanted, kept, stats, error }
     }
 }
 
 /// Keeps the points up to the first block that came short (a disk error, a file that shrank meanwhile).
 fn join(source: &Source, mut points: Points, ends: Vec<BlockEnd>) -> Result<Columns, ScanError> {
     let mut columns = Columns::default();
-    let mut num_points = 0;
-    for end in ends {
-        num_points += end.num_points;
+    let (mut num_points, mut num_read) = (0, 0);
+    for (number, end) in ends.into_iter().enumerate() {
+        let Kept { num_points: num_kept, num_withheld, noise } = end.kept;
+        close_up(&mut points, number * BLOCK_POINTS..number * BLOCK_POINTS + num_kept, num_points);
+        points.noise.append(&noise, num_points);
+        points.num_withheld += num_withheld;
+        num_points += num_kept;
+        num_read += end.num_read;
         columns.stats = columns.stats.union(end.stats);
         if let Some(error) = end.error {
-            if num_points == 0 {
+            if num_read == 0 {
                 return Err(ScanError::io(source.path(), None, error));
             }
-            columns.warnings.push(format!("could be read up to point {num_points} only: {error}"));
+            columns.warnings.push(format!("could be read up to point {num_read} only: {error}"));
         }
         if !end.whole {
             break;
@@ -131,6 +138,18 @@ fn join(source: &Source, mut points: Points, ends: Vec<BlockEnd>) -> Result<Colu
     points.intensity.truncate(num_points);
     columns.points = points;
     Ok(columns)
+}
+
+/// Moves a block's points to `to`, where those before it end: they need not have filled their blocks.
+fn close_up(points: &mut Points, block: Range<usize>, to: usize) {
+    if block.start == to {
+        return;
+    }
+    points.xyz.copy_within(block.clone(), to);
+    points.intensity.copy_within(block.clone(), to);
+    if !points.rgb.is_empty() {
+        points.rgb.copy_within(block, to);
+    }
 }
 
 /// Columns of zeros, or `None` if there is no memory for them.

@@ -44,8 +44,9 @@ pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color)
     }
     let mut stats = stats(&rows.xyz, &rows.rgb, &rows.intensity);
     stats.colors.known = white(how.meaning, found, of_faces);
-    let points = Points { xyz: rows.xyz, rgb: rows.rgb, intensity: rows.intensity, normals: rows.normals };
     let triangles = rows.faces.triangles;
+    let Rows { xyz, rgb, intensity, normals, .. } = rows;
+    let points = Points { xyz, rgb, intensity, normals, ..Points::default() };
     (Columns { lattice: how.grid.lattice, points, triangles, stats, warnings: Vec::new() }, loss)
 }
 

@@ -4,21 +4,29 @@
 //! moves by half a step at most, which is less than the extent / 4 · 10⁹; and a f32 whose magnitude is 2²⁴ steps
 //! or more, a 128th of the extent at most, does not move at all, and no f64 does where the extent is less than a
 //! 2²¹th of the distance from zero. The lattice's origin is a whole number of steps from zero.
+//!
+//! One point far away would make the steps coarse for all others. So the extent is that of what can be held without
+//! cost to the scene: its steps are never coarser than a 2²²th of the scene. What lies beyond is left out.
 
-use crate::scan::Lattice;
+use crate::scan::{FARTHEST, Lattice, scene};
 use crate::space::Bounds;
 use glam::DVec3;
 
 /// Coordinates beyond this are no place: sums and differences of them might not be finite.
-const FARTHEST: f64 = 1e300;
+const MOST: f64 = 1e300;
 
 /// Step where all coordinates are equal, so that any would do: about a millimetre.
 const ANY_STEP: f64 = 1.0 / 1024.0;
 
+/// How many edges round the scene can be held: with them, steps are a 2²²th of the scene.
+const HELD: f64 = 511.0;
+/// A flat scene's thickness counts as so large a part of its longest edge.
+const LEAST_THICKNESS: f64 = 1.0 / 1024.0;
+
 /// True for what can be put on a lattice.
 pub(super) fn is_place(p: &[f64; 3]) -> bool {
     // NaN compares as false.
-    p.iter().all(|c| c.abs() <= FARTHEST)
+    p.iter().all(|c| c.abs() <= MOST)
 }
 
 /// The lattice of a file.
@@ -27,20 +35,41 @@ pub(super) struct Grid {
     pub lattice: Lattice,
     /// Steps a unit, an axis.
     per_unit: [f64; 3],
+    held: Bounds,
 }
 
 impl Grid {
-    /// For places in a box that holds something; some of them are a sample.
-    pub fn over(_sample: Vec<DVec3>, bounds: Bounds) -> Self {
-        let lattice = lattice(bounds);
+    /// For places of which these are a sample, evenly from all, and that have this box.
+    pub fn over(mut sample: Vec<DVec3>, all: Bounds) -> Self {
+        let most = Bounds { min: DVec3::splat(-FARTHEST), max: DVec3::splat(FARTHEST) };
+        sample.retain(|&p| most.contains(p));
+        let Some(scene) = scene::find(sample.clone()) else {
+            return Self {
+                held: Bounds::EMPTY,
+                ..Self::of_box(Bounds { min: DVec3::ZERO, max: DVec3::ZERO })
+            };
+        };
+        if most.contains(all.min) && most.contains(all.max) && is_fine_enough(&all, &scene) {
+            return Self::of_box(all);
+        }
+        let reach = scene.grown(HELD * scene.edge());
+        sample.retain(|&p| reach.contains(p));
+        // What was not looked at may be a little further out.
+        let held = Bounds::around(&sample).grown(scene.edge());
+        Self::of_box(Bounds { min: held.min.max(all.min), max: held.max.min(all.max) })
+    }
+
+    /// For a box that holds something.
+    fn of_box(held: Bounds) -> Self {
+        let lattice = lattice(held);
         // The reciprocal of a power of two is exact.
-        Self { lattice, per_unit: lattice.scale.recip().to_array() }
+        Self { lattice, per_unit: lattice.scale.recip().to_array(), held }
     }
 
     /// True of places that it holds.
+    #[inline]
     pub fn holds(&self, p: &[f64; 3]) -> bool {
-        let steps = (DVec3::from_array(*p) - self.lattice.offset) * DVec3::from_array(self.per_unit);
-        steps.abs().cmple(DVec3::splat(2_147_483_648.0)).all()
+        self.held.contains(DVec3::from_array(*p))
     }
 
     /// The nearest lattice point of a place that it holds.
@@ -68,6 +97,14 @@ fn nearest(value: f64) -> i32 {
     // Half a step beyond the box is still its last step.
     let value = value.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
     (value + NO_FRACTION).to_bits() as i32
+}
+
+/// True if the lattice over everything has steps that are as good as none to the scene.
+fn is_fine_enough(all: &Bounds, scene: &Bounds) -> bool {
+    let [of_all, of_scene] = [*all, *scene].map(|bounds| lattice(bounds).scale);
+    let thickness = scene.size().max(DVec3::splat(LEAST_THICKNESS * scene.edge()));
+    let coarsest = thickness * (2.0 * (HELD + 1.0) / 2f64.powi(32));
+    of_all.cmple(coarsest.max(of_scene)).all()
 }
 
 /// Step and origin for coordinates from `low` to `high`.
@@ -110,7 +147,7 @@ mod tests {
 
     fn grid(places: &[[f64; 3]]) -> Grid {
         let bounds = places.iter().fold(Bounds::EMPTY, |bounds, p| bounds.with(DVec3::from_array(*p)));
-        Grid::over(Vec::new(), bounds)
+        Grid::of_box(bounds)
     }
 
     fn axis(places: &[[f64; 3]]) -> Vec<f64> {
@@ -176,9 +213,9 @@ mod tests {
     fn the_bound_is_one_that_can_be_broken() {
         let values = [0.0, 1.0, 0.3];
         let places = values.map(|v| [v; 3]);
-        let Grid { lattice, per_unit } = grid(&places);
+        let Grid { lattice, per_unit, held } = grid(&places);
         let lattice = Lattice { scale: lattice.scale * 8.0, ..lattice };
-        let coarse = Grid { lattice, per_unit: per_unit.map(|steps| steps / 8.0) };
+        let coarse = Grid { lattice, per_unit: per_unit.map(|steps| steps / 8.0), held };
         let moved = lattice.p_in_world(coarse.snap(&places[2])).x;
         assert!((moved - 0.3).abs() > 1.0 / 4e9, "{moved}");
     }
@@ -188,6 +225,59 @@ mod tests {
         let grid = grid(&[[0.0; 3], [1.0; 3]]);
         assert!(grid.holds(&[1.0, 0.0, 1.0]));
         assert!(!grid.holds(&[9.0, 0.0, 0.0]) && !grid.holds(&[0.0, -1e300, 0.0]));
+    }
+
+    /// The grid for places that are all looked at.
+    fn of(places: &[[f64; 3]]) -> Grid {
+        let sample: Vec<DVec3> = places.iter().map(|&p| DVec3::from_array(p)).collect();
+        let bounds = Bounds::around(&sample);
+        Grid::over(sample, bounds)
+    }
+
+    /// Places all over a unit cube at `origin`, `size` times as large.
+    fn cube(num: usize, size: f64, origin: f64) -> Vec<[f64; 3]> {
+        let part = |i: usize, step: f64| origin + size * (i as f64 * step).fract();
+        (0..num).map(|i| [part(i, 0.618_034), part(i, 0.754_878), part(i, 0.569_840)]).collect()
+    }
+
+    /// Largest distance that one of the first places moves by.
+    fn moved(grid: &Grid, places: &[[f64; 3]]) -> f64 {
+        let moved = |p: &[f64; 3]| (grid.lattice.p_in_world(grid.snap(p)) - DVec3::from_array(*p)).abs();
+        places.iter().map(|p| moved(p).max_element()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn far_places_never_cost_the_scene_its_precision() {
+        for num in [20, 1000, 300_000] {
+            for (size, origin) in [(1.0, 0.0), (5e-5, 0.0), (20.0, 5e6), (5e4, 5e5)] {
+                let scene = cube(num, size, origin);
+                for far in [10.0, 300.0, 2e4, 1e9, 3e12, 1e15, 1e38, 1e300] {
+                    let strays = [[far * size, origin, 0.0], [0.0, origin, -far * size], [far; 3]];
+                    let places: Vec<[f64; 3]> = scene.iter().copied().chain(strays).collect();
+                    let grid = of(&places);
+                    let what = format!("{num} within {size} at {origin}, strays at {far}: {grid:?}");
+                    assert!(scene.iter().all(|p| grid.holds(p)), "{what}");
+                    let most = size * 0.6 * 2f64.powi(-22) + 1e-9 * origin;
+                    assert!(moved(&grid, &scene) <= most, "{what}: {}", moved(&grid, &scene));
+                    if far >= 3e12 {
+                        assert!(!strays.iter().any(|p| grid.holds(p)), "{what}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_costs_nothing_is_held() {
+        // A tree, a hundred times as high as the rest: nothing is left out, and doubles stay as fine as they are.
+        let places: Vec<[f64; 3]> = cube(1000, 10.0, 0.0).into_iter().chain([[5.0, 5.0, 1e3]]).collect();
+        let all = of(&places);
+        assert!(places.iter().all(|p| all.holds(p)) && moved(&all, &places) < 1e-6);
+        // The comparison can fail: a lattice over everything moves a scene that has a stray.
+        let places: Vec<[f64; 3]> = cube(1000, 1.0, 0.0).into_iter().chain([[1e9; 3]]).collect();
+        assert!(moved(&grid(&places), &places[..1000]) > 0.1);
+        // Nothing but places far out: none is held.
+        assert!(!of(&[[1e20; 3]]).holds(&[1e20; 3]));
     }
 
     #[test]

@@ -22,7 +22,7 @@ mod value;
 mod window;
 
 use super::source::Source;
-use super::{Columns, Format, Header, Reader, ScanError, up};
+use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, up};
 use crate::progress::Progress;
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
@@ -98,7 +98,7 @@ impl Reader for PlyFile {
         &self.header
     }
 
-    fn read(&self, progress: &Progress) -> Result<Columns, ScanError> {
+    fn read(&self, _options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError> {
         let chunks = self.chunks(progress)?;
         let mut meaning = Meaning { has: self.has, chunks, leaves_faint_out: true };
         let mut found = self.survey(&meaning, progress)?;
@@ -126,8 +126,8 @@ impl Reader for PlyFile {
         let (bad_rows, left_out) = (bad_rows(&body), body.sink.left_out);
         let (columns, loss) = columns::columns(body.sink, &how, &found, of_faces);
         if columns.points.xyz.is_empty() {
-            // The file changed since the survey.
-            return Err(self.no_points(None, 0));
+            // None can be held, or the file changed since the survey.
+            return Err(self.no_points(None, left_out.far));
         }
         warnings.extend(bad_rows);
         warnings.extend(sentences(left_out, loss));
@@ -188,7 +188,9 @@ impl PlyFile {
             _ if announced == 0 => "its header announces none".into(),
             Some(row) => format!("its header announces {announced}, none could be read, see {row}"),
             None if num_read > 0 => {
-                format!("its header announces {announced}, none has a finite place; export it again")
+                format!(
+                    "its header announces {announced}, none has a place within 1e15 of zero; export it again"
+                )
             }
             None => {
                 let (start, end) = (self.ply.body_offset, self.source.len());

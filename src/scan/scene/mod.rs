@@ -37,8 +37,14 @@ impl Scene {
     #[must_use]
     pub fn of(scan: &Scan) -> (Self, Vec<String>) {
         let num_points = scan.num_points();
-        let mut samples: Vec<Vec<DVec3>> =
-            scan.files.par_iter().map(|file| samples(file, num_points)).collect();
+        let looked_at = |noise| -> Vec<Vec<DVec3>> {
+            scan.files.par_iter().map(|file| samples(file, num_points, noise)).collect()
+        };
+        let mut samples = looked_at(false);
+        let is_all_noise = samples.iter().all(Vec::is_empty);
+        if is_all_noise {
+            samples = looked_at(true);
+        }
         let boxes: Vec<Bounds> =
             samples.par_iter().map(|samples| find(samples.clone()).unwrap_or_default()).collect();
         let (larger, warnings) = parts::larger(scan, &boxes);
@@ -49,9 +55,18 @@ impl Scene {
         let mut samples = samples.concat();
         let around = find(samples.clone()).unwrap_or_default();
         let files: Vec<&ScanFile> = larger.into_iter().map(|file| &scan.files[file]).collect();
-        let bounds = exact(&files, &around);
+        let bounds = exact(&files, &around, is_all_noise);
         samples.retain(|&p| bounds.contains(p));
         (Self { bounds, samples }, warnings)
+    }
+
+    /// The values along an axis below which a quarter, half and three quarters of its points are; `None` if there are
+    /// none.
+    #[must_use]
+    pub fn quarters(&self, axis: usize) -> Option<[f64; 3]> {
+        let mut values: Vec<f64> = self.samples.iter().map(|p| p[axis]).collect();
+        let last = values.len().checked_sub(1)?;
+        Some([1, 2, 3].map(|quarter| *values.select_nth_unstable_by(last * quarter / 4, f64::total_cmp).1))
     }
 
     /// True of no points.
@@ -73,26 +88,32 @@ impl Scan {
     }
 }
 
-/// Positions from all over a file of a scan of `num_points`: one of each run of equal length, not always the same
+/// Positions from all over a file of a scan of `num_points`, with or without those of noise: one of each run of equal length, not always the same
 /// of it, because scanners write columns of equal length too.
-fn samples(file: &ScanFile, num_points: usize) -> Vec<DVec3> {
+fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
     let xyz = &file.points.xyz;
     let run = (num_points / NUM_SAMPLES).min(xyz.len() / NUM_FILE_SAMPLES).max(1);
     let golden = |number: usize| (number as f64 * 0.618_033_988_749_895).fract();
     let at = |number: usize| (number * run + (golden(number) * run as f64) as usize).min(xyz.len() - 1);
-    (0..xyz.len().div_ceil(run)).map(|number| file.lattice.p_in_world(xyz[at(number)])).collect()
+    let numbers = (0..xyz.len().div_ceil(run)).map(at);
+    let numbers = numbers.filter(|&number| with_noise || !file.points.noise.get(number));
+    numbers.map(|number| file.lattice.p_in_world(xyz[number])).collect()
 }
 
-/// The box of all points that are not far from the box of samples.
-fn exact(files: &[&ScanFile], samples: &Bounds) -> Bounds {
+/// The box of all points that are not far from the box of samples, with or without those of noise.
+fn exact(files: &[&ScanFile], samples: &Bounds, with_noise: bool) -> Bounds {
     let all = files.iter().fold(Bounds::EMPTY, |bounds, file| bounds.union(file.bounds));
     let far = samples.grown(FAR * samples.edge());
-    if far.contains(all.min) && far.contains(all.max) {
+    let counts = |file: &ScanFile, number| with_noise || !file.points.noise.get(number);
+    let has_noise = !with_noise && files.iter().any(|file| file.points.noise.count() > 0);
+    if !has_noise && far.contains(all.min) && far.contains(all.max) {
         return all;
     }
-    let near = samples.grown(MARGIN * samples.edge());
+    let margin = if far.contains(all.min) && far.contains(all.max) { FAR } else { MARGIN };
+    let near = samples.grown(margin * samples.edge());
     let of_file = |file: &&ScanFile| {
-        let positions = file.points.xyz.par_iter().map(|&xyz| file.lattice.p_in_world(xyz));
+        let counted = file.points.xyz.par_iter().enumerate().filter(|(number, _)| counts(file, *number));
+        let positions = counted.map(|(_, &xyz)| file.lattice.p_in_world(xyz));
         let inside = positions.filter(|&p| near.contains(p));
         inside.fold(|| Bounds::EMPTY, Bounds::with).reduce(|| Bounds::EMPTY, Bounds::union)
     };

@@ -45,7 +45,7 @@ pub(super) fn larger(scan: &Scan, boxes: &[Bounds]) -> (Vec<usize>, Vec<String>)
         let distance = distance(part.bounds.gap(&largest.bounds), scan.unit_m);
         let (far, near) = (part.name(scan), largest.name(scan));
         format!(
-            "{far}: {distance} away from {near}: the view starts at the latter, which has more points; \
+            "{far}: {distance} away from {near}: the view starts at the latter; \
              do all have the same coordinate system?"
         )
     };

@@ -1,0 +1,151 @@
+//! Where walks begin in scenes of every kind and size, near zero and far from it.
+
+use super::*;
+use crate::config::{LocomotionConfig, SimulatedConfig};
+use crate::walk::locomotion::{Locomotion, head_of};
+use crate::walk::simulated::SimulatedHeadset;
+use glam::DVec4;
+
+/// A sequence that fills a square evenly.
+fn square(num: usize) -> impl Iterator<Item = [f64; 2]> {
+    (0..num).map(|i| [(i as f64 * 0.754_877_666_246_693).fract(), (i as f64 * 0.569_840_290_998_053).fract()])
+}
+
+fn scene(origin: DVec3, points: impl IntoIterator<Item = DVec3>) -> Scene {
+    let samples: Vec<DVec3> = points.into_iter().map(|p| origin + p).collect();
+    Scene { bounds: Bounds::around(&samples), samples }
+}
+
+/// A floor of `x` by `y`, its middle at zero.
+fn floor(x: f64, y: f64) -> Vec<DVec3> {
+    square(8000).map(|[u, v]| DVec3::new((u - 0.5) * x, (v - 0.5) * y, 0.0)).collect()
+}
+
+/// Four walls round such a floor.
+fn walls(x: f64, y: f64, height: f64) -> Vec<DVec3> {
+    let wall = |(i, [u, v]): (usize, [f64; 2])| match i % 4 {
+        0 => DVec3::new((u - 0.5) * x, -0.5 * y, v * height),
+        1 => DVec3::new((u - 0.5) * x, 0.5 * y, v * height),
+        2 => DVec3::new(-0.5 * x, (u - 0.5) * y, v * height),
+        _ => DVec3::new(0.5 * x, (u - 0.5) * y, v * height),
+    };
+    square(16_000).enumerate().map(wall).collect()
+}
+
+/// The surface of an egg that stands on z = 0.
+fn egg(width: f64, height: f64) -> Vec<DVec3> {
+    let at = |[u, v]: [f64; 2]| {
+        let (turn, z) = (std::f64::consts::TAU * u, 2.0 * v - 1.0);
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(0.5 * width * r * turn.cos(), 0.5 * width * r * turn.sin(), 0.5 * height * (z + 1.0))
+    };
+    square(8000).map(at).collect()
+}
+
+/// Part of the scene that both eyes of the simulated headset see at the start.
+fn seen(scene: &Scene, start: Start) -> f64 {
+    let config = SimulatedConfig::default();
+    let eyes = SimulatedHeadset::eyes(&config);
+    let walk = Locomotion::new(&LocomotionConfig::default(), start, true);
+    let view = walk.view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
+    let is_seen = |p: DVec3| {
+        view.eyes.iter().all(|eye| {
+            let q = (p - view.head_in_world()).extend(1.0);
+            let [x, y, w] =
+                eye.pixel_from_head(view.head_in_world()).map(|row| DVec4::from_array(row).dot(q));
+            w > view.near && (0.0..100.0 * w).contains(&x) && (0.0..100.0 * w).contains(&y)
+        })
+    };
+    scene.samples.iter().filter(|&&p| is_seen(p)).count() as f64 / scene.samples.len() as f64
+}
+
+const UTM: DVec3 = DVec3::new(5e5, 5e6, 300.0);
+
+#[test]
+fn an_object_is_seen_whole_from_outside() {
+    for (width, height) in [(0.05, 0.04), (0.3, 0.2), (1.0, 2.0), (2.0, 0.5), (6.0, 9.0)] {
+        for origin in [DVec3::ZERO, UTM] {
+            let scene = scene(origin, egg(width, height));
+            let start = start(&scene, 1.0);
+            assert!(start.floor_in_world.y < scene.bounds.min.y - 0.39, "{width} {height}: {start:?}");
+            assert_eq!((start.magnified, start.yaw), (1.0, 0.0));
+            assert!(seen(&scene, start) > 0.99, "{width} x {height}: {}", seen(&scene, start));
+        }
+    }
+    // A statue and the ground round it, and one of which only the outside of the walls is known.
+    let around = floor(5.0, 5.0).into_iter().filter(|p| p.length() > 0.9);
+    let statue = scene(UTM, egg(2.0, 3.0).into_iter().chain(around));
+    assert!(start(&statue, 1.0).floor_in_world.y < statue.bounds.min.y);
+    let lid = floor(20.0, 12.0).into_iter().map(|p| p + DVec3::Z * 8.0);
+    let block = scene(UTM, walls(20.0, 12.0, 8.0).into_iter().chain(lid));
+    assert!(start(&block, 1.0).floor_in_world.y < block.bounds.min.y);
+}
+
+#[test]
+fn tiny_things_are_magnified_and_single_points_seen() {
+    for edge in [5e-3, 5e-5, 1e-7] {
+        let scene = scene(DVec3::ZERO, egg(edge, 0.8 * edge));
+        let start = start(&scene, 1.0);
+        assert!((start.magnified * edge - SHOWN_M).abs() < 0.01 && seen(&scene, start) == 1.0, "{start:?}");
+    }
+    // Of known millimetres, 50 are no reason.
+    assert_eq!(start(&scene(DVec3::ZERO, egg(50.0, 50.0)), 1e-3).magnified, 1.0);
+    for num in [1, 500] {
+        let scene = scene(UTM, vec![DVec3::ZERO; num]);
+        assert_eq!(seen(&scene, start(&scene, 1.0)), 1.0);
+    }
+}
+
+#[test]
+fn a_room_is_seen_from_its_floor() {
+    let table = || square(500).map(|[u, v]| DVec3::new(u - 0.5, v - 0.5, 0.75));
+    for (x, y, height) in [(2.6, 3.0, 2.4), (4.0, 6.0, 2.6), (30.0, 20.0, 7.0), (150.0, 100.0, 12.0)] {
+        for ceiling in [false, true] {
+            let above = floor(x, y).into_iter().map(|p| p + DVec3::Z * height);
+            let above = above.filter(|_| ceiling);
+            let points = floor(x, y).into_iter().chain(walls(x, y, height)).chain(above);
+            let scene = scene(UTM, points.chain(table().filter(|_| x > 3.0)));
+            let Start { floor_in_world, .. } = start(&scene, 1.0);
+            let inside = scene.bounds.grown(-0.5);
+            let what = format!("{x} x {y} x {height}: {}", floor_in_world - UTM);
+            assert!(inside.contains(floor_in_world.with_z(inside.center().z)), "{what}");
+            assert!((floor_in_world.z - UTM.z).abs() < 0.01, "{what}");
+            // Not in the table.
+            let aside = (floor_in_world - UTM).truncate().abs().max_element();
+            assert!(x <= 3.0 || aside > 0.5, "{what}");
+        }
+    }
+    // In feet everything is as it was.
+    let feet = scene(UTM, floor(13.0, 20.0).into_iter().chain(walls(13.0, 20.0, 8.5)));
+    let Start { floor_in_world, .. } = start(&feet, 0.3048);
+    assert!((floor_in_world - UTM).length() < 1.5, "{floor_in_world}");
+}
+
+#[test]
+fn open_ground_is_stood_on_facing_what_there_is() {
+    // Nobody scans the ground below a statue.
+    let ground = floor(40.0, 30.0).into_iter().filter(|p| p.length() > 1.4).chain(egg(3.0, 5.0));
+    let scene = scene(UTM, ground);
+    let Start { floor_in_world, yaw, .. } = start(&scene, 1.0);
+    let to_middle = (UTM - floor_in_world).truncate();
+    assert!((1.5..6.0).contains(&to_middle.length()), "{to_middle}");
+    assert!((floor_in_world.z - UTM.z).abs() < 0.01);
+    let ahead = glam::DVec2::new(-yaw.sin(), yaw.cos());
+    assert!(ahead.dot(to_middle.normalize()) > 0.99, "{floor_in_world} {yaw}");
+}
+
+#[test]
+fn a_landscape_is_seen_from_above_its_edge() {
+    let hills = square(20_000)
+        .map(|[u, v]| DVec3::new(1500.0 * u, 1000.0 * v, 40.0 * ((9.0 * u).sin() + (7.0 * v).cos())));
+    let scene = scene(UTM, hills);
+    let start = start(&scene, 1.0);
+    assert_eq!((start.floor_in_world, start.yaw), start.overview);
+    let eye = start.floor_in_world.z + 1.7;
+    assert!(start.floor_in_world.y < scene.bounds.min.y && eye > scene.bounds.max.z, "{start:?}");
+    assert!(seen(&scene, start) > 0.99);
+    // A room with a view far through its windows is none.
+    let far = square(300).map(|[u, v]| DVec3::new(400.0 * (u - 0.5), 5.0 + 300.0 * v, 4.0 * v));
+    let room = floor(8.0, 8.0).into_iter().chain(walls(8.0, 8.0, 3.0)).chain(far);
+    assert!((super::start(&self::scene(UTM, room), 1.0).floor_in_world - UTM).length() < 4.0);
+}

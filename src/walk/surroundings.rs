@@ -1,0 +1,195 @@
+//! Whether one can stand in a scene, and where: a room has a floor below, and walls all around that are further away
+//! than arm's length; an open place has its ground on all sides. What has neither is an object, to be seen from
+//! outside. Size tells little: a statue may be larger than a room.
+
+use crate::scan::Scene;
+use crate::space::Bounds;
+use glam::{DVec2, DVec3};
+
+/// Cells along the longer side of the floor plan, at most, their least edge, metres, and the points of a mean one.
+const MAX_CELLS: f64 = 64.0;
+const MIN_CELL_M: f64 = 0.25;
+const MEAN_CELL_POINTS: f64 = 16.0;
+/// If there is no place, the ground may be scanned more thinly than what stands on it: then with coarser cells.
+const COARSER: [f64; 2] = [1.0, 3.0];
+/// Points of a cell that make a floor.
+const MIN_CELL_POINTS: usize = 3;
+/// What lies lower than so large a part of a cell's points is the floor: single points may be below.
+const FLOOR_SHARE: f64 = 0.05;
+/// Heights above the floor between which a body would bump into things, and how much room it needs to each side.
+const BODY_M: [f64; 2] = [0.4, 1.9];
+const BODY_RADIUS_M: f64 = 0.5;
+/// Heights at which walls are looked for: above tables, below ceilings.
+const WALL_M: [f64; 2] = [1.0, 2.2];
+/// Directions in which they are, the part of them that makes a room, and how far away walls are at least.
+const NUM_DIRECTIONS: usize = 32;
+const ENCLOSED: f64 = 0.7;
+const ARMS_LENGTH_M: f64 = 0.9;
+/// Part of the floor up to the walls that is level, and how level. What is hollow, yet no room, is round below.
+const FLOOR_LEVEL_SHARE: f64 = 0.5;
+const FLOOR_LEVEL_M: f64 = 0.3;
+/// Nobody stands on tables: how near, and how much lower, the floor is then.
+const TABLE_M: [f64; 2] = [1.0, 0.3];
+/// An open place: how wide it is, how far its ground is looked at, how level it is, what part of it there must be,
+/// and in what part of the scene's height it lies.
+const OPEN_M: f64 = 12.0;
+const GROUND_M: f64 = 5.0;
+const LEVEL_M: f64 = 0.5;
+const GROUND_SHARE: f64 = 0.7;
+const LOW_SHARE: f64 = 0.25;
+
+/// Where one can stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Standing {
+    /// On the floor, world space.
+    pub floor_in_world: DVec3,
+    /// True if walls are all around.
+    pub enclosed: bool,
+}
+
+/// The place nearest to the scene's middle where one can stand; `None` if the scene is an object.
+pub(super) fn standing(scene: &Scene, units_per_m: f64) -> Option<Standing> {
+    COARSER.into_iter().find_map(|coarser| standing_in(&Plan::new(scene, units_per_m, coarser)?, units_per_m))
+}
+
+fn standing_in(plan: &Plan, units_per_m: f64) -> Option<Standing> {
+    let free: Vec<(DVec2, f64)> = plan.free_places();
+    let enclosed = free.iter().find(|&&(at, floor)| plan.enclosed(at, floor)).map(|place| (place, true));
+    let open = || free.iter().find(|&&(at, floor)| plan.is_open(at, floor)).map(|place| (place, false));
+    let (&(at, floor), enclosed) = enclosed.or_else(open)?;
+    let floor_in_world = plan.origin + at.extend(floor) * units_per_m;
+    Some(Standing { floor_in_world, enclosed })
+}
+
+/// A scene from above: its points by the cells of a floor plan of where most of it is. All else in metres from the
+/// plan's origin.
+struct Plan {
+    /// World space.
+    origin: DVec3,
+    size: DVec3,
+    /// Longer side of the whole scene.
+    extent: f64,
+    /// Where the middle of the points is.
+    middle: DVec2,
+    cell_m: f64,
+    num_cells: [usize; 2],
+    points: Vec<DVec3>,
+    /// Heights of the points of each cell, ascending.
+    heights: Vec<Vec<f64>>,
+}
+
+impl Plan {
+    /// `None` of a scene that nobody fits into.
+    fn new(scene: &Scene, units_per_m: f64, coarser: f64) -> Option<Self> {
+        let (x, y) = (scene.quarters(0)?, scene.quarters(1)?);
+        let width = (x[2] - x[0]).max(y[2] - y[0]);
+        let Bounds { min, max } = scene.bounds;
+        let origin = min.max(DVec3::new(x[0] - width, y[0] - width, min.z));
+        let size = (max.min(DVec3::new(x[2] + width, y[2] + width, max.z)) - origin) / units_per_m;
+        let middle = (DVec2::new(x[1], y[1]) - origin.truncate()) / units_per_m;
+        if size.truncate().min_element() < 2.0 * BODY_RADIUS_M || size.z < WALL_M[0] {
+            return None;
+        }
+        let thin = (size.x * size.y * MEAN_CELL_POINTS / scene.samples.len() as f64).sqrt();
+        let cell_m = (size.x.max(size.y) / MAX_CELLS).max(MIN_CELL_M).max(thin) * coarser;
+        let num_cells = [size.x, size.y].map(|edge| (edge / cell_m) as usize + 1);
+        let points: Vec<DVec3> = scene.samples.iter().map(|&p| (p - origin) / units_per_m).collect();
+        let mut plan = Self {
+            origin,
+            size,
+            extent: (max - min).truncate().max_element() / units_per_m,
+            middle,
+            cell_m,
+            num_cells,
+            points,
+            heights: vec![Vec::new(); num_cells[0] * num_cells[1]],
+        };
+        for p in plan.points.iter().filter(|p| p.cmpge(DVec3::ZERO).all() && p.cmple(size).all()) {
+            let [x, y] = plan.cell(p.truncate());
+            plan.heights[x + y * num_cells[0]].push(p.z);
+        }
+        plan.heights.iter_mut().for_each(|heights| heights.sort_unstable_by(f64::total_cmp));
+        Some(plan)
+    }
+
+    fn cell(&self, at: DVec2) -> [usize; 2] {
+        // `as` saturates: what is outside belongs to the border.
+        [0, 1].map(|axis| ((at[axis] / self.cell_m) as usize).min(self.num_cells[axis] - 1))
+    }
+
+    /// Height of a cell's floor, if it has one.
+    fn floor(&self, [x, y]: [usize; 2]) -> Option<f64> {
+        let heights = &self.heights[x + y * self.num_cells[0]];
+        let at = (FLOOR_SHARE * heights.len() as f64) as usize;
+        heights.get(at).copied().filter(|_| heights.len() >= MIN_CELL_POINTS)
+    }
+
+    /// The cells that reach into a distance of a place.
+    fn within(&self, at: DVec2, radius: f64) -> impl Iterator<Item = [usize; 2]> {
+        self.cells(at - radius, at + radius)
+    }
+
+    /// The cells that a rectangle touches.
+    fn cells(&self, low: DVec2, high: DVec2) -> impl Iterator<Item = [usize; 2]> {
+        let ([x0, y0], [x1, y1]) = (self.cell(low), self.cell(high));
+        (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| [x, y]))
+    }
+
+    /// Places, and their floors, that have room for a body; nearest to the middle first.
+    fn free_places(&self) -> Vec<(DVec2, f64)> {
+        let center = |[x, y]: [usize; 2]| (DVec2::new(x as f64, y as f64) + 0.5) * self.cell_m;
+        let mut places: Vec<(DVec2, f64)> = self
+            .cells(DVec2::ZERO, self.size.truncate())
+            .filter_map(|cell| Some((center(cell), self.floor(cell)?)))
+            .filter(|&(at, floor)| self.is_free(at, floor))
+            .collect();
+        let away = |at: &DVec2| at.distance_squared(self.middle);
+        places.sort_by(|a, b| away(&a.0).total_cmp(&away(&b.0)));
+        places
+    }
+
+    fn is_free(&self, at: DVec2, floor: f64) -> bool {
+        let [near, lower] = TABLE_M;
+        if self.within(at, near).filter_map(|cell| self.floor(cell)).any(|below| below < floor - lower) {
+            return false;
+        }
+        let in_the_way = |height: f64| (floor + BODY_M[0]..floor + BODY_M[1]).contains(&height);
+        self.within(at, BODY_RADIUS_M)
+            .all(|[x, y]| !self.heights[x + y * self.num_cells[0]].iter().any(|&height| in_the_way(height)))
+    }
+
+    /// True if walls stand all around, further away than arm's length.
+    fn enclosed(&self, at: DVec2, floor: f64) -> bool {
+        let mut nearest = [f64::INFINITY; NUM_DIRECTIONS];
+        for p in self.points.iter().filter(|p| (floor + WALL_M[0]..floor + WALL_M[1]).contains(&p.z)) {
+            let to = p.truncate() - at;
+            let turn = to.y.atan2(to.x) / std::f64::consts::TAU + 0.5;
+            let direction = ((turn * NUM_DIRECTIONS as f64) as usize).min(NUM_DIRECTIONS - 1);
+            nearest[direction] = nearest[direction].min(to.length());
+        }
+        let walls = nearest.iter().filter(|&&distance| distance.is_finite() && distance > ARMS_LENGTH_M);
+        if (walls.count() as f64) < ENCLOSED * NUM_DIRECTIONS as f64 {
+            return false;
+        }
+        let reach = *nearest.select_nth_unstable_by(NUM_DIRECTIONS / 2, f64::total_cmp).1;
+        self.level_share(at, floor, reach, FLOOR_LEVEL_M) >= FLOOR_LEVEL_SHARE
+    }
+
+    /// Part of the floor within a distance that is as high as at a place.
+    fn level_share(&self, at: DVec2, floor: f64, reach: f64, level: f64) -> f64 {
+        let floors: Vec<f64> = self.within(at, reach).filter_map(|cell| self.floor(cell)).collect();
+        let as_high = floors.iter().filter(|height| (**height - floor).abs() < level);
+        as_high.count() as f64 / floors.len().max(1) as f64
+    }
+
+    /// True if the ground goes on all around, at the scene's bottom.
+    fn is_open(&self, at: DVec2, floor: f64) -> bool {
+        if self.extent < OPEN_M || floor > LOW_SHARE * self.size.z + LEVEL_M {
+            return false;
+        }
+        let (num, known) = self
+            .within(at, GROUND_M)
+            .fold((0, 0), |(num, known), cell| (num + 1, known + usize::from(self.floor(cell).is_some())));
+        2 * known >= num && self.level_share(at, floor, GROUND_M, LEVEL_M) >= GROUND_SHARE
+    }
+}
