@@ -55,8 +55,8 @@ pub const MAX_FILL_RADIUS: u32 = 15;
 /// and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
 /// How much wider than the points' mean distance the square is to be that disc and dilation together cover: of points that
-/// lie at random, such a square has none once in two thousand times.
-pub const POINTS_COVER: f32 = 2.75;
+/// lie at random, such a square has none once in eight thousand times, and the mean distance is an estimate.
+pub const POINTS_COVER: f32 = 3.0;
 /// The same of a node's samples, which lie more evenly.
 pub const SAMPLES_COVER: f32 = 1.5;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
