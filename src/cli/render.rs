@@ -21,7 +21,7 @@ pub struct RenderArgs {
     /// Refuse all files if one cannot be read, instead of showing the others [default: cloud.strict]
     #[arg(long)]
     pub strict: bool,
-    /// The picture; with --stereo OUT.left.png and OUT.right.png
+    /// The picture; with --stereo OUT.left.png and OUT.right.png; - for stdout
     #[arg(short, long, value_name = "OUT.png")]
     pub out: PathBuf,
     /// Where the eye is, in the file's own coordinates, those that `info` prints: degrees if it has degrees; of several
@@ -72,13 +72,13 @@ pub struct RenderArgs {
     /// Coordinate bits that are read: auto by the projected size, or full [default: frame.precision]
     #[arg(long, value_name = "HOW")]
     pub precision: Option<Precision>,
-    /// Also write each pixel's distance, as a NumPy array
+    /// Also write each pixel's distance, as a NumPy array; - for stdout
     #[arg(long, value_name = "OUT.npy")]
     pub depth: Option<PathBuf>,
     /// Color where no point is [default: frame.background: 0,0,0]
     #[arg(long, value_name = "R,G,B", value_parser = parse::color)]
     pub background: Option<[u8; 3]>,
-    /// Also write counts and times, as JSON
+    /// Also write counts and times, as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     pub metrics: Option<PathBuf>,
 }
