@@ -87,7 +87,7 @@ fn the_governors_steps_are_in_the_log() {
     let drawn_with = |name: &str, governor: &str| -> Vec<(f64, f64, String)> {
         let log = scene.file(name);
         let log_path = log.to_str().expect("UTF-8");
-        let settings = ["--set", "simulated.refresh_hz=60", "--set", governor, "--frames", "300"];
+        let settings = ["--set", "simulated.refresh_hz=1000", "--set", governor, "--frames", "300"];
         let output = run(&scene.courtyard, &[&settings[..], &["--log", log_path]].concat());
         assert!(output.status.success(), "{}", said(&output));
         let text = std::fs::read_to_string(&log).expect("a log");
@@ -102,9 +102,13 @@ fn the_governors_steps_are_in_the_log() {
         })
         .collect()
     };
-    let governed = drawn_with("governed.csv", "governor.budget=0.01");
+    let governed = drawn_with("governed.csv", "governor.budget=0.1");
     assert_eq!(governed[0], (1.0, 1.0, "hqs".to_string()));
-    assert_eq!(governed.last(), Some(&(3.0, 0.6, "closest".to_string())));
+    // It went to the cheapest, and stayed, or, where even that shows an image for more than three displays, went back to
+    // a good picture.
+    let [cheapest, good] = [(3.0, 0.6, "closest".to_string()), (1.99, 1.0, "hqs".to_string())];
+    assert!(governed.contains(&cheapest), "{governed:?}");
+    assert!(governed.last() == Some(&cheapest) || governed.last() == Some(&good), "{governed:?}");
     for (lod_scale, resolution_scale, quality) in &governed {
         assert!(*resolution_scale == 1.0 || *lod_scale == 3.0);
         assert!(quality == "hqs" || *resolution_scale == 0.6);
