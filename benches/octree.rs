@@ -16,6 +16,7 @@ use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, ReadOptions, Scan};
 use scanwalk::synth::{self, Kind, SynthOptions};
+use scanwalk::timing::percentile::Sorted;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -111,7 +112,7 @@ fn list_nodes(path: &Path) -> Result<()> {
             "{name},{kind},{},{},{},{},{small},{least}-{most},{num_batches}",
             sizes.len(),
             sizes.iter().sum::<u32>(),
-            sizes[sizes.len() / 2],
+            Sorted::new(sizes.iter().copied().map(f64::from)).median().context("no node")?,
             sizes[sizes.len() - 1],
         );
     }

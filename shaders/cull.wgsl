@@ -7,7 +7,8 @@ struct Counters {
     workgroups_z: u32,
     num_points: atomic<u32>,
     num_nodes: atomic<u32>,
-    reserved: array<u32, 3>,
+    num_extra: atomic<u32>,
+    reserved: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
@@ -62,19 +63,39 @@ fn may_be_wide(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spac
     return any(stretch * across_px > (1.0 - SLACK) * view.fill_reach_px);
 }
 
+// Radians that the tolerance spans in the outer ring.
+fn outer_tolerance_rad(eye: EyeUniform) -> f32 {
+    return eye.tolerance_rad + eye.tolerance_growth * (view.ring_cos.x - view.ring_cos.y);
+}
+
+// The most that the tolerance grows by on a way of length 1: see Detail::tolerance_growth.
+fn steepest_tolerance(eye: EyeUniform) -> f32 {
+    let cos = view.ring_cos;
+    let steepness = sqrt(max(cos.x * cos.x + 1.0 - 2.0 * cos.x * cos.y, 0.0));
+    return max(eye.tolerance_rad + eye.tolerance_growth * steepness, outer_tolerance_rad(eye));
+}
+
 // False if no disc of a batch is drawn: none has the tolerances that the eye has there, or all show it their backs.
 // [SPT §3.7, 3.10]
-fn is_needed(batch: Batch, node: Node, eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
+fn is_needed(batch: Batch, node: Node, number: u32, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     if (node.flags & NODE_DISCS) == 0u {
         return true;
     }
+    let eye = view.eyes[number];
     let from_eye = center - eye.eye_in_head;
     let near = max(abs(from_eye) - half_edge, vec3<f32>(0.0));
     let far = abs(from_eye) + half_edge;
     let nearest = sqrt(near.x * near.x + near.y * near.y + near.z * near.z);
     let farthest = sqrt(far.x * far.x + far.y * far.y + far.z * far.z);
-    if step_below((1.0 - SLACK) * eye.tolerance_rad * nearest) >= batch.interval >> 8u
-        || step_below((1.0 + SLACK) * eye.tolerance_rad * farthest) < (batch.interval & 255u) {
+    let radius = sqrt(half_edge.x * half_edge.x + half_edge.y * half_edge.y + half_edge.z * half_edge.z);
+    // The tolerance in the box, at least and at most: by its ends, and by what it may change from the centre on.
+    let change = steepest_tolerance(eye) * radius;
+    let middle = tolerance_of(number, from_eye.x, from_eye.y, from_eye.z);
+    let least = max(eye.tolerance_rad * nearest, middle - change);
+    let most = min(outer_tolerance_rad(eye) * farthest, middle + change);
+    let slack = SLACK * outer_tolerance_rad(eye) * farthest;
+    if step_below(max(least - slack, 0.0)) >= batch.interval >> 8u
+        || step_below(most + slack) < (batch.interval & 255u) {
         return false;
     }
     if (node.flags & NODE_ONE_SIDED) == 0u {
@@ -85,7 +106,6 @@ fn is_needed(batch: Batch, node: Node, eye: EyeUniform, center: vec3<f32>, half_
     let along = from_eye.x * behind.x + from_eye.y * behind.y + from_eye.z * behind.z;
     let distance_sq = from_eye.x * from_eye.x + from_eye.y * from_eye.y + from_eye.z * from_eye.z;
     let across = sqrt(max(distance_sq - along * along, 0.0));
-    let radius = sqrt(half_edge.x * half_edge.x + half_edge.y * half_edge.y + half_edge.z * half_edge.z);
     let inside = along * behind.w - across * sqrt(1.0 - behind.w * behind.w);
     return inside < radius + SLACK * sqrt(distance_sq);
 }
@@ -120,6 +140,14 @@ fn own_colors(node: Node) -> vec2<u32> {
     return own;
 }
 
+// Workgroups that draw a batch of triangles: more than one where one of them may cover many pixels. The longest side
+// says how many.
+fn num_slices_of(batch: Batch, eye: EyeUniform, depth: f32) -> u32 {
+    let side_px = length_of(batch.interval >> 8u) * eye.pixels_per_radian / depth;
+    let num_pixels = min(side_px * side_px, f32(eye.width) * f32(eye.height));
+    return u32(clamp(num_pixels / f32(SLICE_PIXELS), 1.0, f32(MAX_SLICES)));
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&batches) {
@@ -142,7 +170,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var flags = 0u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let is_seen = (view.flags & KEEP_UNSEEN) != 0u || in_frustum(view.eyes[eye], center, half_edge);
-        if is_seen && (!DISCS || is_needed(batch, node, view.eyes[eye], center, half_edge)) {
+        if is_seen && (!DISCS || is_needed(batch, node, eye, center, half_edge)) {
             flags |= 16u << eye;
         }
     }
@@ -151,6 +179,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     // Both eyes count, whichever sees it: what one eye's picture shows does not depend on where the other's ends.
     var planes = max(view.forced_planes, 1u);
+    var num_slices = 1u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let along = abs(view.eyes[eye].row_w.xyz);
         let reach = along.x * half_edge.x + along.y * half_edge.y + along.z * half_edge.z;
@@ -158,6 +187,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let edge_px = longest * view.eyes[eye].pixels_per_radian / depth;
         if view.forced_planes == 0u {
             planes = max(planes, planes_needed(edge_px));
+        }
+        if DISCS && (node.flags & NODE_TRIANGLES) != 0u {
+            num_slices = max(num_slices, num_slices_of(batch, view.eyes[eye], depth));
         }
         let corner = abs(center - view.eyes[eye].eye_in_head) + half_edge;
         let far = sqrt(corner.x * corner.x + corner.y * corner.y + corner.z * corner.z) / depth;
@@ -183,13 +215,21 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         offset += 0.5 * batch.cell;
     }
 
-    let slot = atomicAdd(&counters.num_visible, 1u);
+    if num_slices > 1u {
+        let num_taken = min(atomicAdd(&counters.num_extra, num_slices - 1u), MAX_EXTRA_SLICES);
+        num_slices = 1u + min(num_slices - 1u, MAX_EXTRA_SLICES - num_taken);
+    }
+    let slot = atomicAdd(&counters.num_visible, num_slices);
     atomicAdd(&counters.num_points, batch.num_points);
     if atomicExchange(&counted[batch.node], 1u) == 0u {
         atomicAdd(&counters.num_nodes, 1u);
     }
-    visible[slot] = VisibleBatch(
-        head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes,
-        node.spacing, own_colors(node), drawn, id.x, vec3<u32>(0u), sample_spacing,
-    );
+    let own = own_colors(node);
+    for (var slice = 0u; slice < num_slices; slice += 1u) {
+        let of_slice = (slice << SLICE_SHIFT) | ((num_slices - 1u) << NUM_SLICES_SHIFT);
+        visible[slot + slice] = VisibleBatch(
+            head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes | of_slice,
+            node.spacing, own, drawn, id.x, vec3<u32>(0u), sample_spacing,
+        );
+    }
 }

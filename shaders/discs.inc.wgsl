@@ -19,12 +19,14 @@ fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f
     let dx = x - view.eyes[eye].eye_in_head.x;
     let dy = y - view.eyes[eye].eye_in_head.y;
     let dz = z - view.eyes[eye].eye_in_head.z;
-    let tolerance = view.eyes[eye].tolerance_rad * sqrt(dx * dx + dy * dy + dz * dz);
-    let step = vec4<u32>(
-        step_below(tolerance.x), step_below(tolerance.y), step_below(tolerance.z), step_below(tolerance.w),
-    );
+    var step: vec4<u32>;
+    for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
+        step[i] = step_below(tolerance_of(eye, dx[i], dy[i], dz[i]));
+    }
     let shape = shapes_of(load, turn);
-    return (step >= (shape & vec4<u32>(255u))) & (step < ((shape >> vec4<u32>(8u)) & vec4<u32>(255u)));
+    let chosen = (step >= (shape & vec4<u32>(255u))) & (step < ((shape >> vec4<u32>(8u)) & vec4<u32>(255u)));
+    count_chosen(chosen);
+    return chosen;
 }
 
 // World units that discs are wide: as far as they are apart.

@@ -39,7 +39,8 @@ struct EyeUniform {
     end_px: vec2<f32>,
     width: u32,
     height: u32,
-    reserved_end: vec2<u32>,
+    tolerance_growth: f32,
+    reserved_end: u32,
 }
 
 struct ViewUniform {

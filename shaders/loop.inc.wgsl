@@ -51,6 +51,7 @@ fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, radius_px: f32) {
             }
         }
     }
+    count_point();
 }
 
 fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
@@ -73,10 +74,14 @@ fn draw(eye: u32, batch: VisibleBatch, points: Turn, spacing: vec4<f32>) {
         return;
     }
     put_seen(eye, p.pixel.x, p.w.x, id.x);
+    count_point();
     if !BASIC {
         put_seen(eye, p.pixel.y, p.w.y, id.y);
+        count_point();
         put_seen(eye, p.pixel.z, p.w.z, id.z);
+        count_point();
         put_seen(eye, p.pixel.w, p.w.w, id.w);
+        count_point();
     }
 }
 

@@ -5,6 +5,7 @@
 
 // Whether a key may still win the pixel.
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
+    count_look();
     if eye == 0u {
         return key < seen_left[pixel];
     }

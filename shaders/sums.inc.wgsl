@@ -7,13 +7,18 @@
 @group(0) @binding(11) var<storage, read_write> wide_right: array<atomic<u32>>;
 
 fn counts(eye: u32, pixel: u32, w: f32) -> bool {
+    count_look();
     var nearest: u32;
     if eye == 0u {
         nearest = depth_left[pixel];
     } else {
         nearest = depth_right[pixel];
     }
-    return w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
+    let is_near = w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
+    if is_near {
+        count_color();
+    }
+    return is_near;
 }
 
 fn add_wide(eye: u32, pixel: u32, color: u32) {

@@ -5,7 +5,8 @@
 // homogeneous coordinates, so that triangles need not be clipped at the near plane. [Olano and Greer 1997]
 //
 // A thread draws a triangle; large ones wait until all threads draw them together. Where the stage is CONVERGED, all
-// triangles do.
+// triangles do. Where some may be larger still, a batch comes in slices: a workgroup each, which draws its share of the
+// pixels of the large ones.
 
 /// Pixels in the box of a triangle that a thread draws alone.
 const OWN_PIXELS: i32 = 64;
@@ -68,13 +69,16 @@ fn triangle_of(eye: u32, batch: VisibleBatch, number: u32) -> Triangle {
     let y = vec3<f32>(a.y, b.y, c.y);
     let z = vec3<f32>(a.z, b.z, c.z);
 
-    // The tolerance at the nearest corner.
-    let dx = x - view.eyes[eye].eye_in_head.x;
-    let dy = y - view.eyes[eye].eye_in_head.y;
-    let dz = z - view.eyes[eye].eye_in_head.z;
-    let distance_sq = dx * dx + dy * dy + dz * dz;
-    let nearest = sqrt(min(distance_sq.x, min(distance_sq.y, distance_sq.z)));
-    if step_below(view.eyes[eye].tolerance_rad * nearest) >= word >> 24u {
+    // The least tolerance at a corner.
+    let from_eye = view.eyes[eye].eye_in_head;
+    let dx = x - from_eye.x;
+    let dy = y - from_eye.y;
+    let dz = z - from_eye.z;
+    let tolerance = min(
+        tolerance_of(eye, dx.x, dy.x, dz.x),
+        min(tolerance_of(eye, dx.y, dy.y, dz.y), tolerance_of(eye, dx.z, dy.z, dz.z)),
+    );
+    if step_below(tolerance) >= word >> 24u {
         return t;
     }
 
@@ -135,13 +139,16 @@ fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
 }
 
 fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {
+    let slice = (batch.flags >> SLICE_SHIFT) & (MAX_SLICES - 1u);
+    let num_slices = ((batch.flags >> NUM_SLICES_SHIFT) & (MAX_SLICES - 1u)) + 1u;
     let own = triangle_of(eye, batch, number);
     let num_own = num_pixels_of(own);
     if !CONVERGED && num_own <= OWN_PIXELS {
-        for (var at = 0; at < num_own; at += 1) {
+        for (var at = 0; at < select(0, num_own, slice == 0u); at += 1) {
             put_triangle(eye, own, at, true);
         }
-    } else if num_own > 0 {
+        count_point();
+    } else if num_own > i32(slice * WORKGROUP_SIZE) {
         waiting[atomicAdd(&num_waiting, 1u)] = number;
     }
     workgroupBarrier();
@@ -149,10 +156,12 @@ fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {
     for (var i = 0u; i < num_together; i += 1u) {
         let t = triangle_of(eye, batch, waiting[i]);
         let num_pixels = num_pixels_of(t);
-        for (var at = 0; at < num_pixels; at += i32(WORKGROUP_SIZE)) {
+        let first_at = i32(slice * WORKGROUP_SIZE);
+        for (var at = first_at; at < num_pixels; at += i32(num_slices * WORKGROUP_SIZE)) {
             let own_at = at + i32(this_thread);
             put_triangle(eye, t, own_at, own_at < num_pixels);
         }
+        count_once(this_thread == 0u && slice == 0u);
     }
     workgroupBarrier();
     if this_thread == 0u {

@@ -36,8 +36,10 @@ pub enum Method {
     Basic,
     /// Whoever comes last has the pixel: wrong, and as fast as writing can be [2021 §5].
     JustSet,
-    /// Compare and exchange until nobody comes between [2021 §5].
+    /// Wait until nobody has the pixel locked, lock it, write, unlock it [2021 §2.2, §5].
     BusyLoop,
+    /// The same without a lock: compare and exchange until nobody comes between.
+    ExchangeLoop,
     /// Every point asks for its pixel [2021 §3.1].
     AtomicMin,
     /// A look at the pixel first [2021 §3.2].
@@ -46,7 +48,7 @@ pub enum Method {
     Reduce,
     /// The same with a look at the pixel first.
     ReduceEarlyZ,
-    /// A subgroup asks for each of its pixels once [2021 §3.4].
+    /// A look at the pixel first, then a subgroup asks for each of its pixels once [2021 §3.4, §5].
     Dedup,
     /// High-quality shading by two 64-bit additions a point [2021 §3.5].
     Hqs,
@@ -60,20 +62,17 @@ pub enum Method {
     #[serde(skip)]
     #[value(skip)]
     PrefetchJustSet,
-    /// [`Self::EarlyZ`], and how many points asked for their pixel: for tables, not for settings.
-    #[serde(skip)]
-    #[value(skip)]
-    Count,
 }
 
 impl Method {
     /// All that settings may name.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::PointList,
         Self::Prefetch,
         Self::Basic,
         Self::JustSet,
         Self::BusyLoop,
+        Self::ExchangeLoop,
         Self::AtomicMin,
         Self::EarlyZ,
         Self::Reduce,
@@ -95,6 +94,7 @@ impl Method {
             Self::JustSet => "just-set",
             Self::PrefetchJustSet => "prefetch-just-set",
             Self::BusyLoop => "busy-loop",
+            Self::ExchangeLoop => "exchange-loop",
             Self::AtomicMin => "atomic-min",
             Self::EarlyZ => "early-z",
             Self::Reduce => "reduce",
@@ -104,7 +104,6 @@ impl Method {
             Self::Hqs1 => "hqs1",
             Self::Hqs1r => "hqs1r",
             Self::Fixed40 => "fixed40",
-            Self::Count => "count",
         }
     }
 

@@ -15,6 +15,7 @@ use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use crate::scan::{self, Scan, Scene};
 use crate::space::{Eye, Fov, Pose, View};
 use crate::timing::STAGES;
+use crate::timing::percentile::Sorted;
 use crate::twin::resolve::{Pixel, depth_of};
 use anyhow::Context;
 use glam::DVec3;
@@ -329,17 +330,14 @@ fn write_with(
 fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> anyhow::Result<String> {
     let measured = &times[1..];
     let median = |value: &dyn Fn(&FrameTimes) -> f32| {
-        let mut values: Vec<f32> = measured.iter().map(value).collect();
-        values.sort_by(f32::total_cmp);
-        let median = values[values.len() / 2];
-        // JSON knows no NaN: a device without timestamps gives null.
-        if median.is_finite() { serde_json::json!(median) } else { serde_json::Value::Null }
+        // A device without timestamps gives null.
+        Sorted::new(measured.iter().map(|times| f64::from(value(times)))).median()
     };
     let mut gpu_ms = serde_json::Map::new();
     for (stage, name) in STAGES.iter().enumerate() {
-        gpu_ms.insert((*name).to_string(), median(&|t| t.stage_ms[stage]));
+        gpu_ms.insert((*name).to_string(), serde_json::json!(median(&|t| t.stage_ms[stage])));
     }
-    gpu_ms.insert("total".to_string(), median(&|t| t.gpu_ms));
+    gpu_ms.insert("total".to_string(), serde_json::json!(median(&|t| t.gpu_ms)));
     let mut drawn = 0;
     for eye in 0..shot.images.len() {
         drawn += shot.pixels(eye)?.iter().filter(|&&p| depth_of(p).is_finite()).count();

@@ -301,7 +301,7 @@ fn the_transition_has_no_holes() {
         }
     }
     assert!(num_mixed > 5);
-    let ends = [12.0, 200.0].map(|distance| {
+    let ends = [8.0, 200.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
         num_batches(&twin::frame(&scene, &view, &hqs(discs(1.0)), None))
     });
@@ -418,4 +418,55 @@ fn backs_of_meshes_are_culled() {
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");
     assert_eq!(frames.each_ref().map(|frame| num_batches(frame).0), [0, 0]);
+}
+
+/// Two triangles that fill the image are drawn by many workgroups, in every tier and by methods of all kinds; the picture is
+/// the twin's, and each is read once as far as counts go.
+#[test]
+fn large_triangles_are_drawn_by_many_workgroups() {
+    let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [400, 384]);
+    for (x, away, least) in [([-50.0, 60.0], 3.0, 9), ([-1.0, 1.0], 2.5, 3), ([-0.05, 0.05], 4.0, 1)] {
+        let spt = wall(x, x, away);
+        for look in [closest(1.0), hqs(discs(1.0))] {
+            let want = twin::frame(&Scene::sequential(&spt), &view, &look, None);
+            let slices = want.visible.iter().filter(|batch| batch.flags & VISIBLE_TRIANGLES != 0).count();
+            assert!(slices >= least && (least > 1 || slices == 1), "{slices} workgroups at {x:?}");
+            for tier in tiers() {
+                let drawn = Canvas::sequential(&spt, &view, look, tier, 0).draw(&view);
+                assert_eq!(difference(&drawn, &want), None, "{x:?} {tier:?}");
+                assert_eq!(drawn.times.points_read, want.points_read());
+                let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
+                assert_eq!(drawn.times.visible_batches as usize, num_batches);
+            }
+        }
+        // Threads that come to a pixel together do so in slices too.
+        let detail = scanwalk::layout::Detail { fill_reach_px: None, ..discs(1.0) };
+        let look = |method| Look { method, detail, ..closest(1.0) };
+        let [alone, together] = [Method::AtomicMin, Method::Dedup]
+            .map(|method| Canvas::sequential(&spt, &view, look(method), gpu().atomics(), 0).draw(&view));
+        assert!(alone.pixels == together.pixels);
+    }
+}
+
+/// More slices than there is room for: some batches get fewer workgroups, and nothing is lost.
+#[test]
+fn slices_end_where_room_does() {
+    let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [2000, 2000]);
+    // Slivers as long as the image is wide: few pixels, and nobody knows before they are drawn.
+    let at = |x: f64, z: f64| (DVec3::new(x, 4.0, z) * 1e4).round().to_array().map(|v| v as i32);
+    let sliver = |i: u32| {
+        let z = f64::from(i) * 3e-3 - 3.7;
+        [at(-3.9, z), at(3.9, z), at(3.9, z + 2e-3)]
+    };
+    let corners: Vec<[i32; 3]> = (0..2500).flat_map(sliver).collect();
+    let mut scan = scan_of(&corners, 1e-4, OFFSET);
+    scan.files[0].triangles = (0..2500).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let spt = spt_of(&scan, false);
+    let want = twin::frame(&Scene::sequential(&spt), &view, &closest(1.0), None);
+    let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
+    let num_slices = want.visible.len() - num_batches;
+    assert_eq!(num_slices, scanwalk::layout::MAX_EXTRA_SLICES as usize, "of {num_batches} batches");
+    let drawn = Canvas::sequential(&spt, &view, closest(1.0), gpu().atomics(), 0).draw(&view);
+    assert!(drawn.pixels == want.pixels);
+    assert_eq!(drawn.times.visible_batches as usize, num_batches);
 }

@@ -6,13 +6,16 @@ use glam::DVec3;
 use scanwalk::cloud::octree::build_octree;
 use scanwalk::cloud::{Cloud, GROUP_POINTS, Order};
 use scanwalk::config::{Dilate, Quality};
-use scanwalk::gpu::Atomics;
+use scanwalk::gpu::{Atomics, Gpu, Queue};
 use scanwalk::layout::{Detail, ViewUniform, VisibleBatch, guarded, without_guard};
 use scanwalk::look::Look;
 use scanwalk::method::Method;
 use scanwalk::progress::Progress;
+use scanwalk::render::CloudBuffers;
 use scanwalk::space::{Eye, View};
 use scanwalk::twin::{clear, fixed40, points};
+use std::sync::Arc;
+use std::task::{Context, Poll, Waker};
 use support::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
 
 const SIZE_PX: [u32; 2] = [97, 83];
@@ -53,7 +56,7 @@ fn methods(quality: Quality) -> impl Iterator<Item = Method> {
 #[test]
 fn all_methods_but_just_set_draw_the_same_picture() {
     if !gpu().has_subgroups() {
-        println!("skipped: subgroup operations, which {} lacks: their stand-ins are tested", gpu().name());
+        println!("skipped: subgroup operations, which {} lacks", gpu().name());
     }
     for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
         for quality in [Quality::Closest, Quality::Hqs] {
@@ -64,6 +67,37 @@ fn all_methods_but_just_set_draw_the_same_picture() {
                 assert!(same_as(method, &drawn, &reference), "{} {order:?} {quality:?}", method.name());
             }
         }
+    }
+}
+
+/// The adapter again, opened as one that has no subgroup operations.
+fn without_subgroups() -> Arc<Gpu> {
+    let gpu = Gpu::open(None).expect("it was opened before");
+    let descriptor = wgpu::DeviceDescriptor {
+        required_features: gpu.device.features() - wgpu::Features::SUBGROUP,
+        required_limits: gpu.device.limits(),
+        ..Default::default()
+    };
+    let opening = std::pin::pin!(gpu.adapter.request_device(&descriptor));
+    let mut context = Context::from_waker(Waker::noop());
+    // Vulkan's devices are open at once.
+    let Poll::Ready(Ok((device, queue))) = opening.poll(&mut context) else { panic!("no device") };
+    Arc::new(Gpu { device, queue: Queue::new(queue), ..gpu })
+}
+
+/// A workgroup's memory stands in where there are no subgroups.
+#[test]
+fn methods_draw_the_same_without_subgroups() {
+    let gpu = without_subgroups();
+    assert!(!gpu.has_subgroups());
+    let (view, cloud) = (view(), cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton));
+    let reference = draw(look(Method::Prefetch, Quality::Closest), Order::Morton);
+    for method in [Method::Reduce, Method::ReduceEarlyZ, Method::Dedup] {
+        let mut canvas =
+            Canvas::on(gpu.clone(), &[SIZE_PX; 2], look(method, Quality::Closest), gpu.atomics());
+        let buffers = CloudBuffers::upload(&gpu, &cloud, 0, &Progress::hidden()).expect("upload");
+        canvas.renderer.set_cloud(buffers).expect("room");
+        assert!(same(&canvas.draw(&view), &reference), "{}", method.name());
     }
 }
 

@@ -138,7 +138,7 @@ fn has_subgroups(driver: &Path) -> bool {
     of("gpu subgroups").is_some_and(|check| check["found"] == "yes")
 }
 
-/// This driver has subgroup operations, which Mesa's software driver lacks: there their stand-ins draw.
+/// Both have subgroup operations, of other sizes perhaps.
 #[test]
 fn both_drivers_draw_the_same_picture_by_every_method() {
     let Some(driver) = second_driver() else { return };

@@ -37,7 +37,7 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
         Atomics::Int64 => vec!["ids", "color32"],
     };
     if atomics != Atomics::Int64 {
-        let methods = ["just-set", "count", "fixed40", "shade40", "busy-loop", "color-pairs"];
+        let methods = ["just-set", "fixed40", "shade40", "busy-loop", "exchange-loop", "color-pairs"];
         unused.extend(methods);
     }
     let mut texts = Vec::new();
@@ -59,6 +59,7 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
                             early_z,
                             plain_looks,
                             fixed40,
+                            counts: num_eyes == 1 && !plain_looks,
                         };
                         texts.push((format!("{name} {variant:?}"), source(name, variant)));
                     }
@@ -112,7 +113,8 @@ fn host_structs() -> Vec<HostStruct> {
         host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level,
             sample_spacing),
         host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
-            gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height, reserved_end),
+            gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height,
+            tolerance_growth, reserved_end),
         host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
             fill_reach_px, step_base, undivided_px, margin_px, eyes),
         host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
@@ -145,8 +147,7 @@ fn host_structs_have_the_shaders_offsets() {
         assert_eq!(difference(&module, &host), None);
     }
     let counters = parse("cull", &source("cull", Variant::eyes(2)));
-    let mut host =
-        host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, reserved);
+    let mut host = host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved);
     host.0 = "Counters";
     assert_eq!(difference(&counters, &host), None);
 }

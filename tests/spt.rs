@@ -294,7 +294,7 @@ proptest! {
     }
 }
 
-/// The tolerance never exceeds what the intervals' overlap is made for.
+/// The tolerance never exceeds what the intervals' overlap is made for, whatever error, rings and thresholds say.
 #[test]
 fn tolerances_stay_below_what_overlap_allows() {
     let view = inside([8, 8]);
@@ -303,4 +303,155 @@ fn tolerances_stay_below_what_overlap_allows() {
     assert!(uniform.eyes.iter().all(|eye| f64::from(eye.tolerance_rad) <= spt::MAX_TOLERANCE_RAD));
     let uniform = ViewUniform::new(&inside([2000, 2000]), &spt.cloud.split, &discs(1.0));
     assert!(uniform.eyes.iter().all(|eye| eye.tolerance_rad * eye.pixels_per_radian == 1.0));
+    for size in [8, 300, 2000] {
+        for error_px in [0.01, 1.0, 3.0, 100.0] {
+            for (ring_deg, ratio) in [([20.0, 38.0], 3.0), ([0.0, 1.0], 9.0), ([30.0f64, 30.0], 3.0)] {
+                let detail = Detail {
+                    ring_rad: ring_deg.map(f64::to_radians),
+                    threshold_px: [100.0, 200.0, 100.0 * ratio],
+                    ..discs(error_px)
+                };
+                let uniform = ViewUniform::new(&inside([size, size]), &spt.cloud.split, &detail);
+                for eye in &uniform.eyes {
+                    let slope = f64::from(twin::tolerance::steepest(&uniform, eye));
+                    assert!(
+                        slope <= 1.0001 * spt::MAX_TOLERANCE_SLOPE,
+                        "{size} {error_px} {ring_deg:?}: {slope}"
+                    );
+                    assert!(eye.tolerance_growth >= 0.0);
+                }
+            }
+        }
+    }
+    // In a headset's eye the outer ring gets all that its threshold says.
+    let uniform = ViewUniform::new(&inside([1440, 1600]), &spt.cloud.split, &discs(1.0));
+    let eye = &uniform.eyes[0];
+    let ratio = twin::tolerance::outer_rad(&uniform, eye) / eye.tolerance_rad;
+    assert!((ratio - 3.0).abs() < 1e-3, "{ratio}");
+}
+
+/// Batches of a view, without drawing them.
+fn read(spt: &SequentialCloud, view: &View, detail: &Detail) -> u64 {
+    let scene = Scene::sequential(spt);
+    let uniform = ViewUniform::new(view, &spt.cloud.split, detail);
+    let uniform = ViewUniform { step_base: spt.scale.base, ..uniform };
+    let states = vec![scanwalk::layout::DRAWN_WHOLE; scene.nodes.len()];
+    let visible = twin::cull::cull(&uniform, view.eyes.len(), &scene.batches, &scene.nodes, &states);
+    Frame { visible, ..Frame::default() }.points_read()
+}
+
+/// Clusters of normals save reads near by and cost none far away.
+#[test]
+fn with_normals_never_more_is_read_than_without() {
+    let radius = 5.0;
+    let scan = ball(200_000);
+    let (sided, plain) = (spt_of(&scan, true), spt_of(&scan, false));
+    let center = plain.cloud.bounds.center();
+    let from = DVec3::new(9.0, 7.0, 5.0).normalize();
+    let mut least_share = 1.0f64;
+    for radii in [0.0, 0.5, 0.9, 1.02, 1.2, 2.0, 4.0, 8.0, 20.0, 50.0, 100.0, 200.0, 1000.0] {
+        for error_px in [0.1, 0.5, 1.0, 3.0] {
+            let view = stereo(center - radii * radius * from, center + 0.01 * from, [1000, 1000]);
+            let [with, without] = [&sided, &plain].map(|spt| read(spt, &view, &discs(error_px)));
+            println!("{radii} radii, {error_px} px: {with} with normals, {without} without");
+            assert!(with <= without, "{radii} radii, {error_px} px: {with} with normals, {without} without");
+            least_share = least_share.min(with as f64 / without as f64);
+        }
+    }
+    assert!(least_share < 0.65, "somewhere nearly half are spared, not {least_share}");
+}
+
+/// Discs that stand for several points are not read where none of them can be drawn.
+#[test]
+fn close_up_what_is_read_is_what_may_be_drawn() {
+    let spt = courtyard();
+    for place in synth::viewpoints(Kind::Terrestrial) {
+        let view = stereo(place.eye, place.target, [300, 300]);
+        let frame = twin::frame(&Scene::sequential(spt), &view, &hqs(discs(1e-4)), None);
+        let shapes = |first: u32, num: u32| &spt.shapes[first as usize..(first + num) as usize];
+        let of_batch = |batch: &scanwalk::layout::VisibleBatch| {
+            shapes(batch.first_point, batch.num_points).iter().filter(|word| **word & 255 != 0).count() as u64
+        };
+        let in_vain: u64 = frame.visible.iter().map(of_batch).sum();
+        println!("{}: {in_vain} of {} are for afar", place.name, frame.points_read());
+        assert!(in_vain * 20 < frame.points_read(), "{}: {in_vain} of {}", place.name, frame.points_read());
+    }
+}
+
+/// Thresholds that are the same in all rings: no fovea.
+fn everywhere(detail: Detail) -> Detail {
+    Detail { threshold_px: [100.0; 3], ..detail }
+}
+
+/// Towards the edge of sight errors may be larger, so less is read, and no hole opens.
+#[test]
+fn the_fovea_counts_for_point_trees() {
+    let spt = courtyard();
+    let scene = Scene::sequential(spt);
+    let (mut with_rings, mut without) = (0, 0);
+    for place in &synth::viewpoints(Kind::Terrestrial)[..2] {
+        let view = stereo(place.eye, place.target, [500, 500]);
+        for error_px in [1.0, 2.0] {
+            let [rings, whole] = [discs(error_px), everywhere(discs(error_px))]
+                .map(|detail| twin::frame(&scene, &view, &hqs(detail), None));
+            let (fewer, all) = (rings.points_read(), whole.points_read());
+            let [holes, holes_before] = [&rings, &whole].map(empty);
+            println!("{} {error_px} px: {fewer} of {all} read; empty {holes} and {holes_before}", place.name);
+            assert!(fewer <= all, "{}: {fewer} of {all}", place.name);
+            assert!(holes <= holes_before + 1e-3, "{}: {holes} and {holes_before}", place.name);
+            (with_rings, without) = (with_rings + fewer, without + all);
+            // Where each eye looks nothing changes.
+            for (eye, x) in [289, 210].into_iter().enumerate() {
+                let pixel = 227 * 500 + x;
+                assert_eq!(rings.pixels[eye][pixel], whole.pixels[eye][pixel], "{}", place.name);
+            }
+        }
+    }
+    assert!(10 * with_rings < 9 * without, "{with_rings} of {without}");
+}
+
+/// On each path from a leaf to the root some disc is drawn, whatever the gaze, the rings and the error: where the
+/// tolerance changes from place to place, intervals overlap by enough.
+#[test]
+fn rings_open_no_holes() {
+    let scan = made_up(Kind::Photogrammetry, 30_000);
+    let tree = spt::build_point_tree(&scan, false, &Progress::hidden()).expect("a tree");
+    let num_lost = |max_slope: f64, ratio: f32| {
+        let sequence = spt::Sequence::new(&tree, max_slope);
+        let mut shapes = vec![None; tree.nodes.len()];
+        sequence
+            .nodes
+            .iter()
+            .zip(&sequence.shapes)
+            .for_each(|(node, shape)| shapes[*node as usize] = Some(shape));
+        let mut random = support::Random(5);
+        let mut num_lost = 0;
+        for case in 0..24 {
+            let mut at = || tree.bounds.min + random_in(&mut random, tree.bounds.size() * 1.5);
+            let view = stereo(at(), at(), [700, 700]);
+            let detail =
+                Detail { threshold_px: [100.0, 200.0, 100.0 * ratio], ..discs(0.3 + 0.2 * case as f32) };
+            let split = scanwalk::space::Split::of(&tree.bounds);
+            let uniform = ViewUniform::new(&view, &split, &detail);
+            let head = view.head_in_world();
+            let is_drawn = |number: usize| {
+                let from_eye =
+                    (tree.position(number) - head).as_vec3() - glam::Vec3::from(uniform.eyes[0].eye_in_head);
+                let tolerance = twin::tolerance::of(&uniform, &uniform.eyes[0], from_eye.to_array());
+                shapes[number].is_some_and(|shape| shape.is_drawn(sequence.scale.step_below(tolerance)))
+            };
+            let drawn: Vec<bool> = (0..tree.nodes.len()).map(is_drawn).collect();
+            let leaves = (0..tree.nodes.len()).filter(|&n| tree.nodes[n].num_points == 1);
+            let path = |leaf| std::iter::successors(Some(leaf), |&n| tree.parent(n));
+            num_lost += leaves.filter(|&leaf| !path(leaf).any(|n| drawn[n])).count();
+        }
+        num_lost
+    };
+    assert_eq!(num_lost(spt::MAX_TOLERANCE_SLOPE, 3.0), 0);
+    assert_eq!(num_lost(spt::MAX_TOLERANCE_SLOPE, 1.0), 0);
+    assert!(num_lost(0.0, 3.0) > 0, "without overlap there are holes");
+}
+
+fn random_in(random: &mut support::Random, size: DVec3) -> DVec3 {
+    size * DVec3::new(random.unit(), random.unit(), random.unit())
 }

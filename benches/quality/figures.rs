@@ -3,6 +3,7 @@
 use super::metrics::{Holes, largest_patch_change, mean_change, mean_own_change, psnr_db, ssim, within_ring};
 use super::picture::{Picture, only_eye};
 use scanwalk::space::View;
+use scanwalk::timing::percentile::Sorted;
 use std::io::{self, Write};
 
 /// Radius of the centre ring, degrees from the gaze.
@@ -92,8 +93,7 @@ impl Figures {
         let (still, true_still) = (drawn.still(), truth.still());
         let center = within_ring(only_eye(view), CENTER_DEG);
         let covered = |pixel: usize| true_still.depth[pixel].is_finite();
-        let mut pops = drawn.pops.clone();
-        pops.sort_unstable_by(f64::total_cmp);
+        let pops = Sorted::new(drawn.pops.iter().copied());
         let own_changes =
             drawn.steps().zip(truth.steps()).map(|(drawn, truth)| mean_own_change(drawn, truth));
         Self {
@@ -103,8 +103,8 @@ impl Figures {
             holes: Holes::of(still, true_still),
             flicker: mean(drawn.steps().map(|[before, now]| mean_change(before, now))),
             own_flicker: mean(own_changes),
-            largest_pop: pops[pops.len() - 1],
-            median_pop: pops[pops.len() / 2],
+            largest_pop: pops.percentile(1000).unwrap_or(f64::NAN),
+            median_pop: pops.median().unwrap_or(f64::NAN),
             largest_lod_pop: drawn.lod_pops.iter().copied().fold(0.0, f64::max),
         }
     }

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use scanwalk::gpu::Gpu;
+use scanwalk::timing::percentile::Sorted;
 use std::fmt;
 use std::fs::File;
 use std::io::BufWriter;
@@ -71,10 +72,9 @@ pub struct Spread {
 impl Spread {
     /// Of at least one value.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.into_iter().collect();
-        values.sort_unstable_by(f64::total_cmp);
-        let middle = 0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2]);
-        Self { median: middle, min: values[0], max: values[values.len() - 1] }
+        let sorted = Sorted::new(values);
+        let [min, max] = [0, 1000].map(|per_mille| sorted.percentile(per_mille).unwrap_or(f64::NAN));
+        Self { median: sorted.median().unwrap_or(f64::NAN), min, max }
     }
 }
 

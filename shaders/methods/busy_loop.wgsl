@@ -1,23 +1,72 @@
-// busy-loop: without 64-bit minima a thread tries until nobody comes between its look and its exchange, or somebody
-// nearer was there before it; Günther et al. 2013, with their early-z. [2021 §5]
+// busy-loop: a thread waits until nobody has the pixel locked, locks it, writes, and unlocks it; Günther et al. 2013,
+// with their early-z. [2021 §2.2, §5]
 //
-// They lock a pixel, write depth and color, and unlock it. A thread that spins on another's lock may wait for a thread
-// of its own subgroup, which WGSL does not promise to run; exchanging both words at once needs no lock.
+// A pixel's depth is its lock: it reads LOCKED while somebody writes the id, and unlocking is writing the new depth.
+// All of it stands inside the loop: a thread that holds a lock comes to its end while threads beside it, of the same
+// subgroup, go round. WGSL promises neither that, nor that a thread which sees the new depth sees the new id; drivers
+// keep both as far as tests can tell. `exchange-loop` needs neither.
 
-// Puts the key there if `seen` still is; what is there then.
-fn exchange_key(eye: u32, pixel: u32, seen: u64, key: u64) -> u64 {
+@group(0) @binding(5) var<uniform> chunk: ChunkUniform;
+/// Two words a pixel: id, depth.
+@group(0) @binding(6) var<storage, read_write> words_left: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> words_right: array<atomic<u32>>;
+
+/// No point's depth: they lie beyond the near plane.
+const LOCKED: u32 = 0u;
+
+fn depth_in(eye: u32, pixel: u32) -> u32 {
+    count_look();
     if eye == 0u {
-        let result = atomicCompareExchangeWeak(&keys_left[pixel], seen, key);
-        return select(result.old_value, key, result.exchanged);
+        return atomicLoad(&words_left[2u * pixel + 1u]);
     }
-    let result = atomicCompareExchangeWeak(&keys_right[pixel], seen, key);
-    return select(result.old_value, key, result.exchanged);
+    return atomicLoad(&words_right[2u * pixel + 1u]);
+}
+
+// True if the pixel still had the depth that was seen, and is this thread's now.
+fn lock(eye: u32, pixel: u32, seen: u32) -> bool {
+    count_ask();
+    if eye == 0u {
+        return atomicCompareExchangeWeak(&words_left[2u * pixel + 1u], seen, LOCKED).exchanged;
+    }
+    return atomicCompareExchangeWeak(&words_right[2u * pixel + 1u], seen, LOCKED).exchanged;
+}
+
+// Of equal depths the smallest id stays.
+fn write_id(eye: u32, pixel: u32, id: u32, is_nearer: bool) {
+    if eye == 0u {
+        if is_nearer {
+            atomicStore(&words_left[2u * pixel], id);
+        } else {
+            atomicMin(&words_left[2u * pixel], id);
+        }
+    } else if is_nearer {
+        atomicStore(&words_right[2u * pixel], id);
+    } else {
+        atomicMin(&words_right[2u * pixel], id);
+    }
+}
+
+fn unlock(eye: u32, pixel: u32, depth: u32) {
+    if eye == 0u {
+        atomicStore(&words_left[2u * pixel + 1u], depth);
+    } else {
+        atomicStore(&words_right[2u * pixel + 1u], depth);
+    }
 }
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
-    let key = key_of(w, id);
-    var seen = key_in(eye, pixel);
-    while key < seen {
-        seen = exchange_key(eye, pixel, seen, key);
+    let depth = bitcast<u32>(w);
+    var waits = true;
+    while waits {
+        let seen = depth_in(eye, pixel);
+        if seen != LOCKED {
+            if seen < depth {
+                waits = false;
+            } else if lock(eye, pixel, seen) {
+                write_id(eye, pixel, 2u * chunk.first_index + id, depth < seen);
+                unlock(eye, pixel, depth);
+                waits = false;
+            }
+        }
     }
 }

@@ -1,18 +1,19 @@
 //! A way to draw, ready to draw: a renderer of its own, and the cloud that it is lent.
 
 use super::point_list::{self, PointList};
-use super::way::Way;
 use crate::cloud::Cloud;
 use crate::config::{Config, Quality};
 use crate::gpu::{Gpu, readback};
-use crate::layout::{COUNTERS_STRIDE, VisibleBatch, without_guard};
+use crate::layout::{COUNTERS_STRIDE, Counts, VISIBLE_DISCS, VisibleBatch};
 use crate::look::Look;
 use crate::method::Method;
-use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
+use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, TargetTooLarge, tier};
+use crate::report::BytesRead;
 use crate::space::View;
 use crate::timing::STAGES;
 use anyhow::{Context, Result};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// sRGB, as headsets have it.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -24,10 +25,12 @@ pub struct Sample {
     pub gpu_ms: f64,
     /// Of each of [`STAGES`]; NaN for hardware points.
     pub stage_ms: [f64; STAGES.len()],
+    /// In which the CPU records and sends it; NaN for hardware points.
+    pub cpu_ms: f64,
 }
 
 /// What a frame reads and draws, all eyes together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
     /// Batches of the cloud.
     pub num_batches: u64,
@@ -35,11 +38,19 @@ pub struct Load {
     pub num_batches_drawn: u64,
     /// Points whose coordinates were loaded.
     pub points_read: u64,
-    /// Points that asked for their pixel: in the picture and, when they came, the nearest.
+    /// Points, or discs, that asked for a pixel: in the picture and, where the method looks first, the nearest when they
+    /// came.
     pub points_drawn: u64,
-    /// Bytes of coordinates that one geometry stage loads.
-    pub plane_bytes: u64,
+    /// Pixels that they asked for, or wrote without asking.
+    pub pixels_asked: u64,
+    /// Discs of a point tree that the tolerance draws, in the picture or not.
+    pub discs_chosen: u64,
+    /// What the geometry stages load.
+    pub bytes: BytesRead,
 }
+
+/// [`Renderer::new`] or [`Renderer::counting`].
+type MakeRenderer = fn(&Arc<Gpu>, Setup, Look) -> Result<Renderer, TargetTooLarge>;
 
 /// A renderer of one way.
 pub struct Compute {
@@ -47,22 +58,23 @@ pub struct Compute {
     renderer: Renderer,
     images: Vec<wgpu::Texture>,
     frame: u64,
+    /// Of the last frame.
+    cpu_ms: f64,
 }
+
+/// A renderer that counts what a way does.
+pub struct Counter(Compute);
 
 impl Compute {
     /// To draw eyes of these sizes.
     ///
     /// # Errors
     /// If they do not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], way: &Way) -> Result<Self> {
-        Self::with_look(gpu, sizes_px, way.look())
+    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
+        Self::of(gpu, sizes_px, look, Renderer::new)
     }
 
-    /// The same with a look that is no way's.
-    ///
-    /// # Errors
-    /// If the sizes do not fit the GPU.
-    pub fn with_look(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
+    fn of(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, renderer: MakeRenderer) -> Result<Self> {
         let mut config = Config::default();
         config.frame.method = look.method;
         let setup = Setup {
@@ -71,9 +83,9 @@ impl Compute {
             depth_format: None,
             atomics: tier(gpu, &config)?,
         };
-        let renderer = Renderer::new(gpu, setup, look)?;
+        let renderer = renderer(gpu, setup, look)?;
         let images = sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect();
-        Ok(Self { gpu: Arc::clone(gpu), renderer, images, frame: 0 })
+        Ok(Self { gpu: Arc::clone(gpu), renderer, images, frame: 0, cpu_ms: f64::NAN })
     }
 
     /// Draws so many frames of a cloud, of which the last one counts.
@@ -85,11 +97,13 @@ impl Compute {
         let times = (0..num_frames).map(|_| self.frame(view)).last();
         *cloud = self.renderer.take_cloud();
         let times = times.context("no frame to draw")??;
-        Ok(Sample { gpu_ms: times.gpu_ms.into(), stage_ms: times.stage_ms.map(f64::from) })
+        let stage_ms = times.stage_ms.map(f64::from);
+        Ok(Sample { gpu_ms: times.gpu_ms.into(), stage_ms, cpu_ms: self.cpu_ms })
     }
 
     fn frame(&mut self, view: &View) -> Result<FrameTimes> {
         self.frame += 1;
+        let began = Instant::now();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
         let eyes: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
@@ -101,54 +115,74 @@ impl Compute {
             queue.submit([commands]);
         }
         self.renderer.submitted();
+        self.cpu_ms = 1e3 * began.elapsed().as_secs_f64();
         wait(&self.gpu)?;
         self.renderer.collect_times().context("the GPU gave no frame back")
     }
+}
 
-    /// What a frame of this way has to do with a cloud, counted rather than timed.
+impl Counter {
+    /// Of frames of this look, with eyes of these sizes.
     ///
     /// # Errors
-    /// Those of [`Self::draw`].
-    pub fn load(gpu: &Arc<Gpu>, way: &Way, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
-        let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| eye.size_px).collect();
-        let look = way.look();
-        let quality = Quality::Closest;
-        let mut counter = Self::with_look(gpu, &sizes_px, Look { method: Method::Count, quality, ..look })?;
-        counter.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
-        let times = counter.frame(view);
-        let load = times.and_then(|times| counter.counted(&times, sizes_px.len()));
-        *cloud = counter.renderer.take_cloud();
+    /// If they do not fit the GPU.
+    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
+        Compute::of(gpu, sizes_px, look, Renderer::counting).map(Self)
+    }
+
+    /// What a frame has to do with a cloud.
+    ///
+    /// # Errors
+    /// Those of [`Compute::draw`].
+    pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
+        let before = self.counts()?;
+        self.0.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
+        let times = self.0.frame(view);
+        let load = times.and_then(|times| self.counted(&times, &before));
+        *cloud = self.0.renderer.take_cloud();
         load
     }
 
-    fn counted(&self, times: &FrameTimes, num_eyes: usize) -> Result<Load> {
-        let mut points_drawn = 0;
-        let targets = self.renderer.targets();
-        for (buffer, size_px) in targets.depth[..num_eyes].iter().zip(&targets.sizes_px) {
-            let asked: Vec<u32> = bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, buffer)?);
-            points_drawn += without_guard(&asked, *size_px)
-                .iter()
-                .map(|&count| u64::from(count.wrapping_add(1)))
-                .sum::<u64>();
-        }
-        let (visible, counters, _) = self.renderer.cull_results();
-        let counters = readback::read_buffer(&self.gpu, counters)?;
+    fn counts(&self) -> Result<Vec<Counts>> {
+        let counts = self.0.renderer.counts().context("a renderer that does not count")?;
+        Ok(bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.0.gpu, counts)?))
+    }
+
+    fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<Load> {
+        let after = self.counts()?;
+        // Counts go on from frame to frame, and wrap.
+        let sum = |of: fn(&Counts) -> u32| {
+            let pairs = after.iter().zip(before);
+            pairs.map(|(after, before)| u64::from(of(after).wrapping_sub(of(before)))).sum::<u64>()
+        };
+        let Compute { gpu, renderer, .. } = &self.0;
+        let look = renderer.look();
+        // Every geometry stage loads all coordinates anew.
+        let num_passes = if look.quality == Quality::Hqs { 2 } else { 1 };
+        let (visible, counters, _) = renderer.cull_results();
+        let counters = readback::read_buffer(gpu, counters)?;
         let stride = COUNTERS_STRIDE as usize;
-        let (mut plane_bytes, mut num_batches) = (0, 0);
+        let (mut planes, mut shapes, mut num_batches) = (0, 0, 0);
         for (number, list) in visible.into_iter().enumerate() {
             let count: u32 = bytemuck::pod_read_unaligned(&counters[number * stride..number * stride + 4]);
-            let batches: Vec<VisibleBatch> =
-                bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, list)?);
-            num_batches += batches.len() as u64;
-            let bytes = |batch: &VisibleBatch| 4 * u64::from(batch.flags & 3) * u64::from(batch.num_points);
-            plane_bytes += batches.iter().take(count as usize).map(bytes).sum::<u64>();
+            let batches: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&readback::read_buffer(gpu, list)?);
+            num_batches += renderer.num_batches(number);
+            for batch in batches.iter().take(count as usize) {
+                let words = 4 * num_passes * u64::from(batch.num_points);
+                planes += words * u64::from(batch.flags & 3);
+                shapes += if batch.flags & VISIBLE_DISCS == 0 { 0 } else { words };
+            }
         }
+        let is_narrow = look.quality == Quality::Hqs || look.method == Method::BusyLoop;
+        let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
         Ok(Load {
             num_batches,
-            num_batches_drawn: times.visible_nodes.into(),
+            num_batches_drawn: times.visible_batches.into(),
             points_read: times.points_read,
-            points_drawn,
-            plane_bytes,
+            points_drawn: sum(|bin| bin.num_drawn),
+            pixels_asked: sum(|bin| bin.num_asked),
+            discs_chosen: sum(|bin| bin.num_chosen) / num_passes,
+            bytes: BytesRead { planes, shapes, pixels, colors: 4 * sum(|bin| bin.num_colors) },
         })
     }
 }
@@ -172,6 +206,11 @@ impl Hardware {
         Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
     }
 
+    /// Draws so many points at a time from now on.
+    pub fn set_draw_points(&mut self, draw_points: u32) {
+        self.point_list.set_draw_points(draw_points);
+    }
+
     /// Draws so many frames, of which the last one counts.
     ///
     /// # Errors
@@ -185,7 +224,7 @@ impl Hardware {
             wait(&self.gpu)?;
             gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?.into();
         }
-        Ok(Sample { gpu_ms, stage_ms: [f64::NAN; STAGES.len()] })
+        Ok(Sample { gpu_ms, stage_ms: [f64::NAN; STAGES.len()], cpu_ms: f64::NAN })
     }
 }
 

@@ -1,6 +1,7 @@
 //! How fast the device's memory is: a plain copy, as the yardstick of what points cost to read.
 
 use crate::gpu::Gpu;
+use crate::timing::percentile::Sorted;
 use anyhow::{Context, Result};
 use std::time::Instant;
 
@@ -28,6 +29,5 @@ pub fn gb_per_s(gpu: &Gpu) -> Result<f64> {
         rates.push(2e-9 * bytes as f64 / began.elapsed().as_secs_f64());
     }
     rates.remove(0);
-    rates.sort_unstable_by(f64::total_cmp);
-    Ok(rates[rates.len() / 2])
+    Sorted::new(rates).median().context("nothing was copied")
 }

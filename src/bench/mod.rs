@@ -7,6 +7,7 @@ mod contestant;
 mod copy;
 mod papers;
 pub mod point_list;
+mod rows;
 mod subject;
 mod tables;
 mod way;
@@ -18,9 +19,7 @@ use crate::report::{BenchResults, in_order};
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
 use std::sync::Arc;
-use subject::Subject;
-
-pub use papers::{PaperFigure, figure};
+use subject::{Model, Subject};
 
 /// Points of a made-up scan on a software driver, which is slow.
 const SOFTWARE_POINTS: u64 = 1_000_000;
@@ -32,6 +31,8 @@ const BYTES_PER_POINT: u64 = 100;
 /// A table of a paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Table {
+    /// 40-bit depths and two passes beside hardware points.
+    Paper2019,
     /// Methods × orders × viewpoints.
     Paper2021,
     /// Flat clouds and octrees.
@@ -99,8 +100,10 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
         rows: Vec::new(),
     };
     let mut measure = |subject: &Subject| -> Result<()> {
-        for table in &options.tables {
+        let is_of = |table: &&Table| tables::models(**table).contains(&subject.model);
+        for table in options.tables.iter().filter(|table| subject.model == Model::Scan || is_of(table)) {
             results.rows.extend(match table {
+                Table::Paper2019 => bench.table_2019(subject)?,
                 Table::Paper2021 => bench.table_2021(subject)?,
                 Table::Paper2022 => bench.table_2022(subject)?,
                 Table::Vr => bench.table_vr(subject)?,
@@ -115,8 +118,11 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
         let sizes =
             if options.points.is_empty() { vec![default_points(&gpu)] } else { options.points.clone() };
         for points in sizes {
-            let subject = Subject::made_up(points, stop).context("the made-up scan")?;
-            measure(&subject)?;
+            for model in
+                in_order(options.tables.iter().flat_map(|&table| tables::models(table).iter().copied()))
+            {
+                measure(&Subject::made_up(model, points, stop).context("the made-up scan")?)?;
+            }
         }
     }
     Ok(results)

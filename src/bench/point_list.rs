@@ -39,6 +39,8 @@ pub struct PointList {
     eyes: Vec<EyeTarget>,
     /// Consecutive points, each with their number; one buffer unless the device's buffers are small.
     points: Vec<(wgpu::Buffer, u32)>,
+    /// Points of a draw.
+    draw_points: u32,
     timer: Timer,
 }
 
@@ -59,7 +61,13 @@ impl PointList {
         let pipeline = pipeline(gpu);
         let eyes: Vec<_> = sizes_px.iter().map(|&size_px| EyeTarget::new(gpu, &pipeline, size_px)).collect();
         let timer = Timer::new(gpu, 1, eyes[0].matrix.size());
-        Ok(Self { split: cloud.split, pipeline, eyes, points: upload(gpu, cloud)?, timer })
+        let points = upload(gpu, cloud)?;
+        Ok(Self { split: cloud.split, pipeline, eyes, points, draw_points: u32::MAX, timer })
+    }
+
+    /// Draws so many points at a time from now on, as a node of an octree would be drawn; at least one.
+    pub fn set_draw_points(&mut self, draw_points: u32) {
+        self.draw_points = draw_points.max(1);
     }
 
     /// Records a frame into `images` of [`FORMAT`], one an eye.
@@ -93,7 +101,9 @@ impl PointList {
             pass.set_bind_group(0, &eye.group, &[]);
             for (vertices, num_points) in &self.points {
                 pass.set_vertex_buffer(0, vertices.slice(..));
-                pass.draw(0..*num_points, 0..1);
+                for first in (0..*num_points).step_by(self.draw_points as usize) {
+                    pass.draw(first..first.saturating_add(self.draw_points).min(*num_points), 0..1);
+                }
             }
         }
         self.timer.end(encoder, &self.eyes[0].matrix);

@@ -24,10 +24,36 @@ const FOV_Y_DEG: f64 = 60.0;
 const HEADSET_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
 const EYE_DISTANCE_M: f64 = 0.063;
 
+/// What is measured with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// Made up: a terrestrial scan.
+    Courtyard,
+    /// Made up: an aerial scan.
+    Landscape,
+    /// Made up: photogrammetry.
+    Statue,
+    /// The user's.
+    Scan,
+}
+
+impl Model {
+    /// As rows name it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Courtyard => "courtyard",
+            Self::Landscape => "landscape",
+            Self::Statue => "statue",
+            Self::Scan => "scan",
+        }
+    }
+}
+
 /// Where the camera stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// `overview`, `close-up` or `outside-frustum`.
+    /// `overview`, `close-up`, `outside-frustum`; of made-up scans also the names that these have.
     pub name: &'static str,
     /// World space.
     pub eye: DVec3,
@@ -37,30 +63,45 @@ pub struct Place {
 
 /// A scan to measure with.
 pub struct Subject {
+    /// Which one.
+    pub model: Model,
     scan: Scan,
-    /// The whole, a place inside, and the whole behind one's back.
-    pub places: [Place; 3],
+    places: Vec<Place>,
 }
 
 impl Subject {
-    /// A courtyard of so many points, made up.
+    /// A scan of so many points, made up.
     ///
     /// # Errors
     /// If there is no room for its file, or on request.
-    pub fn made_up(points: u64, stop: &Stop) -> Result<Self> {
-        let folder = tempfile::tempdir()?;
-        let out = folder.path().join("courtyard.las");
-        let output = Output::new(&out, OutputKind::Scan)?;
-        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, stop)?;
-        let place = |name| {
-            let mut places = synth::viewpoints(Kind::Terrestrial).iter();
-            places.find(|place| place.name == name).map(|place| (place.eye, place.target))
+    pub fn made_up(model: Model, points: u64, stop: &Stop) -> Result<Self> {
+        let (kind, inside) = match model {
+            Model::Landscape => (Kind::Aerial, "village"),
+            Model::Statue => (Kind::Photogrammetry, "face"),
+            Model::Courtyard | Model::Scan => (Kind::Terrestrial, "hall"),
         };
+        let folder = tempfile::tempdir()?;
+        let out = folder.path().join("made-up.las");
+        let output = Output::new(&out, OutputKind::Scan)?;
+        synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, stop)?;
         let scan = scan::read(&[out], &ReadOptions::default(), stop)?;
-        // Both names are the courtyard's own.
-        let both = place("overview").zip(place("hall")).unwrap_or_default();
-        let places = places(&scan.scene.bounds, both.0, both.1);
-        Ok(Self { scan, places })
+        let own =
+            || synth::viewpoints(kind).iter().map(|p| Place { name: p.name, eye: p.eye, target: p.target });
+        let place = |name| own().find(|place| place.name == name).map(|place| (place.eye, place.target));
+        // Both names are the scan's own.
+        let both = place("overview").zip(place(inside)).unwrap_or_default();
+        let mut places = places(&scan.scene.bounds, both.0, both.1);
+        places.extend(own().filter(|place| place.name != "overview"));
+        Ok(Self { model, scan, places })
+    }
+
+    /// The places of these names, in their order.
+    #[must_use]
+    pub fn places(&self, names: &[&str]) -> Vec<Place> {
+        names
+            .iter()
+            .filter_map(|name| self.places.iter().find(|place| place.name == *name).copied())
+            .collect()
     }
 
     /// A scan from a file.
@@ -78,7 +119,7 @@ impl Subject {
         let inside = above(start.floor_in_world);
         let ahead = inside + DVec3::Y;
         let places = places(&scan.scene.bounds, (above(start.overview.0), center), (inside, ahead));
-        Ok(Self { scan, places })
+        Ok(Self { model: Model::Scan, scan, places })
     }
 
     /// Points of the scan.
@@ -94,6 +135,15 @@ impl Subject {
     pub fn flat(&self, order: Order, stop: &Stop) -> Result<Cloud> {
         let sorting = Progress::new("sorting", "points", self.num_points(), stop);
         Ok(cloud::build(&self.scan, order, &sorting)?)
+    }
+
+    /// All points in Morton order, in batches of so many.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn in_batches(&self, batch_points: u32, stop: &Stop) -> Result<Cloud> {
+        let sorting = Progress::new("sorting", "points", self.num_points(), stop);
+        Ok(cloud::build_in_batches(&self.scan, Order::Morton, batch_points, &sorting)?)
     }
 
     /// The sequential point tree.
@@ -116,11 +166,11 @@ impl Subject {
     }
 }
 
-fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> [Place; 3] {
+fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> Vec<Place> {
     let (eye, target) = overview;
     let away = (eye - target).normalize_or(DVec3::NEG_Y);
     let outside = bounds.center() + away * bounds.size().length();
-    [
+    vec![
         Place { name: "overview", eye, target },
         Place { name: "close-up", eye: inside.0, target: inside.1 },
         Place { name: "outside-frustum", eye: outside, target: outside + away },

@@ -1,20 +1,21 @@
 //! The papers' tables: who takes part, from where, and what of it becomes a row.
 
-use super::contestant::{Compute, Hardware, Load, Sample};
-use super::subject::{Place, Subject};
+use super::Table;
+use super::contestant::{Compute, Counter, Hardware, Load, Sample};
+use super::rows::{Of, Timed, gpu_ms, hardware_load, row, row_of_frames};
+use super::subject::{Model, Place, Subject};
 use super::way::{Form, Way};
-use super::{Table, papers};
-use crate::cloud::Order;
+use crate::cloud::{Cloud, Order};
 use crate::config::{Config, Precision, Quality};
 use crate::gpu::Gpu;
+use crate::layout::BATCH_POINTS;
 use crate::look::Look;
 use crate::method::Method;
 use crate::progress::{Progress, Stop};
 use crate::render::CloudBuffers;
-use crate::report::{BenchRow, GpuMs};
+use crate::report::BenchRow;
 use crate::space::View;
 use crate::timing::STAGES;
-use crate::timing::percentile::Sorted;
 use anyhow::{Result, ensure};
 use std::sync::Arc;
 
@@ -36,9 +37,10 @@ const ORDERS: [(Order, &str); 4] = [
     (Order::ShuffledMorton, "shuffled-morton"),
 ];
 /// Methods of the 2021 paper, that of the poster of 2019, and the frame's own.
-const METHODS_2021: [Method; 12] = [
+const METHODS_2021: [Method; 13] = [
     Method::JustSet,
     Method::BusyLoop,
+    Method::ExchangeLoop,
     Method::AtomicMin,
     Method::EarlyZ,
     Method::Reduce,
@@ -50,6 +52,9 @@ const METHODS_2021: [Method; 12] = [
     Method::Fixed40,
     Method::Prefetch,
 ];
+
+/// Points of a node of an octree made with an octree's usual settings, and with coarse ones [2021, table 2].
+const NODE_POINTS: [(&str, u32); 2] = [("small-nodes", 2_400), ("large-nodes", 49_400)];
 
 /// What all tables need.
 pub struct Bench<'a> {
@@ -63,6 +68,14 @@ pub struct Bench<'a> {
     /// Only these, beside hardware points; empty: all.
     pub methods: &'a [String],
     pub stop: &'a Stop,
+}
+
+/// The ways that a table compares, each with its renderer and the one that counts.
+struct Contestants {
+    size_px: [u32; 2],
+    ways: Vec<(Way, Compute, Counter)>,
+    /// Hardware is asked by every point in the picture: so is this.
+    asked: Counter,
 }
 
 /// Clouds that contestants are lent.
@@ -81,15 +94,6 @@ impl Clouds {
             Form::Spt => &mut self.sequential,
         }
     }
-}
-
-/// A row's frames.
-struct Timed {
-    name: String,
-    load: Load,
-    samples: Vec<Sample>,
-    /// Geometry stages that load every point's coordinates.
-    num_passes: u64,
 }
 
 /// Those of [`Bench::table_2021`].
@@ -115,7 +119,15 @@ fn ways_2022() -> Vec<Way> {
         Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
         Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
         Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
+        // The paper's own earlier ones beside it.
+        Way::paper_2021(Method::Dedup),
+        Way::paper_2021(Method::Hqs1r),
     ]
+}
+
+/// Those of [`Bench::table_2019`].
+fn ways_2019() -> Vec<Way> {
+    [Method::Fixed40, Method::Hqs].map(Way::paper_2021).to_vec()
 }
 
 /// Those of [`Bench::table_spt`].
@@ -134,6 +146,7 @@ fn ways_spt() -> Vec<Way> {
 /// Names that rows of a table have, beside hardware points; none for one whose rows are no methods.
 pub fn names(table: Table) -> Vec<&'static str> {
     let ways = match table {
+        Table::Paper2019 => ways_2019(),
         Table::Paper2021 => ways_2021(),
         Table::Paper2022 => ways_2022(),
         Table::Spt => ways_spt(),
@@ -142,138 +155,206 @@ pub fn names(table: Table) -> Vec<&'static str> {
     ways.into_iter().map(|way| way.name).collect()
 }
 
+/// The made-up scans that a table is measured with, in this order.
+pub fn models(table: Table) -> &'static [Model] {
+    match table {
+        Table::Paper2019 | Table::Paper2022 => &[Model::Courtyard, Model::Landscape, Model::Statue],
+        Table::Paper2021 => &[Model::Courtyard, Model::Statue],
+        Table::Vr | Table::Spt => &[Model::Courtyard],
+    }
+}
+
+/// Where a table looks at a model from: the papers' places first.
+fn places(table: Table, model: Model) -> &'static [&'static str] {
+    match (table, model) {
+        (Table::Paper2021, Model::Statue) => &["overview", "face"],
+        (Table::Paper2021, _) => &["overview", "close-up", "outside-frustum", "stair"],
+        (Table::Paper2022, Model::Courtyard | Model::Scan) => &["overview", "close-up", "terrace"],
+        (Table::Spt, _) => &["overview", "close-up"],
+        (Table::Paper2019 | Table::Paper2022 | Table::Vr, _) => &["overview"],
+    }
+}
+
 impl Bench<'_> {
-    /// Methods × orders × viewpoints [2021, tables 4 and 5].
+    /// 40-bit depths, two passes, and hardware points [2019, table 1].
+    pub fn table_2019(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
+        let mut contestants = self.contestants(ways_2019(), SIZE_2021_PX)?;
+        let of = Of { table: "2019", order: "original", subject };
+        let places = subject.places(places(Table::Paper2019, subject.model));
+        self.flat_rows(of, Order::Original, &mut contestants, &places)
+    }
+
+    /// Methods × orders × viewpoints [2021, tables 1 and 3 to 5]; and what small nodes cost [2021, table 2].
     pub fn table_2021(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let mut ways = ways_2021();
-        ways.retain(|way| way.method != Some(Method::Fixed40) || self.gpu.has_f64());
+        let mut contestants = self.contestants(ways_2021(), SIZE_2021_PX)?;
+        let places = subject.places(places(Table::Paper2021, subject.model));
         let mut rows = Vec::new();
         for (order, name) in ORDERS {
-            let cloud = subject.flat(order, self.stop)?;
-            let size_px = self.size_px.unwrap_or(SIZE_2021_PX);
-            let mut hardware = Hardware::new(self.gpu, &cloud, size_px)?;
-            let flat =
-                CloudBuffers::upload(self.gpu, &cloud, self.chunk_limit, &Progress::silent(self.stop))?;
-            drop(cloud);
-            let mut clouds = Clouds { flat: Some(flat), ..Clouds::default() };
-            let views = subject.places.map(|place| (place, place.mono(size_px)));
-            rows.extend(self.rows("2021", name, subject, &ways, &mut hardware, &mut clouds, &views)?);
+            let of = Of { table: "2021", order: name, subject };
+            rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
+        }
+        if subject.model == Model::Statue {
+            rows.extend(self.rows_of_nodes(subject)?);
         }
         Ok(rows)
     }
 
-    /// Flat clouds and octrees, with and without what makes them fast [2022, tables 1 and 2].
+    /// All points as nodes of an octree: hardware draws each by itself, compute shaders in batches no larger
+    /// [2021, table 2].
+    fn rows_of_nodes(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
+        let mut contestants = self.contestants(vec![Way::paper_2021(Method::ReduceEarlyZ)], SIZE_2021_PX)?;
+        let mut rows = Vec::new();
+        for (name, node_points) in NODE_POINTS {
+            let cloud = subject.in_batches(node_points.min(BATCH_POINTS), self.stop)?;
+            let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
+            drop(cloud);
+            hardware.set_draw_points(node_points);
+            let of = Of { table: "2021-nodes", order: "morton", subject };
+            // The place is one; what differs are the nodes.
+            let places: Vec<Place> =
+                subject.places(&["overview"]).into_iter().map(|place| Place { name, ..place }).collect();
+            rows.extend(self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)?);
+        }
+        Ok(rows)
+    }
+
+    /// Flat clouds and octrees, with and without what makes them fast [2022, tables 1 and 2]; and what the order of a
+    /// scanner costs [2022 §4.2].
     pub fn table_2022(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let ways = ways_2022();
+        let mut contestants = self.contestants(ways_2022(), SIZE_2022_PX)?;
         let cloud = subject.flat(Order::Morton, self.stop)?;
-        let size_px = self.size_px.unwrap_or(SIZE_2022_PX);
-        let mut hardware = Hardware::new(self.gpu, &cloud, size_px)?;
-        let silent = Progress::silent(self.stop);
-        let flat = CloudBuffers::upload(self.gpu, &cloud, self.chunk_limit, &silent)?;
+        let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
         drop(cloud);
-        let layered =
-            CloudBuffers::upload_layered(self.gpu, &subject.layered(self.stop)?, self.chunk_limit, &silent)?;
-        let mut clouds = Clouds { flat: Some(flat), layered: Some(layered), sequential: None };
-        let views = [0, 1].map(|number| {
-            let place: Place = subject.places[number];
-            (place, place.mono(size_px))
-        });
-        self.rows("2022", "morton", subject, &ways, &mut hardware, &mut clouds, &views)
+        clouds.layered = Some(self.layered(subject)?);
+        let places = subject.places(places(Table::Paper2022, subject.model));
+        let of = Of { table: "2022", order: "morton", subject };
+        let mut rows = self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)?;
+        drop((hardware, clouds));
+        if subject.model == Model::Courtyard {
+            let prefetch = Way::paper_2022("prefetch", Method::Prefetch, Quality::Closest, Form::Flat);
+            let mut contestants = self.contestants(vec![prefetch], SIZE_2022_PX)?;
+            let places = subject.places(&["overview", "close-up"]);
+            for (order, name) in [(Order::Original, "original"), (Order::Morton, "morton")] {
+                let of = Of { table: "2022-order", order: name, subject };
+                rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
+            }
+        }
+        Ok(rows)
     }
 
-    /// Sequential point trees beside octrees and every point [SPT §6].
+    /// Sequential point trees beside octrees and every point [SPT §4].
     pub fn table_spt(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let ways = ways_spt();
-        let size_px = self.size_px.unwrap_or(SIZE_2022_PX);
-        let silent = Progress::silent(self.stop);
+        let mut contestants = self.contestants(ways_spt(), SIZE_2022_PX)?;
         let cloud = subject.flat(Order::Morton, self.stop)?;
-        let mut hardware = Hardware::new(self.gpu, &cloud, size_px)?;
-        let flat = CloudBuffers::upload(self.gpu, &cloud, self.chunk_limit, &silent)?;
+        let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
         drop(cloud);
-        let octree = subject.layered(self.stop)?;
-        let layered = CloudBuffers::upload_layered(self.gpu, &octree, self.chunk_limit, &silent)?;
-        drop(octree);
+        clouds.layered = Some(self.layered(subject)?);
         let spt = subject.sequential(self.stop)?;
-        let sequential = CloudBuffers::upload_sequential(self.gpu, &spt, self.chunk_limit, &silent)?;
+        let silent = Progress::silent(self.stop);
+        clouds.sequential = Some(CloudBuffers::upload_sequential(self.gpu, &spt, self.chunk_limit, &silent)?);
         drop(spt);
-        let mut clouds = Clouds { flat: Some(flat), layered: Some(layered), sequential: Some(sequential) };
-        let views = [0, 1].map(|number| {
-            let place: Place = subject.places[number];
-            (place, place.mono(size_px))
-        });
-        self.rows("spt", "morton", subject, &ways, &mut hardware, &mut clouds, &views)
+        let places = subject.places(places(Table::Spt, subject.model));
+        let of = Of { table: "spt", order: "morton", subject };
+        self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)
     }
 
-    /// A row for each way and hardware points from each viewpoint.
-    #[expect(clippy::too_many_arguments, reason = "a table is a product of as many things")]
+    /// Those of the ways that are wanted and that this GPU can do.
+    fn contestants(&self, mut ways: Vec<Way>, paper_px: [u32; 2]) -> Result<Contestants> {
+        let size_px = self.size_px.unwrap_or(paper_px);
+        let is_wanted =
+            |way: &Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
+        ways.retain(|way| is_wanted(way) && (way.method != Some(Method::Fixed40) || self.gpu.has_f64()));
+        let contestant = |way: Way| {
+            let compute = Compute::new(self.gpu, &[size_px], way.look())?;
+            Ok((way, compute, Counter::new(self.gpu, &[size_px], way.look())?))
+        };
+        Ok(Contestants {
+            size_px,
+            ways: ways.into_iter().map(contestant).collect::<Result<_>>()?,
+            asked: Counter::new(self.gpu, &[size_px], Way::paper_2021(Method::AtomicMin).look())?,
+        })
+    }
+
+    /// A flat cloud, for hardware points and for all others.
+    fn flat(&self, cloud: &Cloud, size_px: [u32; 2]) -> Result<(Hardware, Clouds)> {
+        let hardware = Hardware::new(self.gpu, cloud, size_px)?;
+        let flat = CloudBuffers::upload(self.gpu, cloud, self.chunk_limit, &Progress::silent(self.stop))?;
+        Ok((hardware, Clouds { flat: Some(flat), ..Clouds::default() }))
+    }
+
+    fn layered(&self, subject: &Subject) -> Result<CloudBuffers> {
+        let octree = subject.layered(self.stop)?;
+        let silent = Progress::silent(self.stop);
+        Ok(CloudBuffers::upload_layered(self.gpu, &octree, self.chunk_limit, &silent)?)
+    }
+
+    /// Rows of all points in an order.
+    fn flat_rows(
+        &self,
+        of: Of,
+        order: Order,
+        contestants: &mut Contestants,
+        places: &[Place],
+    ) -> Result<Vec<BenchRow>> {
+        let cloud = of.subject.flat(order, self.stop)?;
+        let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
+        drop(cloud);
+        self.rows(of, contestants, &mut hardware, &mut clouds, places)
+    }
+
+    /// A row for each way and hardware points from each place.
     fn rows(
         &self,
-        table: &str,
-        order: &str,
-        subject: &Subject,
-        ways: &[Way],
+        of: Of,
+        contestants: &mut Contestants,
         hardware: &mut Hardware,
         clouds: &mut Clouds,
-        views: &[(Place, View)],
+        places: &[Place],
     ) -> Result<Vec<BenchRow>> {
         let mut rows = Vec::new();
-        let size_px = views[0].1.eyes[0].size_px;
-        let is_wanted =
-            |way: &&Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
-        let ways: Vec<&Way> = ways.iter().filter(is_wanted).collect();
-        let mut contestants = Vec::new();
-        for &way in &ways {
-            contestants.push((way, Compute::new(self.gpu, &[size_px], way)?));
-        }
-        for (place, view) in views {
+        for place in places {
+            let view = place.mono(contestants.size_px);
+            let asked = contestants.asked.load(&mut clouds.flat, &view)?;
             let mut all = vec![Timed {
                 name: Way::POINT_LIST.name.into(),
-                load: hardware_load(subject, self.load(&Way::paper_2021(Method::EarlyZ), clouds, view)?),
+                load: hardware_load(of.subject, asked),
                 samples: Vec::new(),
-                num_passes: 1,
             }];
-            for way in &ways {
-                let num_passes = if way.quality == Quality::Hqs { 2 } else { 1 };
-                let load = self.load(way, clouds, view)?;
-                all.push(Timed { name: way.name.into(), load, samples: Vec::new(), num_passes });
+            for (way, _, counter) in &mut contestants.ways {
+                let load = counter.load(clouds.of(way), &view)?;
+                all.push(Timed { name: way.name.into(), load, samples: Vec::new() });
             }
             for turn in 0..WARM_UP + self.num_runs {
                 ensure!(!self.stop.requested(), "interrupted");
-                let mut samples = vec![hardware.draw(view, TURN_FRAMES)?];
-                for (way, contestant) in &mut contestants {
-                    samples.push(contestant.draw(clouds.of(way), view, TURN_FRAMES)?);
+                let mut samples = vec![hardware.draw(&view, TURN_FRAMES)?];
+                for (way, compute, _) in &mut contestants.ways {
+                    samples.push(compute.draw(clouds.of(way), &view, TURN_FRAMES)?);
                 }
                 if turn >= WARM_UP {
                     all.iter_mut().zip(samples).for_each(|(timed, sample)| timed.samples.push(sample));
                 }
             }
-            let rows_here = all.iter().map(|timed| {
-                let ms = gpu_ms(timed.samples.iter().map(|sample| sample.gpu_ms));
-                let geometry = gpu_ms(timed.samples.iter().map(geometry_ms)).median;
-                let row = row(table, order, place.name, subject.num_points(), timed, ms);
-                BenchRow { geometry_ms: Some(geometry).filter(|ms| *ms > 0.0), ..row }
-            });
-            let mut rows_here: Vec<BenchRow> = rows_here.collect();
+            let mut rows_here: Vec<BenchRow> =
+                all.iter().map(|timed| row_of_frames(of, place.name, timed)).collect();
             let point_list_ms = rows_here[0].gpu_ms.median;
             rows_here
                 .iter_mut()
                 .for_each(|row| row.ratio_to_point_list = Some(point_list_ms / row.gpu_ms.median));
             rows.extend(rows_here);
-            eprintln!("scanwalk: table {table}, {order}, {}: measured", place.name);
+            eprintln!(
+                "scanwalk: table {}, {}, {}, {}: measured",
+                of.table,
+                of.subject.model.name(),
+                of.order,
+                place.name
+            );
         }
         Ok(rows)
     }
 
-    fn load(&self, way: &Way, clouds: &mut Clouds, view: &View) -> Result<Load> {
-        Compute::load(self.gpu, way, clouds.of(way), view)
-    }
-
     /// Where the time of a headset's frame goes, one eye and both [2022 §4.3].
     pub fn table_vr(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
-        let octree = subject.layered(self.stop)?;
-        let silent = Progress::silent(self.stop);
-        let mut cloud = Some(CloudBuffers::upload_layered(self.gpu, &octree, self.chunk_limit, &silent)?);
-        drop(octree);
+        let mut cloud = Some(self.layered(subject)?);
         let mut rows = Vec::new();
         for size_px in self.size_px.map_or(SIZES_VR_PX.to_vec(), |size_px| vec![size_px]) {
             rows.extend(self.vr_rows(subject, &mut cloud, size_px)?);
@@ -289,14 +370,13 @@ impl Bench<'_> {
     ) -> Result<Vec<BenchRow>> {
         // The frame as the program draws it unless told otherwise.
         let look = Look::of(&Config::default());
-        let place = subject.places[0];
+        let place = subject.places(places(Table::Vr, subject.model))[0];
         let both_eyes = place.stereo(size_px);
         let one_eye = View { eyes: both_eyes.eyes[..1].to_vec(), near: both_eyes.near };
-        let mut both = Compute::with_look(self.gpu, &[size_px; 2], look)?;
-        let mut one = Compute::with_look(self.gpu, &[size_px], look)?;
-        let way = Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree);
-        let load = Compute::load(self.gpu, &way, cloud, &both_eyes)?;
-        let load_one = Compute::load(self.gpu, &way, cloud, &one_eye)?;
+        let mut both = Compute::new(self.gpu, &[size_px; 2], look)?;
+        let mut one = Compute::new(self.gpu, &[size_px], look)?;
+        let load = Counter::new(self.gpu, &[size_px; 2], look)?.load(cloud, &both_eyes)?;
+        let load_one = Counter::new(self.gpu, &[size_px], look)?.load(cloud, &one_eye)?;
         let (mut of_both, mut of_one) = (Vec::new(), Vec::new());
         for turn in 0..WARM_UP + self.num_runs {
             ensure!(!self.stop.requested(), "interrupted");
@@ -309,8 +389,13 @@ impl Bench<'_> {
         }
         let viewpoint = format!("{} {}x{}", place.name, size_px[0], size_px[1]);
         let part = |name: &str, samples: &[Sample], load: Load, value: &dyn Fn(&Sample) -> f64| {
-            let timed = Timed { name: name.into(), load, samples: vec![], num_passes: 1 };
-            row("vr", "octree", &viewpoint, subject.num_points(), &timed, gpu_ms(samples.iter().map(value)))
+            let timed = Timed { name: name.into(), load, samples: vec![] };
+            let ms = gpu_ms(samples.iter().map(value));
+            let row = row(Of { table: "vr", order: "octree", subject }, &viewpoint, &timed, ms);
+            // What is read is the whole frame's.
+            let is_whole = name.starts_with("total");
+            let (bytes_read, gb_per_s) = if is_whole { (row.bytes_read, row.gb_per_s) } else { (None, None) };
+            BenchRow { bytes_read, gb_per_s, ..row }
         };
         let mut rows = vec![
             part("total", &of_both, load, &|sample| sample.gpu_ms),
@@ -327,46 +412,5 @@ impl Bench<'_> {
         }
         eprintln!("scanwalk: table vr, {viewpoint}: measured");
         Ok(rows)
-    }
-}
-
-/// Hardware reads every point, 16 bytes each.
-fn hardware_load(subject: &Subject, drawn: Load) -> Load {
-    let points_read = subject.num_points();
-    Load { points_read, plane_bytes: 16 * points_read, num_batches_drawn: drawn.num_batches, ..drawn }
-}
-
-/// What the stages take that read points; NaN for hardware points.
-fn geometry_ms(sample: &Sample) -> f64 {
-    let of_points = |(stage, _): &(&&str, &f64)| matches!(**stage, "depth" | "color");
-    STAGES.iter().zip(&sample.stage_ms).filter(of_points).map(|(_, ms)| ms).sum()
-}
-
-fn gpu_ms(values: impl Iterator<Item = f64>) -> GpuMs {
-    let sorted = Sorted::new(values);
-    let [min, median, max] = [0, 500, 1000].map(|per_mille| sorted.percentile(per_mille).unwrap_or(0.0));
-    GpuMs { median, min, max }
-}
-
-fn row(table: &str, order: &str, viewpoint: &str, points: u64, timed: &Timed, gpu_ms: GpuMs) -> BenchRow {
-    let paper = papers::figure(table, &timed.name, order, viewpoint);
-    let per_s = |amount: u64| if gpu_ms.median > 0.0 { amount as f64 * 1e3 / gpu_ms.median } else { 0.0 };
-    BenchRow {
-        table: table.into(),
-        method: timed.name.clone(),
-        order: order.into(),
-        viewpoint: viewpoint.into(),
-        points,
-        points_read: timed.load.points_read,
-        points_drawn: timed.load.points_drawn,
-        nodes: Some(timed.load.num_batches),
-        nodes_drawn: Some(timed.load.num_batches_drawn),
-        gpu_ms,
-        geometry_ms: None,
-        m_points_per_s: per_s(timed.load.points_read) / 1e6,
-        gb_per_s: Some(per_s(timed.num_passes * timed.load.plane_bytes) / 1e9),
-        ratio_to_point_list: None,
-        paper_ms: paper.map(|figure| figure.ms),
-        paper_device: paper.map(|figure| figure.device.into()),
     }
 }

@@ -89,6 +89,9 @@ pub struct BenchArgs {
 /// Tables of the papers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum BenchTable {
+    /// 40-bit depths and two passes.
+    #[value(name = "2019")]
+    Paper2019,
     /// Point cloud rasterisation with compute shaders.
     #[value(name = "2021")]
     Paper2021,
@@ -108,16 +111,17 @@ pub enum BenchTable {
   scanwalk report frames.csv -o report.html         the same with plots, and the worst frames
   scanwalk report before.csv after.csv              is the second faster, and by how much?
   scanwalk report results.json -o bench.html        what `scanwalk bench --json` measured
+  scanwalk report 1.json 4.json 16.json -o bench.md its tables as Markdown
   scanwalk report frames.csv --worst-poses worst.poses
   scanwalk view castle.laz --pose-path worst.poses  see the worst frames again
 
 Text goes to stdout in any case. Logs that are compared should replay one pose path.")]
 pub struct ReportArgs {
     /// FRAMES.csv: what `scanwalk view --log` wrote; two are compared. RESULTS.json: what `scanwalk bench --json`
-    /// wrote
-    #[arg(value_name = "FRAMES.csv|RESULTS.json", required = true, num_args = 1..=2)]
+    /// wrote; several of one GPU are shown together
+    #[arg(value_name = "FRAMES.csv|RESULTS.json", required = true, num_args = 1..)]
     pub files: Vec<PathBuf>,
-    /// Write a page with plots: one file that opens without a network
+    /// Write a page with plots: one file that opens without a network; of benchmark results .md too, tables as Markdown
     #[arg(short, long, value_name = "REPORT.html")]
     pub out: Option<PathBuf>,
     /// Write the worst frames as a path of the head, worst first, for `scanwalk view --pose-path`

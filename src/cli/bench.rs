@@ -1,12 +1,13 @@
 //! `scanwalk bench`: the papers' tables on this machine, as text, CSV or JSON on stdout, and as a page.
 
 use super::exit::Usage;
+use super::report::bench_document;
 use super::{BenchArgs, BenchTable};
 use crate::bench::{self, BenchOptions, Table};
 use crate::config::Config;
 use crate::output::{OutputKind, Outputs};
 use crate::progress::Stop;
-use crate::report::{BenchResults, bench_page};
+use crate::report::BenchResults;
 use std::io::{self, Write};
 
 /// Measures, writes the page if one is wanted, prints the results.
@@ -17,7 +18,8 @@ pub(super) fn run(
     stop: &Stop,
 ) -> anyhow::Result<()> {
     let tables = match args.table {
-        None => vec![Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
+        None => vec![Table::Paper2019, Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
+        Some(BenchTable::Paper2019) => vec![Table::Paper2019],
         Some(BenchTable::Paper2021) => vec![Table::Paper2021],
         Some(BenchTable::Paper2022) => vec![Table::Paper2022],
         Some(BenchTable::Vr) => vec![Table::Vr],
@@ -37,8 +39,8 @@ pub(super) fn run(
         size_px: args.size,
     };
     let results = bench::run(&options, config, stop)?;
-    if let Some(output) = outputs.take_one(OutputKind::Page) {
-        output.write(bench_page(&results).as_bytes())?;
+    if let Some((output, out)) = outputs.take_one(OutputKind::Page).zip(args.out.as_ref()) {
+        output.write(bench_document(&results, out).as_bytes())?;
     }
     let mut stdout = io::stdout().lock();
     if args.json {
@@ -55,19 +57,21 @@ pub(super) fn run(
 fn print_csv(out: &mut impl Write, results: &BenchResults) -> anyhow::Result<()> {
     writeln!(
         out,
-        "table,method,order,viewpoint,points,points_read,points_drawn,nodes,nodes_drawn,median_ms,min_ms,max_ms,\
-         geometry_ms,m_points_per_s,gb_per_s,ratio_to_point_list,paper_ms,paper_device"
+        "table,model,method,order,viewpoint,points,points_read,points_drawn,pixels_asked,nodes,nodes_drawn,median_ms,min_ms,max_ms,\
+         geometry_ms,m_points_per_s,gb_per_s,ratio_to_point_list,culled_share,cpu_share,paper_ms,paper_device"
     )?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
     let count = |value: Option<u64>| value.map_or_else(String::new, |v| v.to_string());
     for row in &results.rows {
-        write!(out, "{},{},{},{},", row.table, row.method, row.order, row.viewpoint)?;
+        write!(out, "{},{},{},{},{},", row.table, row.model, row.method, row.order, row.viewpoint)?;
         write!(out, "{},{},{},", row.points, row.points_read, row.points_drawn)?;
+        write!(out, "{},", count(row.pixels_asked))?;
         write!(out, "{},{},", count(row.nodes), count(row.nodes_drawn))?;
         write!(out, "{:.4},{:.4},{:.4},", row.gpu_ms.median, row.gpu_ms.min, row.gpu_ms.max)?;
         write!(out, "{},", number(row.geometry_ms))?;
         write!(out, "{:.2},{},", row.m_points_per_s, number(row.gb_per_s))?;
-        write!(out, "{},{},", number(row.ratio_to_point_list), number(row.paper_ms))?;
+        write!(out, "{},{},", number(row.ratio_to_point_list), number(row.culled_share))?;
+        write!(out, "{},{},", number(row.cpu_share), number(row.paper_ms))?;
         writeln!(out, "\"{}\"", row.paper_device.as_deref().unwrap_or_default())?;
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::{ReportArgs, Usage};
 use crate::output::{Output, OutputKind, Outputs};
-use crate::report::{BenchResults, Comparison, Summary, bench_page, walk_page, worst_poses};
+use crate::report::{BenchResults, Comparison, Summary, bench_markdown, bench_page, walk_page, worst_poses};
 use crate::timing::{self, FrameLogFile};
 use anyhow::Context;
 use std::io::{self, Write};
@@ -11,10 +11,16 @@ use std::path::Path;
 /// Reads what is named, writes the files that are wanted, prints the text.
 pub(super) fn run(args: &ReportArgs, mut outputs: Outputs) -> anyhow::Result<()> {
     let (text, page) = match &args.files[..] {
-        [file] if is_json(file) => {
+        files if !files.is_empty() && files.iter().all(|file| is_json(file)) => {
             refuse_poses(args)?;
-            let results = BenchResults::read(file)?;
-            (results.to_string(), args.out.is_some().then(|| bench_page(&results)))
+            let runs: Vec<_> = files.iter().map(|file| BenchResults::read(file)).collect::<Result<_, _>>()?;
+            let results = BenchResults::merged(runs).map_err(|[one, other]| {
+                Usage(format!("report: results of one GPU make one page, not those of {one} and {other}"))
+            })?;
+            (results.to_string(), args.out.as_ref().map(|out| bench_document(&results, out)))
+        }
+        _ if args.out.as_ref().is_some_and(|out| has_ending(out, "md")) => {
+            return Err(Usage("report: of a frame log a page is made, so -o must end in .html".into()).into());
         }
         [file] => {
             let log = timing::read(file)?;
@@ -26,9 +32,8 @@ pub(super) fn run(args: &ReportArgs, mut outputs: Outputs) -> anyhow::Result<()>
         [a, b] => {
             refuse_poses(args)?;
             if is_json(a) || is_json(b) {
-                return Err(
-                    Usage("report: two frame logs can be compared, benchmark results not".into()).into()
-                );
+                let problem = "report: a frame log and benchmark results cannot be compared";
+                return Err(Usage(problem.into()).into());
             }
             let names = [a, b].map(|path| path.display().to_string());
             let comparison = Comparison::of(names, [&timing::read(a)?, &timing::read(b)?]);
@@ -43,8 +48,17 @@ pub(super) fn run(args: &ReportArgs, mut outputs: Outputs) -> anyhow::Result<()>
     Ok(())
 }
 
+/// Results as what the file's ending says: tables as Markdown, or a page.
+pub(super) fn bench_document(results: &BenchResults, out: &Path) -> String {
+    if has_ending(out, "md") { bench_markdown(results) } else { bench_page(results) }
+}
+
 fn is_json(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+    has_ending(path, "json")
+}
+
+fn has_ending(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(wanted))
 }
 
 fn refuse_poses(args: &ReportArgs) -> Result<(), Usage> {

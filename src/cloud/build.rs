@@ -56,6 +56,21 @@ const MAX_EDGE: f64 = 2.0 * FARTHEST;
 /// # Errors
 /// See [`BuildError`].
 pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
+    build_in_batches(scan, order, BATCH_POINTS, progress)
+}
+
+/// The same in batches of so many points, a multiple of [`POINTS_PER_LOAD`] and at most [`BATCH_POINTS`]: to measure what
+/// small ones cost.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build_in_batches(
+    scan: &Scan,
+    order: Order,
+    batch_points: u32,
+    progress: &Progress,
+) -> Result<Cloud, BuildError> {
+    debug_assert!(batch_points.is_multiple_of(POINTS_PER_LOAD) && batch_points <= BATCH_POINTS);
     let Checked { num_points, bounds, scene } = check(scan)?;
     let index = Index::new(scan);
     let sorted = match order {
@@ -73,7 +88,7 @@ pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, Bu
     let by_place = matches!(order, Order::Original | Order::Morton);
     let num_near =
         sorted.as_ref().filter(|_| by_place).map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
-    let cut = Cut { num_near, num_points };
+    let cut = Cut { size: batch_points as usize, num_near, num_points };
     let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
     let batches = cut
         .batches(&mut hi)
@@ -181,6 +196,8 @@ fn shuffled_groups(sorted: &[(u64, u32)]) -> Vec<(u64, u32)> {
 /// How ordered points are cut into batches: those of the scene, then, from the next load on, the strays.
 #[derive(Clone, Copy)]
 struct Cut {
+    /// Points of a batch.
+    size: usize,
     num_near: usize,
     num_points: usize,
 }
@@ -193,8 +210,6 @@ struct Piece {
 }
 
 impl Cut {
-    const SIZE: usize = BATCH_POINTS as usize;
-
     /// Where strays begin in the planes.
     fn far(self) -> usize {
         self.num_near.next_multiple_of(POINTS_PER_LOAD as usize)
@@ -208,18 +223,18 @@ impl Cut {
     /// A plane's parts, a batch each.
     fn batches(self, plane: &mut [u32]) -> impl IndexedParallelIterator<Item = &mut [u32]> {
         let (near, far) = plane.split_at_mut(self.far());
-        near.par_chunks_mut(Self::SIZE).chain(far.par_chunks_mut(Self::SIZE))
+        near.par_chunks_mut(self.size).chain(far.par_chunks_mut(self.size))
     }
 
     fn piece(self, number: usize) -> Piece {
-        let num_near_batches = self.num_near.div_ceil(Self::SIZE);
+        let num_near_batches = self.num_near.div_ceil(self.size);
         if number < num_near_batches {
-            let first = number * Self::SIZE;
-            return Piece { first, first_point: first, count: Self::SIZE.min(self.num_near - first) };
+            let first = number * self.size;
+            return Piece { first, first_point: first, count: self.size.min(self.num_near - first) };
         }
-        let within = (number - num_near_batches) * Self::SIZE;
+        let within = (number - num_near_batches) * self.size;
         let first = self.num_near + within;
-        Piece { first, first_point: self.far() + within, count: Self::SIZE.min(self.num_points - first) }
+        Piece { first, first_point: self.far() + within, count: self.size.min(self.num_points - first) }
     }
 }
 

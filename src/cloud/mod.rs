@@ -7,7 +7,7 @@ pub mod octree;
 pub mod quantize;
 pub mod spt;
 
-pub use build::{BuildError, build};
+pub use build::{BuildError, build, build_in_batches};
 
 use crate::scan::Scene;
 use crate::space::{Bounds, Split};

@@ -1,6 +1,7 @@
 //! The last seconds of frames: what the panel's plot and figures are made of.
 
 use crate::timing::FrameRow;
+use crate::timing::percentile::Sorted;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -83,13 +84,11 @@ impl History {
 
     /// GPU time of the whole frame; `None` if the device gives none.
     pub(super) fn gpu(&self) -> Option<Spread> {
-        let mut times: Vec<f32> =
-            self.rows.iter().map(|row| row.gpu_ms).filter(|ms| ms.is_finite()).collect();
-        let now_ms = *times.last()?;
-        times.sort_unstable_by(f32::total_cmp);
-        // The smallest time that at least this part of the frames kept to.
-        let at = |part: f64| times[((part * times.len() as f64).ceil() as usize).clamp(1, times.len()) - 1];
-        Some(Spread { now_ms, median_ms: at(0.5), p99_ms: at(0.99) })
+        let times = || self.rows.iter().map(|row| row.gpu_ms).filter(|ms| ms.is_finite());
+        let now_ms = times().next_back()?;
+        let sorted = Sorted::new(times().map(f64::from));
+        let [median_ms, p99_ms] = [sorted.median()?, sorted.percentile(990)?].map(|ms| ms as f32);
+        Some(Spread { now_ms, median_ms, p99_ms })
     }
 
     /// Top of the plot: a multiple of the budget in steps, so that it rests while the frames change little.
@@ -185,7 +184,7 @@ pub(super) mod tests {
         }
         history.push(row(201, 2.3, f32::NAN), Instant::now());
         let spread = history.gpu();
-        assert_eq!(spread, Some(Spread { now_ms: 0.0, median_ms: 99.0, p99_ms: 197.0 }));
+        assert_eq!(spread, Some(Spread { now_ms: 0.0, median_ms: 99.5, p99_ms: 197.0 }));
         let mut silent = History::default();
         silent.push(row(0, 0.0, f32::NAN), Instant::now());
         assert_eq!(silent.gpu(), None);

@@ -26,3 +26,7 @@ pub const VISIBLE_FILL: u32 = 64;
 pub const VISIBLE_DISCS: u32 = 128;
 /// [`VisibleBatch::flags`]: points are corners of triangles.
 pub const VISIBLE_TRIANGLES: u32 = 256;
+/// [`VisibleBatch::flags`]: the place of a slice's number, 8 bits.
+pub const SLICE_SHIFT: u32 = 16;
+/// [`VisibleBatch::flags`]: the place of the number of slices less one, 8 bits.
+pub const NUM_SLICES_SHIFT: u32 = 24;

@@ -8,7 +8,7 @@ mod view;
 
 pub use flags::{
     KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
-    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
+    NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
 };
 pub use guard::{GUARD_PX, guarded, without_guard};
 pub use prelude::{Sums, Variant, prelude};
@@ -64,6 +64,12 @@ pub const SAMPLES_COVER: f32 = 1.5;
 pub const PROTECTED_POINTS: u32 = 255;
 /// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
 pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
+/// Pixels for which a batch of triangles gets a workgroup more: as many a thread as there are threads.
+pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
+/// Workgroups of a batch of triangles at most.
+pub const MAX_SLICES: u32 = 256;
+/// Workgroups beyond the first of all batches of a chunk's triangles, at most: room in its list.
+pub const MAX_EXTRA_SLICES: u32 = 4096;
 /// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
@@ -77,6 +83,9 @@ pub const TILE_PX: [u32; 2] = [32, 16];
 pub const DILATE_REACH_PX: u32 = 3;
 /// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
 pub const DILATE_FALLOFF_BITS: u32 = 2;
+
+/// Bins of [`Counts`], of which workgroups use one each, so that few threads meet.
+pub const COUNT_BINS: u32 = 256;
 
 /// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
 /// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
@@ -290,7 +299,8 @@ pub struct VisibleBatch {
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
     /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
-    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`].
+    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`]; of triangles from [`SLICE_SHIFT`] on which slice of the batch, and from
+    /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
     pub flags: u32,
     /// [`Node::spacing`].
     pub spacing: [u32; 4],
@@ -311,7 +321,7 @@ pub struct VisibleBatch {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CullCounters {
-    /// Workgroups of `depth` = visible batches.
+    /// Workgroups of `depth`: visible batches, and the slices beyond the first of some.
     pub num_visible: u32,
     /// Always 1.
     pub workgroups_y: u32,
@@ -321,6 +331,34 @@ pub struct CullCounters {
     pub num_points: u32,
     /// Nodes whose batches these are, but for those that an earlier chunk has counted.
     pub num_nodes: u32,
+    /// Slices beyond the first that were asked for; [`MAX_EXTRA_SLICES`] are given.
+    pub num_extra: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}
+
+impl CullCounters {
+    /// Visible batches.
+    #[must_use]
+    pub fn num_batches(&self) -> u32 {
+        self.num_visible - self.num_extra.min(MAX_EXTRA_SLICES)
+    }
+}
+
+/// What the geometry stages did in a frame that is counted, all eyes together.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct Counts {
+    /// Points, discs and triangles that asked for a pixel.
+    pub num_drawn: u32,
+    /// Atomics, or writes where there are none, for pixels.
+    pub num_asked: u32,
+    /// Loads of a pixel's word, to see whether it is worth an atomic, or how near the surface is.
+    pub num_looks: u32,
+    /// Loads of a point's color.
+    pub num_colors: u32,
+    /// Discs of a point tree that the tolerance draws, in the picture or not, in each stage anew.
+    pub num_chosen: u32,
     /// Always 0.
     pub reserved: [u32; 3],
 }

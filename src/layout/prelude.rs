@@ -1,12 +1,13 @@
 //! The shaders' prelude: every constant of the layout as WGSL text, and what differs between variants of a text.
 
 use super::{
-    BATCH_POINTS, COORDINATE_BITS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DRAWN_WHOLE,
-    EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP, FIXED40_RANGES, GUARD_PX, HEAD_CELL_LIMIT,
-    HEAD_CELL_STEP, HYSTERESIS, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, NODE_DISCS,
-    NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE, PLANE_BITS, POINTS_COVER, POINTS_PER_LOAD,
-    PRECISION_THRESHOLD_PX, PROTECTED_POINTS, SAMPLES_COVER, STEP_SHIFT, SURFACE_TOLERANCE, TILE_PX,
-    TRIANGLE_SLACK_PX, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, WORKGROUP_SIZE, fixed40_firsts,
+    BATCH_POINTS, COORDINATE_BITS, COUNT_BINS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS, DILATE_REACH_PX,
+    DRAWN_WHOLE, EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP, FIXED40_RANGES, GUARD_PX,
+    HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_EXTRA_SLICES,
+    MAX_FILL_RADIUS, MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
+    NUM_SLICES_SHIFT, PLANE_BITS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, PROTECTED_POINTS,
+    SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, STEP_SHIFT, SURFACE_TOLERANCE, TILE_PX, TRIANGLE_SLACK_PX,
+    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, WORKGROUP_SIZE, fixed40_firsts,
 };
 
 /// How a pixel's colors are added up. All forms give the same sums.
@@ -47,6 +48,8 @@ pub struct Variant {
     pub plain_looks: bool,
     /// Depths are of 40 bits, made with f64 [2019 §2.1].
     pub fixed40: bool,
+    /// What is done is counted: for `bench`.
+    pub counts: bool,
 }
 
 impl Variant {
@@ -64,6 +67,7 @@ impl Variant {
             early_z: true,
             plain_looks: false,
             fixed40: false,
+            counts: false,
         }
     }
 }
@@ -87,6 +91,7 @@ pub fn prelude(variant: Variant) -> String {
          const CONVERGED: bool = {converged};\n\
          const EARLY_Z: bool = {early_z};\n\
          const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
+         const COUNT_BINS: u32 = {COUNT_BINS}u;\n\
          const BATCH_POINTS: u32 = {BATCH_POINTS}u;\n\
          const POINTS_PER_LOAD: u32 = {POINTS_PER_LOAD}u;\n\
          const COORDINATE_BITS: u32 = {COORDINATE_BITS}u;\n\
@@ -118,6 +123,11 @@ pub fn prelude(variant: Variant) -> String {
          const VISIBLE_DISCS: u32 = {VISIBLE_DISCS}u;\n\
          const VISIBLE_TRIANGLES: u32 = {VISIBLE_TRIANGLES}u;\n\
          const TRIANGLE_SLACK_PX: f32 = {TRIANGLE_SLACK_PX:?};\n\
+         const SLICE_PIXELS: u32 = {SLICE_PIXELS}u;\n\
+         const MAX_SLICES: u32 = {MAX_SLICES}u;\n\
+         const MAX_EXTRA_SLICES: u32 = {MAX_EXTRA_SLICES}u;\n\
+         const SLICE_SHIFT: u32 = {SLICE_SHIFT}u;\n\
+         const NUM_SLICES_SHIFT: u32 = {NUM_SLICES_SHIFT}u;\n\
          const STEP_SHIFT: u32 = {STEP_SHIFT}u;\n\
          const ENDLESS_STEP: u32 = {ENDLESS_STEP}u;\n\
          const LOD_FADE: u32 = {LOD_FADE}u;\n\

@@ -30,7 +30,8 @@ pub struct EyeUniform {
     pub pixels_per_radian: f32,
     /// Direction of the gaze in head space, unit length.
     pub gaze_in_head: [f32; 3],
-    /// Angle that an error may have, radians: the tolerance at a distance of 1. 0 but for sequential point trees.
+    /// Angle that an error may have in the inner ring, radians: the tolerance at a distance of 1. 0 but for sequential
+    /// point trees.
     pub tolerance_rad: f32,
     /// Direction of the gaze in view space, unit length; (0, 0, −1) is the optical axis.
     pub gaze_in_view: [f32; 3],
@@ -50,8 +51,11 @@ pub struct EyeUniform {
     pub width: u32,
     /// Height in pixels, with the guard band.
     pub height: u32,
+    /// Between the inner and the middle ring's ends, how many radians the tolerance grows by while the cosine of the angle
+    /// from the gaze falls by 1.
+    pub tolerance_growth: f32,
     /// Always 0.
-    pub reserved_end: [u32; 2],
+    pub reserved_end: u32,
 }
 
 impl EyeUniform {
@@ -84,7 +88,8 @@ impl EyeUniform {
             end_px: [first_px[0] + width as f32, first_px[1] + height as f32],
             width,
             height,
-            reserved_end: [0; 2],
+            tolerance_growth: 0.0,
+            reserved_end: 0,
         }
     }
 }
@@ -134,6 +139,23 @@ impl Default for Detail {
     }
 }
 
+impl Detail {
+    /// [`EyeUniform::tolerance_growth`] that makes a tolerance of `error_rad` in the inner ring as many times as large in
+    /// the outer one as thresholds are there; less where that would be too steep for the intervals' overlap
+    /// ([`spt::MAX_TOLERANCE_SLOPE`]).
+    fn tolerance_growth(&self, error_rad: f64) -> f32 {
+        let [inner, middle] = self.ring_rad.map(f64::cos);
+        let ratio = f64::from(self.threshold_px[2] / self.threshold_px[0]);
+        let wanted = error_rad * (ratio - 1.0).max(0.0) / (inner - middle).max(1e-6);
+        // Where the middle ring ends, the tolerance grows fastest: by `error_rad` with the distance, and by this many
+        // times the growth away from the gaze.
+        let steepness = (inner * inner + 1.0 - 2.0 * inner * middle).max(0.0).sqrt().max(1e-3);
+        let spare = spt::MAX_TOLERANCE_SLOPE - error_rad;
+        // Beyond, with the distance alone.
+        wanted.min(spare / steepness).min(spare / (inner - middle).max(1e-6)) as f32
+    }
+}
+
 /// The view of one frame: both eyes and the head that they are relative to.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -179,8 +201,9 @@ impl ViewUniform {
         let eye = |index: usize| {
             let eye = &view.eyes[index.min(view.eyes.len() - 1)];
             let error_rad = f64::from(detail.error_px.unwrap_or(0.0)) / eye.pixels_per_radian();
-            let tolerance_rad = error_rad.min(spt::MAX_TOLERANCE_RAD) as f32;
-            EyeUniform { tolerance_rad, ..EyeUniform::new(eye, head_in_world) }
+            let error_rad = error_rad.min(spt::MAX_TOLERANCE_RAD);
+            let (tolerance_rad, tolerance_growth) = (error_rad as f32, detail.tolerance_growth(error_rad));
+            EyeUniform { tolerance_rad, tolerance_growth, ..EyeUniform::new(eye, head_in_world) }
         };
         Self {
             head_hi: hi.to_array(),

@@ -13,7 +13,7 @@ pub enum OutputKind {
     Metrics,
     /// A row a frame, as CSV.
     FrameLog,
-    /// An HTML page.
+    /// A page: HTML, or tables as Markdown.
     Page,
     /// A path of the head.
     Poses,
@@ -45,7 +45,7 @@ impl OutputKind {
             Self::Depth => &["npy"],
             Self::Metrics => &["json"],
             Self::FrameLog => &["csv"],
-            Self::Page => &["html", "htm"],
+            Self::Page => &["html", "htm", "md"],
             Self::Poses => &["poses"],
             Self::Scan => &["las", "laz", "ply"],
         }

@@ -5,7 +5,7 @@ use crate::cloud::Cloud;
 use crate::cloud::octree::Octree;
 use crate::cloud::spt::SequentialCloud;
 use crate::gpu::Gpu;
-use crate::layout::{BATCH_POINTS, Batch, ChunkUniform, Node, VisibleBatch};
+use crate::layout::{BATCH_POINTS, Batch, ChunkUniform, MAX_EXTRA_SLICES, Node, VisibleBatch};
 use crate::progress::Progress;
 use crate::space::Split;
 use std::ops::Range;
@@ -241,7 +241,8 @@ impl<'a> CloudUpload<'a> {
     ) -> Result<Self, UploadError> {
         let Outline { cloud, nodes, batch, beside } = *outline;
         let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
-        let max_batches = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
+        let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
+        let max_batches = max_groups - num_extra_slices(beside);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let mut room = Room { gpu, bytes: 0 };
         let storage = wgpu::BufferUsages::STORAGE;
@@ -374,6 +375,11 @@ fn chunk_ranges(cloud: &Cloud, limit: u64, max_batches: usize) -> Vec<Range<usiz
     ranges
 }
 
+/// Room for slices of triangles, which only a sequential point tree has.
+fn num_extra_slices(beside: Option<Beside>) -> usize {
+    if beside == Some(Beside::Shapes) { MAX_EXTRA_SLICES as usize } else { 0 }
+}
+
 /// Makes buffers and counts their bytes.
 struct Room<'a> {
     gpu: &'a Gpu,
@@ -409,7 +415,7 @@ impl Room<'_> {
             visible: self.take(
                 "visible",
                 storage | wgpu::BufferUsages::COPY_SRC,
-                range.len() * size_of::<VisibleBatch>(),
+                (range.len() + num_extra_slices(beside)) * size_of::<VisibleBatch>(),
             ),
             planes,
             colors,

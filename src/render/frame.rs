@@ -93,7 +93,7 @@ impl Renderer {
                 let counters: CullCounters =
                     bytemuck::pod_read_unaligned(&chunk[..size_of::<CullCounters>()]);
                 visible_nodes += counters.num_nodes;
-                visible_batches += counters.num_visible;
+                visible_batches += counters.num_batches();
                 points_read += u64::from(counters.num_points);
             }
             FrameTimes {

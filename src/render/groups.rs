@@ -20,6 +20,8 @@ pub(super) struct Parts<'a> {
     pub cloud: Option<&'a CloudBuffers>,
     pub view: &'a wgpu::Buffer,
     pub counters: &'a wgpu::Buffer,
+    /// Bins of [`crate::layout::Counts`], if they are wanted.
+    pub counts: Option<&'a wgpu::Buffer>,
     pub quality: Quality,
     pub dilate: Dilate,
 }
@@ -107,7 +109,6 @@ impl Parts<'_> {
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
             // Hardware clears its own images.
             Quality::Closest if self.pipelines.closest.point_list().is_some() => vec![(keys, as_it_is)],
-            Quality::Closest if self.pipelines.closest.counts => vec![(keys, no_keys), (depth, no_depth)],
             Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
             // The keys' buffers hold ids, half as large.
             Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
@@ -178,6 +179,7 @@ impl Parts<'_> {
             ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
             ("shapes", chunk.shapes.as_entire_binding()),
         ]);
+        resources.extend(self.counts.map(|counts| ("count_bins", counts.as_entire_binding())));
         // What early-z looks at, bound a second time.
         let is_key = self.quality == Quality::Closest && self.pipelines.closest.ids.is_none();
         let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 8] = [
@@ -186,7 +188,7 @@ impl Parts<'_> {
             (keys, ["sums_left", "sums_right"]),
             (keys, ["ids_left", "ids_right"]),
             (depth, ["depth_left", "depth_right"]),
-            (depth, ["asked_left", "asked_right"]),
+            (keys, ["words_left", "words_right"]),
             (wide, ["wide_left", "wide_right"]),
             (wide, ["pairs_left", "pairs_right"]),
         ];

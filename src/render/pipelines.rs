@@ -29,8 +29,6 @@ pub(super) struct Closest {
     pub dilate: Stage,
     /// `shade` gets all from the keys, whatever chunk a point is of, and clears them.
     pub shade_clears: bool,
-    /// `depth` counts the points that ask for their pixel, where `hqs` has depths; less one.
-    pub counts: bool,
 }
 
 /// The two ways to the nearest points.
@@ -70,13 +68,15 @@ pub(super) struct For {
     pub atomics: Atomics,
     pub method: Method,
     pub access: Access,
+    /// See [`super::Renderer::counting`].
+    pub counts: bool,
     pub color_format: wgpu::TextureFormat,
     pub depth_format: Option<wgpu::TextureFormat>,
 }
 
 impl Pipelines {
     pub fn new(gpu: &Gpu, what: For) -> Self {
-        let For { num_eyes, fill, discs, atomics, method, access, .. } = what;
+        let For { num_eyes, fill, discs, atomics, method, access, counts, .. } = what;
         let keys = atomics >= Atomics::Int64Minmax;
         let variant = Variant {
             fill,
@@ -85,6 +85,7 @@ impl Pipelines {
             basic: method.is_basic(),
             plain_looks: access.plain_looks,
             fixed40: method == Method::Fixed40,
+            counts,
             ..Variant::eyes(num_eyes)
         };
         let stage = |name, variant| stage(gpu, access, name, variant);
@@ -128,7 +129,6 @@ impl Pipelines {
                 ),
                 dilate: stage("dilate", variant),
                 shade_clears: method == Method::Fixed40,
-                counts: method == Method::Count,
             },
             hqs: forms.into_iter().map(hqs).collect(),
             image: Image::new(gpu, what, &shaders::source("resolve", variant)),
@@ -149,7 +149,7 @@ impl Closest {
 /// The method's way to the nearest point.
 fn closest(gpu: &Gpu, access: Access, method: Method, variant: Variant) -> Stage {
     let name = match method {
-        Method::JustSet | Method::BusyLoop | Method::AtomicMin | Method::Fixed40 | Method::Count => {
+        Method::JustSet | Method::BusyLoop | Method::ExchangeLoop | Method::AtomicMin | Method::Fixed40 => {
             method.name()
         }
         Method::PrefetchJustSet => "just-set",

@@ -10,7 +10,7 @@ use super::waiting::Waiting;
 use crate::config::Quality;
 use crate::gpu::timer::Timer;
 use crate::gpu::{Atomics, Gpu, QueueGuard};
-use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform};
+use crate::layout::{COUNT_BINS, COUNTERS_STRIDE, Counts, Sums, ViewUniform};
 use crate::look::Look;
 use crate::space::{Eye, Pose, Split};
 use crate::timing::STAGES;
@@ -45,6 +45,8 @@ pub struct Renderer {
     pub(super) view: wgpu::Buffer,
     pub(super) cloud: Option<CloudBuffers>,
     pub(super) counters: wgpu::Buffer,
+    /// See [`Self::counting`].
+    counts: Option<wgpu::Buffer>,
     pub(super) targets: Targets,
     /// Of the method `point-list`.
     pub(super) points: Option<(PointImages, Draws)>,
@@ -66,7 +68,26 @@ impl Renderer {
     /// # Errors
     /// If the sizes do not fit the device.
     pub fn new(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
-        let pipelines = Pipelines::new(gpu, what(&setup, &look));
+        Self::with_counts(gpu, setup, look, None)
+    }
+
+    /// A renderer that counts what its frames do, for `bench`: see [`Self::counts`].
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn counting(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let size = u64::from(COUNT_BINS) * size_of::<Counts>() as u64;
+        Self::with_counts(gpu, setup, look, Some(gpu.buffer("counts", size, usage)))
+    }
+
+    fn with_counts(
+        gpu: &Arc<Gpu>,
+        setup: Setup,
+        look: Look,
+        counts: Option<wgpu::Buffer>,
+    ) -> Result<Self, TargetTooLarge> {
+        let pipelines = Pipelines::new(gpu, what(&setup, &look, counts.is_some()));
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
@@ -84,6 +105,7 @@ impl Renderer {
             view,
             cloud: None,
             counters,
+            counts,
             targets,
             points: None,
             hidden: vec![],
@@ -174,8 +196,9 @@ impl Renderer {
     /// If what the quality needs does not fit the device; then nothing has changed.
     pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
         self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
-        if what(&self.setup, &look) != what(&self.setup, &self.look) {
-            self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look));
+        let counts = self.counts.is_some();
+        if what(&self.setup, &look, counts) != what(&self.setup, &self.look, counts) {
+            self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look, counts));
         }
         let is_same_background = look.background == self.look.background;
         self.look = look;
@@ -246,11 +269,24 @@ impl Renderer {
         &self.targets.finished(self.look.quality, self.look.dilate)[eye]
     }
 
+    /// Batches of a chunk.
+    #[must_use]
+    pub fn num_batches(&self, chunk: usize) -> u64 {
+        self.chunks()[chunk].num_batches.into()
+    }
+
     /// Visible lists of each chunk, the counters and the nodes' states, for tests.
     #[must_use]
     pub fn cull_results(&self) -> (Vec<&wgpu::Buffer>, &wgpu::Buffer, Option<&wgpu::Buffer>) {
         let visible = self.chunks().iter().map(|c| &c.visible).collect();
         (visible, &self.counters, self.cloud.as_ref().map(|c| &c.states))
+    }
+
+    /// What the frames so far did: [`COUNT_BINS`] of [`Counts`], to be added up; `None` unless it is
+    /// [`Self::counting`].
+    #[must_use]
+    pub fn counts(&self) -> Option<&wgpu::Buffer> {
+        self.counts.as_ref()
     }
 
     pub(super) fn chunks(&self) -> &[Chunk] {
@@ -275,6 +311,7 @@ impl Renderer {
             cloud: self.cloud.as_ref(),
             view: &self.view,
             counters: &self.counters,
+            counts: self.counts.as_ref(),
             quality: self.look.quality,
             dilate: self.look.dilate,
         };
@@ -303,7 +340,7 @@ impl Renderer {
     }
 }
 
-fn what(setup: &Setup, look: &Look) -> For {
+fn what(setup: &Setup, look: &Look, counts: bool) -> For {
     For {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
@@ -311,6 +348,7 @@ fn what(setup: &Setup, look: &Look) -> For {
         discs: look.detail.error_px.is_some(),
         method: look.method,
         access: look.access,
+        counts,
         color_format: setup.color_format,
         depth_format: setup.depth_format,
     }

@@ -37,6 +37,13 @@ const LOOP: Shared = |variant| match variant.discs {
         concat!(include_str!("../../shaders/loop.inc.wgsl"), include_str!("../../shaders/triangles.inc.wgsl"))
     }
 };
+/// Hardware's own points are not counted.
+const NO_COUNTS: Shared = shared!("no_counts");
+/// What the geometry stages count.
+const COUNTS: Shared = |variant| match variant.counts {
+    false => include_str!("../../shaders/no_counts.inc.wgsl"),
+    true => include_str!("../../shaders/counts.inc.wgsl"),
+};
 /// The lengths of sequential point trees.
 const STEPS: Shared = shared!("steps");
 /// The targets of `closest` quality.
@@ -110,11 +117,11 @@ pub const SHADERS: [Shader; 28] = [
     shader!("clear", &[]),
     shader!("lod", &[SIZES]),
     shader!("cull", &[SIZES, STEPS]),
-    shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, KEYS, LOOK]),
-    shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, DEPTHS, LOOK_DEPTHS]),
-    shader!("ids", &[POINTS, CHOICE, RINGS, LOOP]),
-    shader!("color", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
-    shader!("color32", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
+    shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK]),
+    shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, DEPTHS, LOOK_DEPTHS]),
+    shader!("ids", &[POINTS, CHOICE, RINGS, LOOP, COUNTS]),
+    shader!("color", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
+    shader!("color32", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
     shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
     shader!("blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE]),
     shader!("dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE]),
@@ -122,23 +129,27 @@ pub const SHADERS: [Shader; 28] = [
     shader!("resolve", &[SRGB]),
     shader!("overlay", &[RINGS, DILATION, KEPT_SURFACE, SRGB, OVERLAY]),
     shader!("boxes", &[RINGS, DILATION, KEPT_SURFACE, SRGB, OVERLAY]),
-    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
-    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
-    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
-    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, KEYS, LOOK, SUBGROUP]),
+    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
+    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, LOOP, COUNTS]),
+    shader!("exchange-loop", "methods/exchange_loop", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
+    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
+    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP]),
     shader!(
         "reduce-emulated",
         "methods/reduce",
-        &[POINTS, CHOICE, RINGS, LOOP, KEYS, LOOK, SUBGROUP_EMULATED]
+        &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
     ),
-    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP]),
-    shader!("dedup-emulated", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, KEYS, SUBGROUP_EMULATED]),
-    shader!("count", "methods/count", &[POINTS, CHOICE, RINGS, LOOP, KEYS]),
-    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, RINGS, LOOP, KEYS, COLORS, FIXED40]),
+    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP]),
+    shader!(
+        "dedup-emulated",
+        "methods/dedup",
+        &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
+    ),
+    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, COLORS, FIXED40]),
     shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
-    shader!("point-list", "methods/point_list", &[POINTS, CHOICE]),
+    shader!("point-list", "methods/point_list", &[POINTS, CHOICE, NO_COUNTS]),
     shader!("shade-points", "methods/shade_points", &[TILES, SURFACE, CHUNK_COLORS]),
-    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, RINGS, LOOP, SUMS, COLORS]),
+    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

@@ -21,10 +21,10 @@ pub fn bench_page(results: &BenchResults) -> String {
 }
 
 /// Rows that can be compared with each other.
-type Group<'a> = (&'a str, &'a str, u64);
+type Group<'a> = (&'a str, &'a str, &'a str, u64);
 
 fn group(row: &BenchRow) -> Group<'_> {
-    (&row.viewpoint, &row.order, row.points)
+    (&row.model, &row.viewpoint, &row.order, row.points)
 }
 
 fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
@@ -40,14 +40,15 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
     let all: Vec<Bar> = rows.iter().map(|row| bar(row)).collect();
     let axis = axis_of(all.iter());
     for wanted in in_order(rows.iter().map(|row| group(row))) {
-        let (viewpoint, order, points) = wanted;
+        let (model, viewpoint, order, points) = wanted;
         let bars_of: Vec<Bar> = rows
             .iter()
             .zip(&all)
             .filter(|(row, _)| group(row) == wanted)
             .map(|(_, bar)| bar.clone())
             .collect();
-        let described = format!("Viewpoint {viewpoint}, order {order}, {} points", count(points));
+        let model = if model.is_empty() { String::new() } else { format!("{model}, viewpoint ") };
+        let described = format!("{model}{viewpoint}, order {order}, {} points", count(points));
         page.add(page::figure(bars(&described, "milliseconds a frame", axis, &bars_of), &described));
     }
     page.add(page::figure(
@@ -73,6 +74,9 @@ fn compared_with(results: &BenchResults, rows: &[&BenchRow]) -> String {
 
 fn heading(table: &str) -> String {
     match table {
+        "2019" => "Table 2019: 40-bit depths and two passes beside hardware points".into(),
+        "2021-nodes" => "Table 2021-nodes: all points in small and in large nodes".into(),
+        "2022-order" => "Table 2022-order: a scanner's order beside Morton order".into(),
         "2021" => "Table 2021: compute shaders beside hardware points".into(),
         "2022" => "Table 2022: batches and quantised coordinates".into(),
         "vr" => "Table vr: both eyes".into(),

@@ -29,8 +29,11 @@ pub struct BenchResults {
 /// A method measured on one scan in one order from one viewpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BenchRow {
-    /// `2021`, `2022`, `vr`, `spt`: the paper's table.
+    /// `2019`, `2021`, `2021-nodes`, `2022`, `2022-order`, `vr`, `spt`: the paper's table.
     pub table: String,
+    /// What was measured with: `courtyard`, `landscape`, `statue`, which are made up, or `scan`.
+    #[serde(default)]
+    pub model: String,
     /// As in the paper, lower case with hyphens: `point-list`, `reduce-early-z`, ….
     pub method: String,
     /// Order of the points in memory: `original`, `morton`, `shuffled`, `shuffled-morton`.
@@ -41,8 +44,11 @@ pub struct BenchRow {
     pub points: u64,
     /// Points that the method read in a frame.
     pub points_read: u64,
-    /// Points that the method drew in a frame.
+    /// Points that the method drew in a frame: those that asked for a pixel; discs of a point tree where these are drawn.
     pub points_drawn: u64,
+    /// Pixels that they asked for: by an atomic, or by writing where there is none. Discs ask for several.
+    #[serde(default)]
+    pub pixels_asked: Option<u64>,
     /// Batches of the cloud: what the papers call nodes.
     #[serde(default)]
     pub nodes: Option<u64>,
@@ -57,19 +63,98 @@ pub struct BenchRow {
     pub geometry_ms: Option<f64>,
     /// Points read a microsecond of the median frame.
     pub m_points_per_s: f64,
-    /// Bytes of coordinates read, 10⁹ a second of the median frame.
+    /// What the geometry stages loaded in a frame.
+    #[serde(default)]
+    pub bytes_read: Option<BytesRead>,
+    /// All of that, 10⁹ bytes a second of the median frame.
     #[serde(default)]
     pub gb_per_s: Option<f64>,
     /// Median time of `point-list` (the hardware's points) on the same scan in the same order from the same
     /// viewpoint, divided by this row's: more than 1 is faster than the hardware's. `None` without such a row.
     #[serde(default)]
     pub ratio_to_point_list: Option<f64>,
+    /// Of point trees, the share of the discs read that are drawn at no tolerance there.
+    #[serde(default)]
+    pub culled_share: Option<f64>,
+    /// Median time in which the CPU records and sends a frame, as a share of what the GPU takes for it.
+    #[serde(default)]
+    pub cpu_share: Option<f64>,
     /// The paper's milliseconds for it; `None` if it has none.
     #[serde(default)]
     pub paper_ms: Option<f64>,
-    /// The GPU that the paper measured on.
+    /// The GPU that the paper measured on, and its scan.
     #[serde(default)]
     pub paper_device: Option<String>,
+    /// Its milliseconds on other GPUs, or of other scans that are like this one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_papers: Vec<PaperMs>,
+    /// What else it says of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper_says: Option<PaperSays>,
+}
+
+/// A time that a paper measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PaperMs {
+    /// Milliseconds of a frame, or of the named part.
+    pub ms: f64,
+    /// The GPU, and the scan.
+    pub device: String,
+}
+
+/// What a paper says of a row beside its time; all of its own scan and GPU.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PaperSays {
+    /// [`BenchRow::nodes`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<f64>,
+    /// [`BenchRow::nodes_drawn`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes_drawn: Option<f64>,
+    /// Share of the nodes that are not drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes_culled_share: Option<f64>,
+    /// [`BenchRow::points_read`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points_read: Option<f64>,
+    /// [`BenchRow::points_drawn`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points_drawn: Option<f64>,
+    /// [`BenchRow::m_points_per_s`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub m_points_per_s: Option<f64>,
+    /// Points drawn a microsecond.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub m_drawn_per_s: Option<f64>,
+    /// [`BenchRow::culled_share`], from and to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub culled_share: Option<[f64; 2]>,
+    /// [`BenchRow::cpu_share`], from and to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cpu_share: Option<[f64; 2]>,
+}
+
+/// Bytes that the geometry stages load in a frame; not what clearing, culling and resolving move, nor the atomics, which
+/// read a pixel where it is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BytesRead {
+    /// Coordinates: of each batch the planes that its precision takes; of hardware points the vertices, whole.
+    pub planes: u64,
+    /// Intervals and diameters of discs.
+    pub shapes: u64,
+    /// Pixels that were looked at: for early-z, and for the depth that a color must be near to.
+    pub pixels: u64,
+    /// Colors of points that are blended. Where the nearest is shown, `resolve` loads its color.
+    pub colors: u64,
+}
+
+impl BytesRead {
+    /// All together.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.planes + self.shapes + self.pixels + self.colors
+    }
 }
 
 /// Milliseconds over the frames of a measurement.
@@ -128,6 +213,26 @@ impl BenchResults {
         }
     }
 
+    /// Several runs on one device as one.
+    ///
+    /// # Errors
+    /// The names of two devices that differ.
+    pub fn merged(runs: impl IntoIterator<Item = Self>) -> Result<Self, [String; 2]> {
+        let mut runs = runs.into_iter();
+        let mut all = runs.next().unwrap_or_default();
+        for run in runs {
+            if run.device != all.device {
+                return Err([all.device, run.device]);
+            }
+            all.rows.extend(run.rows);
+        }
+        // The tables in their order, and in each the sizes of scans.
+        let tables: Vec<String> = all.tables().into_iter().map(String::from).collect();
+        let place = |row: &BenchRow| tables.iter().position(|table| *table == row.table);
+        all.rows.sort_by_key(|row| (place(row), row.points));
+        Ok(all)
+    }
+
     /// The tables that rows are of, in the order in which they first appear.
     #[must_use]
     pub fn tables(&self) -> Vec<&str> {
@@ -147,11 +252,13 @@ impl BenchResults {
     pub(super) fn text_table(&self, table: &str) -> Table {
         let mut text = Table::new([
             "method",
+            "model",
             "order",
             "viewpoint",
             "points",
             "read",
             "drawn",
+            "pixels",
             "nodes",
             "median ms",
             "min",
@@ -169,11 +276,13 @@ impl BenchResults {
             text.row(
                 row.method.clone(),
                 [
+                    row.model.clone(),
                     row.order.clone(),
                     row.viewpoint.clone(),
                     count(row.points),
                     count(row.points_read),
                     count(row.points_drawn),
+                    row.pixels_asked.map_or_else(|| "-".into(), count),
                     row.nodes_drawn.zip(row.nodes).map_or_else(
                         || "-".into(),
                         |(drawn, all)| format!("{}/{}", count(drawn), count(all)),

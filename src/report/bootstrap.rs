@@ -11,7 +11,7 @@
 //! compared should replay one pose path.
 
 use crate::synth::random::Rng;
-use crate::timing::percentile::{Sorted, rank};
+use crate::timing::percentile::{Sorted, middle};
 use rayon::prelude::*;
 
 /// Resamples; other ones would move the ends of an interval by about a fiftieth of its length.
@@ -45,13 +45,18 @@ fn resampled_medians(values: &[f64], block_len: usize, stream: u64) -> Option<Ve
         let mut times_drawn = vec![0; num_blocks];
         (0..num_blocks).for_each(|_| times_drawn[(rng.unit() * num_blocks as f64) as usize] += 1);
         let num: usize = times_drawn.iter().zip(&block_lens).map(|(times, len)| times * len).sum();
-        let (wanted, mut seen) = (rank(num, 500), 0);
-        let reached = ascending.iter().find(|(_, block)| {
-            seen += times_drawn[*block];
-            seen >= wanted
+        let (mut walked, mut seen) = (ascending.iter(), 0);
+        let mut value = f64::NAN;
+        let [before, after] = middle(num).map(|place| {
+            // All values together are more than there are places, so each place is reached.
+            while seen <= place
+                && let Some((next, block)) = walked.next()
+            {
+                (value, seen) = (*next, seen + times_drawn[*block]);
+            }
+            value
         });
-        // The last value has been counted in, so the rank is reached.
-        reached.map_or(f64::NAN, |(value, _)| *value)
+        f64::midpoint(before, after)
     };
     Some((0..NUM_RESAMPLES).into_par_iter().map(median).collect())
 }
@@ -108,7 +113,7 @@ mod tests {
             let drawn = (0..num_blocks).map(|_| (rng.unit() * num_blocks as f64) as usize);
             let of_block = |block| (0..137).filter(move |at| at * num_blocks / 137 == block);
             let gathered = Sorted::new(drawn.flat_map(of_block).map(|at| values[at]));
-            assert_eq!(Some(*median), gathered.percentile(500));
+            assert_eq!(Some(*median), gathered.median());
         }
         assert_ne!(medians[0], medians[1], "the comparison can fail");
     }

@@ -5,7 +5,7 @@ use super::histogram::histogram;
 use super::page::{self, Page};
 use super::summary::{NO_GPU_TIMES, Summary};
 use super::table::{Table, in_order, ms, percent};
-use crate::timing::percentile::REPORTED_PER_MILLE;
+use crate::timing::percentile::{REPORTED_PER_MILLE, Sorted};
 use crate::timing::{FrameLogFile, LoggedFrame};
 use std::fmt;
 
@@ -70,7 +70,7 @@ impl Comparison {
                 None => Some(gpu_ms),
                 Some(stage) => stages_ms.iter().find(|(name, _)| name == stage).map(|(_, times)| times),
             };
-            times.and_then(|times| times.percentile(500))
+            times.and_then(Sorted::median)
         };
         let difference = |name: &str, stage: Option<&str>| {
             let times = logs.map(|log| times_ms(log, stage));

@@ -10,6 +10,7 @@
 
 mod axis;
 mod bars;
+mod bench_markdown;
 mod bench_page;
 mod bench_results;
 mod bootstrap;
@@ -27,8 +28,9 @@ mod timeline;
 mod walk_page;
 mod worst;
 
+pub use bench_markdown::bench_markdown;
 pub use bench_page::bench_page;
-pub use bench_results::{BenchError, BenchResults, BenchRow, GpuMs};
+pub use bench_results::{BenchError, BenchResults, BenchRow, BytesRead, GpuMs, PaperMs, PaperSays};
 pub use bootstrap::Interval;
 pub use compare::{Comparison, Difference};
 pub use summary::Summary;

@@ -1,4 +1,4 @@
-//! Exact percentiles by the nearest rank.
+//! Exact percentiles by the nearest rank, and the median.
 
 /// The percentiles that reports show, in per mille: 50, 90, 99, 99.9 and the maximum.
 pub const REPORTED_PER_MILLE: [usize; 5] = [500, 900, 990, 999, 1000];
@@ -7,6 +7,13 @@ pub const REPORTED_PER_MILLE: [usize; 5] = [500, 900, 990, 999, 1000];
 #[must_use]
 pub fn rank(num: usize, per_mille: usize) -> usize {
     (num * per_mille.min(1000)).div_ceil(1000).max(1)
+}
+
+/// The place before the middle of `num` ascending values, one or more, and the place after it, counted from 0: the same
+/// where there is a middle one.
+#[must_use]
+pub fn middle(num: usize) -> [usize; 2] {
+    [(num - 1) / 2, num / 2]
 }
 
 /// Values in ascending order.
@@ -27,6 +34,16 @@ impl Sorted {
     #[must_use]
     pub fn percentile(&self, per_mille: usize) -> Option<f64> {
         self.0.get(rank(self.0.len(), per_mille) - 1).copied()
+    }
+
+    /// The one in the middle, or the mean of the two there; `None` if there is no value.
+    #[must_use]
+    pub fn median(&self) -> Option<f64> {
+        if self.0.is_empty() {
+            return None;
+        }
+        let [before, after] = middle(self.0.len()).map(|at| self.0[at]);
+        Some(f64::midpoint(before, after))
     }
 
     /// How many values there are.
@@ -68,6 +85,28 @@ mod tests {
         ) {
             prop_assert_eq!(Sorted::new(values.clone()).percentile(per_mille), naive(&values, per_mille));
         }
+    }
+
+    proptest! {
+        /// As many values lie above the median as below.
+        #[test]
+        fn a_median_halves_its_values(values in prop::collection::vec((-50i32..50).prop_map(f64::from), 1..60)) {
+            let median = Sorted::new(values.clone()).median().unwrap();
+            let [below, above] = [|v: f64, m: f64| v < m, |v: f64, m: f64| v > m]
+                .map(|is| values.iter().filter(|v| is(**v, median)).count());
+            prop_assert!(2 * below <= values.len() && 2 * above <= values.len());
+            let mirrored = Sorted::new(values.iter().map(|v| -v)).median().unwrap();
+            prop_assert_eq!(mirrored, -median);
+        }
+    }
+
+    #[test]
+    fn an_even_number_of_values_has_a_median_between_two() {
+        let four = Sorted::new([8.0, 1.0, 4.0, 2.0]);
+        assert_eq!(four.median(), Some(3.0));
+        assert_eq!(four.percentile(500), Some(2.0), "the nearest rank is one of the values");
+        assert_eq!(Sorted::new([8.0, 1.0, 4.0]).median(), Some(4.0));
+        assert_eq!(Sorted::new([f64::NAN]).median(), None);
     }
 
     #[test]

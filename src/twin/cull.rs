@@ -1,11 +1,13 @@
 //! Twin of `cull`: frustum, precision, and the head in each batch's cells.
 
 use super::sizes::nearest_depth;
+use super::tolerance;
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, NODE_DISCS, NODE_ONE_SIDED,
-    NODE_ROOT, NODE_TRIANGLES, Node, POINTS_COVER, PRECISION_THRESHOLD_PX, SAMPLES_COVER, VISIBLE_DISCS,
-    VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES,
+    MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node, POINTS_COVER,
+    PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
+    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Half as many cells as a box edge has.
@@ -28,10 +30,28 @@ pub fn cull(
         if drawn == 0 {
             return None;
         }
-        let visible = cull_batch(view, num_eyes, batch, node, drawn)?;
-        Some(VisibleBatch { own: own_colors(node, states), drawn, batch: number as u32, ..visible })
+        let (visible, num_slices) = cull_batch(view, num_eyes, batch, node, drawn)?;
+        let own = own_colors(node, states);
+        Some((VisibleBatch { own, drawn, batch: number as u32, ..visible }, num_slices))
     };
-    batches.iter().enumerate().filter_map(one).collect()
+    let mut room = MAX_EXTRA_SLICES;
+    let slices = |(batch, num_slices): (VisibleBatch, u32)| {
+        let num_extra = (num_slices - 1).min(room);
+        room -= num_extra;
+        (0..=num_extra).map(move |slice| {
+            let of_slice = slice << SLICE_SHIFT | num_extra << NUM_SLICES_SHIFT;
+            VisibleBatch { flags: batch.flags | of_slice, ..batch }
+        })
+    };
+    batches.iter().enumerate().filter_map(one).flat_map(slices).collect()
+}
+
+/// Workgroups that draw a batch of triangles.
+fn num_slices(view: &ViewUniform, batch: &Batch, eye: &EyeUniform, depth: f32) -> u32 {
+    let scale = Scale { base: view.step_base };
+    let side_px = scale.length((batch.interval >> 8) as u8) * eye.pixels_per_radian / depth;
+    let num_pixels = (side_px * side_px).min(eye.width as f32 * eye.height as f32);
+    (num_pixels / SLICE_PIXELS as f32).clamp(1.0, MAX_SLICES as f32) as u32
 }
 
 /// How many nodes have visible batches, which are in batch order.
@@ -58,13 +78,14 @@ fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
     node.sample_spacing / (((drawn >> 8) + 1) as f32 / 16_777_216.0).sqrt()
 }
 
+/// The batch, if it is seen, and the workgroups that draw it.
 fn cull_batch(
     view: &ViewUniform,
     num_eyes: usize,
     batch: &Batch,
     node: &Node,
     drawn: u32,
-) -> Option<VisibleBatch> {
+) -> Option<(VisibleBatch, u32)> {
     let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let half_edge = batch.cell.map(|c| c * HALF_CELLS);
     let head_hi = axes(&|i| view.head_hi[i] - batch.min_hi[i]);
@@ -86,6 +107,7 @@ fn cull_batch(
         return None;
     }
     let mut planes = view.forced_planes.max(1);
+    let mut slices = 1;
     for eye in &view.eyes[..num_eyes] {
         let [x, y, z, _] = eye.row_w.map(f32::abs);
         let reach = x * half_edge[0] + y * half_edge[1] + z * half_edge[2];
@@ -93,6 +115,9 @@ fn cull_batch(
         let edge_px = longest * eye.pixels_per_radian / depth;
         if view.forced_planes == 0 {
             planes = planes.max(planes_needed(edge_px));
+        }
+        if node.flags & NODE_TRIANGLES != 0 {
+            slices = slices.max(num_slices(view, batch, eye, depth));
         }
         let corner = axes(&|i| (center[i] - eye.eye_in_head[i]).abs() + half_edge[i]);
         let far = (corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2]).sqrt() / depth;
@@ -115,7 +140,7 @@ fn cull_batch(
     if planes == 3 {
         offset = axes(&|i| offset[i] + 0.5 * batch.cell[i]);
     }
-    Some(VisibleBatch {
+    let visible = VisibleBatch {
         head_cell,
         first_point: batch.first_point,
         offset,
@@ -128,7 +153,8 @@ fn cull_batch(
         batch: 0,
         reserved: [0; 3],
         sample_spacing,
-    })
+    };
+    Some((visible, slices))
 }
 
 fn is_needed(
@@ -147,10 +173,14 @@ fn is_needed(
     let near: [f32; 3] = std::array::from_fn(|i| (from_eye[i].abs() - half_edge[i]).max(0.0));
     let far: [f32; 3] = std::array::from_fn(|i| from_eye[i].abs() + half_edge[i]);
     let scale = Scale { base: view.step_base };
-    let step = |share: f32, distance: f32| u32::from(scale.step_below(share * eye.tolerance_rad * distance));
-    if step(1.0 - SLACK, dot(near, near).sqrt()) >= batch.interval >> 8
-        || step(1.0 + SLACK, dot(far, far).sqrt()) < batch.interval & 255
-    {
+    let step = |tolerance: f32| u32::from(scale.step_below(tolerance));
+    let farthest = dot(far, far).sqrt();
+    let change = tolerance::steepest(view, eye) * dot(half_edge, half_edge).sqrt();
+    let middle = tolerance::of(view, eye, from_eye);
+    let least = (eye.tolerance_rad * dot(near, near).sqrt()).max(middle - change);
+    let most = (tolerance::outer_rad(view, eye) * farthest).min(middle + change);
+    let slack = SLACK * tolerance::outer_rad(view, eye) * farthest;
+    if step((least - slack).max(0.0)) >= batch.interval >> 8 || step(most + slack) < batch.interval & 255 {
         return false;
     }
     if node.flags & NODE_ONE_SIDED == 0 {

@@ -12,6 +12,7 @@ pub mod points;
 pub mod resolve;
 pub mod rings;
 mod sizes;
+pub mod tolerance;
 pub mod triangles;
 
 use crate::cloud::Cloud;
@@ -116,7 +117,8 @@ impl Frame {
     /// Points in the batches drawn.
     #[must_use]
     pub fn points_read(&self) -> u64 {
-        self.visible.iter().map(|v| u64::from(v.num_points)).sum()
+        let batches = self.visible.chunk_by(|a, b| a.batch == b.batch);
+        batches.map(|slices| u64::from(slices[0].num_points)).sum()
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::cull::shares;
 use super::rings::ring;
+use super::tolerance;
 use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, PLANE_BITS, POINTS_COVER, SAMPLES_COVER,
-    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, MAX_SLICES, PLANE_BITS, POINTS_COVER,
+    SAMPLES_COVER, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -40,7 +41,10 @@ pub fn points(
 ) {
     for batch in visible {
         if let Some(shapes) = shapes.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {
-            triangles(view, num_eyes, batch, planes, shapes, put);
+            // One slice for all of them.
+            if batch.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0 {
+                triangles(view, num_eyes, batch, planes, shapes, put);
+            }
             continue;
         }
         for i in 0..batch.num_points {
@@ -64,7 +68,7 @@ pub fn points(
             let length = disc.map_or(spacing, |disc| disc.diameter);
             let apart = if is_disc { Apart::Discs(length) } else { Apart::Points(length) };
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
-                let is_chosen = disc.is_none_or(|disc| disc.is_chosen(uniform, p_in_head));
+                let is_chosen = disc.is_none_or(|disc| disc.is_chosen(view, uniform, p_in_head));
                 if batch.flags & 16 << eye == 0 || !is_chosen {
                     continue;
                 }
@@ -144,9 +148,9 @@ impl Disc {
         Self { scale, interval: (from, until), diameter: scale.length(diameter) }
     }
 
-    fn is_chosen(&self, eye: &EyeUniform, p_in_head: [f32; 3]) -> bool {
-        let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
-        let step = self.scale.step_below(eye.tolerance_rad * (x * x + y * y + z * z).sqrt());
+    fn is_chosen(&self, view: &ViewUniform, eye: &EyeUniform, p_in_head: [f32; 3]) -> bool {
+        let from_eye = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
+        let step = self.scale.step_below(tolerance::of(view, eye, from_eye));
         self.interval.0 <= step && step < self.interval.1
     }
 }

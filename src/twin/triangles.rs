@@ -1,6 +1,7 @@
 //! Twin of `triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
 
 use super::points::{Put, cells, p_in_head};
+use super::tolerance;
 use crate::cloud::spt::Scale;
 use crate::layout::{EyeUniform, TRIANGLE_SLACK_PX, ViewUniform, VisibleBatch};
 
@@ -100,12 +101,10 @@ impl Triangle {
         let points = [a, b, c].map(|corner| batch.first_point + u32::from(corner));
         let words = |point: u32| planes.map(|plane| plane[point as usize]);
         let corners = points.map(|point| p_in_head(batch, cells(3, words(point))));
-        let distance_sq = corners.map(|p| {
-            let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p[i] - eye.eye_in_head[i]);
-            x * x + y * y + z * z
-        });
+        let tolerance =
+            corners.map(|p| tolerance::of(view, eye, std::array::from_fn(|i| p[i] - eye.eye_in_head[i])));
         let scale = Scale { base: view.step_base };
-        if scale.step_below(eye.tolerance_rad * least(distance_sq).sqrt()) >= step {
+        if scale.step_below(least(tolerance)) >= step {
             return None;
         }
         let row = |r: [f32; 4]| corners.map(|[x, y, z]| r[0] * x + r[1] * y + r[2] * z + r[3]);

@@ -117,7 +117,11 @@ pub struct Canvas {
 
 impl Canvas {
     pub fn new(sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
-        let gpu = gpu();
+        Self::on(gpu(), sizes_px, look, atomics)
+    }
+
+    /// On another device.
+    pub fn on(gpu: Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
         let color_format = wgpu::TextureFormat::Rgba8UnormSrgb;
         let setup = Setup { sizes_px: sizes_px.to_vec(), color_format, depth_format: None, atomics };
         let renderer = Renderer::new(&gpu, setup, look).expect("renderer");
@@ -176,7 +180,7 @@ impl Canvas {
             bytemuck::pod_read_unaligned(&read(counters)[..size_of::<CullCounters>()]);
         let mut visible: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&read(visible[0]));
         visible.truncate(counters.num_visible as usize);
-        visible.sort_by_key(|v| v.batch);
+        visible.sort_by_key(|v| (v.batch, v.flags));
         let targets = self.renderer.targets();
         let finished =
             (0..view.eyes.len()).map(|eye| of_eye(&read(self.renderer.pixels(eye)), targets.drawn_px[eye]));

@@ -1,9 +1,10 @@
-//! The list as a cloud: runs cut into batches, quantised, with a word for each disc's interval and size beside its
+//! The list as a cloud: its parts as batches, quantised, with a word for each disc's interval and size beside its
 //! color; and triangles, cut into batches of their own.
 
 use super::clusters::{Cone, cone_of};
 use super::meshlets::{Meshlet, meshlets};
-use super::sequence::{MAX_SPREAD, Sequence, Shape, octave};
+use super::parts::MAX_DISCS;
+use super::sequence::{MAX_SPREAD, Part, Sequence, Shape};
 use super::steps::Scale;
 use super::tree::PointTree;
 use crate::cloud::quantize::{Cells, planes};
@@ -14,14 +15,7 @@ use crate::space::{Bounds, Split};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A batch ends with its octave, unless it is smaller than this or an eighth of its run: within an octave, points that
-/// follow each other are neighbours.
-const MIN_BATCH_POINTS: u32 = 2048;
-/// What a batch has at least, however short its run: a few discs a thread.
-const MIN_RUN_BATCH_POINTS: u32 = 256;
-/// Discs of a batch. Fewer than the GPU allows, for smaller boxes: a batch is all that is culled.
-const MAX_BATCH_POINTS: u32 = 4096;
-const _: () = assert!(MAX_BATCH_POINTS <= BATCH_POINTS);
+const _: () = assert!(MAX_DISCS <= BATCH_POINTS as usize);
 
 /// A sequential point tree as the GPU wants it.
 #[derive(Clone, Debug)]
@@ -113,14 +107,10 @@ impl SequentialCloud {
     pub fn new(tree: &PointTree, sequence: &Sequence, progress: &Progress) -> Result<Self, BuildError> {
         let meshlets = meshlets(tree, &sequence.scale);
         let mut plans = Plans::default();
-        let mut run_starts = Vec::new();
-        for run in &sequence.runs {
-            run_starts.push(plans.plans.len() as u32);
-            for entries in cut(&sequence.shapes, run.entries.clone()) {
-                plans.push(&sequence.nodes[entries.clone()], Beside::Discs(&sequence.shapes[entries]));
-            }
+        for part in &sequence.parts {
+            let entries = part.entries.clone();
+            plans.push(&sequence.nodes[entries.clone()], Beside::Discs(&sequence.shapes[entries]));
         }
-        run_starts.push(plans.plans.len() as u32);
         meshlets.iter().for_each(|meshlet| plans.push(&meshlet.nodes, Beside::Triangles(meshlet)));
         let Plans { plans, size } = plans;
         let num_points = tree.nodes.last().map_or(0, |root| root.num_points);
@@ -140,11 +130,14 @@ impl SequentialCloud {
             let of_run = &filled[batches.start as usize..batches.end as usize];
             of_run.iter().fold(Bounds::EMPTY, |b, (_, bounds)| b.union(*bounds))
         };
-        let of_discs = sequence.runs.iter().zip(run_starts.windows(2)).map(|(run, starts)| {
-            let batches = starts[0]..starts[1];
-            let behind = run.cluster.and_then(|cluster| cone_of(cluster).behind(f64::from(MAX_SPREAD)));
-            BatchRun { bounds: bounds_of(&batches), batches, behind, has_triangles: false }
-        });
+        let of_cluster = |end: &mut u32, parts: &[Part]| {
+            let batches = *end..*end + parts.len() as u32;
+            *end = batches.end;
+            let behind = parts[0].cluster.and_then(|cluster| cone_of(cluster).behind(f64::from(MAX_SPREAD)));
+            Some(BatchRun { bounds: bounds_of(&batches), batches, behind, has_triangles: false })
+        };
+        let clusters = sequence.parts.chunk_by(|a, b| a.cluster == b.cluster);
+        let of_discs = clusters.scan(0, of_cluster);
         let batches = plans.len() as u32 - meshlets.len() as u32..plans.len() as u32;
         let of_triangles = (!batches.is_empty()).then(|| BatchRun {
             bounds: bounds_of(&batches),
@@ -166,22 +159,6 @@ impl SequentialCloud {
         };
         Ok(Self { cloud, shapes, scale: sequence.scale, intervals, runs, num_points: u64::from(num_points) })
     }
-}
-
-/// A run's entries, batch by batch.
-fn cut(shapes: &[Shape], run: Range<usize>) -> Vec<Range<usize>> {
-    let mut batches = Vec::new();
-    let mut start = run.start;
-    let min_points = (run.len() as u32 / 8).clamp(MIN_RUN_BATCH_POINTS, MIN_BATCH_POINTS);
-    for entry in run.clone() {
-        let (num_points, next) = ((entry + 1 - start) as u32, shapes[..run.end].get(entry + 1));
-        let falls = next.is_none_or(|next| octave(next.max) < octave(shapes[entry].max));
-        if num_points == MAX_BATCH_POINTS || falls && num_points >= min_points || entry + 1 == run.end {
-            batches.push(start..entry + 1);
-            start = entry + 1;
-        }
-    }
-    batches
 }
 
 /// Fills the planes, the colors and the shapes, and tells each batch with its true box.

@@ -164,8 +164,8 @@ pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
 /// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
 /// grow on the way from the disc's centre to any of its points, which are within `radius`. And a step less: GPUs find
 /// corners and discs where different grids of cells put them.
-pub(super) fn first_step(scale: &Scale, floor: u8, radius: f64, max_tolerance_rad: f64) -> u8 {
-    let length = f64::from(scale.length(floor)) - max_tolerance_rad * radius;
+pub(super) fn first_step(scale: &Scale, floor: u8, radius: f64, max_slope: f64) -> u8 {
+    let length = f64::from(scale.length(floor)) - max_slope * radius;
     scale.step_below(length.max(0.0) as f32).saturating_sub(1)
 }
 

@@ -81,13 +81,13 @@ proptest! {
         num_loose in 0usize..30,
         seed: u32,
         eye in [-5.0f64..15.0, -5.0f64..15.0, -5.0f64..15.0],
-        max_tolerance_rad in prop::sample::select(vec![MAX_TOLERANCE_RAD, WIDE_RAD]),
+        max_slope in prop::sample::select(vec![MAX_TOLERANCE_SLOPE, WIDE_RAD]),
         share in 0.001f64..=1.0,
     ) {
         let tree = tree_of(&mesh(edge, num_loose, seed));
-        let sequence = Sequence::new(&tree, max_tolerance_rad);
+        let sequence = Sequence::new(&tree, max_slope);
         let shapes = shapes(&tree, &sequence);
-        let tolerance = from_eye(&tree, eye.into(), share * max_tolerance_rad);
+        let tolerance = from_eye(&tree, eye.into(), share * max_slope);
         prop_assert_eq!(num_lost(&tree, &sequence, &shapes, &tolerance), 0);
     }
 
@@ -98,13 +98,13 @@ proptest! {
         num_loose in 0usize..9,
         seed: u32,
         eye in [-5.0f64..15.0, -5.0f64..15.0, -5.0f64..15.0],
-        max_tolerance_rad in prop::sample::select(vec![MAX_TOLERANCE_RAD, WIDE_RAD]),
+        max_slope in prop::sample::select(vec![MAX_TOLERANCE_SLOPE, WIDE_RAD]),
         share in 0.001f64..=1.0,
     ) {
         let tree = tree_of(&mesh(edge, num_loose, seed));
-        let with = Sequence::new(&tree, max_tolerance_rad);
-        let without = Sequence::new(&PointTree { triangles: vec![], ..tree.clone() }, max_tolerance_rad);
-        let tolerance = from_eye(&tree, eye.into(), share * max_tolerance_rad);
+        let with = Sequence::new(&tree, max_slope);
+        let without = Sequence::new(&PointTree { triangles: vec![], ..tree.clone() }, max_slope);
+        let tolerance = from_eye(&tree, eye.into(), share * max_slope);
         let drawn = are_drawn(&tree, &with.scale, &tolerance);
         let (with_shapes, without_shapes) = (shapes(&tree, &with), shapes(&tree, &without));
         for leaf in leaves(&tree) {
@@ -172,7 +172,7 @@ fn a_degenerate_triangle_is_none_and_its_points_stay() {
     scan.files[0].triangles = vec![[0, 1, 2], [3, 3, 4], [0, 1, 99], [0, 3, 4]];
     let tree = tree_of(&scan);
     assert_eq!(tree.triangles.len(), 1);
-    let sequence = Sequence::new(&tree, MAX_TOLERANCE_RAD);
+    let sequence = Sequence::new(&tree, MAX_TOLERANCE_SLOPE);
     let floors = mesh::floors(&tree, &sequence.scale);
     let mut with_floor = leaves(&tree).filter(|&leaf| floors[leaf] > 0).count();
     assert_eq!(with_floor, 3);
@@ -216,7 +216,7 @@ fn files_with_and_without_triangles_mix() {
     );
     let (num_mesh, num_all) = (81, 381);
     let tree = tree_of(&scan);
-    let sequence = Sequence::new(&tree, MAX_TOLERANCE_RAD);
+    let sequence = Sequence::new(&tree, MAX_TOLERANCE_SLOPE);
     let floors = mesh::floors(&tree, &sequence.scale);
     assert_eq!(leaves(&tree).filter(|&leaf| floors[leaf] > 0).count(), num_mesh);
     assert_eq!(leaves(&tree).count(), num_all);

@@ -21,13 +21,18 @@
 //! **Order.** Sorted by `max`, entries lose their neighbours: any stretch of them is spread all over the cloud, and
 //! none can be culled [SPT §3.7]. The list is therefore sorted by the octave of `max` alone, and in Morton order
 //! inside of each: a batch of it has a small box and an interval of its own, and is culled by both. In a scan of four
-//! million points seen from within, half as many are read as in the paper's order. Lengths are kept in
+//! million points seen from within, half as many are read as in the paper's order. Discs that are drawn however near the
+//! eye is have batches of their own ([`parts`]). Lengths are kept in
 //! steps of an eighth of an octave ([`Scale`]), so that a disc's interval and size are three bytes.
+//!
+//! **Fovea.** Between the inner and the middle ring's ends ε grows by as much as the octree's thresholds do, smoothly,
+//! whatever the settings say of rings: a step in it would be a hole, for which no overlap is wide enough.
 //!
 //! **Sides.** A point's normal is its file's; else the mean of its triangles', by their areas; else estimated from
 //! neighbours ([`normals`]), and then which side of a surface was seen is unknown: the normal is an axis. Axes are
 //! turned into one hemisphere before they are averaged, and nothing is culled for facing away. Where sides are known
-//! and wanted, the list is cut into one run for each of the clusters of [SPT §3.10], see [`clusters`]. Files with and
+//! and wanted, batches are of one of the clusters of [SPT §3.10] where they have enough discs of it, see [`clusters`] and
+//! [`parts`]; the paper cuts the whole list by them, which from afar reads a batch for each. Files with and
 //! without may mix: a disc has a side if all of its points have. Sides are wanted only on request, since files'
 //! normals are often wrong; without, they are axes too.
 //!
@@ -42,8 +47,7 @@
 //! nearest comes first the two are the same but for rounding; the proposal depends on the order, and in the list's a
 //! tenth of a courtyard's pixels differ, on the mean of all by 0.9 of 255 (`tests/fuzzy.rs`).
 //!
-//! Left out: the test with view-dependent error, which the paper found to gain nothing [SPT §3.7]; more than one
-//! workgroup for a triangle, however many pixels it covers.
+//! Left out: the test with view-dependent error, which the paper found to gain nothing [SPT §3.7].
 
 mod batches;
 pub mod clusters;
@@ -55,6 +59,7 @@ mod mesh_tests;
 mod meshlets;
 mod neighbors;
 pub mod normals;
+mod parts;
 mod sequence;
 mod steps;
 #[cfg(test)]
@@ -63,7 +68,7 @@ mod tree;
 
 pub use batches::{BatchRun, SequentialCloud};
 pub use mesh::Triangle;
-pub use sequence::{Run, Sequence, Shape};
+pub use sequence::{Part, Sequence, Shape};
 pub use steps::Scale;
 pub use tree::{Node, PointTree};
 
@@ -73,9 +78,13 @@ use super::index::Index;
 use crate::progress::Progress;
 use crate::scan::Scan;
 
-/// The radians that the tolerance may span at most: ε / pixels per radian. The overlap of neighbouring intervals is
-/// made for it, so that a surface seen from different distances has no holes [SPT §3.6].
+/// The radians that the tolerance may span at most where the eye looks: ε / pixels per radian.
 pub const MAX_TOLERANCE_RAD: f64 = 1.0 / 128.0;
+
+/// The most that the tolerance may grow by from one place to another, as a share of their distance: it grows with the
+/// distance from the eye, and with the angle from the gaze. The overlap of neighbouring intervals is made for it, so that
+/// a surface seen at different distances and angles has no holes [SPT §3.6].
+pub const MAX_TOLERANCE_SLOPE: f64 = 1.0 / 64.0;
 
 /// Largest number of points: at most twice as many discs, and ids of 32 bits, two for each.
 const MAX_POINTS: usize = 1_000_000_000;
@@ -105,7 +114,7 @@ pub fn build_spt(
     progress: &Progress,
 ) -> Result<SequentialCloud, BuildError> {
     let tree = build_point_tree(scan, cull_backfaces, progress)?;
-    let sequence = Sequence::new(&tree, MAX_TOLERANCE_RAD);
+    let sequence = Sequence::new(&tree, MAX_TOLERANCE_SLOPE);
     SequentialCloud::new(&tree, &sequence, progress)
 }
 

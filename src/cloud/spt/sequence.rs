@@ -1,9 +1,9 @@
 //! The tree as a list: an interval of tolerance for each disc, sorted [SPT §3.6, 3.7].
 
 use super::clusters::{NUM_CLUSTERS, cluster_of};
-use super::mesh;
 use super::steps::{ENDLESS, Scale};
 use super::tree::PointTree;
+use super::{mesh, parts};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -32,9 +32,9 @@ impl Shape {
     }
 }
 
-/// A part of the list with its own order: discs that face the same way.
+/// A batch of the list: discs that are culled together.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Run {
+pub struct Part {
     /// The directions that its discs' normals have; `None` for discs that may be seen from any side.
     pub cluster: Option<u8>,
     /// Its entries in the list.
@@ -48,68 +48,53 @@ pub struct Sequence {
     pub scale: Scale,
     /// Number of each entry's node. Nodes that no tolerance draws have none.
     pub nodes: Vec<u32>,
-    /// Of each entry; the octave of `max` falls within a run, and entries of one stand in Morton order.
+    /// Of each entry.
     pub shapes: Vec<Shape>,
-    /// One where no normal has a side, else one for each direction that there is, and one for discs without side.
-    pub runs: Vec<Run>,
+    /// All entries, each in one; sorted by cluster, those without the last, then by the octave of the largest `max`,
+    /// falling.
+    pub parts: Vec<Part>,
 }
 
 /// Discs whose points' normals lie further apart than this, in radians, have no side. The more is allowed, the fewer
 /// clusters face away.
 pub const MAX_SPREAD: f32 = 0.15;
 /// Order of the discs without side.
-const NO_CLUSTER: u8 = NUM_CLUSTERS as u8;
+pub(super) const NO_CLUSTER: u8 = NUM_CLUSTERS as u8;
 
 impl Sequence {
-    /// Flattens a tree. `max_tolerance_rad` is the largest that the tolerance may be of a point's distance
-    /// ([`super::MAX_TOLERANCE_RAD`]); with 0, intervals do not overlap, which is right where the tolerance is the
+    /// Flattens a tree. `max_slope` is the most that the tolerance may grow by on a way of length 1
+    /// ([`super::MAX_TOLERANCE_SLOPE`]); with 0, intervals do not overlap, which is right where the tolerance is the
     /// same everywhere.
     ///
     /// Memory: 7 B a node to keep, 16 to sort.
     #[must_use]
-    pub fn new(tree: &PointTree, max_tolerance_rad: f64) -> Self {
+    pub fn new(tree: &PointTree, max_slope: f64) -> Self {
         let largest = tree.nodes.last().map_or(0.0, |root| root.diameter);
         let scale = Scale::up_to(largest);
         let floors = mesh::floors(tree, &scale);
         let shape = |number: usize| {
-            let shape = shape(tree, &scale, max_tolerance_rad, number);
+            let shape = shape(tree, &scale, max_slope, number);
             let floor = floors.get(number).copied().unwrap_or(0);
             let radius = 0.5 * f64::from(tree.nodes[number].diameter);
-            Shape { min: shape.min.max(mesh::first_step(&scale, floor, radius, max_tolerance_rad)), ..shape }
+            Shape { min: shape.min.max(mesh::first_step(&scale, floor, radius, max_slope)), ..shape }
         };
-        let cluster = |number: usize| {
-            let node = &tree.nodes[number];
+        let cluster = |node: u32| {
+            let node = &tree.nodes[node as usize];
             if node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
         };
-        // Cluster, then octaves from the largest on, then Morton order.
+        // Octaves from the largest on, then Morton order.
         let key = |number: usize| {
             let Shape { min, max, .. } = shape(number);
-            let falling = u64::from(u8::MAX - octave(max));
-            (min < max).then(|| u64::from(cluster(number)) << 40 | falling << 32 | number as u64)
+            (min < max).then(|| u64::from(u8::MAX - octave(max)) << 32 | number as u64)
         };
         let mut keys: Vec<u64> = (0..tree.nodes.len()).into_par_iter().filter_map(key).collect();
         keys.par_sort_unstable();
-        let runs = keys.chunk_by(|a, b| a >> 40 == b >> 40).scan(0, |end, run| {
-            let start = *end;
-            *end += run.len();
-            let cluster = (run[0] >> 40) as u8;
-            Some(Run { cluster: (cluster != NO_CLUSTER).then_some(cluster), entries: start..*end })
-        });
-        let runs = runs.collect();
         let nodes: Vec<u32> = keys.into_par_iter().map(|key| key as u32).collect();
-        let shapes = nodes.par_iter().map(|&node| shape(node as usize)).collect();
-        Self { scale, nodes, shapes, runs }
-    }
-
-    /// The entries of a run that may be drawn where the tolerance is at least `step` everywhere: the tolerance at
-    /// the cloud's nearest point [SPT §3.7]. It ends with an octave.
-    #[must_use]
-    pub fn prefix(&self, run: &Run, step: u8) -> Range<usize> {
-        let start = run.entries.start;
-        start
-            ..start
-                + self.shapes[run.entries.clone()]
-                    .partition_point(|shape| octave(shape.max) >= octave(step + 1))
+        let shapes: Vec<Shape> = nodes.par_iter().map(|&node| shape(node as usize)).collect();
+        let entries: Vec<(u32, Shape)> = nodes.into_iter().zip(shapes).collect();
+        let (entries, parts) = parts::parts(entries, &cluster);
+        let (nodes, shapes) = entries.into_iter().unzip();
+        Self { scale, nodes, shapes, parts }
     }
 }
 
@@ -121,12 +106,12 @@ pub(super) fn octave(step: u8) -> u8 {
 /// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow
 /// on the way from the parent's centre to the node's: a parent that is just too near to be drawn then never leaves a
 /// hole [SPT §3.6].
-fn shape(tree: &PointTree, scale: &Scale, max_tolerance_rad: f64, number: usize) -> Shape {
+fn shape(tree: &PointTree, scale: &Scale, max_slope: f64, number: usize) -> Shape {
     let node = &tree.nodes[number];
     let max = tree.parent(number).map_or(ENDLESS, |parent| {
         let begin = scale.length(scale.step(tree.nodes[parent].error));
         let distance = (tree.position(parent) - tree.position(number)).length();
-        let overlap = max_tolerance_rad * distance;
+        let overlap = max_slope * distance;
         scale.step(if overlap > 0.0 { (f64::from(begin) + overlap) as f32 } else { begin })
     });
     Shape { min: scale.step(node.error), max, diameter: scale.step(node.diameter) }

@@ -1,0 +1,50 @@
+// What a way of drawing does, counted rather than timed: for `bench`, which draws a frame of its own with it. Each
+// workgroup has a bin, so that few threads meet in one; the host adds the bins up. Struct layout::Counts.
+
+@group(0) @binding(18) var<storage, read_write> count_bins: array<array<atomic<u32>, 8>, COUNT_BINS>;
+
+/// True once the point at hand has asked for a pixel.
+var<private> has_asked: bool;
+
+fn add_count(kind: u32, amount: u32) {
+    atomicAdd(&count_bins[this_group % COUNT_BINS][kind], amount);
+}
+
+// A point, disc or triangle is done: it was drawn if it has asked.
+fn count_point() {
+    if has_asked {
+        add_count(0u, 1u);
+        has_asked = false;
+    }
+}
+
+// Threads that draw a triangle together count it once.
+fn count_once(is_first: bool) {
+    has_asked = has_asked || is_first;
+    if is_first {
+        count_point();
+    }
+    has_asked = false;
+}
+
+// An atomic, or a write, for a pixel.
+fn count_ask() {
+    has_asked = true;
+    add_count(1u, 1u);
+}
+
+// A pixel's word was loaded, to see whether it is worth an atomic.
+fn count_look() {
+    add_count(2u, 1u);
+}
+
+// A point's color was loaded.
+fn count_color() {
+    add_count(3u, 1u);
+}
+
+// Discs of a turn that the tolerance draws, in the picture or not.
+fn count_chosen(chosen: vec4<bool>) {
+    let ones = select(vec4<u32>(0u), vec4<u32>(1u), chosen);
+    add_count(4u, ones.x + select(ones.y + ones.z + ones.w, 0u, BASIC));
+}

@@ -1,0 +1,8 @@
+// Nothing is counted but for `bench`: see counts.inc.wgsl.
+
+fn count_point() {}
+fn count_once(is_first: bool) {}
+fn count_ask() {}
+fn count_look() {}
+fn count_color() {}
+fn count_chosen(chosen: vec4<bool>) {}
