@@ -424,11 +424,11 @@ fn float_means_are_exact() {
     let text = shaders::source("blend-dilate", Variant::eyes(1));
     assert!(text.contains(&format!("MAX_MEAN_COUNT: u32 = {max_count}u")), "the shader's limit");
     assert!(weights * weights < max_count, "what `dilate` divides by");
-    let mean = |sum: u32, count: u32, units: i32| {
-        let quotient = ((sum + count / 2) as f32 + 0.5) / count as f32;
-        let steps = units.unsigned_abs() as usize;
-        let step = if units < 0 { f32::next_down } else { f32::next_up };
-        (0..steps).fold(quotient, |q, _| step(q)) as u32
+    // Of the true quotient, so many units in the last place off.
+    let mean = |sum: u32, count: u32, units: f64| {
+        let quotient = (f64::from(sum + count / 2) + 0.5) / f64::from(count);
+        let unit = f64::from((quotient as f32).next_up()) - f64::from(quotient as f32);
+        (quotient + units * unit) as u32
     };
     let mut is_wrong_by_more = false;
     for count in 1..max_count {
@@ -438,11 +438,10 @@ fn float_means_are_exact() {
             let last = (value * count + (count - 1) / 2).min(255 * count);
             for sum in [first, last] {
                 let want = (sum + count / 2) / count;
-                // The quotient here is right to half a unit.
-                for units in [-3, 0, 3] {
+                for units in [-2.5, 0.0, 2.5] {
                     assert_eq!(mean(sum, count, units), want, "{sum} / {count}, {units} units off");
                 }
-                is_wrong_by_more |= mean(sum, count, 6) != want || mean(sum, count, -6) != want;
+                is_wrong_by_more |= mean(sum, count, 6.0) != want || mean(sum, count, -6.0) != want;
             }
         }
     }

@@ -109,13 +109,18 @@ fn las(num_points: u32) -> Vec<u8> {
 }
 
 fn frame_log() -> String {
-    let columns = scanwalk::timing::columns::names().join(",");
-    let rows: String = (0..20)
-        .map(|frame| {
-            format!("{frame},{}{}\n", frame as f64 / 100.0, ",1".repeat(columns.matches(',').count() - 1))
-        })
-        .collect();
-    format!("{}, version 0.1.0\n# scan: yard.laz\n{columns}\n{rows}", scanwalk::timing::columns::TITLE)
+    let columns = scanwalk::timing::columns::names();
+    let rows = (0..20).map(|frame| {
+        let value = |name: &String| match name.as_str() {
+            "frame" => frame.to_string(),
+            "time_s" => (f64::from(frame) / 100.0).to_string(),
+            "phase" => "walking".to_string(),
+            _ => "1".to_string(),
+        };
+        columns.iter().map(value).collect::<Vec<_>>().join(",") + "\n"
+    });
+    let (title, rows) = (scanwalk::timing::columns::TITLE, rows.collect::<String>());
+    format!("{title}, version 0.1.0\n# scan: yard.laz\n{}\n{rows}", columns.join(","))
 }
 
 #[test]
@@ -199,7 +204,8 @@ fn endings_that_say_something_else_are_refused() {
         "scanwalk render missing.las -o x",
         "scanwalk render missing.las -o x.png.bak",
         "scanwalk report missing.csv -o report",
-        "scanwalk bench -o tables.md",
+        "scanwalk bench -o tables.pdf",
+        "scanwalk report frames.csv -o page.md",
         "scanwalk synth aerial -o x.e57",
         "scanwalk synth aerial -o x",
         "scanwalk synth aerial -o x.ply",

@@ -264,9 +264,10 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     let octree = |scan: &Scan| build_octree(scan, &Progress::hidden(), &mut |_, _| ()).unwrap();
     let (far, near) = (octree(&far), octree(&near));
     let positions = sorted(drawn(&far.cloud));
-    // The root's cube is as wide as everything: the point or two of the scene that it takes are coarser.
-    let moved = positions.iter().filter(|&p| (*p - rounded(p)).abs().max_element() > 1e-7).count();
-    assert!(positions.len() == truth.len() && moved <= 8, "{moved}");
+    // Cells are shares of a node's cube, and the root's is as wide as everything: the point or two of the scene that it
+    // takes are millimetres off. Below it all are right to micrometres.
+    let moved = positions.iter().filter(|&p| (*p - rounded(p)).abs().max_element() > 2e-6).count();
+    assert!(positions.len() == truth.len() && moved <= 2, "{moved}");
     // The tree reaches as far down into the scene, with not many more nodes.
     let finest = |octree: &scanwalk::cloud::octree::Octree| {
         octree.nodes.iter().map(|node| node.edge).fold(f64::INFINITY, f64::min)
@@ -351,8 +352,5 @@ fn coordinates_that_nothing_has_name_their_file() {
     let files = Files::new();
     let path = files.save("broken.las", &las_bytes(&building(10, 1e30), 0, false, 1e24, |_, _| ()));
     let error = scan::read(&[path], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
-    assert!(
-        error.contains("broken.las: has points 9") || error.contains("broken.las: has points 8"),
-        "{error}"
-    );
+    assert!(error.contains("broken.las: has points ") && error.contains("e29 units from zero"), "{error}");
 }

@@ -152,9 +152,9 @@ mod tests {
         assert_eq!(tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
         left[3 * 19] ^= 1 << 15;
         assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
-        // Dilation reaches three pixels to the left of column 31, which is in the next tile.
+        // Column 31 is in the next tile, and dilation there reaches three pixels to the left, into this one.
         left[3 * 19] ^= 1 << 15 | 1 << 31;
-        assert_eq!(tiles(size, &left), [1, 2, 1 << 16 | 1, 2 | 1 << 16]);
+        assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
         left[3 * 19 + 1] = 0;
         left[3 * 19] = u32::MAX;
         assert_eq!(tiles(size, &left), [1, 2, 1 << 16 | 1, 2 | 1 << 16]);

@@ -47,8 +47,8 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
             .filter(|(row, _)| group(row) == wanted)
             .map(|(_, bar)| bar.clone())
             .collect();
-        let model = if model.is_empty() { String::new() } else { format!("{model}, viewpoint ") };
-        let described = format!("{model}{viewpoint}, order {order}, {} points", count(points));
+        let model = if model.is_empty() { String::new() } else { format!("{model}, ") };
+        let described = format!("{model}viewpoint {viewpoint}, order {order}, {} points", count(points));
         page.add(page::figure(bars(&described, "milliseconds a frame", axis, &bars_of), &described));
     }
     page.add(page::figure(

@@ -1,3 +1,5 @@
+//! Tests of how bright white is.
+
 use super::*;
 
 /// Colors of a scene: what 16-bit channels would be, `darkness` of full brightness at most, some of it cut off.

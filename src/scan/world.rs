@@ -226,10 +226,13 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
     if in_range && has_extent && is_needle && has_decimals {
         return Some(Axes::Geographic(Angle::Degree));
     }
-    // No survey has heights of 20 km.
-    let p = median(samples(file).collect());
-    let height_m = Geodetic::of_geocentric(p).height_m;
-    (p.z.abs() > 20_000.0 && (-1000.0..9000.0).contains(&height_m)).then_some(Axes::Geocentric)
+    // No survey has heights of 20 km, and by chance the middle may be as far from zero as the ground is, but not all else.
+    let is_on_ground = |&p: &DVec3| (-1000.0..9000.0).contains(&Geodetic::of_geocentric(p).height_m);
+    let places: Vec<DVec3> = samples(file).collect();
+    let are_most = || 5 * places.iter().filter(|p| is_on_ground(p)).count() >= 4 * places.len();
+    let middle = median(places.clone());
+    let is_evident = middle.z.abs() > 20_000.0 && is_on_ground(&middle) && are_most();
+    is_evident.then_some(Axes::Geocentric)
 }
 
 /// Some points of a file, evenly over it, in its coordinates.

@@ -277,8 +277,8 @@ fn splats_are_points_with_their_own_color_and_without_fog() {
     );
     assert!(file.format.ends_with(", Gaussian splat"), "{}", file.format);
     // If all are faint, they are all that can be seen.
-    let (file, warnings) = read_one(&splats(&[faint, faint]));
-    assert_eq!((file.points.xyz.len(), warnings.len()), (2, 0));
+    let (file, warnings) = read_one(&splats(&[faint, ([8.0, 9.0, 9.0], [0.0; 3], -4.0)]));
+    assert_eq!((file.points.xyz.len(), warnings.len()), (2, 0), "{warnings:?}");
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn the_page_shows_every_row_and_what_it_stands_beside() {
     for expected in [
         "Benchmarks on some GPU",
         "12.5 GB/s",
-        "Viewpoint overview, order original, 4 000 000 points",
+        "viewpoint overview, order original, 4 000 000 points",
         "logarithmic",
         "20.0 ms; paper 13.3 on RTX 3090",
         "0.50 ms<",

@@ -57,7 +57,7 @@ impl Scene {
     }
 }
 
-/// A ball of 3 cm, pure red, which nothing else in the scene is.
+/// A ball of 3 cm, pure red, which nothing else in the scene is. Of one value alone it would count as not colored.
 fn write_ball(path: &Path, center: DVec3) {
     let mut header = las::Builder::from((1, 2));
     header.point_format = las::point::Format::new(2).expect("format 2");
@@ -70,7 +70,7 @@ fn write_ball(path: &Path, center: DVec3) {
         let z = 1.0 - 2.0 * (f64::from(step) + 0.5) / 20_000.0;
         let (radius, angle) = ((1.0 - z * z).sqrt(), 2.399_963 * f64::from(step));
         let p = center + 0.03 * DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
-        let color = Some(las::Color { red: 65535, green: 0, blue: 0 });
+        let color = Some(las::Color { red: 65535 - (step % 2) as u16, green: 0, blue: 0 });
         writer
             .write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() })
             .expect("a point");
