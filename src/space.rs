@@ -277,12 +277,15 @@ pub struct Split {
 }
 
 impl Split {
-    /// The split for a scene: its box centre as origin.
+    /// The split for a scene in the box of `all` points: the scene's centre as origin. Differences are exact as far as the
+    /// points reach, or a million times as far as the scene does: beyond that its own precision would suffer.
     #[must_use]
-    pub fn of(bounds: &Bounds) -> Self {
-        let reach = 0.5 * bounds.size().max_element();
+    pub fn of(scene: &Bounds, all: &Bounds) -> Self {
+        let origin = scene.center();
+        let farthest = (all.max - origin).max(origin - all.min).max_element();
+        let reach = farthest.min(f64::from(1 << 20) * 0.5 * scene.edge());
         let unit = if reach > 0.0 { (reach.log2().ceil() - 22.0).exp2() } else { 2f64.powi(-22) };
-        Self { origin: bounds.center(), unit }
+        Self { origin, unit }
     }
 
     /// (hi, lo) of a world position.
@@ -354,7 +357,7 @@ mod tests {
         fn pairs_keep_micrometres_in_twenty_kilometres(a in vec(10_000.0), b in vec(10_000.0)) {
             let corner = DVec3::new(500_000.0, 4_000_000.0, 100.0);
             let bounds = Bounds { min: corner - 10_000.0, max: corner + 10_000.0 };
-            let split = Split::of(&bounds);
+            let split = Split::of(&bounds, &bounds);
             let ((a_hi, a_lo), (b_hi, b_lo)) = (split.pair(corner + a), split.pair(corner + b));
             let hi = a_hi - b_hi;
             prop_assert_eq!(hi.as_dvec3(), a_hi.as_dvec3() - b_hi.as_dvec3(), "difference of hi is exact");

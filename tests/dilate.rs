@@ -29,7 +29,7 @@ fn view(size_px: [u32; 2]) -> ViewUniform {
         gaze_in_view: DVec3::new(0.3 * sign, 0.2, -1.0).normalize(),
     };
     let view = View { eyes: vec![eye(-1.0), eye(1.0)], near: 0.05 };
-    let mut uniform = ViewUniform::new(&view, &Split::of(&Bounds::EMPTY), &Detail::default());
+    let mut uniform = ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &Detail::default());
     // As if this were the size with the guard band, which `dilate` does not tell from the image.
     let guard = GUARD_PX as f32;
     for eye in &mut uniform.eyes {

@@ -3,10 +3,12 @@
 mod support;
 
 use glam::{DVec3, DVec4};
-use scanwalk::cloud::{Cloud, Order};
+use scanwalk::cloud::quantize::{Cells, cells_of};
+use scanwalk::cloud::{Batch, Cloud, Order};
 use scanwalk::look::Look;
 use scanwalk::space::{Eye, Fov, Pose, View};
 use scanwalk::twin::{self, Scene};
+use std::collections::HashMap;
 use support::{cloud_of, draw};
 
 const CORNER: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
@@ -15,15 +17,35 @@ const SIDE: i32 = 120;
 /// Distance of a point's exact pixel coordinate from a pixel's edge below which either side is right.
 const EDGE: f64 = 0.05;
 
-/// The wall, and two points that stretch the cloud to 20 km: they share batches with the wall.
-fn wall() -> (Cloud, Vec<DVec3>) {
+/// The wall, and two points that stretch the cloud to 20 km: at random they share a batch with the wall. And which point of
+/// the cloud each is.
+fn wall() -> (Cloud, Vec<DVec3>, Vec<u32>) {
     let mut xyz = vec![[-10_000_000, -10_000_000, -50_000]];
     for z in 0..SIDE {
         xyz.extend((0..SIDE).map(|x| [x, 0, z]));
     }
     xyz.push([10_000_000, 10_000_000, 50_000]);
     let positions = xyz.iter().map(|p| CORNER + DVec3::from_array(p.map(f64::from)) * 0.001).collect();
-    (cloud_of(&xyz, 0.001, CORNER, Order::Original), positions)
+    let cloud = cloud_of(&xyz, 0.001, CORNER, Order::Shuffled);
+    let widest = cloud.batches.iter().flat_map(|batch| batch.cell).fold(0.0, f32::max);
+    assert!(widest > 5e-6, "a batch is kilometers wide: {widest}");
+    let numbers = numbers(&cloud);
+    let numbers = xyz.iter().map(|p| numbers[p]).collect();
+    (cloud, positions, numbers)
+}
+
+/// The number of each point of a cloud by its place on the grid.
+fn numbers(cloud: &Cloud) -> HashMap<[i32; 3], u32> {
+    let of_batch = |batch: &Batch| {
+        let cells = Cells { min: batch.min, cell: batch.cell };
+        let range = batch.first_point..batch.first_point + batch.num_points;
+        let place = move |i: u32| {
+            let p = cells.center(cells_of([0, 1, 2].map(|plane: usize| cloud.planes[plane][i as usize])));
+            ((p - CORNER) * 1000.0).round().to_array().map(|v| v as i32)
+        };
+        range.map(move |i| (place(i), i))
+    };
+    cloud.batches.iter().flat_map(of_batch).collect()
 }
 
 fn view(head_offset: DVec3) -> View {
@@ -66,11 +88,11 @@ fn misplaced(
 
 #[test]
 fn a_millimetre_grid_in_twenty_kilometres_is_drawn_to_the_pixel() {
-    let (cloud, positions) = wall();
+    let (cloud, positions, numbers) = wall();
     for full in [false, true] {
         let view = view(DVec3::new(0.0003, 0.0, 0.0001));
         let drawn = draw(&cloud, &view, full, 0);
-        let (wrong, seen) = misplaced(&drawn.keys[0], &view, &positions, &|i| i as u32);
+        let (wrong, seen) = misplaced(&drawn.keys[0], &view, &positions, &|i| numbers[i]);
         assert!(seen > 10_000, "{seen} of {} grid points are in view", SIDE * SIDE);
         assert_eq!(wrong, 0, "of {seen}");
     }
@@ -78,13 +100,13 @@ fn a_millimetre_grid_in_twenty_kilometres_is_drawn_to_the_pixel() {
 
 #[test]
 fn nothing_jitters_while_the_head_moves() {
-    let (cloud, positions) = wall();
+    let (cloud, positions, numbers) = wall();
     // The twin equals the GPU bit for bit (tests/frame.rs), so a hundred frames are cheap here.
     for step in 0..100 {
         let s = f64::from(step);
         let view = view(DVec3::new(0.000_137 * s, -0.000_071 * s, 0.000_093 * s));
         let frame = twin::frame(&Scene::flat(&cloud), &view, &Look::default(), None);
-        let (wrong, seen) = misplaced(&frame.keys[0], &view, &positions, &|i| i as u32);
+        let (wrong, seen) = misplaced(&frame.keys[0], &view, &positions, &|i| numbers[i]);
         assert!(seen > 5_000);
         assert_eq!(wrong, 0, "step {step}, of {seen}");
     }
@@ -93,10 +115,10 @@ fn nothing_jitters_while_the_head_moves() {
 /// The comparison sees an error of 0.4 mm, less than a step of f32 at 10 km from the cloud's centre.
 #[test]
 fn the_comparison_notices_less_than_half_a_millimetre() {
-    let (cloud, positions) = wall();
+    let (cloud, positions, numbers) = wall();
     let view = view(DVec3::ZERO);
     let frame = twin::frame(&Scene::flat(&cloud), &view, &Look::default(), None);
     let shifted: Vec<DVec3> = positions.iter().map(|p| *p + DVec3::new(0.0004, 0.0, 0.0004)).collect();
-    let (wrong, seen) = misplaced(&frame.keys[0], &view, &shifted, &|i| i as u32);
+    let (wrong, seen) = misplaced(&frame.keys[0], &view, &shifted, &|i| numbers[i]);
     assert!(wrong > seen / 2, "{wrong} of {seen}");
 }

@@ -433,7 +433,7 @@ fn rings_open_no_holes() {
             let view = stereo(at(), at(), [700, 700]);
             let detail =
                 Detail { threshold_px: [100.0, 200.0, 100.0 * ratio], ..discs(0.3 + 0.2 * case as f32) };
-            let split = scanwalk::space::Split::of(&tree.bounds);
+            let split = scanwalk::space::Split::of(&tree.bounds, &tree.bounds);
             let uniform = ViewUniform::new(&view, &split, &detail);
             let head = view.head_in_world();
             let is_drawn = |number: usize| {

@@ -14,6 +14,7 @@ use scanwalk::render::{CloudBuffers, EyeImage};
 use scanwalk::scan::Scan;
 use scanwalk::space::{Fov, Pose};
 use scanwalk::timing::FrameRow;
+use scanwalk::walk::locomotion::Start;
 use scanwalk::walk::start::start;
 use scanwalk::walk::{Beat, ControllerInput, EyeImages, Headset, Loaded, StageEye, Walk, link};
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
@@ -182,7 +183,10 @@ impl Witness {
 fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>, Vec<CloudBuffers>) {
     let mut config = Config::default();
     config.governor.enabled = false;
-    let start = start(&build(scan, Order::Morton, &Progress::hidden()).expect("a cloud").scene, 1.0);
+    let outside = start(&build(scan, Order::Morton, &Progress::hidden()).expect("a cloud").scene, 1.0);
+    // So near that the points fill the view.
+    let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
+    let start = Start { floor_in_world: place, ..outside };
     let [flat, layered] = clouds(scan);
     let (frame_link, commands, viewer) = link::link();
     let (loaded_sender, loaded) = channel();

@@ -43,6 +43,6 @@ pub fn view(size_px: [u32; 2]) -> ViewUniform {
     // Cosines that no direction has.
     ViewUniform {
         ring_cos: [2.0; 2],
-        ..ViewUniform::new(&view, &Split::of(&Bounds::EMPTY), &Detail::default())
+        ..ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &Detail::default())
     }
 }

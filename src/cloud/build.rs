@@ -125,7 +125,7 @@ pub fn build_in_batches(
     if progress.stopped() {
         return Err(BuildError::Stopped);
     }
-    let (split, planes) = (Split::of(&scene.bounds), [hi, mid, lo]);
+    let (split, planes) = (Split::of(&scene.bounds, &bounds), [hi, mid, lo]);
     Ok(Cloud { split, bounds, scene, batches, planes, colors, num_points: num_points as u64 })
 }
 

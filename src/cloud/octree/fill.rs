@@ -115,7 +115,7 @@ pub(super) fn fill(
     let plane = || vec![0u32; size as usize];
     let planes = [plane(), plane(), plane()];
     let num_points = source.keys.len() as u64;
-    let split = Split::of(&scene.bounds);
+    let split = Split::of(&scene.bounds, &bounds);
     let cloud = Cloud { split, bounds, scene, batches, planes, colors: plane(), num_points };
     let mut octree = Octree { cloud, filtered_colors: plane(), nodes };
     for run in runs(&octree.nodes) {

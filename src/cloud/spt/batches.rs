@@ -149,7 +149,7 @@ impl SequentialCloud {
         let [hi, mid, lo, colors, shapes] = columns;
         let intervals = plans.iter().map(|plan| plan.beside.interval()).collect();
         let cloud = Cloud {
-            split: Split::of(&tree.scene.bounds),
+            split: Split::of(&tree.scene.bounds, &tree.bounds),
             bounds: tree.bounds,
             scene: tree.scene.clone(),
             batches: filled.into_iter().map(|(batch, _)| batch).collect(),
