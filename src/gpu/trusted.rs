@@ -1,5 +1,5 @@
-//! Shaders that go to the driver without wgpu's own checks of every index, loop and divisor: ours, whose bounds the host
-//! keeps. What the driver checks, it still checks.
+//! Shaders that go to the driver without wgpu's own checks of every index: ours, whose bounds the host keeps. wgpu still
+//! bounds loops and looks at divisors, and what the driver checks, it still checks.
 #![allow(unsafe_code)] // One call; the block says why it is sound.
 
 /// Compiles WGSL text of ours without checks. The caller hands in texts of `shaders/` only.
