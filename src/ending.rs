@@ -21,8 +21,19 @@ impl<'a> Ending<'a> {
     /// Ends the work with this reason, unless there is one already.
     pub fn fail(&self, error: anyhow::Error) {
         // Set before the others are stopped: what they fail with then comes second.
-        self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        self.fail_later(error);
         self.stop.request();
+    }
+
+    /// As [`Ending::fail`], but the others are not told to stop: somebody is to read the reason first.
+    pub fn fail_later(&self, error: anyhow::Error) {
+        self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    /// True once there is a reason.
+    #[must_use]
+    pub fn has_failed(&self) -> bool {
+        self.reason.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
     /// To be held by each thread: stops the others if this one panics, for they would go on without it.
@@ -69,6 +80,18 @@ mod tests {
         });
         assert_eq!(ending.into_result().unwrap_err().to_string(), "no display");
         assert!(Ending::new(&Stop::default()).into_result().is_ok());
+    }
+
+    #[test]
+    fn a_reason_that_is_to_be_read_stops_nobody() {
+        let stop = Stop::default();
+        let ending = Ending::new(&stop);
+        assert!(!ending.has_failed());
+        ending.fail_later(anyhow::anyhow!("no scan"));
+        assert!(ending.has_failed() && !stop.requested());
+        ending.fail(anyhow::anyhow!("and then no display"));
+        assert!(stop.requested());
+        assert_eq!(ending.into_result().unwrap_err().to_string(), "no scan");
     }
 
     #[test]

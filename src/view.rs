@@ -59,6 +59,13 @@ pub struct ViewOptions {
     pub pose_path: Option<PathBuf>,
 }
 
+impl ViewOptions {
+    /// Whoever sets a limit may not be there at the end.
+    fn ends_by_itself(&self) -> bool {
+        self.frames.is_some() || self.seconds.is_some()
+    }
+}
+
 /// Walks until the user, the runtime or a limit ends it.
 ///
 /// # Errors
@@ -92,7 +99,12 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
                     Err(error) if has_stopped(&error) => {}
                     Err(error) => {
                         link.update_load(|load| load.error = Some(format!("{error:#}")));
-                        ending.fail(error);
+                        // A window stays until the user has read it and closes it, unless nobody may be there.
+                        if windowed && !options.ends_by_itself() && !is_lost(&error) {
+                            ending.fail_later(error);
+                        } else {
+                            ending.fail(error);
+                        }
                     }
                     Ok(()) => {}
                 }
@@ -115,8 +127,10 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
         let frames = scope.spawn(move || {
             let _guard = ending.guard();
             let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error)).ok();
-            // Whatever ended the walk ends the window and the loader too.
-            stop.request();
+            // Whatever ended the walk ends the window and the loader too, but that there is no scan: see the loader.
+            if !ending.has_failed() {
+                stop.request();
+            }
             summary
         });
         if let Some(display) = display {
@@ -283,13 +297,18 @@ fn stay_flat(error: anyhow::Error, link: &WalkEnd) -> anyhow::Result<()> {
     if has_stopped(&error) {
         return Ok(());
     }
-    if matches!(error.downcast_ref(), Some(UploadError::Lost(_))) {
+    if is_lost(&error) {
         return Err(error);
     }
     let warning = format!("without level of detail, every point is drawn always: {error:#}");
     eprintln!("scanwalk: warning: {warning}");
     link.update_load(|load| load.warnings.push(warning));
     Ok(())
+}
+
+/// True if the GPU is lost, and with it all that it shows.
+fn is_lost(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(UploadError::Lost(_)))
 }
 
 /// True if the work ended because somebody asked for it, and for no reason of its own.

@@ -80,7 +80,7 @@ pub struct WalkSummary {
 }
 
 impl Walk<'_> {
-    /// Draws frame after frame until the headset, the user or a limit ends it.
+    /// Draws frame after frame until the headset, the user or a limit ends it, or no scan is to come.
     ///
     /// # Errors
     /// If the device or the runtime fails.
@@ -88,7 +88,9 @@ impl Walk<'_> {
         let mut frames = Frames::new(&self, headset)?;
         let mut exit_requested = false;
         loop {
-            if !exit_requested && (self.stop.requested() || self.limit_reached(&frames)) {
+            if !exit_requested
+                && (self.stop.requested() || self.limit_reached(&frames) || frames.are_in_vain())
+            {
                 headset.request_exit();
                 exit_requested = true;
             }
@@ -221,6 +223,11 @@ impl Frames {
         }
         self.load_ms += ms(began.elapsed());
         Ok(())
+    }
+
+    /// The loader is done and has brought no scan.
+    fn are_in_vain(&self) -> bool {
+        !self.arriving && self.locomotion.is_none()
     }
 
     /// Gives away the cloud that another has taken the place of.

@@ -9,7 +9,7 @@ mod worst;
 
 use glam::{DQuat, DVec3};
 use scanwalk::space::Pose;
-use scanwalk::timing::{FrameLogFile, LoggedFrame, Phase};
+use scanwalk::timing::{FrameLogFile, FrameRow, LoggedFrame, Phase};
 
 /// A log at 90 Hz whose frames take the GPU `ms(frame)`.
 pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
@@ -38,6 +38,32 @@ pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
         qualities: vec!["hqs".into(), "closest".into()],
         frames: (0..num_frames).zip((0..num_frames).map(ms)).map(frame).collect(),
         ..FrameLogFile::default()
+    }
+}
+
+/// The frame thread's row of such a frame.
+pub fn row_of(frame: &LoggedFrame) -> FrameRow {
+    FrameRow {
+        frame: frame.frame,
+        time_s: frame.time_s,
+        predicted_display_ns: 0,
+        wait_ms: 1.0,
+        record_ms: 1.0,
+        submit_ms: 1.0,
+        stage_ms: [1.0; 6],
+        gpu_ms: frame.gpu_ms as f32,
+        budget_ms: frame.budget_ms as f32,
+        missed_periods: 0,
+        visible_nodes: 1,
+        points_read: 1,
+        points_resident: 1,
+        lod_scale: 1.0,
+        resolution_scale: 1.0,
+        quality: "hqs",
+        upload_bytes: 0,
+        world_from_head: frame.world_from_head,
+        phase: frame.phase,
+        visible_batches: 1,
     }
 }
 

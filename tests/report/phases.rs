@@ -1,9 +1,9 @@
 //! Frames before the walk are told apart: without a scan, and while it is built beside them.
 
-use crate::{faults, log_of, wave_ms};
+use crate::{faults, log_of, row_of, wave_ms};
 use scanwalk::output::{Output, OutputKind};
 use scanwalk::report::{Comparison, Summary, walk_page, worst};
-use scanwalk::timing::{FrameLog, FrameLogFile, FrameRow, Phase, RunFacts, read};
+use scanwalk::timing::{FrameLog, FrameLogFile, Phase, RunFacts, read};
 
 /// A walk, the same whatever came before, after a start in which every frame is over its budget, by ten times while the
 /// scan is built.
@@ -109,31 +109,7 @@ fn logs_tell_the_phase() {
     let path = folder.path().join("frames.csv");
     let log =
         FrameLog::start(&Output::new(&path, OutputKind::FrameLog).unwrap(), &RunFacts::default()).unwrap();
-    let head = log_of(1, wave_ms).frames[0].world_from_head;
-    for (frame, phase) in Phase::ALL.into_iter().enumerate() {
-        log.push(FrameRow {
-            frame: frame as u64,
-            time_s: frame as f64,
-            predicted_display_ns: 0,
-            wait_ms: 1.0,
-            record_ms: 1.0,
-            submit_ms: 1.0,
-            stage_ms: [1.0; 6],
-            gpu_ms: 6.0,
-            budget_ms: 11.1,
-            missed_periods: 0,
-            visible_nodes: 1,
-            points_read: 1,
-            points_resident: 1,
-            lod_scale: 1.0,
-            resolution_scale: 1.0,
-            quality: "hqs",
-            upload_bytes: 0,
-            world_from_head: head.filter(|_| phase != Phase::Waiting),
-            phase,
-            visible_batches: 1,
-        });
-    }
+    started(1, 1, 1).frames.iter().for_each(|frame| log.push(row_of(frame)));
     assert_eq!(log.finish().num_rows, 3);
     let phases = |path| read(path).unwrap().frames.iter().map(|frame| frame.phase).collect::<Vec<_>>();
     assert_eq!(phases(&path), Phase::ALL);

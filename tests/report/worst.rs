@@ -1,9 +1,9 @@
 //! The worst frames, and the way back to them.
 
-use crate::{log_of, wave_ms};
+use crate::{log_of, row_of, wave_ms};
 use scanwalk::output::{Output, OutputKind};
 use scanwalk::report::{HOLD_S, worst, worst_poses};
-use scanwalk::timing::{FrameLog, FrameRow, Phase, RunFacts, read};
+use scanwalk::timing::{FrameLog, RunFacts, read};
 use scanwalk::walk::pose_path::PosePath;
 
 #[test]
@@ -32,28 +32,7 @@ fn a_replay_sees_what_the_worst_frames_saw() {
     let log =
         FrameLog::start(&Output::new(&file, OutputKind::FrameLog).unwrap(), &RunFacts::default()).unwrap();
     for frame in &logged.frames {
-        log.push(FrameRow {
-            frame: frame.frame,
-            time_s: frame.time_s,
-            predicted_display_ns: 0,
-            wait_ms: 1.0,
-            record_ms: 1.0,
-            submit_ms: 1.0,
-            stage_ms: [1.0; 6],
-            gpu_ms: frame.gpu_ms as f32,
-            budget_ms: 11.1,
-            missed_periods: 0,
-            visible_nodes: 1,
-            points_read: 1,
-            points_resident: 1,
-            lod_scale: 1.0,
-            resolution_scale: 1.0,
-            quality: "hqs",
-            upload_bytes: 0,
-            world_from_head: frame.world_from_head,
-            phase: Phase::Walking,
-            visible_batches: 900,
-        });
+        log.push(row_of(frame));
     }
     assert_eq!(log.finish().num_rows, 1000);
 

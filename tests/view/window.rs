@@ -83,14 +83,15 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
 
 /// The program on the courtyard with small eyes; its screenshots come into `folder`.
 fn start(screen: &Screen, folder: &Path) -> Viewer {
-    Viewer(command(screen, folder, "on").env_remove("WAYLAND_DISPLAY").spawn().expect("view starts"))
+    let mut command = command(screen, folder, &Scene::get().courtyard, "on");
+    Viewer(command.env_remove("WAYLAND_DISPLAY").spawn().expect("view starts"))
 }
 
-fn command(screen: &Screen, folder: &Path, when: &str) -> Command {
+fn command(screen: &Screen, folder: &Path, scan: &Path, when: &str) -> Command {
     let mut command = Command::new(PROGRAM);
     command
         .arg("view")
-        .arg(&Scene::get().courtyard)
+        .arg(scan)
         .args(["--headset", "off", "--window", when, "--set", "simulated.size_px=[320,360]"])
         // Which gives up the quality that counts points where the GPU is slow.
         .args(["--set", "governor.enabled=false"])
@@ -111,7 +112,7 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
         ("auto", "wayland-none", Some(folder.path())),
         ("on", "wayland-none", None),
     ] {
-        let mut command = command(&screen, folder.path(), when);
+        let mut command = command(&screen, folder.path(), &Scene::get().courtyard, when);
         command.env("WAYLAND_DISPLAY", name).env_remove("XDG_RUNTIME_DIR").stderr(Stdio::piped());
         command.envs(runtime_dir.map(|folder| ("XDG_RUNTIME_DIR", folder)));
         let mut viewer = Viewer(command.spawn().expect("view starts"));
@@ -123,6 +124,52 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
         viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
         assert_eq!((status.code(), said.as_str()), (Some(0), ""), "--window {when}, {name}");
     }
+}
+
+/// Why there is no scan is to be read: the window stays until it is closed, or the program is asked to end. Whoever set a
+/// limit, or has no window, is not waited for.
+#[test]
+fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
+    let screen = Screen::start();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let broken = folder.path().join("broken.las");
+    std::fs::write(&broken, [b"LASF".as_slice(), &[0; 96]].concat()).expect("a file");
+    let start = |when, limit: &[&str]| {
+        let mut command = command(&screen, folder.path(), &broken, when);
+        command.args(limit).env_remove("WAYLAND_DISPLAY").stderr(Stdio::piped());
+        Viewer(command.spawn().expect("view starts"))
+    };
+    let assert_failed = |mut viewer: Viewer| {
+        let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+        let mut said = String::new();
+        viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
+        assert!(said.lines().last().is_some_and(|reason| reason.contains("broken.las")), "{said}");
+        assert_eq!(status.code(), Some(1));
+    };
+    // The card's heading, which nothing else is of the color of.
+    let written = |picture: &Picture| {
+        let red = |[r, g, b]: [u8; 3]| r > 200 && g.abs_diff(110) < 30 && b.abs_diff(96) < 30;
+        picture.pixels.iter().filter(|pixel| red(**pixel)).count()
+    };
+    for close in [true, false] {
+        let mut viewer = start("on", &[]);
+        let window = window(&screen);
+        let card = wait_for("the reason", 20.0, || {
+            let picture = screen.picture(&window);
+            (written(&picture) > 100).then_some(picture)
+        });
+        card.keep("view-failed");
+        assert!(viewer.0.try_wait().expect("a child of ours").is_none(), "it stays");
+        if close {
+            screen.ask_to_close(&window);
+        } else {
+            let id = viewer.0.id().to_string();
+            assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+        }
+        assert_failed(viewer);
+    }
+    assert_failed(start("on", &["--frames", "3"]));
+    assert_failed(start("off", &[]));
 }
 
 /// Pictures that have been written so far, by what comes behind the date.
