@@ -98,7 +98,7 @@ fn batch_box(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
 
 @fragment
 fn line(edge: Edge) -> @location(0) vec4<f32> {
-    let nearest = surface_depth(pixel_at(edge.position));
+    let nearest = depth_at(edge.position);
     let is_behind = nearest != EMPTY_DEPTH && edge.depth > SURFACE_TOLERANCE * bitcast<f32>(nearest);
     return vec4<f32>(edge.color, select(EDGE_ALPHA.x, EDGE_ALPHA.y, is_behind));
 }

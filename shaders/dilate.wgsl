@@ -1,25 +1,21 @@
-// dilate: closes the gaps between points of one surface. A pixel that lies farther than the nearest surface of its
-// window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
+// dilate: closes the gaps between points of one surface, on the way to the image. A pixel that lies farther than the nearest
+// surface of its window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
 // others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
 //
 // In two passes through workgroup memory: rows first, each pixel with the radius of its own ring, then columns over
-// what the rows found. Sums are integers, so their order does not show. Neighbours are made at once, eight in a row and
-// four in a column, since they share taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in
-// different banks.
-//
-// Depths come first. Where they say that a tile is one surface without gaps, it is written as it is, and where it is empty
-// no colour is read. A thread keeps its own four pixels; workgroup memory is for those of others.
-
-@group(0) @binding(3) var<storage, read_write> image: array<vec2<u32>>;
-
-const EMPTY: vec2<u32> = vec2<u32>(EMPTY_DEPTH, 0u);
-const OPAQUE: u32 = 0xff000000u;
+// what the rows found. Depths come first. Where they say that a tile is one surface without gaps, or that none of its pixels
+// takes anything, it is written as it is; else colours are blended in those rows that a pixel takes from. Sums are
+// integers, so their order does not show. Neighbours are made at once, eight in a row and four in a column, since they share
+// taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in different banks. A thread keeps its own
+// four pixels' depths and colours.
 
 const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;
 const NUM_ROWS: u32 = TILE_PX.y + 2u * DILATE_REACH_PX;
 const TILE_STRIDE: u32 = NUM_COLUMNS | 1u;
 const ROW_STRIDE: u32 = TILE_PX.x | 1u;
+/// Row windows are made eight at once.
+const NUM_RUNS: u32 = TILE_PX.x / 8u;
 /// Pixels that reach into the tile: above and below it, and in all.
 const NUM_ABOVE_BELOW: u32 = 2u * DILATE_REACH_PX * NUM_COLUMNS;
 const NUM_AROUND: u32 = NUM_ABOVE_BELOW + 2u * DILATE_REACH_PX * TILE_PX.y;
@@ -34,6 +30,8 @@ var<workgroup> tile_color: array<u32, TILE_STRIDE * NUM_ROWS>;
 /// The farthest depth, and the complement of the nearest: both begin at 0.
 var<workgroup> farthest: atomic<u32>;
 var<workgroup> nearness: atomic<u32>;
+/// Of each eight columns: a bit a row in which a pixel takes from row windows.
+var<workgroup> taken: array<atomic<u32>, NUM_RUNS>;
 /// Nearest depth of each pixel's row window.
 var<workgroup> row_nearest: array<u32, ROW_STRIDE * NUM_ROWS>;
 /// Sums of that surface's colours times weights, 16 bits each: r | b≪16, g | weights≪16.
@@ -127,11 +125,6 @@ fn is_whole() -> bool {
     return nearest == EMPTY_DEPTH || atomicLoad(&farthest) <= surface_end(vec4<u32>(nearest)).x;
 }
 
-fn keep(at: u32, w: u32, color: u32) {
-    tile_depth[at] = w;
-    keep_color(at, color);
-}
-
 fn keep_color(at: u32, color: u32) {
     tile_color[at] = (color & 0xffffffu) | 0x01000000u;
 }
@@ -145,22 +138,11 @@ fn radii(first: vec2<u32>, step: vec2<i32>) -> vec4<u32> {
     return vec4(radius_px(eye, a.x, a.y), radius_px(eye, b.x, b.y), radius_px(eye, c.x, c.y), radius_px(eye, d.x, d.y));
 }
 
-// Sums up the row windows of four pixels, the first of which is `pixel` and goes to `to`.
-fn sum_row(pixel: vec2<u32>, to: u32, depth: Run, color: Run) {
-    let d = within(radii(pixel, vec2(1, 0)), taps(depth));
-    let nearest = nearest_of(d);
-    let end = surface_end(nearest);
-    let c = taps(color);
-    let rb = weigh(end, d, c, Part(0u, 0x00ff00ffu));
-    let gw = weigh(end, d, c, Part(8u, 0x00ff00ffu));
-    row_nearest[to] = nearest.x;
-    row_nearest[to + 1u] = nearest.y;
-    row_nearest[to + 2u] = nearest.z;
-    row_nearest[to + 3u] = nearest.w;
-    row_sums[to] = vec2(rb.x, gw.x);
-    row_sums[to + 1u] = vec2(rb.y, gw.y);
-    row_sums[to + 2u] = vec2(rb.z, gw.z);
-    row_sums[to + 3u] = vec2(rb.w, gw.w);
+// Depths that the row windows of eight pixels reach, from `i` on in the tile.
+fn row_depths(i: u32) -> Row {
+    return Row(tile_depth[i], tile_depth[i + 1u], tile_depth[i + 2u], tile_depth[i + 3u], tile_depth[i + 4u],
+        tile_depth[i + 5u], tile_depth[i + 6u], tile_depth[i + 7u], tile_depth[i + 8u], tile_depth[i + 9u],
+        tile_depth[i + 10u], tile_depth[i + 11u], tile_depth[i + 12u], tile_depth[i + 13u]);
 }
 
 fn first_run(v: Row) -> Run {
@@ -171,12 +153,41 @@ fn last_run(v: Row) -> Run {
     return Run(v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], v[12], v[13]);
 }
 
-// Sums up the row windows of eight pixels, the first of which lies at column + reach, row of the tile.
+// Keeps the nearest depths of the row windows of four pixels, the first of which is `pixel` and goes to `to`.
+fn keep_nearest(pixel: vec2<u32>, to: u32, depth: Run) {
+    let nearest = nearest_of(within(radii(pixel, vec2(1, 0)), taps(depth)));
+    row_nearest[to] = nearest.x;
+    row_nearest[to + 1u] = nearest.y;
+    row_nearest[to + 2u] = nearest.z;
+    row_nearest[to + 3u] = nearest.w;
+}
+
+// Finds the nearest depths of the row windows of eight pixels, the first of which lies at column + reach, row of the tile.
+fn search_rows(corner: vec2<u32>, column: u32, row: u32) {
+    let depth = row_depths(row * TILE_STRIDE + column);
+    let pixel = corner + vec2(column + DILATE_REACH_PX, row);
+    let to = row * ROW_STRIDE + column;
+    keep_nearest(pixel, to, first_run(depth));
+    keep_nearest(pixel + vec2(4u, 0u), to + 4u, last_run(depth));
+}
+
+// Sums up the row windows of four pixels, the first of which is `pixel` and goes to `to`.
+fn sum_row(pixel: vec2<u32>, to: u32, depth: Run, color: Run) {
+    let d = within(radii(pixel, vec2(1, 0)), taps(depth));
+    let end = surface_end(vec4(row_nearest[to], row_nearest[to + 1u], row_nearest[to + 2u], row_nearest[to + 3u]));
+    let c = taps(color);
+    let rb = weigh(end, d, c, Part(0u, 0x00ff00ffu));
+    let gw = weigh(end, d, c, Part(8u, 0x00ff00ffu));
+    row_sums[to] = vec2(rb.x, gw.x);
+    row_sums[to + 1u] = vec2(rb.y, gw.y);
+    row_sums[to + 2u] = vec2(rb.z, gw.z);
+    row_sums[to + 3u] = vec2(rb.w, gw.w);
+}
+
+// Sums up the row windows of eight pixels, as `search_rows`.
 fn sum_rows(corner: vec2<u32>, column: u32, row: u32) {
     let i = row * TILE_STRIDE + column;
-    let depth = Row(tile_depth[i], tile_depth[i + 1u], tile_depth[i + 2u], tile_depth[i + 3u], tile_depth[i + 4u],
-        tile_depth[i + 5u], tile_depth[i + 6u], tile_depth[i + 7u], tile_depth[i + 8u], tile_depth[i + 9u],
-        tile_depth[i + 10u], tile_depth[i + 11u], tile_depth[i + 12u], tile_depth[i + 13u]);
+    let depth = row_depths(i);
     let color = Row(tile_color[i], tile_color[i + 1u], tile_color[i + 2u], tile_color[i + 3u], tile_color[i + 4u],
         tile_color[i + 5u], tile_color[i + 6u], tile_color[i + 7u], tile_color[i + 8u], tile_color[i + 9u],
         tile_color[i + 10u], tile_color[i + 11u], tile_color[i + 12u], tile_color[i + 13u]);
@@ -208,13 +219,7 @@ fn blend_columns(i: u32, end: vec4<u32>, d: Taps) -> vec4<u32> {
     let r = mean(weigh(end, d, rb, Part(0u, 0xffffu)), weights);
     let g = mean(weigh(end, d, gw, Part(0u, 0xffffu)), weights);
     let b = mean(weigh(end, d, rb, Part(16u, 0xffffu)), weights);
-    return r | g << vec4<u32>(8u) | b << vec4<u32>(16u) | vec4<u32>(OPAQUE);
-}
-
-fn store(pixel: vec2<u32>, depth: u32, color: u32) {
-    if is_inside(pixel) {
-        image[number_of(pixel)] = vec2<u32>(depth, color);
-    }
+    return r | g << vec4<u32>(8u) | b << vec4<u32>(16u);
 }
 
 @compute @workgroup_size(NUM_THREADS)
@@ -224,7 +229,8 @@ fn main(
     @builtin(local_invocation_index) thread: u32,
 ) {
     eye = view.eyes[dilate.eye];
-    let first = first_pixel(group, groups);
+    let tile = tile_of(group, groups);
+    let first = first_pixel(tile);
     let corner = first - DILATE_REACH_PX;
     // Four pixels below each other are this thread's own.
     let column = thread % TILE_PX.x;
@@ -233,9 +239,14 @@ fn main(
     let b = a + vec2(0u, 1u);
     let c = a + vec2(0u, 2u);
     let d = a + vec2(0u, 3u);
+    let at = (row + DILATE_REACH_PX) * TILE_STRIDE + column + DILATE_REACH_PX;
 
     var range = vec2<u32>(EMPTY_DEPTH, 0u);
     let own = vec4<u32>(load_depth(a, &range), load_depth(b, &range), load_depth(c, &range), load_depth(d, &range));
+    tile_depth[at] = own.x;
+    tile_depth[at + TILE_STRIDE] = own.y;
+    tile_depth[at + 2u * TILE_STRIDE] = own.z;
+    tile_depth[at + 3u * TILE_STRIDE] = own.w;
     for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
         let place = place_around(i);
         tile_depth[place.y * TILE_STRIDE + place.x] = load_depth(corner + place, &range);
@@ -246,19 +257,8 @@ fn main(
     var depth = own;
     var color = vec4<u32>(load_color(a, own.x), load_color(b, own.y), load_color(c, own.z), load_color(d, own.w));
     if !is_whole() {
-        let at = (row + DILATE_REACH_PX) * TILE_STRIDE + column + DILATE_REACH_PX;
-        keep(at, own.x, color.x);
-        keep(at + TILE_STRIDE, own.y, color.y);
-        keep(at + 2u * TILE_STRIDE, own.z, color.z);
-        keep(at + 3u * TILE_STRIDE, own.w, color.w);
-        for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
-            let place = place_around(i);
-            let at = place.y * TILE_STRIDE + place.x;
-            keep_color(at, load_color(corner + place, tile_depth[at]));
-        }
-        workgroupBarrier();
-        for (var i = thread; i < TILE_PX.x / 8u * NUM_ROWS; i += NUM_THREADS) {
-            sum_rows(corner, 8u * (i / NUM_ROWS), i % NUM_ROWS);
+        for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
+            search_rows(corner, 8u * (i / NUM_ROWS), i % NUM_ROWS);
         }
         workgroupBarrier();
         let i = row * ROW_STRIDE + column;
@@ -268,13 +268,41 @@ fn main(
         // An empty pixel that finds nothing stays too.
         let stays = (own <= end) | (nearest == vec4<u32>(EMPTY_DEPTH));
         if !all(stays) {
-            depth = select(nearest, own, stays);
-            color = select(blend_columns(i, end, around), color, stays);
+            atomicOr(&taken[column / 8u], ((1u << (4u + 2u * DILATE_REACH_PX)) - 1u) << row);
+        }
+        workgroupBarrier();
+        var rows_taken = 0u;
+        for (var run = 0u; run < NUM_RUNS; run += 1u) {
+            rows_taken |= atomicLoad(&taken[run]);
+        }
+        if rows_taken != 0u {
+            keep_color(at, color.x);
+            keep_color(at + TILE_STRIDE, color.y);
+            keep_color(at + 2u * TILE_STRIDE, color.z);
+            keep_color(at + 3u * TILE_STRIDE, color.w);
+            for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
+                let place = place_around(i);
+                if ((rows_taken >> place.y) & 1u) != 0u {
+                    let at = place.y * TILE_STRIDE + place.x;
+                    keep_color(at, load_color(corner + place, tile_depth[at]));
+                }
+            }
+            workgroupBarrier();
+            for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
+                let run = i / NUM_ROWS;
+                if ((atomicLoad(&taken[run]) >> (i % NUM_ROWS)) & 1u) != 0u {
+                    sum_rows(corner, 8u * run, i % NUM_ROWS);
+                }
+            }
+            workgroupBarrier();
+            if !all(stays) {
+                depth = select(nearest, own, stays);
+                color = select(blend_columns(i, end, around), color, stays);
+            }
         }
     }
-    color = select(color | vec4<u32>(OPAQUE), vec4<u32>(0u), depth == vec4<u32>(EMPTY_DEPTH));
-    store(a, depth.x, color.x);
-    store(b, depth.y, color.y);
-    store(c, depth.z, color.z);
-    store(d, depth.w, color.w);
+    into_image(a, depth.x, color.x, hides(tile));
+    into_image(b, depth.y, color.y, hides(tile));
+    into_image(c, depth.z, color.z, hides(tile));
+    into_image(d, depth.w, color.w, hides(tile));
 }

@@ -90,11 +90,21 @@ struct ClearUniform {
 struct ResolveUniform {
     size_px: vec2<u32>,
     background: u32,
-    reserved: u32,
+    is_bgra: u32,
 }
 
 struct DilateUniform {
     eye: u32,
     radius_px: u32,
     reserved: vec2<u32>,
+}
+
+// The size of an eye's image with its guard band.
+fn guarded(size_px: vec2<u32>) -> vec2<u32> {
+    return size_px + 2u * GUARD_PX;
+}
+
+// Pixels from a row of a finished image to the next.
+fn image_pitch_px(width: u32) -> u32 {
+    return (width + IMAGE_PITCH_PX - 1u) / IMAGE_PITCH_PX * IMAGE_PITCH_PX;
 }

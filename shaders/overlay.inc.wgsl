@@ -1,5 +1,8 @@
 // What overlays share. Each is drawn over the window's copy of an eye's image; `dilate.eye` says which eye's.
 
+// Depths of the finished pixels.
+@group(0) @binding(2) var<storage, read> image_depth: array<u32>;
+
 /// Told apart by color-blind people too: rings and precisions from the first on, levels of nodes in turn. sRGB.
 const PALETTE: array<vec3<f32>, 8> = array<vec3<f32>, 8>(
     vec3<f32>(0.337, 0.706, 0.914), vec3<f32>(0.0, 0.62, 0.451), vec3<f32>(0.902, 0.624, 0.0),
@@ -12,7 +15,8 @@ fn palette(number: u32) -> vec3<f32> {
     return linear_from_srgb(colors[number % 8u]);
 }
 
-// The finished pixel at a position in the image.
-fn pixel_at(position: vec4<f32>) -> u32 {
-    return (u32(position.y) + GUARD_PX) * view.eyes[dilate.eye].width + u32(position.x) + GUARD_PX;
+// Depth of the finished pixel at a position in the image.
+fn depth_at(position: vec4<f32>) -> u32 {
+    let width = view.eyes[dilate.eye].width - 2u * GUARD_PX;
+    return image_depth[u32(position.y) * image_pitch_px(width) + u32(position.x)];
 }

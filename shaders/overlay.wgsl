@@ -45,7 +45,7 @@ fn rings(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 
 @fragment
 fn depth(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let w = surface_depth(pixel_at(position));
+    let w = depth_at(position);
     if w == EMPTY_DEPTH {
         return NOTHING;
     }
@@ -69,7 +69,9 @@ fn num_points(pixel: u32) -> u32 {
 
 @fragment
 fn overdraw(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let count = num_points(pixel_at(position));
+    // Sums have the guard band.
+    let pixel = (u32(position.y) + GUARD_PX) * view.eyes[dilate.eye].width + u32(position.x) + GUARD_PX;
+    let count = num_points(pixel);
     if count == 0u {
         return NOTHING;
     }

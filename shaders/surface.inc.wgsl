@@ -11,10 +11,10 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
 ) {
-    let first = first_pixel(group, groups) + local.xy;
+    let first = first_pixel(tile_of(group, groups)) + local.xy;
     for (var row = 0u; row < TILE_PX.y; row += TILE_PX.y / 4u) {
-        if first.x < resolve.size_px.x && first.y + row < resolve.size_px.y {
-            finish((first.y + row) * resolve.size_px.x + first.x);
+        if first.x < guarded(resolve.size_px).x && first.y + row < guarded(resolve.size_px).y {
+            finish((first.y + row) * guarded(resolve.size_px).x + first.x);
         }
     }
 }

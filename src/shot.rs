@@ -6,12 +6,11 @@ use crate::cloud::octree::build_octree;
 use crate::cloud::spt::build_spt;
 use crate::config::{Config, LodMethod};
 use crate::gpu::{Gpu, readback};
-use crate::layout::without_guard;
 use crate::look::Look;
 use crate::output::{Output, OutputError, OutputFile};
 use crate::overview::{self, Lens};
 use crate::progress::{Progress, Stop};
-use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
+use crate::render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
 use crate::scan::{self, Scan, Scene};
 use crate::space::{Eye, Fov, Pose, View};
 use crate::timing::STAGES;
@@ -232,7 +231,7 @@ impl Shot {
                 "--size {width}x{height}: this GPU draws at most {max} pixels a side"
             );
         }
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
         let atomics = tier(gpu, config)?;
@@ -270,9 +269,7 @@ impl Shot {
 
     /// The pixels of an eye: bits of the depth, color.
     fn pixels(&self, eye: usize) -> anyhow::Result<Vec<Pixel>> {
-        let bytes = readback::read_buffer(&self.gpu, self.renderer.pixels(eye))?;
-        let pixels: Vec<Pixel> = bytemuck::pod_collect_to_vec(&bytes);
-        Ok(without_guard(&pixels, self.renderer.targets().sizes_px[eye]))
+        self.renderer.read_pixels(eye)
     }
 }
 

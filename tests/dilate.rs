@@ -7,9 +7,10 @@ use glam::{DQuat, DVec3};
 use scanwalk::gpu::readback;
 use scanwalk::gpu::stage::Stage;
 use scanwalk::layout::{
-    Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, Sums, TILE_PX, Variant, ViewUniform,
+    Detail, DilateUniform, GUARD_PX, ResolveUniform, SURFACE_TOLERANCE, Sums, Variant, ViewUniform, guarded,
+    image_pitch_px, mask_words_per_row, of_image,
 };
-use scanwalk::render::shaders;
+use scanwalk::render::{shaders, tiles};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, Split, View};
 use scanwalk::twin::color::Sum;
 use scanwalk::twin::dilate::{dilate, radius_px};
@@ -103,12 +104,33 @@ fn pack(words: [u32; 4]) -> u64 {
     words.iter().zip([0, 10, 28, 46]).fold(0, |sum, (&word, shift)| sum | u64::from(word) << shift)
 }
 
-/// The GPU's image. The buffer holds something else before, so that no pixel can be left out unseen.
+/// What lenses hide, and how the image holds what they do not.
+#[derive(Default)]
+struct Shown {
+    /// A bit a pixel, in rows of [`mask_words_per_row`]; nothing: none is hidden.
+    hidden: Vec<u32>,
+    background: u32,
+    is_bgra: bool,
+}
+
+/// The GPU's image: see [`run_shown`].
 fn run(
+    shader: &'static str,
+    variant: Variant,
+    of: (&ViewUniform, &DilateUniform),
+    inputs: &[(&'static str, &[u8])],
+) -> Vec<Pixel> {
+    run_shown(shader, variant, of, inputs, &Shown::default())
+}
+
+/// The GPU's image, of inputs that have no guard band: round them it is empty, as the twin sees it. The buffers hold
+/// something else before, so that no pixel can be left out unseen.
+fn run_shown(
     shader: &'static str,
     variant: Variant,
     (view, dilate): (&ViewUniform, &DilateUniform),
     inputs: &[(&'static str, &[u8])],
+    shown: &Shown,
 ) -> Vec<Pixel> {
     let gpu = gpu();
     let stage = Stage::new(&gpu, shader, &shaders::source(shader, variant));
@@ -117,24 +139,54 @@ fn run(
         gpu.device.create_buffer_init(&contents)
     };
     let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
-    let eye = &view.eyes[dilate.eye as usize];
-    let [across, down] = [0, 1].map(|axis: usize| [eye.width, eye.height][axis].div_ceil(TILE_PX[axis]));
-    let tiles: Vec<u32> = (0..down).flat_map(|y| (0..across).map(move |x| x | y << 16)).collect();
-    let poison = vec![0xab; (eye.width * eye.height) as usize * size_of::<Pixel>()];
+    let size_px = [view.eyes[dilate.eye as usize].width, view.eyes[dilate.eye as usize].height];
+    let mut view = *view;
+    for eye in &mut view.eyes {
+        eye.first_px = eye.first_px.map(|px| px - GUARD_PX as f32);
+        eye.end_px = eye.end_px.map(|px| px + GUARD_PX as f32);
+        [eye.width, eye.height] = guarded(size_px);
+    }
+    let no_mask = vec![0; (mask_words_per_row(size_px[0]) * size_px[1]) as usize];
+    let hidden = if shown.hidden.is_empty() { &no_mask } else { &shown.hidden };
+    let tiles = tiles(size_px, hidden);
+    let resolve = ResolveUniform { size_px, background: shown.background, is_bgra: shown.is_bgra.into() };
+    let poison = vec![0xab; (4 * image_pitch_px(size_px[0]) * size_px[1]) as usize];
+    let read = storage | wgpu::BufferUsages::COPY_SRC;
     let mut buffers = vec![
-        ("image", buffer("image", &poison, storage | wgpu::BufferUsages::COPY_SRC)),
-        ("view", buffer("view", bytemuck::bytes_of(view), uniform)),
+        ("image_depth", buffer("image_depth", &poison, read)),
+        ("image_color", buffer("image_color", &poison, read)),
+        ("view", buffer("view", bytemuck::bytes_of(&view), uniform)),
         ("dilate", buffer("dilate", bytemuck::bytes_of(dilate), uniform)),
+        ("resolve", buffer("resolve", bytemuck::bytes_of(&resolve), uniform)),
+        ("hidden", buffer("hidden", bytemuck::cast_slice(hidden), storage)),
         ("tiles", buffer("tiles", bytemuck::cast_slice(&tiles), storage)),
     ];
-    buffers.extend(inputs.iter().map(|&(name, bytes)| (name, buffer(name, bytes, storage))));
+    let inputs =
+        inputs.iter().map(|&(name, bytes)| (name, buffer(name, &with_guard(bytes, size_px), storage)));
+    buffers.extend(inputs);
     let resources: Vec<_> = buffers.iter().map(|(name, b)| (*name, b.as_entire_binding())).collect();
     let group = stage.bind(&gpu, &resources);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.dispatch(&mut encoder.begin_compute_pass(&Default::default()), &group, tiles.len() as u32);
     gpu.queue.lock().submit([encoder.finish()]);
-    let bytes = readback::read_buffer(&gpu, &buffers[0].1).expect("an image");
-    bytemuck::pod_collect_to_vec(&bytes)
+    let [depth, color] = [0, 1].map(|number: usize| -> Vec<u32> {
+        let bytes = readback::read_buffer(&gpu, &buffers[number].1).expect("an image");
+        of_image(&bytemuck::pod_collect_to_vec(&bytes), size_px)
+    });
+    depth.into_iter().zip(color).map(|(depth, color)| [depth, color]).collect()
+}
+
+/// Pixels with a guard band in which nothing is.
+fn with_guard(pixels: &[u8], size_px: [u32; 2]) -> Vec<u8> {
+    let bytes = pixels.len() / (size_px[0] * size_px[1]) as usize;
+    let [columns, rows] = guarded(size_px).map(|size| size as usize);
+    let (guard, row) = (GUARD_PX as usize, size_px[0] as usize * bytes);
+    // As depths these bytes are empty pixels.
+    let mut guarded = vec![0xff; columns * rows * bytes];
+    for (from, to) in pixels.chunks_exact(row).zip(guarded.chunks_exact_mut(columns * bytes).skip(guard)) {
+        to[guard * bytes..][..row].copy_from_slice(from);
+    }
+    guarded
 }
 
 /// Number of pixels that differ in any bit.
@@ -186,6 +238,76 @@ fn gpu_equals_its_twin_where_tiles_are_whole_or_depths_extreme() {
     for (number, surface) in surfaces.iter().enumerate() {
         let want = dilate(&view, &by_ring(1), surface);
         assert_eq!(num_differing(&on_gpu(&view, &by_ring(1), surface), &want), 0, "surface {number}");
+    }
+}
+
+/// Pixels that take nothing though the tile is no single surface, single ones that take, and tiles in which none does.
+#[test]
+fn gpu_equals_its_twin_where_few_pixels_take() {
+    let size = [200, 150];
+    let view = view(size);
+    // A floor that recedes by less than the tolerance from row to row: no pixel of it takes from another.
+    let slope: Vec<Pixel> =
+        (0..30_000).map(|i| pixel(1.0 + 0.001 * (i / 200) as f32, [i as u8, 9, 200])).collect();
+    assert_eq!(dilate(&view, &by_ring(0), &slope), slope);
+    let mut random = Random(23);
+    for num_holes in [0, 1, 2, 40, 700] {
+        let mut surface = slope.clone();
+        for _ in 0..num_holes {
+            let at = (random.next() % 30_000) as usize;
+            surface[at] = if random.next().is_multiple_of(2) { EMPTY } else { pixel(9.0, [1, 2, 3]) };
+        }
+        for uniform in [by_ring(0), by_ring(1), fixed(1), fixed(3)] {
+            let want = dilate(&view, &uniform, &surface);
+            assert_eq!(want == surface, num_holes == 0, "{num_holes} holes");
+            assert_eq!(
+                num_differing(&on_gpu(&view, &uniform, &surface), &want),
+                0,
+                "{num_holes} holes, {uniform:?}"
+            );
+        }
+    }
+}
+
+/// What nobody sees is background, whether its tile is drawn or not; colors stand as the image holds them.
+#[test]
+fn hidden_pixels_show_the_background_and_colors_the_images_order() {
+    let size = [100, 70];
+    let view = view(size);
+    let mut surface = sparse(size, 60, 2);
+    surface.iter_mut().for_each(|p| {
+        if *p != EMPTY {
+            p[1] |= 0xff00_0000
+        }
+    });
+    let words = mask_words_per_row(size[0]);
+    // All but a disc.
+    let is_hidden = |x: u32, y: u32| (x.abs_diff(60)).pow(2) + (y.abs_diff(30)).pow(2) > 25 * 25;
+    let mut hidden = vec![0u32; (words * size[1]) as usize];
+    for (x, y) in
+        (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).filter(|&(x, y)| is_hidden(x, y))
+    {
+        hidden[(y * words + x / 32) as usize] |= 1 << (x % 32);
+    }
+    let input: [(&str, &[u8]); 1] = [("surface", bytemuck::cast_slice(&surface))];
+    let of = (&view, &by_ring(0));
+    for (shader, want) in [("dilate", dilate(&view, &by_ring(0), &surface)), ("show", surface.clone())] {
+        for is_bgra in [false, true] {
+            let shown = Shown { hidden: hidden.clone(), background: 0xff01_0203, is_bgra };
+            let got = run_shown(shader, Variant::eyes(2), of, &input, &shown);
+            let mut num_poisoned = 0;
+            for (i, (got, want)) in got.iter().zip(&want).enumerate() {
+                let (x, y) = (i as u32 % size[0], i as u32 / size[0]);
+                let [r, g, b, a] = want[1].to_le_bytes();
+                let color = if is_bgra { u32::from_le_bytes([b, g, r, a]) } else { want[1] };
+                let nothing = is_hidden(x, y) || want[0] == EMPTY[0];
+                let want = if nothing { [EMPTY[0], 0xff01_0203] } else { [want[0], color] };
+                let is_poison = *got == [0xabab_abab; 2];
+                num_poisoned += u32::from(is_poison);
+                assert!(*got == want || is_poison && is_hidden(x, y), "{shader}: pixel {x}, {y}: {got:x?}");
+            }
+            assert!(num_poisoned > 500, "tiles that nobody sees are left alone");
+        }
     }
 }
 

@@ -121,7 +121,7 @@ fn host_structs() -> Vec<HostStruct> {
             reserved, sample_spacing),
         host!(ChunkUniform: first_index, num_points, reserved),
         host!(ClearUniform: value, num_left, num_right, reserved),
-        host!(ResolveUniform: size_px, background, reserved),
+        host!(ResolveUniform: size_px, background, is_bgra),
         host!(DilateUniform: eye, radius_px, reserved),
     ]
 }

@@ -1,10 +1,6 @@
 // The rule of dilation over the whole square window at once, straight from global memory: what `dilate` is timed
 // against.
 
-@group(0) @binding(3) var<storage, read_write> image: array<vec2<u32>>;
-
-const OPAQUE: u32 = 0xff000000u;
-
 fn weight(x: u32, y: u32, center: vec2<u32>) -> u32 {
     let distance = max(x, center.x) - min(x, center.x) + max(y, center.y) - min(y, center.y);
     return 1u << (DILATE_FALLOFF_BITS * (2u * DILATE_REACH_PX - distance));
@@ -30,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let own = surface[id.y * width + id.x];
     let end = surface_end(vec4<u32>(nearest)).x;
     if nearest == EMPTY_DEPTH || own.x <= end {
-        image[id.y * width + id.x] = own;
+        into_image(id.xy, own.x, own.y, false);
         return;
     }
     var sums = vec3<u32>(0u);
@@ -46,5 +42,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
     let color = (sums + weights / 2u) / weights;
-    image[id.y * width + id.x] = vec2<u32>(nearest, color.r | color.g << 8u | color.b << 16u | OPAQUE);
+    into_image(id.xy, nearest, color.r | color.g << 8u | color.b << 16u, false);
 }

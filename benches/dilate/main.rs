@@ -11,7 +11,7 @@ use clap::Parser;
 use scanwalk::gpu::stage::Stage;
 use scanwalk::gpu::timer::Timer;
 use scanwalk::gpu::{Gpu, readback};
-use scanwalk::layout::{self, DilateUniform, Variant};
+use scanwalk::layout::{self, DilateUniform, ResolveUniform, Variant};
 use scanwalk::render::{shaders, tiles};
 use std::io::{self, Write};
 use timed::{Spread, Timed};
@@ -89,6 +89,7 @@ fn direct_source() -> String {
         include_str!("../../shaders/rings.inc.wgsl"),
         include_str!("../../shaders/dilation.inc.wgsl"),
         include_str!("../../shaders/kept_surface.inc.wgsl"),
+        include_str!("../../shaders/image.inc.wgsl"),
     ];
     format!("{}{}{}", layout::prelude(Variant::eyes(1)), shared.concat(), include_str!("direct.wgsl"))
 }
@@ -105,23 +106,31 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let dilate = buffer("dilate", bytemuck::bytes_of(&DilateUniform::default()), BufferUsages::UNIFORM);
     let nothing_hidden = vec![0; (layout::mask_words_per_row(size_px[0]) * size_px[1]) as usize];
     let tile_list = tiles(size_px, &nothing_hidden);
+    let resolve = ResolveUniform { size_px, background: 0, is_bgra: 0 };
+    let resolve = buffer("resolve", bytemuck::bytes_of(&resolve), BufferUsages::UNIFORM);
+    let hidden = buffer("hidden", bytemuck::cast_slice(&nothing_hidden), BufferUsages::STORAGE);
     let tiles = buffer("tiles", bytemuck::cast_slice(&tile_list), BufferUsages::STORAGE);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-    let images = NAMES.map(|name| gpu.buffer(name, surface.size(), usage));
+    let size = u64::from(4 * layout::image_pitch_px(size_px[0]) * size_px[1]);
+    let images = NAMES.map(|name| gpu.buffer(name, size, usage));
+    let depths = NAMES.map(|name| gpu.buffer(name, size, usage));
     let stages = [
         Stage::new(gpu, "dilate", &shaders::source("dilate", Variant::eyes(1))),
         Stage::new(gpu, "direct", &direct_source()),
     ];
     let groups: Vec<wgpu::BindGroup> = stages
         .iter()
-        .zip(&images)
-        .map(|(stage, image)| {
+        .zip(images.iter().zip(&depths))
+        .map(|(stage, (image, depth))| {
             let resources = [
                 ("view", &view),
                 ("dilate", &dilate),
                 ("tiles", &tiles),
                 ("surface", &surface),
-                ("image", image),
+                ("resolve", &resolve),
+                ("hidden", &hidden),
+                ("image_color", image),
+                ("image_depth", depth),
             ];
             stage.bind(gpu, &resources.map(|(name, buffer)| (name, buffer.as_entire_binding())))
         })
@@ -148,7 +157,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         let times = timer.collect(gpu, |times| [0, 1].map(|stage| f64::from(times.stage_ms[stage])));
         let times = times.context("the device gave no times")?;
         if run == 0 {
-            check(gpu, &images, &pixels)?;
+            check(gpu, &depths, size_px, &pixels)?;
         }
         if run >= WARM_UP_RUNS {
             samples.push(times);
@@ -158,16 +167,15 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
 }
 
 /// Both fill the same pixels with the same depths, and some unless none was empty.
-fn check(gpu: &Gpu, images: &[wgpu::Buffer; 2], surface: &[[u32; 2]]) -> Result<()> {
-    let [separable, direct] = images.each_ref().map(|image| readback::read_buffer(gpu, image));
-    let (separable, direct) = (separable?, direct?);
-    let depths =
-        |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(bytes).iter().map(|p| p[0]).collect();
-    let [separable, direct]: [Vec<u32>; 2] = [depths(&separable), depths(&direct)];
+fn check(gpu: &Gpu, depths: &[wgpu::Buffer; 2], size_px: [u32; 2], surface: &[[u32; 2]]) -> Result<()> {
+    let read = |buffer| -> Result<Vec<u32>> {
+        Ok(layout::of_image(&bytemuck::pod_collect_to_vec(&readback::read_buffer(gpu, buffer)?), size_px))
+    };
+    let (separable, direct) = (read(&depths[0])?, read(&depths[1])?);
     ensure!(separable == direct, "the two forms found different depths");
     let num_empty =
         |depths: &mut dyn Iterator<Item = u32>| depths.filter(|&d| d == layout::EMPTY_DEPTH).count();
-    let before = num_empty(&mut surface.iter().map(|p| p[0]));
+    let before = num_empty(&mut layout::without_guard(surface, size_px).iter().map(|p| p[0]));
     let after = num_empty(&mut separable.into_iter());
     ensure!(after < before || before == 0, "nothing was filled: {before} pixels empty before, {after} after");
     Ok(())

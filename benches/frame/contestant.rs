@@ -5,10 +5,10 @@ use crate::scene::Scene;
 use anyhow::{Context, Result};
 use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
-use scanwalk::gpu::{Gpu, readback};
+use scanwalk::gpu::Gpu;
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
-use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup};
+use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
 use scanwalk::space::View;
 use scanwalk::timing::STAGES;
 use scanwalk::twin::resolve::Pixel;
@@ -131,12 +131,8 @@ impl Contestant for Compute {
         self.draw(view)?;
         let mut eyes = Vec::new();
         for (renderer, images) in &self.renderers {
-            for (eye, image) in images.iter().enumerate() {
-                let bytes = readback::read_buffer(&self.gpu, renderer.pixels(eye))?;
-                let mut pixels: Vec<Pixel> = bytemuck::pod_collect_to_vec(&bytes);
-                // The buffer's end may be padding.
-                pixels.truncate((image.width() * image.height()) as usize);
-                eyes.push(pixels);
+            for eye in 0..images.len() {
+                eyes.push(renderer.read_pixels(eye)?);
             }
         }
         self.set_look(self.look)?;
@@ -202,5 +198,5 @@ fn wait(gpu: &Gpu, began: Instant) -> Result<f64> {
 }
 
 fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    gpu.texture("image", size_px, format, wgpu::TextureUsages::RENDER_ATTACHMENT)
+    gpu.texture("image", size_px, format, IMAGE_USAGES)
 }

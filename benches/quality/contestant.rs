@@ -8,12 +8,11 @@ use scanwalk::bench::point_list::{self, PointList};
 use scanwalk::cloud::Cloud;
 use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality};
 use scanwalk::gpu::{Gpu, readback};
-use scanwalk::layout::without_guard;
 use scanwalk::look::Look;
 use scanwalk::progress::Progress;
-use scanwalk::render::{self, CloudBuffers, EyeImage, Renderer, Setup};
+use scanwalk::render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
 use scanwalk::space::View;
-use scanwalk::twin::resolve::{Pixel, depth_of};
+use scanwalk::twin::resolve::depth_of;
 use std::sync::Arc;
 
 /// What nothing looks like, in the truth and for all contestants.
@@ -111,10 +110,8 @@ impl Compute {
         Ok(Self { gpu: Arc::clone(gpu), renderer, image: image(gpu, size_px, FORMAT), frame: 0 })
     }
 
-    fn depths(&self, size_px: [u32; 2]) -> Result<Vec<f32>> {
-        let pixels: Vec<Pixel> =
-            bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, self.renderer.pixels(0))?);
-        Ok(without_guard(&pixels, size_px).into_iter().map(depth_of).collect())
+    fn depths(&self) -> Result<Vec<f32>> {
+        Ok(self.renderer.read_pixels(0)?.into_iter().map(depth_of).collect())
     }
 }
 
@@ -134,7 +131,7 @@ impl Contestant for Compute {
         let rgb = colors(&self.gpu, &self.image)?;
         self.renderer.collect_times().context("the GPU gave no frame back")?;
         let size_px = only_eye(view).size_px;
-        Ok(Picture { size_px, rgb, depth: self.depths(size_px)? })
+        Ok(Picture { size_px, rgb, depth: self.depths()? })
     }
 }
 
@@ -167,7 +164,7 @@ impl Contestant for Hardware {
 }
 
 fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
     gpu.texture("image", size_px, format, usage)
 }
 

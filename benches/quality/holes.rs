@@ -6,7 +6,7 @@ use glam::DVec3;
 use scanwalk::config::{self, Config};
 use scanwalk::gpu::{Gpu, readback};
 use scanwalk::look::Look;
-use scanwalk::render::{self, CloudBuffers, EyeImage, Renderer, Setup};
+use scanwalk::render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
 use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
 use std::sync::Arc;
@@ -115,7 +115,7 @@ impl Drawer {
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, Look::of(config))?;
         renderer.set_cloud(cloud)?;
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let image = gpu.texture("image", size_px, FORMAT, usage);
         Ok(Self { gpu: Arc::clone(gpu), renderer, image, frame: 0 })
     }

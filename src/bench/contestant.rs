@@ -7,7 +7,9 @@ use crate::gpu::{Gpu, readback};
 use crate::layout::{COUNTERS_STRIDE, Counts, VISIBLE_DISCS, VisibleBatch};
 use crate::look::Look;
 use crate::method::Method;
-use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, TargetTooLarge, tier};
+use crate::render::{
+    CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, TargetTooLarge, tier,
+};
 use crate::report::BytesRead;
 use crate::space::View;
 use crate::timing::STAGES;
@@ -234,5 +236,5 @@ fn wait(gpu: &Gpu) -> Result<()> {
 }
 
 fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    gpu.texture("image", size_px, format, wgpu::TextureUsages::RENDER_ATTACHMENT)
+    gpu.texture("image", size_px, format, IMAGE_USAGES)
 }

@@ -1,5 +1,6 @@
 //! The guard band: pixels that the stages draw beyond each edge of an image and that nobody sees. What dilation takes
-//! from there is what it would take in a larger image, so that an image's border looks like its middle.
+//! from there is what it would take in a larger image, so that an image's border looks like its middle. Finished pixels
+//! have none.
 
 use super::DILATE_REACH_PX;
 
@@ -22,6 +23,30 @@ pub fn without_guard<T: Clone>(pixels: &[T], size_px: [u32; 2]) -> Vec<T> {
     let [width, height] = size_px.map(|size| size as usize);
     let (guard, stride) = (GUARD_PX as usize, guarded(size_px)[0] as usize);
     (guard..guard + height).flat_map(|y| &pixels[y * stride + guard..][..width]).cloned().collect()
+}
+
+/// Pixels, of which a row of a finished image takes a multiple: copies into textures want rows to begin at multiples of
+/// 256 bytes.
+pub const IMAGE_PITCH_PX: u32 = 64;
+
+/// Pixels from a row of a finished image to the next.
+#[must_use]
+pub fn image_pitch_px(width: u32) -> u32 {
+    width.next_multiple_of(IMAGE_PITCH_PX)
+}
+
+/// The pixels of an image of `size_px`, row by row, of those of a buffer of finished ones, in rows of
+/// [`image_pitch_px`]; what comes after them is left out.
+///
+/// # Panics
+/// If there are fewer pixels.
+#[must_use]
+pub fn of_image<T: Clone>(pixels: &[T], size_px: [u32; 2]) -> Vec<T> {
+    let [width, height] = size_px.map(|size| size as usize);
+    let rows = pixels.chunks(image_pitch_px(size_px[0]) as usize).take(height);
+    let image: Vec<T> = rows.flat_map(|row| &row[..width]).cloned().collect();
+    assert_eq!(image.len(), width * height, "an image's pixels");
+    image
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ pub use flags::{
     KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
     NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
 };
-pub use guard::{GUARD_PX, guarded, without_guard};
+pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use prelude::{Sums, Variant, prelude};
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 
@@ -81,6 +81,8 @@ pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 pub const TILE_PX: [u32; 2] = [32, 16];
 /// Pixels that `dilate` reaches at most, to each side: 7×7.
 pub const DILATE_REACH_PX: u32 = 3;
+/// A tile's word in the list of those that `resolve` works on: lenses hide some of its pixels.
+pub const TILE_HIDES: u32 = 1 << 31;
 /// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
 pub const DILATE_FALLOFF_BITS: u32 = 2;
 
@@ -273,12 +275,12 @@ pub fn mask_words_per_row(width: u32) -> u32 {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ResolveUniform {
-    /// Width, height in pixels, with the guard band.
+    /// Width, height in pixels, without the guard band.
     pub size_px: [u32; 2],
-    /// Color where no point is, as stored: r | g≪8 | b≪16 | 255≪24.
+    /// Color where no point is, as the image holds it.
     pub background: u32,
-    /// Always 0.
-    pub reserved: u32,
+    /// 1: the image holds b | g≪8 | r≪16 | 255≪24; 0: r | g≪8 | b≪16 | 255≪24.
+    pub is_bgra: u32,
 }
 
 /// What `cull` tells `depth` about a batch that is seen.

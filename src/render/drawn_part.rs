@@ -4,8 +4,8 @@
 use super::targets::Targets;
 use crate::gpu::Gpu;
 use crate::layout::{
-    ClearUniform, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GUARD_PX, ResolveUniform, TILE_PX, guarded,
-    mask_words_per_row,
+    ClearUniform, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GUARD_PX, ResolveUniform, TILE_HIDES, TILE_PX,
+    guarded, mask_words_per_row,
 };
 use wgpu::util::DeviceExt;
 
@@ -22,6 +22,10 @@ pub(super) struct DrawnPart {
     pub no_wide: Clearing,
     /// Of any, which stay as they are: for the counters.
     pub as_it_is: Clearing,
+    /// Finished colors where nothing is.
+    pub no_colors: Clearing,
+    /// Finished depths, the same.
+    pub no_depths: Clearing,
     /// Of each eye.
     pub eyes: Vec<EyePart>,
 }
@@ -52,8 +56,16 @@ pub(super) struct EyePart {
 
 impl DrawnPart {
     /// Of the part that `targets` says is drawn; `hidden` has the bits of the pixels that the lenses hide, an eye
-    /// each, and counts where it fits. `background` is the color of a pixel without points.
-    pub fn new(gpu: &Gpu, targets: &Targets, hidden: &[Vec<u32>], background: u32) -> Self {
+    /// each, and counts where it fits. `background` is the color of a pixel without points, as images of this `format` hold
+    /// it.
+    pub fn new(
+        gpu: &Gpu,
+        targets: &Targets,
+        hidden: &[Vec<u32>],
+        (background, format): (u32, wgpu::TextureFormat),
+    ) -> Self {
+        let is_bgra = format == wgpu::TextureFormat::Bgra8UnormSrgb;
+        let background = if is_bgra { swapped(background) } else { background };
         let make = Make { gpu, targets };
         Self {
             no_keys: make.clearing(8, EMPTY_DEPTH),
@@ -61,8 +73,10 @@ impl DrawnPart {
             no_sums: make.clearing(8, 0),
             no_wide: make.clearing(16, 0),
             as_it_is: make.clearing(0, 0),
+            no_colors: make.clearing_images(background),
+            no_depths: make.clearing_images(EMPTY_DEPTH),
             eyes: (0..targets.drawn_px.len())
-                .map(|eye| make.eye(eye, hidden.get(eye).map_or(&[], |bits| bits), background))
+                .map(|eye| make.eye(eye, hidden.get(eye).map_or(&[], |bits| bits), background, is_bgra))
                 .collect(),
         }
     }
@@ -76,12 +90,20 @@ struct Make<'a> {
 
 impl Make<'_> {
     fn clearing(&self, bytes_per_px: u64, value: u32) -> Clearing {
-        let [num_left, num_right] = [0, 1].map(|eye| self.targets.num_words(eye, bytes_per_px));
+        self.clearing_words([0, 1].map(|eye| self.targets.num_words(eye, bytes_per_px)), value)
+    }
+
+    /// Of finished pixels.
+    fn clearing_images(&self, value: u32) -> Clearing {
+        self.clearing_words([0, 1].map(|eye| self.targets.num_image_words(eye)), value)
+    }
+
+    fn clearing_words(&self, [num_left, num_right]: [u32; 2], value: u32) -> Clearing {
         let uniform = self.uniform("clear", &ClearUniform { value, num_left, num_right, reserved: 0 });
         Clearing { uniform, num_words: num_left.max(num_right) }
     }
 
-    fn eye(&self, eye: usize, hidden: &[u32], background: u32) -> EyePart {
+    fn eye(&self, eye: usize, hidden: &[u32], background: u32, is_bgra: bool) -> EyePart {
         let size_px = self.targets.drawn_px[eye];
         let nothing = vec![0; num_mask_words(size_px)];
         let hidden = if hidden.len() == nothing.len() { hidden } else { &nothing };
@@ -92,7 +114,7 @@ impl Make<'_> {
             tiles: self.storage("tiles", if tiles.is_empty() { &[0] } else { &tiles }),
             hidden: self.storage("hidden", hidden),
             resolve: self
-                .uniform("resolve", &ResolveUniform { size_px: guarded(size_px), background, reserved: 0 }),
+                .uniform("resolve", &ResolveUniform { size_px, background, is_bgra: is_bgra.into() }),
             dilate: self.uniform("dilate", &DilateUniform { eye: eye as u32, ..DilateUniform::default() }),
         }
     }
@@ -115,25 +137,36 @@ fn num_mask_words([width, height]: [u32; 2]) -> usize {
     (mask_words_per_row(width) * height) as usize
 }
 
+/// A color with red and blue in each other's place.
+fn swapped(color: u32) -> u32 {
+    color & 0xff00_ff00 | color >> 16 & 0xff | (color & 0xff) << 16
+}
+
 /// Tiles, x | y≪16, of an image of this size with its guard band, in which or so near to which that dilation reaches it
-/// a pixel of the image is not hidden; `hidden` has a bit a pixel of the image, in rows of [`mask_words_per_row`].
+/// a pixel of the image is not hidden; with [`TILE_HIDES`] where a pixel of the tile itself is. `hidden` has a bit a pixel of
+/// the image, in rows of [`mask_words_per_row`].
 #[must_use]
 pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
     let [across, down] = TILE_PX;
     let words = mask_words_per_row(width);
     let is_hidden = |x: u32, y: u32| hidden[(y * words + x / 32) as usize] >> (x % 32) & 1 == 1;
-    // The image's pixels that a tile of this number and size has or reaches, along an axis.
-    let reached = |tile: u32, tile_px: u32, size_px: u32| {
-        let first = (tile * tile_px).saturating_sub(GUARD_PX + DILATE_REACH_PX);
-        first..((tile + 1) * tile_px + DILATE_REACH_PX).saturating_sub(GUARD_PX).min(size_px)
+    // The image's pixels that a tile of this number and size has, and so many round it, along an axis.
+    let around = |tile: u32, tile_px: u32, size_px: u32, reach_px: u32| {
+        let first = (tile * tile_px).saturating_sub(GUARD_PX + reach_px);
+        first..((tile + 1) * tile_px + reach_px).saturating_sub(GUARD_PX).min(size_px)
     };
-    let is_needed = |&(tx, ty): &(u32, u32)| {
-        let columns = reached(tx, across, width);
-        reached(ty, down, height).any(|y| columns.clone().any(|x| !is_hidden(x, y)))
+    let any = |(tx, ty): (u32, u32), reach_px: u32, counts: &dyn Fn(u32, u32) -> bool| {
+        let columns = around(tx, across, width, reach_px);
+        around(ty, down, height, reach_px).any(|y| columns.clone().any(|x| counts(x, y)))
+    };
+    let is_needed = |&tile: &(u32, u32)| any(tile, DILATE_REACH_PX, &|x, y| !is_hidden(x, y));
+    let word = |tile: (u32, u32)| {
+        let hides = if any(tile, 0, &is_hidden) { TILE_HIDES } else { 0 };
+        tile.0 | tile.1 << 16 | hides
     };
     let [columns, rows] = guarded([width, height]);
     let tiles = (0..rows.div_ceil(down)).flat_map(|y| (0..columns.div_ceil(across)).map(move |x| (x, y)));
-    tiles.filter(is_needed).map(|(x, y)| x | y << 16).collect()
+    tiles.filter(is_needed).map(word).collect()
 }
 
 #[cfg(test)]

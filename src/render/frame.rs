@@ -4,10 +4,12 @@ use super::groups;
 use super::pipelines::Depth;
 use super::point_list::PointList;
 use super::renderer::Renderer;
-use crate::config::Quality;
+use crate::config::{Dilate, Quality};
 use crate::gpu::QueueGuard;
 use crate::gpu::stage::Stage;
-use crate::layout::{COUNTERS_STRIDE, CullCounters, Detail, ViewUniform, WORKGROUP_SIZE};
+use crate::layout::{
+    COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
+};
 use crate::space::View;
 use crate::timing::{STAGES, StageMs};
 
@@ -18,6 +20,9 @@ const CULL: usize = 2;
 const DEPTH: usize = 3;
 const COLOR: usize = 4;
 const RESOLVE: usize = 5;
+
+// The finished pixels' rows begin where copies want them.
+const _: () = assert!(4 * IMAGE_PITCH_PX == wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
 
 /// What the GPU tells of a frame, some frames late.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,10 +41,14 @@ pub struct FrameTimes {
     pub points_read: u64,
 }
 
+/// What an eye's image must allow.
+pub const IMAGE_USAGES: wgpu::TextureUsages =
+    wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::COPY_DST);
+
 /// An eye's image to draw to.
 #[derive(Clone, Copy, Debug)]
 pub struct EyeImage<'a> {
-    /// Where the colours go.
+    /// Where the colours go: drawn to while there is no cloud, copied to else.
     pub color: &'a wgpu::TextureView,
     /// Where [`View::near`] / w goes, 0 where nothing is; given if [`super::Setup::depth_format`] is.
     pub depth: Option<&'a wgpu::TextureView>,
@@ -58,6 +67,7 @@ impl Renderer {
         self.record_resolve(encoder, images);
         self.timer.end(encoder, &self.counters);
         self.targets_are_clear = self.groups.clear_counters.is_some() && self.cloud.is_some();
+        self.images_are_new = false;
     }
 
     /// Sets the eyes of the frame that is submitted next through the same guard.
@@ -109,11 +119,19 @@ impl Renderer {
 
     fn record_clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = self.compute_pass(encoder, CLEAR);
-        let limit = self.gpu.device.limits().max_compute_workgroups_per_dimension;
         let counters = self.groups.clear_counters.as_ref().filter(|_| self.targets_are_clear);
-        for (group, num_words) in counters.map_or(&self.groups.clear[..], std::slice::from_ref) {
+        self.dispatch_clear(&mut pass, counters.map_or(&self.groups.clear[..], std::slice::from_ref));
+        // Tiles that nobody sees stay as they are from here on.
+        if self.images_are_new {
+            self.dispatch_clear(&mut pass, &self.groups.clear_images);
+        }
+    }
+
+    fn dispatch_clear(&self, pass: &mut wgpu::ComputePass, groups: &[(wgpu::BindGroup, u32)]) {
+        let limit = self.gpu.device.limits().max_compute_workgroups_per_dimension;
+        for (group, num_words) in groups {
             let num_groups = num_words.div_ceil(WORKGROUP_SIZE).min(limit);
-            self.pipelines.clear.dispatch(&mut pass, group, num_groups);
+            self.pipelines.clear.dispatch(pass, group, num_groups);
         }
     }
 
@@ -173,61 +191,113 @@ impl Renderer {
     }
 
     fn record_resolve(&self, encoder: &mut wgpu::CommandEncoder, images: &[EyeImage]) {
+        if self.cloud.is_none() {
+            for (eye, image) in images.iter().enumerate() {
+                self.record_waiting(encoder, eye, image, [eye == 0, eye + 1 == images.len()]);
+            }
+            return;
+        }
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("surface"),
+                label: Some(STAGES[RESOLVE]),
                 timestamp_writes: self.timer.compute(RESOLVE, true, false),
             });
-            let (surface, dilate) = match self.look.quality {
-                Quality::Closest => (&self.pipelines.closest.shade, &self.pipelines.closest.dilate),
-                Quality::Hqs => {
-                    let hqs = groups::hqs(&self.pipelines, self.cloud.as_ref());
-                    (&hqs.blend, &hqs.blend_dilate)
-                }
-            };
-            for eye in &self.groups.eyes {
-                for group in &eye.surface {
-                    surface.dispatch(&mut pass, group, eye.num_tiles);
-                }
-                if let Some(group) = &eye.dilate {
-                    dilate.dispatch(&mut pass, group, eye.num_tiles);
-                }
-            }
+            self.record_pixels(&mut pass);
         }
         for (eye, image) in images.iter().enumerate() {
-            self.record_image(encoder, eye, image, eye + 1 == images.len());
+            self.record_copy(encoder, eye, image);
+        }
+        for (eye, image) in images.iter().enumerate() {
+            self.record_depth_image(encoder, eye, image);
+        }
+        // Copies have no timestamps: an empty pass says when they are done.
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("end"),
+            timestamp_writes: self.timer.compute(RESOLVE, false, true),
+        });
+    }
+
+    /// From points to finished pixels.
+    fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
+        let hqs = groups::hqs(&self.pipelines, self.cloud.as_ref());
+        let closest = &self.pipelines.closest;
+        let surface = if self.look.quality == Quality::Hqs { &hqs.blend } else { &closest.shade };
+        let image = match (self.look.dilate, self.look.quality) {
+            (Dilate::Off, _) => &self.pipelines.show,
+            (Dilate::Rings, Quality::Closest) => &closest.dilate,
+            (Dilate::Rings, Quality::Hqs) => &hqs.blend_dilate,
+        };
+        for eye in &self.groups.eyes {
+            for group in &eye.surface {
+                surface.dispatch(pass, group, eye.num_tiles);
+            }
+            if let Some(group) = &eye.image {
+                image.dispatch(pass, group, eye.num_tiles);
+            }
         }
     }
 
-    fn record_image(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage, is_last: bool) {
+    /// Finished pixels hold what an sRGB image does, so that nothing has to be decoded for it to encode.
+    fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage) {
+        let [width, height] = self.targets.drawn_px[eye];
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * image_pitch_px(width)),
+            rows_per_image: None,
+        };
+        encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo { buffer: &self.targets.image_color[eye], layout },
+            image.color.texture().as_image_copy(),
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+
+    fn record_depth_image(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage) {
+        let Some(((pass, group), view)) =
+            self.pipelines.depth_image.as_ref().zip(self.groups.eyes[eye].depth.as_ref()).zip(image.depth)
+        else {
+            return;
+        };
+        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("depth-image"),
+            depth_stencil_attachment: Some(infinitely_far(view)),
+            ..Default::default()
+        });
+        self.draw_to_drawn_part(&mut drawing, eye);
+        drawing.set_pipeline(&pass.pipeline);
+        drawing.set_bind_group(0, group, &[]);
+        drawing.draw(0..3, 0..1);
+    }
+
+    fn record_waiting(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        eye: usize,
+        image: &EyeImage,
+        [is_first, is_last]: [bool; 2],
+    ) {
         let [r, g, b] = self.look.background.map(linear_from_srgb);
-        let store = wgpu::StoreOp::Store;
+        let load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(STAGES[RESOLVE]),
+            label: Some("waiting"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: image.color,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }), store },
+                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
             })],
-            depth_stencil_attachment: image.depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
-                view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: self.timer.render(RESOLVE, false, is_last),
+            depth_stencil_attachment: image.depth.map(infinitely_far),
+            timestamp_writes: self.timer.render(RESOLVE, is_first, is_last),
             ..Default::default()
         });
+        self.draw_to_drawn_part(&mut pass, eye);
+        self.waiting.draw(&mut pass, eye);
+    }
+
+    fn draw_to_drawn_part(&self, pass: &mut wgpu::RenderPass, eye: usize) {
         let [width, height] = self.targets.drawn_px[eye];
         pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
         pass.set_scissor_rect(0, 0, width, height);
-        if self.cloud.is_none() {
-            self.waiting.draw(&mut pass, eye);
-        } else {
-            pass.set_pipeline(&self.pipelines.image.pipeline);
-            pass.set_bind_group(0, &self.groups.eyes[eye].image, &[]);
-            pass.draw(0..3, 0..1);
-        }
     }
 
     fn compute_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, stage: usize) -> wgpu::ComputePass<'e> {
@@ -236,6 +306,12 @@ impl Renderer {
             timestamp_writes: self.timer.compute(stage, true, true),
         })
     }
+}
+
+/// A depth image to draw into, with nothing in it.
+fn infinitely_far(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops: Some(ops), stencil_ops: None }
 }
 
 /// The value that an sRGB image encodes back to `c`.

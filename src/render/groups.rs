@@ -43,6 +43,8 @@ pub(super) struct Groups {
     pub point_list: Vec<Vec<wgpu::BindGroup>>,
     /// Of each eye.
     pub eyes: Vec<EyeGroups>,
+    /// Finished colors and depths to where nothing is, before the first frame that resolves these tiles.
+    pub clear_images: Vec<(wgpu::BindGroup, u32)>,
 }
 
 /// Bind groups of an eye.
@@ -52,9 +54,10 @@ pub(super) struct EyeGroups {
     pub num_tiles: u32,
     /// `shade`, one a chunk; or `blend`, one, where gaps stay open.
     pub surface: Vec<wgpu::BindGroup>,
-    /// `dilate`, or `blend-dilate`.
-    pub dilate: Option<wgpu::BindGroup>,
-    pub image: wgpu::BindGroup,
+    /// `dilate`, `blend-dilate`, or `show`.
+    pub image: Option<wgpu::BindGroup>,
+    /// Where there are depth images.
+    pub depth: Option<wgpu::BindGroup>,
 }
 
 /// Named resources.
@@ -81,6 +84,10 @@ impl Parts<'_> {
             color: vec![],
             point_list: self.point_list(),
             eyes: (0..self.targets.sizes_px.len()).map(|eye| self.eye(eye)).collect(),
+            clear_images: vec![
+                self.cleared(&self.targets.image_color, &self.drawn.no_colors),
+                self.cleared(&self.targets.image_depth, &self.drawn.no_depths),
+            ],
         };
         for number in 0..self.chunks().len() {
             let resources = self.of_chunk(number);
@@ -121,10 +128,10 @@ impl Parts<'_> {
         pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
     }
 
-    /// Dilation writes over the keys, so that they must be cleared after all.
+    /// For a frame whose targets the one before has cleared.
     fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
         let clears = self.pipelines.closest.shade_clears && self.quality == Quality::Closest;
-        (clears && self.dilate == Dilate::Off).then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
+        clears.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
     }
 
     fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
@@ -218,7 +225,8 @@ impl Parts<'_> {
             ("wide", targets.wide[eye].as_entire_binding()),
             ("surface", targets.surface[eye].as_entire_binding()),
             ("view", self.view.as_entire_binding()),
-            ("image", targets.finished(self.quality, self.dilate)[eye].as_entire_binding()),
+            ("image_color", targets.image_color[eye].as_entire_binding()),
+            ("image_depth", targets.image_depth[eye].as_entire_binding()),
         ];
         let points = self.points.map(|images| wgpu::BindingResource::TextureView(&images.points[eye]));
         resources.extend(points.map(|points| ("points", points)));
@@ -226,7 +234,7 @@ impl Parts<'_> {
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
-        let Pipelines { closest, image, .. } = self.pipelines;
+        let Pipelines { closest, show, depth_image, .. } = self.pipelines;
         let resources = self.of_eye(eye);
         let shade =
             |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
@@ -237,16 +245,16 @@ impl Parts<'_> {
             Quality::Hqs if self.dilate == Dilate::Rings => vec![],
             Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
         };
-        let dilates = self.cloud.is_some() && self.dilate == Dilate::Rings;
-        let dilate = match self.quality {
-            Quality::Closest => &closest.dilate,
-            Quality::Hqs => &self.hqs().blend_dilate,
+        let image = match (self.dilate, self.quality) {
+            (Dilate::Off, _) => show,
+            (Dilate::Rings, Quality::Closest) => &closest.dilate,
+            (Dilate::Rings, Quality::Hqs) => &self.hqs().blend_dilate,
         };
         EyeGroups {
             num_tiles: self.drawn.eyes[eye].num_tiles,
             surface,
-            dilate: dilates.then(|| dilate.bind(self.gpu, &resources)),
-            image: image.bind(self.gpu, &resources),
+            image: self.cloud.is_some().then(|| image.bind(self.gpu, &resources)),
+            depth: depth_image.as_ref().map(|pass| pass.bind(self.gpu, &resources)),
         }
     }
 }

@@ -16,7 +16,7 @@ mod waiting;
 
 pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
 pub use drawn_part::tiles;
-pub use frame::{EyeImage, FrameTimes};
+pub use frame::{EyeImage, FrameTimes, IMAGE_USAGES};
 pub use overlay::Overlays;
 pub use renderer::{Renderer, Setup};
 pub use targets::{TargetTooLarge, Targets};

@@ -171,7 +171,7 @@ impl Overlays {
         let resources = [
             ("view", renderer.view.as_entire_binding()),
             ("dilate", self.eyes[eye].as_entire_binding()),
-            ("surface", renderer.pixels(eye).as_entire_binding()),
+            ("image_depth", targets.image_depth[eye].as_entire_binding()),
             ("sums", targets.keys[eye].as_entire_binding()),
             ("wide", targets.wide[eye].as_entire_binding()),
             (

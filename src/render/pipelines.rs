@@ -16,7 +16,10 @@ pub(super) struct Pipelines {
     pub closest: Closest,
     /// Of each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
-    pub image: Image,
+    /// The surface to the image, where gaps stay open.
+    pub show: Stage,
+    /// Where there are depth images.
+    pub depth_image: Option<DepthImage>,
 }
 
 /// The point stages of `closest` quality.
@@ -52,9 +55,9 @@ pub(super) struct Hqs {
     pub blend_dilate: Stage,
 }
 
-/// The pass that writes an eye's image.
+/// The pass that writes an eye's depth image.
 #[derive(Debug)]
-pub(super) struct Image {
+pub(super) struct DepthImage {
     pub pipeline: wgpu::RenderPipeline,
     pub bindings: Bindings,
 }
@@ -70,13 +73,12 @@ pub(super) struct For {
     pub access: Access,
     /// See [`super::Renderer::counting`].
     pub counts: bool,
-    pub color_format: wgpu::TextureFormat,
     pub depth_format: Option<wgpu::TextureFormat>,
 }
 
 impl Pipelines {
     pub fn new(gpu: &Gpu, what: For) -> Self {
-        let For { num_eyes, fill, discs, atomics, method, access, counts, .. } = what;
+        let For { num_eyes, fill, discs, atomics, method, access, counts, depth_format } = what;
         let keys = atomics >= Atomics::Int64Minmax;
         let variant = Variant {
             fill,
@@ -131,7 +133,9 @@ impl Pipelines {
                 shade_clears: method == Method::Fixed40,
             },
             hqs: forms.into_iter().map(hqs).collect(),
-            image: Image::new(gpu, what, &shaders::source("resolve", variant)),
+            show: stage("show", variant),
+            depth_image: depth_format
+                .map(|format| DepthImage::new(gpu, format, &shaders::source("depth-image", variant))),
         }
     }
 }
@@ -170,12 +174,11 @@ fn stage(gpu: &Gpu, access: Access, name: &'static str, variant: Variant) -> Sta
     compile(gpu, name, &shaders::source(name, variant))
 }
 
-impl Image {
-    fn new(gpu: &Gpu, what: For, wgsl: &str) -> Self {
-        let module = shader_module(&gpu.device, "resolve", wgsl);
-        let entry = if what.depth_format.is_some() { "fragment_with_depth" } else { "fragment" };
+impl DepthImage {
+    fn new(gpu: &Gpu, format: wgpu::TextureFormat, wgsl: &str) -> Self {
+        let module = shader_module(&gpu.device, "depth-image", wgsl);
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("resolve"),
+            label: Some("depth-image"),
             layout: None,
             vertex: wgpu::VertexState {
                 module: &module,
@@ -185,12 +188,12 @@ impl Image {
             },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
-                entry_point: Some(entry),
+                entry_point: Some("fragment"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(what.color_format.into())],
+                targets: &[],
             }),
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: what.depth_format.map(|format| wgpu::DepthStencilState {
+            depth_stencil: Some(wgpu::DepthStencilState {
                 format,
                 depth_write_enabled: Some(true),
                 depth_compare: Some(wgpu::CompareFunction::Always),
@@ -201,11 +204,11 @@ impl Image {
             multiview_mask: None,
             cache: None,
         });
-        Self { pipeline, bindings: Bindings::of("resolve", wgsl, entry) }
+        Self { pipeline, bindings: Bindings::of("depth-image", wgsl, "fragment") }
     }
 
     /// A bind group for the pass.
     pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource)]) -> wgpu::BindGroup {
-        self.bindings.bind(&gpu.device, "resolve", &self.pipeline.get_bind_group_layout(0), resources)
+        self.bindings.bind(&gpu.device, "depth-image", &self.pipeline.get_bind_group_layout(0), resources)
     }
 }

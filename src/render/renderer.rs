@@ -9,8 +9,8 @@ use super::targets::{TargetTooLarge, Targets};
 use super::waiting::Waiting;
 use crate::config::Quality;
 use crate::gpu::timer::Timer;
-use crate::gpu::{Atomics, Gpu, QueueGuard};
-use crate::layout::{COUNT_BINS, COUNTERS_STRIDE, Counts, Sums, ViewUniform};
+use crate::gpu::{Atomics, Gpu, QueueGuard, readback};
+use crate::layout::{COUNT_BINS, COUNTERS_STRIDE, Counts, Sums, ViewUniform, of_image};
 use crate::look::Look;
 use crate::space::{Eye, Pose, Split};
 use crate::timing::STAGES;
@@ -57,6 +57,8 @@ pub struct Renderer {
     pub(super) groups: Groups,
     /// The frame before has cleared its targets, and nothing has changed since.
     pub(super) targets_are_clear: bool,
+    /// The finished pixels are of another drawn part or cloud than the next frame's.
+    pub(super) images_are_new: bool,
     /// See [`Self::binding`].
     binding: u64,
     pub(super) timer: Timer,
@@ -92,7 +94,7 @@ impl Renderer {
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
         let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
-        let drawn = DrawnPart::new(gpu, &targets, &[], look.background_word());
+        let drawn = DrawnPart::new(gpu, &targets, &[], (look.background_word(), setup.color_format));
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
         let waiting = Waiting::new(gpu, &setup);
@@ -113,6 +115,7 @@ impl Renderer {
             drawn,
             groups: Groups::default(),
             targets_are_clear: false,
+            images_are_new: true,
             binding: 0,
             timer,
         };
@@ -262,11 +265,19 @@ impl Renderer {
         &self.targets
     }
 
-    /// An eye's finished pixels, (depth, color), for pictures; with the guard band, see
-    /// [`crate::layout::without_guard`].
-    #[must_use]
-    pub fn pixels(&self, eye: usize) -> &wgpu::Buffer {
-        &self.targets.finished(self.look.quality, self.look.dilate)[eye]
+    /// The finished pixels of an eye's drawn part, row by row: bits of the depth, and the color as the image holds it, the
+    /// background where nothing is. For pictures and tests: waits for the GPU.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn read_pixels(&self, eye: usize) -> anyhow::Result<Vec<[u32; 2]>> {
+        let read = |buffer| -> anyhow::Result<Vec<u32>> {
+            let words = bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, buffer)?);
+            Ok(of_image(&words, self.targets.drawn_px[eye]))
+        };
+        let depths = read(&self.targets.image_depth[eye])?;
+        let colors = read(&self.targets.image_color[eye])?;
+        Ok(depths.into_iter().zip(colors).map(|(depth, color)| [depth, color]).collect())
     }
 
     /// Batches of a chunk.
@@ -295,7 +306,7 @@ impl Renderer {
 
     /// Tells the stages of another drawn part, other hidden pixels or another background.
     fn tell_drawn_part(&mut self) {
-        let background = self.look.background_word();
+        let background = (self.look.background_word(), self.setup.color_format);
         self.drawn = DrawnPart::new(&self.gpu, &self.targets, &self.hidden, background);
     }
 
@@ -317,6 +328,7 @@ impl Renderer {
         };
         self.groups = parts.groups();
         self.targets_are_clear = false;
+        self.images_are_new = true;
         self.rebound();
     }
 
@@ -349,7 +361,6 @@ fn what(setup: &Setup, look: &Look, counts: bool) -> For {
         method: look.method,
         access: look.access,
         counts,
-        color_format: setup.color_format,
         depth_format: setup.depth_format,
     }
 }

@@ -85,6 +85,8 @@ const DILATION: Shared = shared!("dilation");
 /// A pixel's depth and color before gaps are closed: as `shade` left them, or from the sums of `hqs` quality.
 const KEPT_SURFACE: Shared = shared!("kept_surface");
 const BLENDED_SURFACE: Shared = shared!("blended_surface");
+/// Finished pixels.
+const IMAGE: Shared = shared!("image");
 /// Means of color channels.
 const MEAN: Shared = shared!("mean");
 /// Stored colors to linear light.
@@ -113,7 +115,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the frame, in its order; then the overlays' and those of other methods.
-pub const SHADERS: [Shader; 28] = [
+pub const SHADERS: [Shader; 29] = [
     shader!("clear", &[]),
     shader!("lod", &[SIZES]),
     shader!("cull", &[SIZES, STEPS]),
@@ -124,11 +126,12 @@ pub const SHADERS: [Shader; 28] = [
     shader!("color32", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
     shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
     shader!("blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE]),
-    shader!("dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE]),
-    shader!("blend-dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE]),
-    shader!("resolve", &[SRGB]),
-    shader!("overlay", &[RINGS, DILATION, KEPT_SURFACE, SRGB, OVERLAY]),
-    shader!("boxes", &[RINGS, DILATION, KEPT_SURFACE, SRGB, OVERLAY]),
+    shader!("dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE]),
+    shader!("blend-dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE]),
+    shader!("show", &[TILES, KEPT_SURFACE, IMAGE]),
+    shader!("depth-image", &[]),
+    shader!("overlay", &[RINGS, DILATION, SRGB, OVERLAY]),
+    shader!("boxes", &[RINGS, DILATION, SRGB, OVERLAY]),
     shader!("just-set", "methods/just_set", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
     shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, LOOP, COUNTS]),
     shader!("exchange-loop", "methods/exchange_loop", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),

@@ -1,8 +1,8 @@
-//! What the stages draw into, an eye's buffers each, row by row of the image's drawn part with its guard band.
+//! What the stages draw into, an eye's buffers each, row by row of the image's drawn part with its guard band; and the
+//! finished pixels, without it.
 
-use crate::config::{Dilate, Quality};
 use crate::gpu::Gpu;
-use crate::layout::guarded;
+use crate::layout::{guarded, image_pitch_px};
 
 /// The eyes' pixels; made anew when an eye's size changes.
 #[derive(Debug)]
@@ -11,15 +11,18 @@ pub struct Targets {
     pub sizes_px: Vec<[u32; 2]>,
     /// Width, height of the part that is drawn, from the top left corner.
     pub drawn_px: Vec<[u32; 2]>,
-    /// 8 bytes a pixel: `closest`: depth ≪ 32 | id, and once these are read, the image with its gaps filled:
-    /// (depth, color). `hqs`: sums.
+    /// 8 bytes a pixel: `closest`: depth ≪ 32 | id. `hqs`: sums.
     pub keys: [wgpu::Buffer; 2],
     /// 4 bytes a pixel: the nearest depth, where it is not part of a key.
     pub depth: [wgpu::Buffer; 2],
     /// 16 bytes a pixel: sums in four u32, where the packed ones do not do; else next to nothing.
     pub wide: [wgpu::Buffer; 2],
-    /// 8 bytes a pixel, (depth, color): `closest`: before gaps are filled. `hqs`: the image.
+    /// 8 bytes a pixel, (depth, color), before gaps are filled, where that is a step of its own.
     pub surface: [wgpu::Buffer; 2],
+    /// 4 bytes a pixel: the finished colors, as the image holds them, in rows of [`image_pitch_px`].
+    pub image_color: [wgpu::Buffer; 2],
+    /// 4 bytes a pixel: their depths, in such rows.
+    pub image_depth: [wgpu::Buffer; 2],
 }
 
 /// Why targets could not be made.
@@ -56,6 +59,12 @@ impl Targets {
                 gpu.buffer(labels[eye], size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
             })
         };
+        let finished = |labels: [&'static str; 2]| {
+            [0, 1].map(|eye: usize| {
+                let size = bytes_of_image(sizes_px.get(eye).copied().unwrap_or([1, 1]));
+                gpu.buffer(labels[eye], size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
+            })
+        };
         Ok(Self {
             sizes_px: sizes_px.to_vec(),
             drawn_px: sizes_px.to_vec(),
@@ -63,17 +72,9 @@ impl Targets {
             depth: pair(["depth left", "depth right"], 4),
             wide: pair(["wide left", "wide right"], if has_wide { 16 } else { 0 }),
             surface: pair(["surface left", "surface right"], 8),
+            image_color: finished(["image left", "image right"]),
+            image_depth: finished(["image depth left", "image depth right"]),
         })
-    }
-
-    /// The eyes' finished pixels, (depth, color).
-    #[must_use]
-    pub fn finished(&self, quality: Quality, dilate: Dilate) -> &[wgpu::Buffer; 2] {
-        match (quality, dilate) {
-            // The keys have become a surface, which is filled.
-            (Quality::Closest, Dilate::Rings) => &self.keys,
-            _ => &self.surface,
-        }
     }
 
     /// True if there is room for sums in four u32.
@@ -87,6 +88,17 @@ impl Targets {
     pub(super) fn num_words(&self, eye: usize, bytes_per_px: u64) -> u32 {
         (bytes_of(self.drawn_px.get(eye).copied().unwrap_or([1, 1]), bytes_per_px) / 16) as u32
     }
+
+    /// 16-byte words of an eye's finished colors, and of its depths.
+    #[must_use]
+    pub(super) fn num_image_words(&self, eye: usize) -> u32 {
+        (bytes_of_image(self.drawn_px.get(eye).copied().unwrap_or([1, 1])) / 16) as u32
+    }
+}
+
+/// Bytes of the finished pixels of an eye's image, 4 each, in rows of [`image_pitch_px`]: a multiple of 16.
+fn bytes_of_image([width, height]: [u32; 2]) -> u64 {
+    4 * u64::from(image_pitch_px(width)) * u64::from(height)
 }
 
 /// Bytes of the pixels of an eye's image and its guard band, rounded up to the 16 that `clear` writes at once.

@@ -4,6 +4,7 @@
 use super::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 use crate::config::SimulatedConfig;
 use crate::gpu::Gpu;
+use crate::render::IMAGE_USAGES;
 use crate::space::{Fov, Pose};
 use anyhow::Context;
 use glam::{DQuat, DVec3};
@@ -33,9 +34,7 @@ impl SimulatedHeadset {
     /// One with images on `gpu`.
     #[must_use]
     pub fn new(gpu: &Arc<Gpu>, config: &SimulatedConfig) -> Self {
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC;
+        let usage = IMAGE_USAGES | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         let image = |label| gpu.texture(label, config.size_px, FORMAT, usage);
         Self {
             gpu: Arc::clone(gpu),

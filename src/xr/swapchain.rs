@@ -8,6 +8,7 @@
 #![allow(unsafe_code)] // Wraps the runtime's VkImages as wgpu textures; each block says why it is sound.
 
 use crate::gpu::{Gpu, Queue, QueueGuard};
+use crate::render::IMAGE_USAGES;
 use crate::walk::EyeImages;
 use ash::vk::{self, Handle};
 use openxr as xr;
@@ -217,6 +218,7 @@ impl EyeSwapchain {
                 xr::SwapchainUsageFlags::COLOR_ATTACHMENT
                     | xr::SwapchainUsageFlags::SAMPLED
                     | xr::SwapchainUsageFlags::TRANSFER_SRC
+                    | xr::SwapchainUsageFlags::TRANSFER_DST
             },
             format: format.vulkan.as_raw() as u32,
             sample_count: 1,
@@ -272,10 +274,11 @@ fn wrap_image(
         )
     } else {
         (
-            wgpu::TextureUses::COLOR_TARGET | wgpu::TextureUses::RESOURCE | wgpu::TextureUses::COPY_SRC,
-            wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
+            wgpu::TextureUses::COLOR_TARGET
+                | wgpu::TextureUses::RESOURCE
+                | wgpu::TextureUses::COPY_SRC
+                | wgpu::TextureUses::COPY_DST,
+            IMAGE_USAGES | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
         )
     };
     let hal_descriptor = wgpu_hal::TextureDescriptor {

@@ -8,16 +8,16 @@ use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::config::Quality;
 use scanwalk::gpu::{Atomics, Gpu, readback};
 
-use scanwalk::layout::{CullCounters, Detail, VisibleBatch, without_guard};
+use scanwalk::layout::{CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
 use scanwalk::look::Look;
 use scanwalk::output::{Output, OutputKind};
 use scanwalk::progress::{Progress, Stop};
-use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, Targets};
+use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
 use scanwalk::scan::{self, ColorSource, Lattice, Points, ReadOptions, Scan, ScanFile};
 use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
 use scanwalk::synth::{self, Kind, SynthOptions};
 use scanwalk::twin::Frame;
-use scanwalk::twin::resolve::Pixel;
+use scanwalk::twin::resolve::{EMPTY, Pixel};
 use std::sync::{Arc, OnceLock};
 
 /// The GPU, opened once a test program.
@@ -182,8 +182,12 @@ impl Canvas {
         visible.truncate(counters.num_visible as usize);
         visible.sort_by_key(|v| (v.batch, v.flags));
         let targets = self.renderer.targets();
-        let finished =
-            (0..view.eyes.len()).map(|eye| of_eye(&read(self.renderer.pixels(eye)), targets.drawn_px[eye]));
+        // As the twin has it: no color where nothing is.
+        let of_twin = |[depth, color]: Pixel| if depth == EMPTY_DEPTH { EMPTY } else { [depth, color] };
+        let finished = (0..view.eyes.len()).map(|eye| {
+            let pixels = self.renderer.read_pixels(eye).expect("readback");
+            pixels.into_iter().map(of_twin).collect()
+        });
         Drawn {
             keys: of_eyes(targets, &targets.keys, &read),
             depth: of_eyes(targets, &targets.depth, &read),
@@ -221,7 +225,7 @@ pub fn draw(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) 
 }
 
 pub fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
     gpu.texture("image", size_px, format, usage)
 }
 
