@@ -42,6 +42,8 @@ impl Validation {
         command
             .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
             .env("VK_LAYER_SETTINGS_PATH", self.folder.path())
+            // Mesa prints an error where there is none.
+            .env("XDG_RUNTIME_DIR", self.folder.path())
             .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
             // wgpu's own messenger would take the messages away from the layer's log.
             .env("WGPU_VALIDATION", "0")
