@@ -119,11 +119,13 @@ fn both_drivers_draw_the_same_picture() {
     let scan = courtyard(folder.path(), 50_000);
     let places = synth::viewpoints(Kind::Terrestrial);
     let [closest, hqs] = [["--quality", "closest"], ["--quality", "hqs"]];
-    let shots = [(&places[0], &closest[..]), (&places[1], &closest), (&places[1], &hqs)];
+    let shots = [(&places[0], &closest[..]), (&places[1], &hqs)];
     let pictures = assert_same(&driver, &scan, folder.path(), &shots);
     // The comparison can fail: places and qualities differ.
-    assert!(num_different(&pictures[0], &pictures[1]) > 1000);
-    assert!(num_different(&pictures[1], &pictures[2]) > 1000);
+    for (pictured, other) in [(&pictures[0], (&places[0], &hqs[..])), (&pictures[1], (&places[0], &hqs))] {
+        let (other, _) = drawn(None, &scan, other, folder.path());
+        assert!(num_different(pictured, &other) > 1000);
+    }
 }
 
 /// What `doctor` finds out about a driver.
@@ -146,15 +148,17 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 50_000);
     let place = &synth::viewpoints(Kind::Terrestrial)[1];
-    let methods = ["prefetch", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup", "point-list"];
+    // SwiftShader compiles a method's shaders for ten seconds. Those that are left out are parts of these.
+    let methods = ["prefetch", "reduce-early-z", "dedup", "point-list"];
     let ways = methods.map(|method| ["--preset", "plain", "--method", method]);
     let shots = ways.each_ref().map(|way| (place, &way[..]));
     let pictures = assert_same(&driver, &scan, folder.path(), &shots);
     for (picture, method) in pictures.iter().zip(methods) {
         assert_eq!(num_different(picture, &pictures[0]), 0, "{method}");
     }
-    let (other, _) =
-        drawn(Some(&driver), &scan, (&synth::viewpoints(Kind::Terrestrial)[0], &ways[0]), folder.path());
+    // The comparison can fail.
+    let elsewhere = (&synth::viewpoints(Kind::Terrestrial)[0], &ways[0][..]);
+    let (other, _) = drawn(None, &scan, elsewhere, folder.path());
     assert!(num_different(&other, &pictures[0]) > 1000);
 }
 
@@ -167,8 +171,7 @@ fn both_drivers_draw_the_same_whole_frame() {
     let whole = ["--preset", "quality"];
     let closest = ["--preset", "quality", "--quality", "closest"];
     let places = synth::viewpoints(Kind::Terrestrial);
-    let shots =
-        [(&places[0], &whole[..]), (&places[1], &whole), (&places[2], &whole), (&places[1], &closest)];
+    let shots = [(&places[0], &whole[..]), (&places[1], &whole), (&places[1], &closest)];
     let pictures = assert_same(&driver, &scan, folder.path(), &shots);
     // What the frame is made of shows in the picture: without any of it another comes out.
     for without in [

@@ -8,9 +8,7 @@ use scanwalk::method::Method;
 use std::path::Path;
 
 /// Options of pictures that go through different shaders.
-const MODES: [(&str, &[&str]); 5] = [
-    ("closest, flat", &[]),
-    ("hqs, flat", &["--quality", "hqs"]),
+const MODES: [(&str, &[&str]); 3] = [
     ("closest, layered, rings", &["--quality", "closest", "--lod", "on", "--dilate", "rings"]),
     ("hqs, layered", &["--quality", "hqs", "--lod", "on"]),
     ("the whole frame", &["--preset", "quality"]),
