@@ -87,6 +87,14 @@ impl Drawn {
         self.rgb[pixel] == EMPTY_RGB
     }
 
+    /// The picture, in which what is empty and no hole is black.
+    pub fn marked(&self, whole: Option<&Self>) -> Vec<[u8; 3]> {
+        let is_hole = |pixel: usize| whole.is_none_or(|whole| whole.is_inside(pixel));
+        let color =
+            |pixel: usize| if self.is_empty(pixel) && !is_hole(pixel) { [0; 3] } else { self.rgb[pixel] };
+        (0..self.rgb.len()).map(color).collect()
+    }
+
     /// True if the pixel and its eight neighbours show something: at edges, what a pixel shows is a matter of half a pixel.
     fn is_inside(&self, pixel: usize) -> bool {
         let [width, height] = self.size_px.map(|size| size as usize);

@@ -1,14 +1,16 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
-use super::holes::{Drawer, RINGS_DEG, holes, left_eye, settings, sphere, unreduced};
+use super::holes::{Drawer, Drawn, RINGS_DEG, Ring, holes, left_eye, settings, sphere, unreduced};
 use super::scene::{SOURCES, Source};
 use anyhow::{Context, Result};
 use glam::DVec3;
 use scanwalk::cloud::octree::build_octree;
+use scanwalk::config::Config;
 use scanwalk::gpu::Gpu;
 use scanwalk::progress::Progress;
 use scanwalk::render::CloudBuffers;
 use scanwalk::scan::Scan;
+use scanwalk::space::View;
 use scanwalk::synth::{Kind, Viewpoint};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -53,7 +55,7 @@ impl Holes {
     }
 
     /// Prints the table of the scenes whose name contains `scan`, each row as a line of CSV, to `out` and to `csv`; keeps
-    /// pictures if there is a folder for them.
+    /// pictures if there is a folder for them: what is black is no hole.
     pub fn run(
         &self,
         gpu: &Arc<Gpu>,
@@ -61,19 +63,16 @@ impl Holes {
         csv: &mut dyn Write,
         pictures: Option<&PathBuf>,
     ) -> Result<()> {
-        let rings =
-            ["0-20", "20-38", "38-50", "50-55", "55-"].map(|ring| format!(",empty_{ring},judged_{ring}"));
-        let header = format!("scene,headset,preset,smooth,lod_scale,points_read{}", rings.concat());
-        println!("{header}");
-        writeln!(csv, "{header}")?;
+        let mut kept = Kept { csv, pictures };
+        kept.header()?;
         if "sphere".contains(scan) {
-            self.scene(gpu, ("sphere", false), &sphere(points), &[INSIDE], csv, pictures)?;
+            self.scene(gpu, ("sphere", false), &sphere(points), &[INSIDE], &mut kept)?;
         }
         let sources = [Source::Synth(Kind::Terrestrial), Source::Room];
         debug_assert!(sources.iter().all(|source| SOURCES.contains(source)));
         for source in sources.into_iter().filter(|source| source.name().contains(scan) && source.is_here()) {
             let scan = source.dense_scan(points)?;
-            self.scene(gpu, (source.name(), true), &scan, &source.places(), csv, pictures)?;
+            self.scene(gpu, (source.name(), true), &scan, &source.places(), &mut kept)?;
         }
         Ok(())
     }
@@ -85,46 +84,81 @@ impl Holes {
         (name, is_open): (&str, bool),
         scan: &Scan,
         places: &[Viewpoint],
-        csv: &mut dyn Write,
-        pictures: Option<&PathBuf>,
+        kept: &mut Kept,
     ) -> Result<()> {
         let octree = build_octree(scan, &Progress::hidden(), &mut |_, _| ())?;
+        let num_points = octree.cloud.num_points;
         let mut cloud = Some(CloudBuffers::upload_layered(gpu, &octree, 0, &Progress::hidden())?);
         for place in places {
             for headset in HEADSETS.into_iter().filter(|headset| headset.contains(&self.headset)) {
                 for preset in PRESETS.into_iter().filter(|preset| preset.contains(&self.preset)) {
                     let config = settings(&[preset, headset], &self.sets)?;
                     let view = left_eye(&config, place.eye, place.target, self.share);
-                    let size_px = view.eyes[0].size_px;
                     let buffers = cloud.take().context("no cloud to draw")?;
-                    let mut drawer = Drawer::new(gpu, buffers, &config, size_px)?;
-                    let whole =
-                        if is_open { Some(drawer.draw(&unreduced(&config), &view, 1.0)?) } else { None };
-                    for &smooth in &self.smooth {
-                        let mut config = config.clone();
-                        config.fovea.smooth = smooth;
-                        for &lod_scale in &self.lod_scale {
-                            let drawn = drawer.draw(&config, &view, lod_scale)?;
-                            let rings = holes(&view, &drawn, whole.as_ref());
-                            let row =
-                                format!("{name} {},{headset},{preset},{smooth},{lod_scale}", place.name);
-                            let counts =
-                                rings.map(|ring| format!(",{},{}", ring.empty, ring.judged)).concat();
-                            let percents = rings.map(|ring| format!(" {:>8.4}", ring.percent())).concat();
-                            println!("{row:<60} {:>9} read {percents} %", drawn.points_read);
-                            writeln!(csv, "{row},{}{counts}", drawn.points_read)?;
-                            csv.flush()?;
-                            if let Some(folder) = pictures {
-                                let file = format!("{}.png", row.replace([',', ' '], "-"));
-                                save(&folder.join(file), drawn.size_px, &drawn.rgb)?;
-                            }
-                        }
-                    }
+                    let mut drawer = Drawer::new(gpu, buffers, &config, view.eyes[0].size_px)?;
+                    let names = format!("{name} {},{headset},{preset}", place.name);
+                    self.frames(&mut drawer, (&names, num_points, is_open), &config, &view, kept)?;
                     cloud = drawer.finish();
                 }
             }
         }
         Ok(())
+    }
+
+    /// From one place, with one headset and preset.
+    fn frames(
+        &self,
+        drawer: &mut Drawer,
+        (names, num_points, is_open): (&str, u64, bool),
+        config: &Config,
+        view: &View,
+        kept: &mut Kept,
+    ) -> Result<()> {
+        let whole = if is_open { Some(drawer.draw(&unreduced(config), view, 1.0)?) } else { None };
+        for &smooth in &self.smooth {
+            let mut config = config.clone();
+            config.fovea.smooth = smooth;
+            for &lod_scale in &self.lod_scale {
+                let drawn = drawer.draw(&config, view, lod_scale)?;
+                let names = format!("{names},{smooth},{lod_scale}");
+                kept.row(&names, num_points, &drawn, &holes(view, &drawn, whole.as_ref()))?;
+                kept.picture(&names, &drawn, whole.as_ref())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where rows and pictures go.
+struct Kept<'a> {
+    csv: &'a mut dyn Write,
+    pictures: Option<&'a PathBuf>,
+}
+
+impl Kept<'_> {
+    fn header(&mut self) -> Result<()> {
+        let ring = |ring: &str| format!(",empty_{ring},judged_{ring}");
+        let rings = ["0-20", "20-38", "38-50", "50-55", "55-"].map(ring).concat();
+        let names = "scene,headset,preset,smooth,lod_scale";
+        let header = format!("{names},num_points,width_px,height_px,points_read{rings}");
+        println!("{header}");
+        Ok(writeln!(self.csv, "{header}")?)
+    }
+
+    /// `names`: its first columns.
+    fn row(&mut self, names: &str, num_points: u64, drawn: &Drawn, rings: &[Ring]) -> Result<()> {
+        let ([width, height], num_read) = (drawn.size_px, drawn.points_read);
+        let counts: String = rings.iter().map(|ring| format!(",{},{}", ring.empty, ring.judged)).collect();
+        let percents: String = rings.iter().map(|ring| format!(" {:>8.4}", ring.percent())).collect();
+        println!("{names:<60} {num_read:>9} read {percents} %");
+        writeln!(self.csv, "{names},{num_points},{width},{height},{num_read}{counts}")?;
+        Ok(self.csv.flush()?)
+    }
+
+    fn picture(&self, names: &str, drawn: &Drawn, whole: Option<&Drawn>) -> Result<()> {
+        let Some(folder) = self.pictures else { return Ok(()) };
+        let path = folder.join(format!("{}.png", names.replace([',', ' '], "-")));
+        save(&path, drawn.size_px, &drawn.marked(whole))
     }
 }
 
