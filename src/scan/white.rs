@@ -14,8 +14,21 @@ const MOST_WRONG_OF_NONZERO: f64 = 0.1;
 const MADE_OF_BYTES: f64 = 0.99;
 /// Fewer channels than this are no second distribution.
 const FEWEST_OF_TWO: u64 = 60;
-/// Channels of a pass: they stay in the first cache for all passes, and their counts fit 16 bits.
-const PASS: usize = 1 << 13;
+/// Part of all channels that a second distribution of 8 bits has for its channels alone to tell.
+const LARGE_PART: f64 = 0.1;
+/// Values that the brightest channel of points is counted above, to tell points of 8 bits from those of 16.
+const PEAK_LIMITS: [u16; 6] = [15, 191, 255, 319, 1023, 4095];
+/// Fewer points than this, or a lesser part of all, are no second distribution.
+const FEWEST_POINTS_OF_TWO: u64 = 20;
+const LEAST_OF_TWO: f64 = 0.003;
+/// Part of the points of 8 bits that are in its brightest quarter, and how many times what follows up to 319 they are: what
+/// thins out towards 255 and beyond is the noise of black of 16 bits.
+const LEAST_BRIGHT: f64 = 0.15;
+const CUT_OFF: u64 = 8;
+/// So many times as many channels from 16 to 255 as from 256 to 511, and few above: those are whites that were rounded up.
+const ROUNDED_UP: u64 = 20;
+/// Points of a pass: their channels stay in the first cache for all that is counted, and counts fit 16 bits.
+const PASS: usize = (1 << 13) / 3;
 /// Of a run of more passes, one in so many is counted: a distribution needs no more, and reading waits for it.
 const MOST_FULL_PASSES: usize = 4;
 
@@ -34,6 +47,10 @@ pub(crate) struct ColorCounts {
     num_channels: u64,
     /// Those of them above each of [`LIMITS`].
     above: [u64; LIMITS.len()],
+    /// Points that were counted.
+    num_counted: u64,
+    /// Those of them whose brightest channel is above each of [`PEAK_LIMITS`].
+    peaks: [u64; PEAK_LIMITS.len()],
     /// Channels above 255 whose low byte is 0 or their high byte: 8 bits made 16, by shifting or by repeating.
     bytes: u64,
 }
@@ -56,6 +73,8 @@ impl ColorCounts {
         known: None,
         num_channels: 0,
         above: [0; LIMITS.len()],
+        num_counted: 0,
+        peaks: [0; PEAK_LIMITS.len()],
         bytes: 0,
     };
 
@@ -68,15 +87,15 @@ impl ColorCounts {
             one: Some((first, rgb.iter().all(|rgb| *rgb == first))),
             ..Self::NONE
         };
-        let passes = rgb.as_flattened().chunks(PASS);
+        let passes = rgb.chunks(PASS);
         let step = if passes.len() > MOST_FULL_PASSES { MOST_FULL_PASSES } else { 1 };
         passes.step_by(step).for_each(|pass| counts.add(pass));
         counts
     }
 
-    fn add(&mut self, channels: &[u16]) {
-        let count =
-            |is: &dyn Fn(u16) -> bool| u64::from(channels.iter().map(|&c| u16::from(is(c))).sum::<u16>());
+    fn add(&mut self, rgb: &[[u16; 3]]) {
+        let channels = rgb.as_flattened();
+        let count = |is: &dyn Fn(u16) -> bool| count(channels, is);
         self.num_channels += channels.len() as u64;
         let largest = channels.iter().fold(0, |largest, &c| largest.max(c));
         for (above, limit) in self.above.iter_mut().zip(LIMITS) {
@@ -87,6 +106,16 @@ impl ColorCounts {
         }
         if largest > 255 {
             self.bytes += count(&|c| c > 255 && (c & 255 == 0 || c & 255 == c >> 8));
+        }
+        self.num_counted += rgb.len() as u64;
+        let mut peaks = [0; PASS];
+        for (peak, [r, g, b]) in peaks.iter_mut().zip(rgb) {
+            *peak = *r.max(g).max(b);
+        }
+        for (above, limit) in self.peaks.iter_mut().zip(PEAK_LIMITS) {
+            if largest > limit {
+                *above += self::count(&peaks[..rgb.len().min(PASS)], &|c| c > limit);
+            }
         }
     }
 
@@ -103,6 +132,8 @@ impl ColorCounts {
             known: self.known.or(other.known),
             num_channels: self.num_channels + other.num_channels,
             above: std::array::from_fn(|at| self.above[at] + other.above[at]),
+            num_counted: self.num_counted + other.num_counted,
+            peaks: std::array::from_fn(|at| self.peaks[at] + other.peaks[at]),
             bytes: self.bytes + other.bytes,
         }
     }
@@ -119,7 +150,7 @@ impl ColorCounts {
         if let Some(white) = self.known {
             return White::One(white);
         }
-        if self.is_wrong(self.above(255)) {
+        if self.is_wrong(self.above(255)) || self.is_rounded_up() {
             return White::One(255);
         }
         if self.has_two() {
@@ -150,6 +181,12 @@ impl ColorCounts {
         num_channels == 0 || few && num_channels as f64 <= MOST_WRONG_OF_NONZERO * nonzero
     }
 
+    /// True if all are 8 bits, but some of the brightest came out as 256 or a little more.
+    fn is_rounded_up(&self) -> bool {
+        let (low, next) = (self.above(15) - self.above(255), self.above(255) - self.above(511));
+        self.is_wrong(self.above(511)) && low > ROUNDED_UP * next
+    }
+
     /// True if points of 8 and of 16 bits are mixed: then there is a valley between what is dark to bright of 8 bits
     /// and what is bright of 16, at what is almost black of 16. A single scene has its values side by side.
     fn has_two(&self) -> bool {
@@ -158,12 +195,35 @@ impl ColorCounts {
         let high = self.above(4095);
         let are_many = low >= FEWEST_OF_TWO && !self.is_wrong(low) && !self.is_wrong(high);
         // Bytes made 16 bits have nothing below 256 of their own.
-        are_many && (low > 2 * valley && high > valley || self.is_made_of_bytes())
+        let is_large = low as f64 >= LARGE_PART * self.num_channels as f64;
+        let is_valley = is_large && low > 2 * valley && high > valley || self.is_made_of_bytes();
+        are_many && is_valley || self.has_few_of_two()
+    }
+
+    /// The same where one kind is a small part. Its channels drown among the dark channels of bright points; its points
+    /// do not, since few points are dark in all channels.
+    fn has_few_of_two(&self) -> bool {
+        let [dark, bright, eight, next, valley_end, high] = self.peaks;
+        let (low, bright) = (dark - eight, bright - eight);
+        let valley = eight - valley_end;
+        let many =
+            |num: u64| num >= FEWEST_POINTS_OF_TWO && num as f64 >= LEAST_OF_TWO * self.num_counted as f64;
+        many(low)
+            && many(high)
+            && low > 2 * valley
+            && high > valley
+            && bright as f64 >= LEAST_BRIGHT * low as f64
+            && bright > CUT_OFF * (eight - next)
     }
 
     fn is_made_of_bytes(&self) -> bool {
         self.bytes as f64 >= MADE_OF_BYTES * self.above(255) as f64
     }
+}
+
+/// At most 65 535 values that are so.
+fn count(values: &[u16], is: &dyn Fn(u16) -> bool) -> u64 {
+    u64::from(values.iter().map(|&value| u16::from(is(value))).sum::<u16>())
 }
 
 #[cfg(test)]

@@ -108,6 +108,61 @@ fn merged_files_have_two_whites() {
 }
 
 #[test]
+fn a_small_part_of_the_other_bits_is_seen() {
+    let all = 20_000;
+    for darkness in [1.0, 0.9] {
+        for share in [0.01, 0.02, 0.05, 0.1] {
+            let few = (share * f64::from(all)) as usize;
+            for writer in [3, 4, 5] {
+                for (eight, sixteen) in [(few, all as usize - few), (all as usize - few, few)] {
+                    let mut rgb = written(&scene(eight, darkness), WRITERS[0].1);
+                    rgb.extend(written(&scene(sixteen, darkness), WRITERS[writer].1));
+                    // As one tile behind the other, and all among each other.
+                    let case = format!("{eight}, {sixteen}, {darkness}, {}", WRITERS[writer].0);
+                    assert_eq!(counts(&rgb).white(), White::Two, "{case}");
+                    let mixed: Vec<[u16; 3]> = (0..rgb.len()).map(|at| rgb[at * 7919 % rgb.len()]).collect();
+                    assert_eq!(counts(&mixed).white(), White::Two, "{case}, mixed");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_noise_of_black_is_no_second_distribution() {
+    // splitmix64.
+    let part = |at: usize| {
+        let z = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ z >> 31) >> 40) as f64 / (1u64 << 24) as f64).max(1e-9)
+    };
+    for share in [2, 4, 8] {
+        for width in [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 150.0, 200.0, 300.0] {
+            // The brightest of three channels of noise, thinning out as a bell does or as an exponential.
+            let bell =
+                |at: usize| width * (-2.0 * part(at).ln()).sqrt() * (6.283 * part(at + 99_991)).cos().abs();
+            let exponential = |at: usize| -width * part(at).ln();
+            for (name, noise) in [("bell", &bell as &dyn Fn(usize) -> f64), ("exponential", &exponential)] {
+                let mut rgb = written(&scene(20_000, 1.0), WRITERS[3].1);
+                rgb.iter_mut().for_each(|rgb| *rgb = rgb.map(|c| c.max(3000)));
+                let rgb = spoilt(rgb, 100 / share, |at| [0, 1, 2].map(|c| noise(3 * at + c) as u16));
+                assert_eq!(counts(&rgb).white(), White::One(65535), "{name} of {width}, {share} %");
+            }
+        }
+    }
+}
+
+#[test]
+fn whites_that_were_rounded_up_are_8_bits() {
+    for step in [2000, 200, 50, 20] {
+        let rgb = written(&scene(20_000, 1.0), WRITERS[0].1);
+        let rgb = spoilt(rgb, step, |at| [256, 250, 256 + at as u16 % 3]);
+        assert_eq!(counts(&rgb).white(), White::One(255), "every {step}th");
+    }
+}
+
+#[test]
 fn a_handful_of_points_is_believed() {
     for (rgb, white) in [
         (vec![[1, 2, 255]], 255),

@@ -108,6 +108,39 @@ pub fn rows() -> Vec<Row> {
             )
         },
     ));
+    type Mixed = (&'static str, fn(usize) -> bool);
+    const MIXED: [Mixed; 4] = [
+        ("16 bits, a last tile of 4 % in 8 bits", |i| i >= 5760),
+        ("16 bits, every 40th point in 8 bits", |i| i % 40 == 7),
+        ("8 bits, a first tile of 4 % in 16 bits", |i| i >= 240),
+        ("8 bits, every 40th point in 16 bits", |i| i % 40 != 7),
+    ];
+    for (name, is_eight) in MIXED {
+        rows.push(row(
+            LINE,
+            name,
+            "a warning with the name; the picture of the same scene in 16 bits",
+            move |desk| {
+                let want = drawn(desk, 2, |_, _| ())?;
+                let got = drawn(desk, 2, |i, p| {
+                    if is_eight(i) {
+                        to_bits(p, 8)
+                    }
+                })?;
+                let info = desk.info(&["scan.las"])?;
+                let off = |(a, b): &(&[u8; 3], &[u8; 3])| (0..3).any(|c| a[c].abs_diff(b[c]) > 3);
+                let num = got.pixels.iter().zip(&want.pixels).filter(off).count();
+                let is_said = info.says(&["scan.las", "8", "16"]);
+                judged(num * 50 < want.lit() && is_said, format!("{num} pixels differ; {}", info.in_words()))
+            },
+        ));
+    }
+    rows.push(as_reference(
+        "8 bits, every 150th point has 256",
+        2,
+        |i, p| if i % 150 == 4 { p.rgb = [256; 3] } else { to_bits(p, 8) },
+        3,
+    ));
     rows.push(row(LINE, "97 % of the points black", "they stay visible; a sentence", |desk| {
         let picture = drawn(desk, 2, |i, p| {
             if i % 33 != 0 {
