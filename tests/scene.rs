@@ -251,7 +251,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     let rounded = |p: &DVec3| (*p * 1000.0).round() / 1000.0;
     let truth =
         sorted(near.files[0].points.xyz.iter().map(|&p| near.files[0].lattice.p_in_world(p)).collect());
-    for order in [Order::Original, Order::Morton] {
+    for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
         let cloud = build(&far, order, &Progress::hidden()).unwrap();
         let positions = sorted(drawn(&cloud));
         assert_eq!(positions.len(), truth.len());

@@ -73,11 +73,15 @@ pub fn build_in_batches(
     debug_assert!(batch_points.is_multiple_of(POINTS_PER_LOAD) && batch_points <= BATCH_POINTS);
     let Checked { num_points, bounds, scene } = check(scan)?;
     let index = Index::new(scan);
+    let has_strays = !scene.bounds.contains(bounds.min) || !scene.bounds.contains(bounds.max);
     let sorted = match order {
-        Order::Original => parted(&index, &bounds, &scene.bounds),
+        Order::Original if !has_strays => None,
+        Order::Original => {
+            Some(parted(&index, &scene.bounds, (0..num_points as u32).into_par_iter().map(|i| (0, i))))
+        }
         Order::Morton => Some(sort(&index, &bounds, &scene.bounds)),
-        Order::Shuffled => Some(shuffled(num_points)),
-        Order::ShuffledMorton => Some(shuffled_groups(&sort(&index, &bounds, &scene.bounds))),
+        Order::Shuffled => Some(parted(&index, &scene.bounds, shuffled(num_points).into_par_iter())),
+        Order::ShuffledMorton => Some(shuffled_groups(sort(&index, &bounds, &scene.bounds))),
     };
     if progress.stopped() {
         return Err(BuildError::Stopped);
@@ -85,9 +89,7 @@ pub fn build_in_batches(
     let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
 
     // No batch holds points of the scene and strays: its box would be too large for the former's precision.
-    let by_place = matches!(order, Order::Original | Order::Morton);
-    let num_near =
-        sorted.as_ref().filter(|_| by_place).map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
+    let num_near = sorted.as_ref().map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
     let cut = Cut { size: batch_points as usize, num_near, num_points };
     let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
     let batches = cut
@@ -153,16 +155,16 @@ pub(super) fn check(scan: &Scan) -> Result<Checked, BuildError> {
     Ok(Checked { num_points, bounds, scene })
 }
 
-/// (0 or [`FAR`], point): the files' order, but strays last; `None` if there are none.
-fn parted(index: &Index, bounds: &Bounds, scene: &Bounds) -> Option<Vec<(u64, u32)>> {
-    if scene.contains(bounds.min) && scene.contains(bounds.max) {
-        return None;
-    }
-    let place = |i: u32| (if scene.contains(index.position(i as usize)) { 0 } else { FAR }, i);
-    let (mut near, far): (Vec<_>, Vec<_>) =
-        (0..index.num_points as u32).into_par_iter().map(place).partition(|key| key.0 == 0);
+/// (0 or [`FAR`], point): in the order given, but strays last.
+fn parted(
+    index: &Index,
+    scene: &Bounds,
+    in_order: impl ParallelIterator<Item = (u64, u32)>,
+) -> Vec<(u64, u32)> {
+    let place = |(_, i): (u64, u32)| (if scene.contains(index.position(i as usize)) { 0 } else { FAR }, i);
+    let (mut near, far): (Vec<_>, Vec<_>) = in_order.map(place).partition(|key| key.0 == 0);
     near.extend(far);
-    Some(near)
+    near
 }
 
 /// A number that looks random, another for each `i`: splitmix64.
@@ -180,9 +182,10 @@ fn shuffled(count: usize) -> Vec<(u64, u32)> {
     keys
 }
 
-/// What is sorted, in groups that come at random; the last, which may be smaller, stays last.
-fn shuffled_groups(sorted: &[(u64, u32)]) -> Vec<(u64, u32)> {
-    let (whole, rest) = sorted.split_at(sorted.len() / GROUP_POINTS * GROUP_POINTS);
+/// What is sorted, in groups that come at random; the last, which may be smaller, stays last, and behind it the strays.
+fn shuffled_groups(sorted: Vec<(u64, u32)>) -> Vec<(u64, u32)> {
+    let num_near = sorted.partition_point(|key| key.0 < FAR);
+    let (whole, rest) = sorted.split_at(num_near / GROUP_POINTS * GROUP_POINTS);
     let order = shuffled(whole.len() / GROUP_POINTS);
     let groups = order.par_iter().flat_map_iter(|&(_, group)| {
         let first = group as usize * GROUP_POINTS;
