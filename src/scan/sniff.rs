@@ -28,6 +28,15 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"solid ", "it is an STL model", CONVERT),
     (b"OFF\n", "it is an OFF model", CONVERT),
     (b"\x89HDF\r\n\x1a\n", "it is an HDF5 file", CONVERT),
+    (b"CCB2", "it is a CloudCompare entity", CONVERT),
+    (b"pnts", "it is a tile of 3D Tiles", CONVERT),
+    (b"b3dm", "it is a tile of 3D Tiles", CONVERT),
+    (b"# vtk DataFile", "it is a VTK file", CONVERT),
+    (b"AC10", "it is a DWG drawing", CONVERT),
+    (b"  0\nSECTION", "it is a DXF drawing", CONVERT),
+    (b"  0\r\nSECTION", "it is a DXF drawing", CONVERT),
+    (b"\x93NUMPY", "it is a NumPy array", CONVERT),
+    (b"PAR1", "it is a Parquet table", CONVERT),
     (b"SQLite format 3\0", "it is an SQLite database", OTHER),
     (b"II*\0", "it is a TIFF picture", OTHER),
     (b"MM\0*", "it is a TIFF picture", OTHER),
@@ -36,18 +45,29 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"%PDF", "it is a PDF document", OTHER),
 ];
 
+/// Endings of files that begin as archives do, or with nothing that tells them: how they begin, what they are, what to do.
+const ENDINGS: &[(&str, &[u8], &str, &str)] = &[
+    // Packed inside, but nothing that a user could unpack.
+    ("spz", b"\x1f\x8b", "it is a compressed Gaussian splat (SPZ)", "export it as PLY"),
+    ("splat", b"", "it is a Gaussian splat without a header", "export it as PLY"),
+    ("ksplat", b"", "it is a compressed Gaussian splat (KSPLAT)", "export it as PLY"),
+    ("usdz", b"PK", "it is a USDZ model", CONVERT),
+    ("3mf", b"PK", "it is a 3MF model", CONVERT),
+    ("kmz", b"PK", "it is a KMZ file of places on a map", OTHER),
+];
+
 /// Where a tar archive says that it is one, and how.
 const TAR: (usize, &[u8]) = (257, b"ustar");
 
 /// The error for a file that starts with `head` and has no reader.
 pub(crate) fn not_a_scan(path: &Path, head: &[u8]) -> ScanError {
     let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-    let (looks_like, advice) = match ending.as_deref() {
-        // Gzip inside, but nothing that a user could unpack.
-        Some("spz") if head.starts_with(b"\x1f\x8b") => {
-            ("it is a compressed Gaussian splat (SPZ)".into(), "export it as PLY")
-        }
-        _ => describe(head),
+    let by_ending = ENDINGS.iter().find(|(known, start, ..)| {
+        ending.as_deref() == Some(*known) && !head.is_empty() && head.starts_with(start)
+    });
+    let (looks_like, advice) = match by_ending {
+        Some((_, _, what, advice)) => ((*what).to_owned(), *advice),
+        None => describe(head),
     };
     ScanError::NotAScan { path: path.to_owned(), looks_like, advice }
 }
@@ -146,11 +166,14 @@ mod tests {
     #[test]
     fn says_what_it_sees_and_what_to_do() {
         let tar = [&[b'a'; 257][..], b"ustar\x0000"].concat();
-        let cases: [(&[u8], &str, &str); 21] = [
+        let cases: [(&[u8], &str, &str); 24] = [
             (b"", "empty", "again"),
             (&[0; 512], "zeros", "get it again"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:", "Git LFS", "git lfs pull"),
             (b"ASTM-E57\x01\0\0\0", "E57", "convert it to LAS"),
+            (b"CCB2\x01\0\0\0", "CloudCompare", "convert it to LAS"),
+            (b"  0\r\nSECTION\r\n", "DXF", "convert it to LAS"),
+            (b"# vtk DataFile Version 3.0\n", "VTK", "convert it to LAS"),
             (b"  <html>", "web page", "downloaded"),
             (b"PK\x03\x04\x14\0", "ZIP archive", "unpack it"),
             (b"\x1f\x8b\x08", "gzip", "unpack it"),
@@ -174,8 +197,16 @@ mod tests {
             let says = message.contains(expected) && message.contains(advice);
             assert!(message.starts_with("a.las: ") && says, "{message}");
         }
-        let splat = not_a_scan(Path::new("a.SPZ"), b"\x1f\x8b\x08").to_string();
-        assert!(splat.contains("Gaussian splat") && splat.contains("export it as PLY"), "{splat}");
+        for (name, head, expected, advice) in [
+            ("a.SPZ", &b"\x1f\x8b\x08"[..], "Gaussian splat", "export it as PLY"),
+            ("a.splat", &[7, 0, 1, 2], "Gaussian splat", "export it as PLY"),
+            ("a.usdz", b"PK\x03\x04", "USDZ", "convert it to LAS"),
+            ("a.usdz", b"\x1f\x8b\x08", "gzip", "unpack it"),
+            ("a.splat", b"", "empty", "again"),
+        ] {
+            let message = not_a_scan(Path::new(name), head).to_string();
+            assert!(message.contains(expected) && message.contains(advice), "{message}");
+        }
     }
 
     #[test]
