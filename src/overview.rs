@@ -37,7 +37,7 @@ pub fn place(scene: &Scene, orientation: DQuat, lenses: &[Lens], target: Option<
     let aim = target.map(|target| view_from_world * (target - center));
     let axes = [(&across, 0), (&down, 1)];
     let nearest = seen.iter().fold(f64::NEG_INFINITY, |z, p| z.max(p.z)).max(0.0);
-    let least = if scene.bounds.edge() > 0.0 { nearest } else { FROM_A_POINT };
+    let least = if scene.is_a_point() { FROM_A_POINT } else { nearest };
     let back = axes.into_iter().fold(least, |back, (ranges, axis)| match aim {
         Some(aim) => back.max(back_at(ranges, aim[axis])),
         None => back.max(least_back(ranges)),
@@ -52,7 +52,7 @@ pub fn place(scene: &Scene, orientation: DQuat, lenses: &[Lens], target: Option<
 pub fn near(set: f64, scene: &Scene) -> f64 {
     let edge = scene.bounds.edge();
     let is_default = set == crate::config::FrameConfig::default().near_m;
-    if is_default && edge > 0.0 { set.min(NEAR_SHARE * edge) } else { set }
+    if is_default && !scene.is_a_point() { set.min(NEAR_SHARE * edge) } else { set }
 }
 
 /// What to say of a picture in which no point is: where the scene lies instead.
@@ -64,20 +64,15 @@ pub fn out_of_view(scene: &Scene, view: &View) -> String {
     let distance = to_scene.length();
     let degrees = to_scene.angle_between(DVec3::NEG_Z).to_degrees();
     let side = match (to_scene.x, to_scene.y) {
-        (x, y) if x.abs() >= y.abs() => {
-            if x < 0.0 {
-                "to the left"
-            } else {
-                "to the right"
-            }
-        }
-        (_, y) => {
-            if y < 0.0 {
-                "below"
-            } else {
-                "above"
-            }
-        }
+        (x, y) if x.abs() >= y.abs() && x < 0.0 => "to the left of",
+        (x, y) if x.abs() >= y.abs() => "to the right of",
+        (_, y) if y < 0.0 => "below",
+        _ => "above",
+    };
+    let direction = if degrees < 0.5 {
+        "straight ahead".to_owned()
+    } else {
+        format!("{degrees:.0} degrees {side} the picture's middle")
     };
     // Three digits of the scene, whatever its size.
     let decimals = (3.0 - bounds.edge().max(1e-9).log10()).clamp(0.0, 12.0) as usize;
@@ -85,14 +80,24 @@ pub fn out_of_view(scene: &Scene, view: &View) -> String {
     let (from, to) = (three(bounds.min), three(bounds.max));
     let nearest = (bounds.min - eye.position).max(eye.position - bounds.max).max(DVec3::ZERO).length();
     let clipped = if nearest <= view.near {
-        format!("; nothing nearer than {} is drawn (frame.near_m)", view.near)
+        format!("; nothing nearer than {} is drawn (frame.near_m)", short(view.near))
     } else {
         String::new()
     };
     format!(
-        "nothing of the scan is in view: its middle is {distance:.3e} units from the eye, {degrees:.0} degrees \
-         {side} of the picture's middle; it reaches from {from} to {to}{clipped}"
+        "nothing of the scan is in view: its middle is {} units from the eye, {direction}; \
+         it reaches from {from} to {to}{clipped}",
+        short(distance)
     )
+}
+
+/// A length for people: some digits of it, without an exponent where it is not very large or small.
+fn short(length: f64) -> String {
+    match length.abs() {
+        0.0 => "0".into(),
+        l if (1e-4..1e9).contains(&l) => format!("{length:.*}", (2.0 - l.log10()).clamp(0.0, 6.0) as usize),
+        _ => format!("{length:.2e}"),
+    }
 }
 
 /// Along one axis of the picture, the two planes of a lens: a position (v along the axis, z towards the eye) is seen
@@ -244,6 +249,12 @@ mod tests {
     }
 
     #[test]
+    fn lengths_are_read_by_people() {
+        let lengths = [0.0, 1e-300, 0.001, 0.05, 5.0, 123.4, 4e6, 1e12].map(short);
+        assert_eq!(lengths, ["0", "1.00e-300", "0.00100", "0.050", "5.0", "123", "4000000", "1.00e12"]);
+    }
+
+    #[test]
     fn who_sees_nothing_is_told_where_the_scene_is() {
         let scene = scene(vec![DVec3::new(10.0, 20.0, 30.0), DVec3::new(12.0, 22.0, 31.0)]);
         let told = |eye: DVec3, target: DVec3, near: f64| {
@@ -254,12 +265,21 @@ mod tests {
         };
         let middle = scene.bounds.center();
         let left = told(middle + DVec3::X * 4000.0, middle + DVec3::new(4000.0, 1.0, 0.0), 0.05);
-        assert!(left.contains("is 4.000e3 units from the eye, 90 degrees to the left of"), "{left}");
+        assert!(
+            left.contains("is 4000 units from the eye, 90 degrees to the left of the picture's middle;"),
+            "{left}"
+        );
         assert!(left.ends_with("from 10.00,20.00,30.00 to 12.00,22.00,31.00"), "{left}");
         let above = told(middle - DVec3::Z * 9.0, middle - DVec3::Z * 10.0 + DVec3::Y, 0.05);
-        assert!(above.contains("degrees above"), "{above}");
+        assert!(
+            above.contains("is 9.0 units from the eye, 84 degrees above the picture's middle;"),
+            "{above}"
+        );
+        let below = told(middle + DVec3::Z * 9.0, middle + DVec3::new(0.0, 1.0, 9.0), 0.05);
+        assert!(below.contains("90 degrees below the picture's middle;"), "{below}");
         let near = told(middle - DVec3::Y * 2.0, middle, 5.0);
-        assert!(near.contains("nothing nearer than 5 is drawn"), "{near}");
+        assert!(near.contains("is 2.0 units from the eye, straight ahead;"), "{near}");
+        assert!(near.contains("nothing nearer than 5.0 is drawn"), "{near}");
     }
 
     #[test]

@@ -358,7 +358,7 @@ fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> a
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scan::{ScanFile, WorldFromFile};
+    use crate::scan::{ScanFile, UpAxis, WorldFromFile};
 
     #[test]
     fn places_are_those_of_the_file_and_eyes_are_apart_in_metres() {
@@ -376,7 +376,7 @@ mod tests {
             metrics: None,
         };
         // Millimetres, y up, heights in metres.
-        let world_from_file = WorldFromFile::Axes { y_is_up: true, height_scale: 1000.0 };
+        let world_from_file = WorldFromFile::Axes { up: UpAxis::Y, across_scale: 1.0, height_scale: 1000.0 };
         let file = ScanFile { world_from_file, ..ScanFile::default() };
         let scan = Scan { files: vec![file], unit_m: Some(0.001), ..Scan::default() };
         let in_world = options.in_world(&scan);

@@ -1,12 +1,12 @@
-//! Where the points of a file come to lie: units, heights in units of their own, coordinates on the earth, the axis
-//! that points up. Files are made up byte by byte.
+//! Where the points of a file come to lie: units, heights in units of their own, coordinates on the earth. Files are made
+//! up byte by byte.
 
 mod scan_fixture;
 
 use glam::DVec3;
 use scan_fixture::save;
 use scanwalk::progress::Stop;
-use scanwalk::scan::{Geodetic, Project, ReadOptions, Scan, Unit, Up, WorldFromFile, read};
+use scanwalk::scan::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
 
 const US_FOOT: f64 = 1200.0 / 3937.0;
 /// A tower of 6 m, 20 m across, and points within, in metres about its foot.
@@ -301,6 +301,8 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         ("a tree", local([2.5, 2.5, 20.0], [-1.2, -1.2, 0.0], mm)),
         ("a pole", local([0.05, 0.05, 12.0], [16.0, 48.0, 0.0], mm)),
         ("a wire in fine steps", local([0.003, 0.003, 12.0], [16.0, 48.0, 0.0], DVec3::splat(1e-6))),
+        ("a thread in fine steps", local([0.0005, 0.0005, 4.0], [16.0, 48.0, 0.0], DVec3::splat(1e-7))),
+        ("a tiny thing in fine steps", local([0.005, 0.004, 0.003], [0.0, 0.0, 0.0], DVec3::splat(1e-8))),
         ("UTM", local([100.0, 100.0, 20.0], [600_000.0, 6_350_000.0, 100.0], mm)),
         ("a mountain in UTM", local([900.0, 900.0, 800.0], [600_000.0, 6_350_000.0, 4000.0], mm)),
     ] {
@@ -324,37 +326,92 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         "{:?}",
         scan.warnings
     );
+    let wide: Vec<DVec3> =
+        tower().map(|p| DVec3::new(8.0 + p.x / 10.0, 47.0 + p.y / 10.0, 100.0 * p.z)).collect();
+    let flat = || tower_on_earth(16.0, 48.0, 200.0).into_iter().map(|p| p.with_z(200.0));
+    for (what, scale, points) in [
+        ("one scale for all axes", DVec3::splat(1e-7), tower_on_earth(16.0, 48.0, 200.0)),
+        ("two degrees wide", DVec3::new(1e-7, 1e-7, 1e-2), wide),
+        ("flat", DVec3::new(1e-7, 1e-7, 1e-3), flat().collect()),
+        ("at zero", DVec3::new(1e-7, 1e-7, 1e-3), tower_on_earth(0.01, 0.01, 200.0)),
+    ] {
+        let scan = Las::new(scale, DVec3::ZERO, points).read(&ReadOptions::default());
+        assert!(
+            matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }),
+            "{what}: {:?}",
+            scan.warnings
+        );
+    }
     let centre: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
     let scan = Las::new(mm, centre[0].round(), centre).read(&ReadOptions::default());
     assert!(scan.warnings[0].contains("from the earth's centre"), "{:?}", scan.warnings);
 }
 
-fn ply(remark: &str, column: &str) -> Vec<u8> {
-    let mut text = format!("ply\nformat ascii 1.0\ncomment {remark}\nelement vertex 5\n");
-    text += &format!(
-        "property float x\nproperty float y\nproperty float z\nproperty float {column}\nend_header\n"
-    );
-    TOWER.iter().for_each(|[x, y, z]| text += &format!("{x} {y} {z} 1\n"));
-    text.into_bytes()
+#[test]
+fn zeros_beside_places_on_the_earth_are_left_out_and_cost_nothing() {
+    let cartesian: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
+    let keys = [[1024, 0, 1, 3], [2048, 0, 1, 4978]];
+    for num_zeros in [0, 1, 5] {
+        // Enough of the tower that one zero is a stray.
+        let mut points: Vec<DVec3> = cartesian.iter().copied().cycle().take(50).collect();
+        points.iter_mut().enumerate().for_each(|(i, p)| *p += DVec3::splat(1e-3 * (i / 5) as f64));
+        points.splice(7..7, vec![DVec3::ZERO; num_zeros]);
+        let las = Las::new(DVec3::splat(0.004), DVec3::ZERO, points.clone()).with_keys(&keys);
+        let scan = las.read(&ReadOptions::default());
+        let file = &scan.files[0];
+        assert_eq!(file.points.xyz.len(), 50);
+        let told =
+            scan.warnings.iter().filter(|w| w.contains(&format!("a.las: has {num_zeros} points too far")));
+        assert_eq!(told.count(), usize::from(num_zeros > 0), "{:?}", scan.warnings);
+        assert!(file.in_file.bounds.size().max_element() < 30.0, "{:?}", file.in_file.bounds);
+        let kept = points.iter().filter(|p| **p != DVec3::ZERO);
+        for (p_in_file, p) in kept.zip(world(&scan)) {
+            let stored = (*p_in_file / 0.004).round() * 0.004;
+            let moved = (file.world_from_file.p_in_world(stored) - p).length();
+            assert!(moved < 1e-6, "{num_zeros}: {moved}");
+        }
+    }
 }
 
 #[test]
-fn files_are_turned_only_where_their_header_leaves_no_doubt_or_the_user_asks() {
-    let turned = |bytes: &[u8], up| {
-        let scan = read_bytes("a.ply", bytes, &ReadOptions { up, ..ReadOptions::default() });
-        (scan.bounds().size() != scan.bounds_in_file().size(), scan.warnings.len())
+fn files_with_other_units_are_scaled_to_that_of_the_first() {
+    // One projection; its register has it in metres and in feet.
+    let base = DVec3::new(400_000.0, 170_000.0, 20.0);
+    let tile = |unit_m: f64, shift: f64, keys: &[[u16; 4]]| {
+        let points: Vec<DVec3> = tower().map(|p| (p + base + DVec3::X * shift) / unit_m).collect();
+        Las::new(DVec3::splat(0.001), (points[0]).round(), points).with_keys(keys).bytes()
     };
-    let zippered = ply("zipper output", "confidence");
-    assert_eq!(turned(&zippered, Up::Auto), (true, 1));
-    assert_eq!(turned(&zippered, Up::Z), (false, 0));
-    assert_eq!(turned(&zippered, Up::Y), (true, 0));
-    for remark in [
-        "pointcloud saved from Realsense Viewer",
-        "VCGLIB generated",
-        "zipper",
-        "Created in Blender version 4.0",
-    ] {
-        assert_eq!(turned(&ply(remark, "confidence"), Up::Auto), (false, 0), "{remark}");
+    let metres = [[1024, 0, 1, 1], [3076, 0, 1, 9001]];
+    let feet = [[1024, 0, 1, 1], [3076, 0, 1, 9002]];
+    let both: Vec<DVec3> =
+        [0.0, 20.0].iter().flat_map(|&shift| tower().map(move |p| p + base + DVec3::X * shift)).collect();
+    for feet_first in [false, true] {
+        let shift = |is_feet: bool| if is_feet == feet_first { 0.0 } else { 20.0 };
+        let (_a, a) = save("m.las", &tile(1.0, shift(false), &metres));
+        let (_b, b) = save("ft.las", &tile(0.3048, shift(true), &feet));
+        let paths = if feet_first { [b, a] } else { [a, b] };
+        let scan = read(&paths, &ReadOptions::default(), &Stop::default()).unwrap();
+        let unit_m = if feet_first { 0.3048 } else { 1.0 };
+        assert_eq!(scan.unit_m, Some(unit_m));
+        for (p, right) in world(&scan).iter().zip(&both) {
+            assert!((*p * unit_m - *right).length() < 2e-3, "{p} {right}");
+        }
+        let [warning] = &scan.warnings[..] else { panic!("{:?}", scan.warnings) };
+        let other = if feet_first {
+            "m.las: has its lengths in another unit, metre"
+        } else {
+            "ft.las: has its lengths in another unit, foot"
+        };
+        assert!(warning.contains(other), "{warning}");
+        // Whoever says what the unit is, says it of all.
+        let options = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
+        let scan = read(&paths, &options, &Stop::default()).unwrap();
+        assert!(!scan.warnings.iter().any(|w| w.contains("another unit")), "{:?}", scan.warnings);
+        assert_eq!(scan.bounds(), scan.bounds_in_file());
     }
-    assert_eq!(turned(&ply("zipper output", "scalar"), Up::Auto), (false, 0));
+    // Beside a file that states none, nothing is scaled.
+    let (_a, a) = save("m.las", &tile(1.0, 0.0, &metres));
+    let (_b, b) = save("none.las", &tile(1.0, 20.0, &[]));
+    let scan = read(&[b, a], &ReadOptions::default(), &Stop::default()).unwrap();
+    assert_eq!((scan.warnings.len(), scan.unit_m), (0, Some(1.0)), "{:?}", scan.warnings);
 }

@@ -1,6 +1,8 @@
 //! `scanwalk info`: what is in the files, for people or as JSON.
 
-use super::{ColorSource, Header, InFile, ReadOptions, Scan, ScanFile, WorldFromFile, read, unit};
+use super::{
+    ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanFile, UpAxis, WorldFromFile, read, unit,
+};
 use crate::progress::Stop;
 use crate::space::Bounds;
 use glam::DVec3;
@@ -8,6 +10,9 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
+
+/// What is in the format's name of splats.
+const SPLAT: &str = "Gaussian splat";
 
 /// What `--json` prints; the names are a contract.
 #[derive(Debug, Serialize)]
@@ -23,6 +28,7 @@ struct Description {
     crs: Option<String>,
     unit_m: Option<f64>,
     vertical_unit_m: Option<f64>,
+    up: Option<&'static str>,
     files: Vec<FileDescription>,
     scene: [[f64; 3]; 2],
     withheld: u64,
@@ -46,7 +52,7 @@ struct FileDescription {
 pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, stop: &Stop) -> anyhow::Result<()> {
     let options = ReadOptions { show_withheld: true, ..options.clone() };
     let (mut scan, headers) = read::read_with_headers(paths, &options, stop)?;
-    let asides: Vec<String> = scan.files.iter().flat_map(asides).collect();
+    let asides: Vec<String> = scan.files.iter().zip(&headers).flat_map(asides).collect();
     scan.warnings.extend(asides);
     let text = if json {
         serde_json::to_string_pretty(&describe(&scan, &headers))? + "\n"
@@ -76,6 +82,7 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
         crs: scan.crs.clone(),
         unit_m: scan.unit_in_file_m,
         vertical_unit_m: vertical_unit_m(scan),
+        up: up(scan).map(UpAxis::name),
         files: scan.files.iter().map(file).collect(),
         scene: bbox(scan.scene.bounds),
         withheld: scan.files.iter().map(|file| file.points.num_withheld).sum(),
@@ -89,8 +96,8 @@ fn num_noise(file: &ScanFile) -> usize {
     file.points.noise.count().saturating_sub(file.points.num_withheld as usize)
 }
 
-/// Sentences about points that the view does not go by.
-fn asides(file: &ScanFile) -> Vec<String> {
+/// Sentences about points that the view does not go by, and about what is often otherwise than the file says.
+fn asides((file, header): (&ScanFile, &Header)) -> Vec<String> {
     let (path, num_noise, num_withheld) = (file.path.display(), num_noise(file), file.points.num_withheld);
     let mut sentences = Vec::new();
     if num_withheld > 0 {
@@ -102,6 +109,13 @@ fn asides(file: &ScanFile) -> Vec<String> {
     if num_noise > 0 {
         sentences.push(format!(
             "{path}: {num_noise} points are noise (class 7 or 18): they are drawn, but the view does not go by them"
+        ));
+    }
+    let stands_as_stored = matches!(file.world_from_file, WorldFromFile::Axes { up: UpAxis::Z, .. });
+    if header.format.contains(SPLAT) && header.up.is_none() && stands_as_stored {
+        sentences.push(format!(
+            "{path}: most programs train splats in coordinates whose y points down: if it lies on its side, \
+             --set cloud.up=-y stands it upright"
         ));
     }
     sentences
@@ -143,6 +157,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     lines.push(("triangles", triangles.unwrap_or_default()));
     lines.push(("system", described.crs.unwrap_or_else(|| "not stated".into())));
     lines.push(("unit", unit_words(scan, described.vertical_unit_m)));
+    lines.push(("up", described.up.unwrap_or("away from the earth").into()));
     let software = distinct(headers.iter().filter_map(|header| header.software.clone()));
     let created = distinct(headers.iter().filter_map(|header| header.created.clone()));
     lines.push(("written by", software.join("; ")));
@@ -165,29 +180,41 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
 /// Metres a unit of height, where it is another than across.
 fn vertical_unit_m(scan: &Scan) -> Option<f64> {
     match scan.world_from_file() {
-        WorldFromFile::Axes { height_scale: 1.0, .. } | WorldFromFile::Geocentric { .. } => None,
-        WorldFromFile::Axes { height_scale, .. } => scan.unit_in_file_m.map(|unit_m| height_scale * unit_m),
+        WorldFromFile::Axes { across_scale, height_scale, .. } => {
+            let unit_m = scan.unit_in_file_m.filter(|_| height_scale != across_scale)?;
+            Some(height_scale / across_scale * unit_m)
+        }
+        WorldFromFile::Geocentric { .. } => None,
         WorldFromFile::Geographic { height_m, .. } => Some(height_m),
+    }
+}
+
+/// The axis of the files' coordinates that points up, of the first if they differ; `None` of places on the earth.
+fn up(scan: &Scan) -> Option<UpAxis> {
+    match scan.world_from_file() {
+        WorldFromFile::Axes { up, .. } => Some(up),
+        WorldFromFile::Geographic { .. } | WorldFromFile::Geocentric { .. } => None,
     }
 }
 
 /// How large the scan is in metres, along the files' axes; of coordinates on the earth along those that are drawn.
 fn size_m(scan: &Scan) -> Option<DVec3> {
     let size = scan.bounds().size() * scan.unit_m?;
-    let is_turned = matches!(scan.world_from_file(), WorldFromFile::Axes { y_is_up: true, .. });
-    Some(if is_turned { DVec3::new(size.x, size.z, size.y) } else { size })
+    Some(if up(scan) == Some(UpAxis::Z) { size } else { DVec3::new(size.x, size.z, size.y) })
 }
 
 fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&'static str, String); 3] {
+    let size = bounds.size();
+    // Decimals would show nothing of it.
+    let is_tiny = (1e-300..1e-8).contains(&size.max_element());
     let three = |v: DVec3, between: &str| {
         // Of large numbers nobody reads the digits.
         let texts = [0, 1, 2].map(|axis| match v[axis] {
-            c if c.abs() < 1e12 => format!("{c:.*}", decimals[axis]),
+            c if c.abs() < FARTHEST && !is_tiny => format!("{c:.*}", decimals[axis]),
             c => format!("{c:.4e}"),
         });
         texts.join(between)
     };
-    let size = bounds.size();
     let mut size_text = three(size, " x ");
     if let Some(size_m) = size_m {
         if (size_m - size).abs().max_element() <= 1e-9 * size.max_element() {
@@ -302,7 +329,7 @@ mod tests {
         let expected = serde_json::json!({
             "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],
             "color_bits": 16, "color_white": 65535, "normals": false, "triangles": 0, "crs": null, "unit_m": null,
-            "vertical_unit_m": null, "warnings": [],
+            "vertical_unit_m": null, "up": "z", "warnings": [],
             "scene": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "withheld": 0, "noise": 0,
             "files": [{"path": "a.las", "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]]}],
         });

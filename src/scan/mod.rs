@@ -7,6 +7,7 @@ mod color;
 mod crs;
 mod earth;
 mod error;
+mod far;
 mod guard;
 pub mod info;
 mod inputs;
@@ -31,7 +32,7 @@ pub use marks::Marks;
 pub use read::{peek, read};
 pub use scene::Scene;
 pub use unit::Unit;
-pub use up::Up;
+pub use up::{Evidence, Up, UpAxis};
 pub use world::{Project, WorldFromFile};
 
 use crate::progress::Progress;
@@ -246,8 +247,8 @@ pub struct Header {
     pub axes: Option<Axes>,
     /// True if the format stores whole steps of a grid that its writer chose, which tells how exact coordinates are.
     pub is_on_fixed_grid: bool,
-    /// Why y must be up, as the end of a sentence whose subject is the file.
-    pub y_is_up: Option<&'static str>,
+    /// The axis that points up, where that is evident from the header.
+    pub up: Option<Evidence>,
     /// Program that wrote the file.
     pub software: Option<String>,
     /// Day on which it was written, "2024-05-09".

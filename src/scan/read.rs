@@ -152,22 +152,15 @@ fn within_reach(path: &Path, columns: &Columns) -> Result<(), ScanError> {
     if farthest > FARTHEST { Err(ScanError::TooFar { path: path.to_owned(), farthest }) } else { Ok(()) }
 }
 
-/// The coordinate system of the first file that names one; a warning for files that differ in it or in their unit.
+/// The coordinate system of the first file that names one; a warning for files that differ in it.
 fn name_system(scan: &mut Scan, headers: &[Header]) {
     scan.crs = headers.iter().find_map(|header| header.crs.clone());
-    let unit_m = headers.iter().find_map(|header| header.unit_m);
     for header in headers {
         let path = header.path.display();
         if let (Some(all), Some(own)) = (&scan.crs, &header.crs)
             && all != own
         {
             scan.warnings.push(format!("{path}: has the coordinate system {own}, other files {all}"));
-        }
-        if let (Some(all), Some(own)) = (unit_m, header.unit_m)
-            && all != own
-        {
-            scan.warnings
-                .push(format!("{path}: has units of {own} m, other files {all} m; they do not fit together"));
         }
     }
 }

@@ -5,9 +5,9 @@
 
 use super::crs::{Angle, Axes};
 use super::earth::{Geodetic, LocalFrame};
-use super::ply::grid;
-use super::up::Up;
-use super::{Header, Lattice, ReadOptions, Scan, ScanFile};
+use super::ply::grid::Grid;
+use super::up::{self, UpAxis};
+use super::{Header, Lattice, Marks, ReadOptions, Scan, ScanFile, far, unit};
 use crate::space::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -37,11 +37,13 @@ pub enum Project {
 /// How a file's coordinates become those of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WorldFromFile {
-    /// By axes that are exchanged and heights that are scaled.
+    /// By axes that are exchanged and lengths that are scaled.
     Axes {
-        /// (x, y, z) becomes (x, −z, y).
-        y_is_up: bool,
-        /// World units a unit of height.
+        /// The file's axis that becomes z.
+        up: UpAxis,
+        /// World units a unit across.
+        across_scale: f64,
+        /// And one of height.
         height_scale: f64,
     },
     /// Longitude, latitude and height.
@@ -65,7 +67,7 @@ pub enum WorldFromFile {
 impl Default for WorldFromFile {
     /// As the file has them.
     fn default() -> Self {
-        Self::Axes { y_is_up: false, height_scale: 1.0 }
+        Self::Axes { up: UpAxis::Z, across_scale: 1.0, height_scale: 1.0 }
     }
 }
 
@@ -74,8 +76,8 @@ impl WorldFromFile {
     #[must_use]
     pub fn p_in_world(&self, p_in_file: DVec3) -> DVec3 {
         match self {
-            Self::Axes { height_scale, .. } => {
-                self.direction_in_world(p_in_file) * DVec3::new(1.0, 1.0, *height_scale)
+            Self::Axes { across_scale, height_scale, .. } => {
+                self.direction_in_world(p_in_file) * DVec3::new(*across_scale, *across_scale, *height_scale)
             }
             Self::Geographic { frame, .. } | Self::Geocentric { frame, .. } => {
                 frame.p_in_local(self.axes().geocentric(p_in_file, self.scale()))
@@ -88,10 +90,8 @@ impl WorldFromFile {
     #[must_use]
     pub fn direction_in_world(&self, direction_in_file: DVec3) -> DVec3 {
         match self {
-            Self::Axes { y_is_up: true, .. } => {
-                DVec3::new(direction_in_file.x, -direction_in_file.z, direction_in_file.y)
-            }
-            Self::Axes { .. } | Self::Geographic { .. } => direction_in_file,
+            Self::Axes { up, .. } => up.in_world(direction_in_file),
+            Self::Geographic { .. } => direction_in_file,
             Self::Geocentric { frame, .. } => frame.direction_in_local(direction_in_file),
         }
     }
@@ -104,10 +104,10 @@ impl WorldFromFile {
         }
     }
 
-    /// Metres a unit of length; for angles, of height.
+    /// Metres a unit of length of what is on the earth; for angles, of height.
     fn scale(&self) -> f64 {
         match self {
-            Self::Axes { height_scale, .. } => *height_scale,
+            Self::Axes { .. } => 1.0,
             Self::Geographic { height_m: scale, .. } | Self::Geocentric { unit_m: scale, .. } => *scale,
         }
     }
@@ -133,23 +133,30 @@ pub(super) fn place(scan: &mut Scan, headers: &[Header], options: &ReadOptions) 
     scan.unit_m = if projected.is_empty() { scan.unit_in_file_m } else { Some(1.0) };
     let middle = middle(projected.iter().map(|&at| (&scan.files[at], axes[at], units[at].scale(axes[at]))));
     let frame = LocalFrame::at(middle);
+    let (ups, turned) = up::of_files(&scan.files, headers, &axes, options.up);
     for (at, file) in scan.files.iter_mut().enumerate() {
         let scale = units[at].scale(axes[at]);
         file.world_from_file = match axes[at] {
             Axes::Planar => {
-                let y_is_up = options.up == Up::Y || options.up == Up::Auto && headers[at].y_is_up.is_some();
-                WorldFromFile::Axes { y_is_up, height_scale: scale }
+                let [across_scale, height_scale] = units[at].planar(scan.unit_m);
+                WorldFromFile::Axes { up: ups[at], across_scale, height_scale }
             }
             Axes::Geographic(angle) => WorldFromFile::Geographic { angle, height_m: scale, frame },
             Axes::Geocentric => WorldFromFile::Geocentric { unit_m: scale, frame },
         };
         match axes[at] {
             Axes::Planar => regrid(file),
-            _ => project(file),
+            _ => {
+                let num_far = project(file);
+                let path = file.path.display();
+                let sentence = || format!("{path}: {}", far::sentence(num_far));
+                scan.warnings.extend((num_far > 0).then(sentence));
+            }
         }
     }
+    scan.warnings.extend(of_units(scan, &units));
     let sentences = sentences(scan, headers, options, middle);
-    scan.warnings.extend(sentences);
+    scan.warnings.extend(sentences.into_iter().chain(turned));
 }
 
 /// The units of a file's coordinates.
@@ -170,13 +177,18 @@ impl Units {
         }
     }
 
-    /// World units a unit of height of planar axes, metres a unit of the others' lengths.
+    /// Units of the world, which are so many metres, a unit across and of height of planar axes. What is not known is taken
+    /// for the world's.
+    fn planar(&self, world_m: Option<f64>) -> [f64; 2] {
+        let (Some(across), Some(world)) = (self.across_m, world_m) else { return [1.0; 2] };
+        let ratio = |own: f64| if (own / world - 1.0).abs() > SAME_UNIT { own / world } else { 1.0 };
+        [ratio(across), ratio(self.up_m.unwrap_or(across))]
+    }
+
+    /// Metres a unit of lengths of coordinates on the earth.
     fn scale(&self, axes: Axes) -> f64 {
         match axes {
-            Axes::Planar => match (self.across_m, self.up_m) {
-                (Some(across), Some(up)) if (up / across - 1.0).abs() > SAME_UNIT => up / across,
-                _ => 1.0,
-            },
+            Axes::Planar => 1.0,
             Axes::Geographic(_) => self.up_m.unwrap_or(1.0),
             Axes::Geocentric => self.across_m.unwrap_or(1.0),
         }
@@ -216,14 +228,19 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
     let (size, middle) = (file.bounds.size(), file.bounds.center());
     let across = size.x.max(size.y);
     let in_range = min.x >= -180.0 && max.x <= 180.0 && min.y >= -90.0 && max.y <= 90.0;
-    let has_extent = size.x > 0.0 && size.y > 0.0 && across < 1.0;
+    let has_extent = size.x > 0.0 && size.y > 0.0;
     // A degree is 111 km: what is degrees across looks like a needle, far from zero for its thickness. A grid of whole
     // steps in metres has not got the decimals that degrees need, or has them for heights too.
     let (step, needle) = (file.lattice.scale.abs(), size.z / across);
-    let has_decimals = step.x.max(step.y) <= 1e-5 && step.z >= 10.0 * step.x.max(step.y);
-    let is_needle = needle >= if is_on_fixed_grid { 50.0 } else { 1000.0 }
-        && middle.truncate().length() >= 1000.0 * across;
-    if in_range && has_extent && is_needle && has_decimals {
+    let step_across = step.x.max(step.y);
+    let is_far = middle.truncate().length() >= 1000.0 * across;
+    let has_decimals = step_across <= 1e-5 && step.z >= 10.0 * step_across;
+    let is_needle = across < 1.0 && is_far && needle >= if is_on_fixed_grid { 50.0 } else { 1000.0 };
+    // Nobody stores lengths to a thousandth of a millimetre and heights to a tenth.
+    let is_degrees_grid = is_on_fixed_grid && step_across <= 1.1e-6 && step.z >= 90.0 * step_across;
+    // Nor threads to a ten thousandth.
+    let is_thread = across < 1.0 && is_far && needle >= 10_000.0 && step_across <= 1.1e-7;
+    if in_range && has_extent && (is_needle && has_decimals || is_degrees_grid || is_thread) {
         return Some(Axes::Geographic(Angle::Degree));
     }
     // No survey has heights of 20 km, and by chance the middle may be as far from zero as the ground is, but not all else.
@@ -236,13 +253,13 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
 }
 
 /// Some points of a file, evenly over it, in its coordinates.
-fn samples(file: &ScanFile) -> impl Iterator<Item = DVec3> {
+pub(super) fn samples(file: &ScanFile) -> impl Iterator<Item = DVec3> {
     let step = file.points.xyz.len().div_ceil(MOST_SAMPLES).max(1);
     file.points.xyz.iter().step_by(step).map(|&xyz| file.lattice.p_in_world(xyz))
 }
 
 /// Half of the points lie on each side, along each axis: strays do not move it.
-fn median(points: Vec<DVec3>) -> DVec3 {
+pub(super) fn median(points: Vec<DVec3>) -> DVec3 {
     let along = |axis: usize| {
         let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
         let half = values.len() / 2;
@@ -264,32 +281,45 @@ fn regrid(file: &mut ScanFile) {
     if world_from_file == WorldFromFile::default() {
         return;
     }
-    let WorldFromFile::Axes { y_is_up, height_scale } = world_from_file else { return };
+    let WorldFromFile::Axes { up, across_scale, height_scale } = world_from_file else { return };
     let Lattice { scale, offset } = file.lattice;
     // The sign is the scale's: a negated coordinate might not fit.
     file.lattice =
         Lattice { scale: world_from_file.p_in_world(scale), offset: world_from_file.p_in_world(offset) };
-    if y_is_up {
+    if up != UpAxis::Z {
         file.points.xyz.par_iter_mut().for_each(|p| p.swap(1, 2));
     }
-    turn_normals(file, DVec3::new(1.0, 1.0, 1.0 / height_scale));
+    turn_normals(file, DVec3::new(across_scale, across_scale, height_scale).recip());
     rebound(file);
 }
 
-/// Puts a file's points from the earth onto a new grid along the world's axes.
-fn project(file: &mut ScanFile) {
+/// Puts a file's points from the earth onto a new grid along the world's axes, made for its scene; how many are too far
+/// away to be held by it and were left out.
+fn project(file: &mut ScanFile) -> usize {
     let (world_from_file, lattice) = (file.world_from_file, file.lattice);
     let place = |xyz: [i32; 3]| world_from_file.p_in_world(lattice.p_in_world(xyz));
     let box_of =
         |block: &[[i32; 3]]| block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(place(xyz)));
     let bounds = file.points.xyz.par_chunks(BLOCK).map(box_of).reduce(|| Bounds::EMPTY, Bounds::union);
-    file.lattice = grid::lattice(bounds);
-    let Lattice { scale, offset } = file.lattice;
-    // The box is the grid's: nothing saturates but the half step beyond it.
-    let steps = |p: DVec3| ((p - offset) / scale).round().to_array().map(|step| step as i32);
-    file.points.xyz.par_iter_mut().for_each(|xyz| *xyz = steps(place(*xyz)));
+    let sample = samples(file).map(|p| world_from_file.p_in_world(p)).collect();
+    let grid = Grid::over(sample, bounds);
+    let mut far = Marks::default();
+    let is_far = |xyz: [i32; 3]| !grid.holds(&place(xyz).to_array());
+    if is_far_anywhere(&grid, &bounds) {
+        let numbers = file.points.xyz.iter().enumerate().filter(|(_, xyz)| is_far(**xyz));
+        numbers.for_each(|(number, _)| far.set(number));
+    }
+    far::leave_out(file, &far);
+    file.points.xyz.par_iter_mut().for_each(|xyz| *xyz = grid.snap(&place(*xyz).to_array()));
+    file.lattice = grid.lattice;
     turn_normals(file, DVec3::ONE);
     rebound(file);
+    far.count()
+}
+
+/// True if a part of the box is beyond what the grid holds.
+fn is_far_anywhere(grid: &Grid, bounds: &Bounds) -> bool {
+    !grid.holds(&bounds.min.to_array()) || !grid.holds(&bounds.max.to_array())
 }
 
 /// Normals along the world's axes. Those of a scaled surface lean the other way: `scale` is the reciprocal.
@@ -310,6 +340,20 @@ fn rebound(file: &mut ScanFile) {
         block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(lattice.p_in_world(xyz)))
     };
     file.bounds = file.points.xyz.par_chunks(BLOCK).map(box_of).reduce(|| Bounds::EMPTY, Bounds::union);
+}
+
+/// Sentences about files whose lengths are in another unit than the world's.
+fn of_units(scan: &Scan, units: &[Units]) -> Vec<String> {
+    let sentence = |(file, units): (&ScanFile, &Units)| {
+        let WorldFromFile::Axes { across_scale, .. } = file.world_from_file else { return None };
+        let (path, own) = (file.path.display(), unit::words(units.across_m?));
+        (across_scale != 1.0).then(|| {
+            format!(
+                "{path}: has its lengths in another unit, {own}; they are scaled to that of the other files"
+            )
+        })
+    };
+    scan.files.iter().zip(units).filter_map(sentence).collect()
 }
 
 /// What was done, once for the scan, and where the rest is odd.
@@ -351,9 +395,6 @@ fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geo
             && let (Some(Axes::Geographic(_) | Axes::Geocentric), false) = (header.axes, is_projected(file))
         {
             sentences.push(format!("{path}: its coordinate system is one on the earth, but its points are not there; they are drawn as lengths"));
-        }
-        if let (Up::Auto, Some(why), false) = (options.up, &header.y_is_up, is_projected(file)) {
-            sentences.push(format!("{path}: {why}, so its y axis is taken for up (cloud.up=z leaves it)"));
         }
     }
     sentences

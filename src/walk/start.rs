@@ -24,7 +24,8 @@ const SEEN_DEG: f64 = 60.0;
 #[must_use]
 pub fn start(scene: &Scene, unit_m: f64) -> Start {
     let bounds = scene.bounds;
-    let (units_per_m, magnified) = scale(&bounds, unit_m);
+    let (units_per_m, magnified) =
+        if scene.is_a_point() { (1.0 / unit_m, 1.0) } else { scale(&bounds, unit_m) };
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
     let extent_m = extent / units_per_m;
     let overview = above_the_edge(&bounds, extent, units_per_m);

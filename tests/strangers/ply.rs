@@ -212,6 +212,21 @@ pub fn rows() -> Vec<Row> {
             judged(line.contains("intensity"), line)
         }));
     }
+    rows.push(row(LINE, "an element named points, with gray", "its points, shown by intensity", |desk| {
+        let properties = "property float x\nproperty float y\nproperty float z\nproperty uchar gray\n";
+        let head = header("ply", "ascii", "2000", properties).replace("element vertex", "element points");
+        desk.put("gray.ply", text(&head, "\n", 2000, |i, [x, y, z], _| format!("{x} {y} {z} {}\n", i % 200)));
+        let said = String::from_utf8_lossy(&desk.run(&["info", "gray.ply"]).out).into_owned();
+        judged(said.contains("2,000") && said.contains("shown by intensity"), said)
+    }));
+    rows.push(row(LINE, "decimal commas", "an error that says so, with the line", |desk| {
+        let head = header("ply", "ascii", "2000", "property float x\nproperty float y\nproperty float z\n");
+        let write =
+            |_: usize, [x, y, z]: &[f64; 3], _: &[u8; 3]| format!("{x:.3} {y:.3} {z:.3}\n").replace('.', ",");
+        desk.put("commas.ply", text(&head, "\n", 2000, write));
+        let ran = desk.run(&["info", "commas.ply"]);
+        judged(ran.code == 1 && ran.says(&["commas.ply", "line", "not commas"]), ran.in_words())
+    }));
     rows.push(row(LINE, "colors on faces only", "half red, half green", |desk| {
         let mut text =
             "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n\

@@ -113,8 +113,97 @@ fn projected(name: &'static str, make: fn() -> Las) -> Row {
     })
 }
 
+/// What `info` says of the axis that points up, of a room of 7 × 5 × 2.6 with things in it, which stands askew.
+fn upright(
+    name: &'static str,
+    comment: &'static str,
+    in_file: fn([f64; 3]) -> [f64; 3],
+    up: &'static str,
+) -> Row {
+    let right = format!("{up} is up; said if it is not z");
+    row(LINE, name, right, move |desk| {
+        let mut text = String::new();
+        let (mut corners, mut faces) = (Vec::new(), Vec::new());
+        for (low, high, is_inside) in [
+            ([0.0; 3], [7.0, 5.0, 2.6], true),
+            ([2.0, 1.0, 0.0], [4.0, 2.0, 0.75], false),
+            ([5.5, 4.0, 0.0], [6.5, 4.9, 1.9], false),
+        ] {
+            let first = corners.len();
+            for i in 0..8 {
+                let [x, y, z] = [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+                let (sin, cos) = 0.5_f64.sin_cos();
+                corners.push(in_file([cos * x - sin * y, sin * x + cos * y, z]));
+            }
+            for [a, b, c, d] in
+                [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+            {
+                faces.push(
+                    if is_inside { [d, c, b, a] } else { [a, b, c, d] }.map(|corner: usize| first + corner),
+                );
+            }
+        }
+        text += &format!("ply\nformat ascii 1.0\ncomment {comment}\nelement vertex {}\n", corners.len());
+        text += &["x", "y", "z"].map(|axis| format!("property float {axis}\n")).concat();
+        text +=
+            &format!("element face {}\nproperty list uchar int vertex_indices\nend_header\n", faces.len());
+        corners.iter().for_each(|[x, y, z]| text += &format!("{x} {y} {z}\n"));
+        faces.iter().for_each(|[a, b, c, d]| text += &format!("4 {a} {b} {c} {d}\n"));
+        desk.put("room.ply", text);
+        let info = desk.info(&["room.ply"])?;
+        let is_said = info.says(&["room.ply", "up", "cloud.up"]);
+        judged(
+            info.json["up"] == up && is_said == (up != "z"),
+            format!("{} is up; {}", info.json["up"], info.in_words()),
+        )
+    })
+}
+
+/// Two tiles side by side of which each says its unit.
+fn tiles() -> Row {
+    row(LINE, "a tile in metres and one in feet", "both of one size and side by side; said", |desk| {
+        let mut feet = place(3000, [20.0, 0.0, 0.0], 20.0);
+        feet.iter_mut().for_each(|point| point.at = point.at.map(|c| c / 0.3048));
+        desk.put("m.las", metres(20.0).geo_keys(&[(1024, 1), (3076, 9001)]).bytes());
+        desk.put("ft.las", Las::new(2, feet).geo_keys(&[(1024, 1), (3076, 9002)]).bytes());
+        let info = desk.info(&["m.las", "ft.las"])?;
+        let side = |to: usize, axis: usize| info.json["scene"][to][axis].as_f64().unwrap_or(f64::NAN);
+        let size = [0, 1, 2].map(|axis| side(1, axis) - side(0, axis));
+        let is_right = [40.0, 20.0, 6.0].iter().zip(size).all(|(right, got)| (right - got).abs() < 0.5);
+        judged(is_right && info.says(&["ft.las", "unit"]), format!("{size:.1?}; {}", info.in_words()))
+    })
+}
+
+/// A geocentric scan with zeros for what was not seen.
+fn zeros_on_earth() -> Row {
+    row(LINE, "geocentric, with 40 zeros", "the scene of 20 m; the zeros left out, said", |desk| {
+        let mut las =
+            geocentric(8.0, 47.0).geo_keys(&[(1024, 3), (2048, 4978)]).at([0.0; 3]).scaled([0.003; 3]);
+        las.points.splice(70..70, vec![crate::las::Point::default(); 40]);
+        desk.put("earth.las", las.bytes());
+        let info = desk.info(&["earth.las"])?;
+        let (start, picture) = (desk.start(&["earth.las"])?, desk.render(&["earth.las"])?);
+        let is_near = start.head[..2].iter().all(|c| c.abs() < 120.0);
+        let got = format!("head at {:.2?}; {}", start.head, info.in_words());
+        judged(
+            info.points() == 3000
+                && info.says(&["earth.las", "40", "far"])
+                && is_near
+                && picture.span() >= 0.7,
+            got,
+        )
+    })
+}
+
 pub fn rows() -> Vec<Row> {
+    let y_up = |[x, y, z]: [f64; 3]| [x, z, -y];
     let mut rows = vec![
+        upright("a mesh of a room, y up", "made up", y_up, "y"),
+        upright("a mesh of a room, z up", "made up", |p| p, "z"),
+        upright("a header that names y", "Vertical axis: y", |p| p, "y"),
+        upright("a header that names z", "Vertical Axis: z", y_up, "z"),
+        tiles(),
+        zeros_on_earth(),
         of_unit(
             "EPSG:2263 by its code alone",
             || metres(65.0).geo_keys(&[(1024, 1), (3072, 2263)]),

@@ -146,7 +146,7 @@ fn describe(source: &Source, las: &LasHeader, vlrs: &[Vlr], packing: &Packing) -
         vertical_unit_m: crs.vertical_unit_m,
         axes: crs.axes,
         is_on_fixed_grid: true,
-        y_is_up: None,
+        up: None,
         software: Some(las.software.clone()).filter(|name| !name.is_empty()),
         created: las.created_date(),
         warnings,

@@ -31,7 +31,7 @@ pub(super) fn is_place(p: &[f64; 3]) -> bool {
 
 /// The lattice of a file.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grid {
+pub(in crate::scan) struct Grid {
     pub lattice: Lattice,
     /// Steps a unit, an axis.
     per_unit: [f64; 3],
@@ -81,7 +81,7 @@ impl Grid {
 }
 
 /// The lattice for a box that holds something.
-pub(in crate::scan) fn lattice(bounds: Bounds) -> Lattice {
+fn lattice(bounds: Bounds) -> Lattice {
     let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
     Lattice {
         scale: DVec3::from_array(axes.map(|(step, _)| step)),

@@ -59,10 +59,14 @@ impl Format for Ply {
     }
 }
 
-/// What is done with each element; the first that is named vertex has the points.
+/// What is done with each element. The first that is named vertex has the points, or else the first that has x, y and z.
 fn plans(source: &Source, ply: &PlyHeader) -> Result<Vec<Plan>, ScanError> {
     let is_vertex = |element: &header::Element| element.name.eq_ignore_ascii_case("vertex");
-    let vertex = ply.elements.iter().position(is_vertex);
+    let has_places = |element: &header::Element| {
+        let has = |axis| element.properties.iter().any(|property| property.name.eq_ignore_ascii_case(axis));
+        ["x", "y", "z"].into_iter().all(has)
+    };
+    let vertex = ply.elements.iter().position(is_vertex).or_else(|| ply.elements.iter().position(has_places));
     let points = vertex.map(|at| {
         let element = &ply.elements[at];
         let fail = |missing| ScanError::Line {
@@ -186,6 +190,10 @@ impl PlyFile {
         let announced = self.num_announced;
         let reason = match first_bad_row {
             _ if announced == 0 => "its header announces none".into(),
+            Some(row) if row.split_once('"').is_some_and(|(_, text)| text.contains(',')) => format!(
+                "its header announces {announced}, none could be read, see {row}: numbers have points, not commas, and \
+                 blanks between them; write them so"
+            ),
             Some(row) => format!("its header announces {announced}, none could be read, see {row}"),
             None if num_read > 0 => {
                 format!(
@@ -234,7 +242,7 @@ fn sentences(points: LeftOut, faces: columns::Loss) -> Vec<String> {
     let columns::Loss { num_triangles, num_faces } = faces;
     [
         (without_place, format!("has {without_place} points without a finite place; they were left out")),
-        (far, format!("has {far} points too far away to be held beside the others; they were left out")),
+        (far, super::far::sentence(far)),
         (faint, format!("has {faint} splats that are nearly transparent; they were left out")),
         (num_triangles, format!("has {num_triangles} triangles of points that are left out; so were they")),
         (
@@ -268,7 +276,7 @@ fn describe(source: &Source, ply: &PlyHeader, plans: &[Plan], points: &Plan, has
         format: format!("PLY, {kind}{splat}"),
         num_points,
         attributes: attributes(plans, points, has),
-        y_is_up: up::why_y(&ply.remarks, &points.extra),
+        up: up::stated(&ply.remarks, &points.extra),
         software: software(&ply.remarks),
         created: created(&ply.remarks),
         warnings: ply.oddities.iter().cloned().chain(texture(ply, has)).collect(),

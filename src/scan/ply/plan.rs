@@ -26,7 +26,7 @@ const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
 /// Names of a color in one value of 32 bits.
 const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
 /// Names of intensity, the likeliest first; and parts of names that only an intensity has.
-const INTENSITY: [&str; 9] = [
+const INTENSITY: [&str; 13] = [
     "intensity",
     "scalar_intensity",
     "reflectance",
@@ -36,6 +36,10 @@ const INTENSITY: [&str; 9] = [
     "i",
     "scalar_i",
     "scalar_scalar_field",
+    "gray",
+    "grey",
+    "luminance",
+    "scalar_gray",
 ];
 const INTENSITY_PARTS: [&str; 4] = ["intensity", "reflect", "amplitude", "remission"];
 /// Names of the list of a face's corners.

@@ -23,6 +23,9 @@ const MARGIN: f64 = 0.25;
 /// If nothing lies further away than so many edges, nothing is astray.
 const FAR: f64 = 1.0;
 
+/// World units: no scan is smaller, and a f32 still holds its square.
+const SMALLEST: f64 = 1e-18;
+
 /// What a person means by a scan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
@@ -67,6 +70,13 @@ impl Scene {
         let mut values: Vec<f64> = self.samples.iter().map(|p| p[axis]).collect();
         let last = values.len().checked_sub(1)?;
         Some([1, 2, 3].map(|quarter| *values.select_nth_unstable_by(last * quarter / 4, f64::total_cmp).1))
+    }
+
+    /// True if all points are in one place, or so near to each other that they might as well be: the GPU's numbers have
+    /// no room for a picture of them.
+    #[must_use]
+    pub fn is_a_point(&self) -> bool {
+        self.bounds.edge() < SMALLEST
     }
 
     /// True of no points.
