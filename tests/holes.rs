@@ -107,8 +107,8 @@ fn assert_scan_is_closed(source: Source) {
                 assert_closed(&format!("{}, {headset}, {preset}, {set}, × {lod_scale}", place.name), &rings);
             }
         }
-        // The measure can fail here too: without larger points there are holes.
-        let bare = [("frame.fill=false", 3.0)];
+        // The measure can fail here too: without larger points there are holes, far beyond the last step in a dense room.
+        let bare = [("frame.fill=false", 9.0)];
         let bare = rings_of(&octree, &place, (SCAN_SHARE, true), &["performance", "valve-index"], &bare);
         println!("{}, without fill: {bare:?}", place.name);
         assert!(bare[0].iter().any(|ring| ring.percent() > 4.0 * MAX_PERCENT), "{}: {bare:?}", place.name);
