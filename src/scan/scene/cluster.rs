@@ -1,11 +1,12 @@
 //! Which of many positions are the scene, and which are strays.
 //!
-//! Two steps. The **core** is the smallest block that still holds most positions: whatever is denser than the rest,
-//! wherever it lies. Then it **grows** outwards for as long as there is no empty space that is large against what
+//! Three steps. Strays that are **scattered** all around are left out (`scattered.rs`). The **core** is the smallest
+//! block that still holds most of the others: whatever is denser than the rest, wherever it lies. Then it **grows** outwards for as long as there is no empty space that is large against what
 //! has been gathered. Not density decides there but emptiness: a terrestrial scan thins out with the square of the
 //! distance, yet each ring of it begins where the one before ends, and a tower, a strip, a wood do the same.
 //! Positions that many points share count once: a scanner writes zeros for what it did not see.
 
+use super::scattered::gathered;
 use crate::space::Bounds;
 use glam::DVec3;
 
@@ -35,9 +36,17 @@ const GRID: usize = 4;
 /// The box of the scene among `positions`, all finite; `None` if there are none.
 pub(crate) fn find(mut positions: Vec<DVec3>) -> Option<Bounds> {
     distinct(&mut positions);
-    let num = positions.len() as f64;
-    let core = trimmed(&positions, &densest(&positions, CORE_SHARE * num + CORE_NUM)?);
     let all = Bounds::around(&positions);
+    let mut core = core(&positions)?;
+    if is_all(&core, &all) {
+        return Some(all);
+    }
+    let gathered = gathered(&positions);
+    if gathered.len() < positions.len() {
+        positions = gathered;
+        core = self::core(&positions)?;
+    }
+    let num = positions.len() as f64;
     let limit = core.grown(REACH * core.edge());
     positions.retain(|&p| !core.contains(p) && limit.contains(p));
     let mut scene = core;
@@ -51,8 +60,19 @@ pub(crate) fn find(mut positions: Vec<DVec3>) -> Option<Bounds> {
         scene = scene.union(more);
         positions.retain(|&p| !scene.contains(p));
     }
+    Some(if is_all(&scene, &all) { all } else { scene })
+}
+
+/// True if nothing lies far from what has been gathered.
+fn is_all(scene: &Bounds, all: &Bounds) -> bool {
     let near = scene.grown(FAR * scene.edge());
-    Some(if near.contains(all.min) && near.contains(all.max) { all } else { scene })
+    near.contains(all.min) && near.contains(all.max)
+}
+
+/// The box of what is denser than the rest.
+fn core(positions: &[DVec3]) -> Option<Bounds> {
+    let needed = CORE_SHARE * positions.len() as f64 + CORE_NUM;
+    Some(trimmed(positions, &densest(positions, needed)?))
 }
 
 /// The part of a block in which nearly all of its positions are.

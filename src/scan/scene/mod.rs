@@ -5,7 +5,9 @@
 //! picture shows, how fast one flies and how far ramps of colors reach goes by the scene alone, found once, here.
 
 mod cluster;
+mod nearest;
 mod parts;
+mod scattered;
 
 pub(crate) use cluster::find;
 

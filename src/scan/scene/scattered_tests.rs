@@ -1,0 +1,225 @@
+//! Halos of strays round scenes of every kind: ratio of sizes, share, number of points, shape; and scans without strays.
+
+use super::super::cluster::find;
+use crate::space::Bounds;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Numbers that look random, the same in every run: splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Normally distributed along each axis.
+    fn bell(&mut self) -> DVec3 {
+        DVec3::from_array(
+            [0; 3].map(|_| (-2.0 * (1.0 - self.next()).ln()).sqrt() * (TAU * self.next()).cos()),
+        )
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        self.bell().normalize()
+    }
+}
+
+/// A floor, four walls and a ceiling, 1 by 1 by 0.5.
+fn room(random: &mut Random) -> DVec3 {
+    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
+    let height = 0.5 * (v + 0.5);
+    match (6.0 * random.next()) as u32 {
+        0 => DVec3::new(u, v, 0.0),
+        1 => DVec3::new(u, v, 0.5),
+        2 => DVec3::new(u, -0.5, height),
+        3 => DVec3::new(u, 0.5, height),
+        4 => DVec3::new(-0.5, u, height),
+        _ => DVec3::new(0.5, u, height),
+    }
+}
+
+/// A floor with a slender tower.
+fn tower(random: &mut Random) -> DVec3 {
+    let turn = TAU * random.next();
+    match random.next() {
+        part if part < 0.67 => DVec3::new(random.next() - 0.5, random.next() - 0.5, 0.0),
+        _ => DVec3::new(0.1 * turn.cos(), 0.1 * turn.sin(), 0.3 * random.next()),
+    }
+}
+
+/// Hills from above.
+fn aerial(random: &mut Random) -> DVec3 {
+    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
+    DVec3::new(u, v, 0.02 * ((9.0 * u).sin() + (7.0 * v).cos()))
+}
+
+/// Two hundred times as long as wide.
+fn corridor(random: &mut Random) -> DVec3 {
+    DVec3::new(room(random).x, 0.005 * room(random).x, 0.005 * room(random).z)
+}
+
+fn egg(random: &mut Random) -> DVec3 {
+    0.5 * random.direction()
+}
+
+/// As many points a degree of elevation, seen from one place above flat ground; a near wall, far trees.
+fn terrestrial(random: &mut Random) -> DVec3 {
+    let turn = TAU * random.next();
+    let direction = DVec3::new(turn.cos(), turn.sin(), 0.0);
+    if random.next() < 0.4 && direction.x > 0.0 {
+        return direction * (0.06 / direction.x).min(0.07) + DVec3::Z * 0.03 * random.next();
+    }
+    let reach = 0.0125 / (std::f64::consts::FRAC_PI_3 * random.next()).tan();
+    if reach < 0.5 {
+        direction * reach
+    } else {
+        direction * 0.5 * random.next() + DVec3::Z * 0.05 * random.next()
+    }
+}
+
+/// A yard, and trees beyond its gate, ten times as far away as it is wide.
+fn courtyard(random: &mut Random) -> DVec3 {
+    if random.next() < 0.97 {
+        return 0.1 * room(random);
+    }
+    let tree = (12.0 * random.next()).floor();
+    let foot = DVec3::new(0.15 + 0.35 * (0.618 * tree).fract(), 0.4 * ((0.37 * tree).fract() - 0.5), 0.02);
+    foot + 0.012 * random.next() * random.direction()
+}
+
+fn two_buildings(random: &mut Random) -> DVec3 {
+    let at = if random.next() < 0.9 { 0.0 } else { 0.93 };
+    0.07 * room(random) + DVec3::X * at
+}
+
+type Scene = (&'static str, fn(&mut Random) -> DVec3);
+
+/// Scenes as dense all over, or nearly so.
+const COMPACT: [Scene; 5] =
+    [("room", room), ("tower", tower), ("aerial", aerial), ("corridor", corridor), ("egg", egg)];
+/// Scenes with sparse parts.
+const THIN: [Scene; 3] =
+    [("terrestrial", terrestrial), ("courtyard", courtyard), ("two buildings", two_buildings)];
+
+#[derive(Clone, Copy, Debug)]
+enum Halo {
+    Bell,
+    Ball,
+    /// Thinning out from the middle on.
+    Exponential,
+    /// As flat as what an aerial scanner sees.
+    Disc,
+}
+
+impl Halo {
+    fn at(self, size: f64, random: &mut Random) -> DVec3 {
+        match self {
+            Self::Bell => size * random.bell(),
+            Self::Ball => size * 2.0 * random.next().cbrt() * random.direction(),
+            Self::Exponential => size * -(1.0 - random.next()).ln() * random.direction(),
+            Self::Disc => size * random.bell() * DVec3::new(1.0, 1.0, 0.02),
+        }
+    }
+}
+
+/// The box of a scene of `num` points, `share` of them astray, and the box that is found.
+fn found((_, scene): Scene, halo: Halo, num: usize, share: f64, size: f64) -> (Bounds, Bounds) {
+    let random = &mut Random(num as u64);
+    let num_strays = (share * num as f64).ceil() as usize;
+    let mut positions: Vec<DVec3> = (num_strays..num).map(|_| scene(random)).collect();
+    let bounds = Bounds::around(&positions);
+    positions.extend((0..num_strays).map(|_| halo.at(size, random)));
+    (bounds, find(positions).expect("a scene"))
+}
+
+/// All of the scene, and at most an edge around it.
+fn is_found((scene, found): (Bounds, Bounds)) -> bool {
+    let most = scene.grown(scene.edge());
+    found.contains(scene.min)
+        && found.contains(scene.max)
+        && most.contains(found.min)
+        && most.contains(found.max)
+}
+
+#[test]
+fn a_halo_at_any_ratio_of_sizes_does_not_count() {
+    let mut num_cases = 0;
+    for scene in COMPACT {
+        for halo in [Halo::Bell, Halo::Ball, Halo::Exponential, Halo::Disc] {
+            for num in [150, 1_000, 6_000] {
+                for share in [0.003, 0.03, 0.15, 0.2] {
+                    for ratio in [2.0, 3.0, 4.0, 7.5, 50.0, 10_000.0] {
+                        // So few points hide a halo that begins within the scene.
+                        if num < 1_000 && ratio < 7.5 && !matches!(halo, Halo::Bell | Halo::Ball) {
+                            continue;
+                        }
+                        let boxes = found(scene, halo, num, share, ratio);
+                        let what = format!("{} {halo:?} {num} {share} {ratio}", scene.0);
+                        assert!(is_found(boxes), "{what}: {:.2?} of {:.2?}", boxes.1, boxes.0);
+                        num_cases += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(num_cases > 1_000);
+}
+
+#[test]
+fn a_halo_of_many_points_does_not_count() {
+    for ratio in [2.0, 7.5] {
+        let boxes = found(COMPACT[1], Halo::Bell, 100_000, 0.15, ratio);
+        assert!(is_found(boxes), "{ratio}: {boxes:?}");
+    }
+}
+
+#[test]
+fn a_few_tens_of_points_are_enough() {
+    for scene in COMPACT {
+        for ratio in [4.0, 15.0, 1_000.0] {
+            let boxes = found(scene, Halo::Bell, 40, 0.1, ratio);
+            assert!(is_found(boxes), "{} {ratio}: {boxes:?}", scene.0);
+        }
+    }
+}
+
+#[test]
+fn thin_parts_may_get_lost_among_strays_but_the_view_stays_near() {
+    for scene in THIN {
+        for num in [1_000, 6_000] {
+            for share in [0.03, 0.15] {
+                for ratio in [2.0, 4.0, 50.0, 10_000.0] {
+                    let (bounds, found) = found(scene, Halo::Bell, num, share, ratio);
+                    let what = format!("{} {num} {share} {ratio}: {found:.2?} of {bounds:.2?}", scene.0);
+                    assert!(bounds.grown(bounds.edge()).contains(found.min), "{what}");
+                    assert!(bounds.grown(bounds.edge()).contains(found.max), "{what}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn without_strays_thin_parts_stay() {
+    for (name, scene) in COMPACT.into_iter().chain(THIN) {
+        for num in [1_000, 6_000, 30_000] {
+            for seed in 0..(30_000 / num as u64).min(10) {
+                let random = &mut Random(1000 * seed + num as u64);
+                let positions: Vec<DVec3> = (0..num).map(|_| scene(random)).collect();
+                let all = Bounds::around(&positions);
+                assert_eq!(find(positions), Some(all), "{name} {num}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_comparison_can_fail() {
+    let scene = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
+    assert!(is_found((scene, scene.grown(0.5))));
+    assert!(!is_found((scene, scene.grown(-0.1))) && !is_found((scene, scene.grown(1.1))));
+}
