@@ -6,12 +6,14 @@
 
 use crate::scan::Scene;
 use crate::space::{Fov, View};
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 /// Part of the field of view that the silhouette fills, across or down, whichever it reaches first.
 const FILL: f64 = 0.9;
 /// How far away one sees a scene that is a single point, world units.
 const FROM_A_POINT: f64 = 1.0;
+/// Steps by which the place is found from which the silhouette is in the middle: of a picture, a thousandth of a pixel.
+const HALVINGS: usize = 24;
 /// The near clip as a share of the scene's longest edge, at most.
 const NEAR_SHARE: f64 = 0.02;
 
@@ -43,7 +45,8 @@ pub fn place(scene: &Scene, orientation: DQuat, lenses: &[Lens], target: Option<
         None => back.max(least_back(ranges)),
     });
     let back = back + NEAR_SHARE * scene.bounds.edge();
-    let aside = axes.map(|(ranges, axis)| aim.map_or_else(|| middle(ranges, back), |aim| aim[axis]));
+    let aside =
+        axes.map(|(ranges, axis)| aim.map_or_else(|| middle(ranges, &seen, axis, back), |aim| aim[axis]));
     center + orientation * DVec3::new(aside[0], aside[1], back)
 }
 
@@ -105,6 +108,8 @@ fn short(length: f64) -> String {
 struct Range {
     low_tan: f64,
     high_tan: f64,
+    /// How far the lens is from the middle between all.
+    shift: f64,
     /// Extremes of the left sides.
     low: f64,
     high: f64,
@@ -116,7 +121,7 @@ impl Range {
         let ([low, high], shift) = if axis == 0 { ([left, right], lens.sideways) } else { ([down, up], 0.0) };
         let (middle, half) = (0.5 * (low + high), 0.5 * FILL * (high - low));
         let (low_tan, high_tan) = (middle - half, middle + half);
-        let mut range = Self { low_tan, high_tan, low: f64::INFINITY, high: f64::NEG_INFINITY };
+        let mut range = Self { low_tan, high_tan, shift, low: f64::INFINITY, high: f64::NEG_INFINITY };
         for p in seen {
             range.low = range.low.min(low_tan * p.z + p[axis] - shift);
             range.high = range.high.max(high_tan * p.z + p[axis] - shift);
@@ -143,11 +148,36 @@ fn back_at(ranges: &[Range], at: f64) -> f64 {
     ranges.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The middle of the places along the axis from which all is seen at a distance.
-fn middle(ranges: &[Range], back: f64) -> f64 {
-    let from = ranges.iter().map(|r| r.high - r.high_tan * back).fold(f64::NEG_INFINITY, f64::max);
-    let to = ranges.iter().map(|r| r.low - r.low_tan * back).fold(f64::INFINITY, f64::min);
+/// The place along the axis from which all is seen at a distance, and as much of the picture is left on one side of the
+/// silhouette as on the other. What is near is larger, so this is not the middle of the places from which all is seen.
+fn middle(ranges: &[Range], seen: &[DVec3], axis: usize, back: f64) -> f64 {
+    let mut from = ranges.iter().map(|r| r.high - r.high_tan * back).fold(f64::NEG_INFINITY, f64::max);
+    let mut to = ranges.iter().map(|r| r.low - r.low_tan * back).fold(f64::INFINITY, f64::min);
+    // The further one stands to the high side, the more is left there.
+    for _ in 0..HALVINGS {
+        let at = 0.5 * (from + to);
+        let [low, high] = left_over(ranges, seen, axis, DVec2::new(at, back));
+        if high < low {
+            from = at;
+        } else {
+            to = at;
+        }
+    }
     0.5 * (from + to)
+}
+
+/// What is left of the picture below and above the silhouette, as tangents, seen from (place along the axis, distance).
+fn left_over(ranges: &[Range], seen: &[DVec3], axis: usize, from: DVec2) -> [f64; 2] {
+    let tangents = |range: &Range| {
+        let at = from.x + range.shift;
+        let extremes = |[low, high]: [f64; 2], p: &DVec3| {
+            let tan = (p[axis] - at) / (from.y - p.z).max(f64::MIN_POSITIVE);
+            [low.min(tan), high.max(tan)]
+        };
+        let [low, high] = seen.iter().fold([f64::INFINITY, f64::NEG_INFINITY], extremes);
+        [low - range.low_tan, range.high_tan - high]
+    };
+    ranges.iter().map(tangents).fold([f64::INFINITY; 2], |[low, high], [l, h]| [low.min(l), high.min(h)])
 }
 
 #[cfg(test)]
@@ -163,6 +193,17 @@ mod tests {
     /// The part of the picture that the scene's silhouette spans, across and down, as from 0 to 1; `None` if a part of
     /// it is outside.
     fn span(scene: &Scene, orientation: DQuat, lens: &Lens, middle: DVec3) -> Option<[f64; 2]> {
+        let (low, high) = silhouette(scene, orientation, lens, middle)?;
+        Some([high[0] - low[0], high[1] - low[1]])
+    }
+
+    /// The least and the greatest of it, across and down.
+    fn silhouette(
+        scene: &Scene,
+        orientation: DQuat,
+        lens: &Lens,
+        middle: DVec3,
+    ) -> Option<([f64; 2], [f64; 2])> {
         let position = middle + orientation * DVec3::X * lens.sideways;
         let world_from_view = Pose { position, orientation };
         let eye = Eye { world_from_view, fov: lens.fov, size_px: [1, 1], gaze_in_view: Eye::AHEAD };
@@ -177,7 +218,7 @@ mod tests {
                 (low[axis], high[axis]) = (low[axis].min(at), high[axis].max(at));
             }
         }
-        Some([high[0] - low[0], high[1] - low[1]])
+        Some((low, high))
     }
 
     fn position() -> impl Strategy<Value = DVec3> {
@@ -212,6 +253,11 @@ mod tests {
             let touches = nearest < 1.01 * NEAR_SHARE * scene.bounds.edge();
             prop_assert!(shorter > 0.7 || touches, "{across} x {down} of aspect {aspect}");
             prop_assert!(across.max(down) <= 0.9 + 1e-4);
+            // As much is left on either side.
+            let (low, high) = silhouette(&scene, orientation, &lens, eye).expect("all is seen");
+            for axis in 0..2 {
+                prop_assert!((low[axis] + high[axis] - 1.0).abs() < 1e-3, "from {low:?} to {high:?}");
+            }
             // Looking straight at something costs size, never a part.
             let target = scene.samples[0];
             let eye = place(&scene, orientation, &[lens], Some(target));

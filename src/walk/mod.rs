@@ -9,6 +9,7 @@ pub mod link;
 pub mod locomotion;
 mod masks;
 mod mirror;
+mod part;
 pub mod pose_path;
 mod run;
 mod screenshot;

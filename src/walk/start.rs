@@ -1,6 +1,7 @@
 //! Where a walk begins: inside a place, before an object, above a landscape's edge.
 
 use super::locomotion::Start;
+use super::part::part;
 use super::surroundings::{Standing, standing};
 use crate::overview::{self, Lens};
 use crate::scan::Scene;
@@ -10,6 +11,9 @@ use glam::DVec3;
 /// A scene whose middle half of points, along each axis but twice as wide, spans more metres than this is a landscape:
 /// look at it from its edge, from above.
 const LANDSCAPE_M: f64 = 250.0;
+/// A long thin scene is cut to no less than this to be looked at, metres, and to find a place in it.
+const PART_M: f64 = 40.0;
+const NEAR_PART_M: f64 = 20.0;
 /// Nobody sees much of what is smaller than this: it is shown as if it were `SHOWN_M` long, as by a magnifying glass.
 const SMALLEST_M: f64 = 0.02;
 const SHOWN_M: f64 = 0.3;
@@ -29,18 +33,24 @@ pub fn start(scene: &Scene, unit_m: f64) -> Start {
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
     let extent_m = extent / units_per_m;
     let overview = above_the_edge(&bounds, extent, units_per_m);
-    let (floor_in_world, yaw) = if spread(scene) / units_per_m > LANDSCAPE_M {
-        (overview, 0.0)
-    } else {
-        match standing(scene, units_per_m) {
-            Some(Standing { floor_in_world, enclosed: true }) => (floor_in_world, 0.0),
-            Some(Standing { floor_in_world, .. }) => {
-                (floor_in_world, toward(scene, floor_in_world, units_per_m))
-            }
-            None => (before(scene, units_per_m), 0.0),
-        }
-    };
+    let (floor_in_world, yaw) = place(scene, units_per_m).unwrap_or((overview, 0.0));
     Start { floor_in_world, yaw, units_per_m, magnified, extent_m, overview: (overview, 0.0) }
+}
+
+/// The floor and the yaw; `None` of a landscape. What is long and thin is seen by a part of it.
+fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64)> {
+    let near = part(scene, NEAR_PART_M * units_per_m);
+    let far = part(scene, PART_M * units_per_m);
+    if spread(&near) / units_per_m > LANDSCAPE_M {
+        let size = near.bounds.size();
+        let is_part = near.samples.len() < scene.samples.len();
+        return is_part.then(|| (above_the_edge(&near.bounds, size.max_element(), units_per_m), 0.0));
+    }
+    Some(match standing(&near, units_per_m) {
+        Some(Standing { floor_in_world, enclosed: true }) => (floor_in_world, 0.0),
+        Some(Standing { floor_in_world, .. }) => (floor_in_world, toward(&near, floor_in_world, units_per_m)),
+        None => (before(&far, units_per_m), 0.0),
+    })
 }
 
 /// World units a metre of the viewer's, and how many times as large the scene is shown.

@@ -149,3 +149,73 @@ fn a_landscape_is_seen_from_above_its_edge() {
     let room = floor(8.0, 8.0).into_iter().chain(walls(8.0, 8.0, 3.0)).chain(far);
     assert!((super::start(&self::scene(UTM, room), 1.0).floor_in_world - UTM).length() < 4.0);
 }
+
+/// The surfaces of a corridor of 5 by 3 along `at`, which gives a place and the direction there.
+fn corridor(num: usize, at: impl Fn(f64) -> (glam::DVec2, glam::DVec2)) -> Vec<DVec3> {
+    let point = |(i, [u, v]): (usize, [f64; 2])| {
+        let (place, ahead) = at(u);
+        let (aside, height) = match i % 4 {
+            0 => (5.0 * (v - 0.5), 0.0),
+            1 => (5.0 * (v - 0.5), 3.0),
+            2 => (-2.5, 3.0 * v),
+            _ => (2.5, 3.0 * v),
+        };
+        (place + ahead.perp() * aside).extend(height)
+    };
+    square(num).enumerate().map(point).collect()
+}
+
+#[test]
+fn what_is_long_and_thin_is_walked_or_seen_from_near_by() {
+    let straight = |turn: f64| {
+        let ahead = glam::DVec2::from_angle(turn);
+        move |u: f64| (ahead * 5000.0 * (u - 0.5), ahead)
+    };
+    let bend = |u: f64| {
+        let ahead = glam::DVec2::from_angle(3.0 * u);
+        (ahead.perp() * -1500.0, ahead)
+    };
+    for num in [20_000, 130_000] {
+        let corridors = [0.0, 0.5, 0.785, 1.57].map(|turn| corridor(num, straight(turn)));
+        for points in corridors.into_iter().chain([corridor(num, bend)]) {
+            let scene = scene(UTM, points);
+            let start = start(&scene, 1.0);
+            let eye = start.floor_in_world + DVec3::Z * 1.7;
+            let nearest = scene.samples.iter().map(|p| p.distance(eye)).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 100.0, "{num}: {nearest} away, at {}", start.floor_in_world - UTM);
+            assert!((start.floor_in_world.z - UTM.z).abs() < 3.0, "{}", start.floor_in_world - UTM);
+        }
+    }
+    // A strip of an aerial scan is a landscape still, but not seen from as far away as it is long.
+    let strip = square(60_000).map(|[u, v]| DVec3::new(15_000.0 * u, 400.0 * v, 20.0 * (9.0 * u).sin()));
+    let strip = scene(UTM, strip);
+    let start = start(&strip, 1.0);
+    let away = strip.bounds.min.y - start.floor_in_world.y;
+    assert!((200.0..4_000.0).contains(&away) && start.floor_in_world.z > UTM.z, "{away}: {start:?}");
+    // Neither two buildings nor a wall are cut.
+    let apart = |i: usize| DVec3::X * if i.is_multiple_of(2) { 0.0 } else { 300.0 };
+    let two = walls(20.0, 20.0, 8.0).into_iter().enumerate().map(|(i, p)| p + apart(i));
+    let wall = square(9000).map(|[u, v]| DVec3::new(30.0 * u, 0.0, 6.0 * v));
+    for whole in [scene(UTM, two), scene(UTM, wall)] {
+        assert!(seen(&whole, super::start(&whole, 1.0)) > 0.99);
+    }
+}
+
+#[test]
+fn a_hollow_tower_in_the_open_is_seen_from_outside() {
+    for (radius, num) in [(1.5, 4000), (2.0, 4000), (2.0, 40_000)] {
+        let ground = square(num).map(|[u, v]| DVec3::new(20.0 * (u - 0.5), 20.0 * (v - 0.5), 0.0));
+        let tower = square(num / 2).map(|[u, v]| {
+            let turn = std::f64::consts::TAU * u;
+            DVec3::new(radius * turn.cos(), radius * turn.sin(), 6.0 * v)
+        });
+        let scene = scene(UTM, ground.chain(tower));
+        let Start { floor_in_world, yaw, .. } = start(&scene, 1.0);
+        let to_tower = (UTM - floor_in_world).truncate();
+        let what = format!("{radius} {num}: {}", floor_in_world - UTM);
+        assert!((radius + 1.5..12.0).contains(&to_tower.length()), "{what}");
+        assert!((floor_in_world.z - UTM.z).abs() < 0.01, "{what}");
+        let ahead = glam::DVec2::new(-yaw.sin(), yaw.cos());
+        assert!(ahead.dot(to_tower.normalize()) > 0.99, "{what} {yaw}");
+    }
+}

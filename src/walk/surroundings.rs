@@ -30,6 +30,10 @@ const FLOOR_LEVEL_SHARE: f64 = 0.5;
 const FLOOR_LEVEL_M: f64 = 0.3;
 /// Nobody stands on tables: how near, and how much lower, the floor is then.
 const TABLE_M: [f64; 2] = [1.0, 0.3];
+/// Walls that are nearer than this are those of a tower or a shed, to be seen from outside if there is an open place; from
+/// so far away if there is room.
+const SMALL_ROOM_M: f64 = 2.5;
+const CLEARANCE_M: f64 = 3.0;
 /// An open place: how wide it is, how far its ground is looked at, how level it is, what part of it there must be,
 /// and in what part of the scene's height it lies.
 const OPEN_M: f64 = 12.0;
@@ -54,9 +58,14 @@ pub(super) fn standing(scene: &Scene, units_per_m: f64) -> Option<Standing> {
 
 fn standing_in(plan: &Plan, units_per_m: f64) -> Option<Standing> {
     let free: Vec<(DVec2, f64)> = plan.free_places();
-    let enclosed = free.iter().find(|&&(at, floor)| plan.enclosed(at, floor)).map(|place| (place, true));
-    let open = || free.iter().find(|&&(at, floor)| plan.is_open(at, floor)).map(|place| (place, false));
-    let (&(at, floor), enclosed) = enclosed.or_else(open)?;
+    let room = free.iter().find_map(|&(at, floor)| Some((at, floor, plan.walls(at, floor)?)));
+    let outside = |reach| (reach < SMALL_ROOM_M).then(|| plan.open_place(&free, true)).flatten();
+    let (at, floor, enclosed) = match room {
+        Some((at, floor, reach)) => {
+            outside(reach).map_or((at, floor, true), |(at, floor)| (at, floor, false))
+        }
+        None => plan.open_place(&free, false).map(|(at, floor)| (at, floor, false))?,
+    };
     let floor_in_world = plan.origin + at.extend(floor) * units_per_m;
     Some(Standing { floor_in_world, enclosed })
 }
@@ -149,17 +158,23 @@ impl Plan {
     }
 
     fn is_free(&self, at: DVec2, floor: f64) -> bool {
+        self.has_room(at, floor, BODY_RADIUS_M) && self.is_no_table(at, floor)
+    }
+
+    fn is_no_table(&self, at: DVec2, floor: f64) -> bool {
         let [near, lower] = TABLE_M;
-        if self.within(at, near).filter_map(|cell| self.floor(cell)).any(|below| below < floor - lower) {
-            return false;
-        }
+        !self.within(at, near).filter_map(|cell| self.floor(cell)).any(|below| below < floor - lower)
+    }
+
+    /// True if nothing is in a body's way up to a distance.
+    fn has_room(&self, at: DVec2, floor: f64, radius: f64) -> bool {
         let in_the_way = |height: f64| (floor + BODY_M[0]..floor + BODY_M[1]).contains(&height);
-        self.within(at, BODY_RADIUS_M)
+        self.within(at, radius)
             .all(|[x, y]| !self.heights[x + y * self.num_cells[0]].iter().any(|&height| in_the_way(height)))
     }
 
-    /// True if walls stand all around, further away than arm's length.
-    fn enclosed(&self, at: DVec2, floor: f64) -> bool {
+    /// How far away walls are that stand all around, further away than arm's length; `None` if they do not.
+    fn walls(&self, at: DVec2, floor: f64) -> Option<f64> {
         let mut nearest = [f64::INFINITY; NUM_DIRECTIONS];
         for p in self.points.iter().filter(|p| (floor + WALL_M[0]..floor + WALL_M[1]).contains(&p.z)) {
             let to = p.truncate() - at;
@@ -169,10 +184,10 @@ impl Plan {
         }
         let walls = nearest.iter().filter(|&&distance| distance.is_finite() && distance > ARMS_LENGTH_M);
         if (walls.count() as f64) < ENCLOSED * NUM_DIRECTIONS as f64 {
-            return false;
+            return None;
         }
         let reach = *nearest.select_nth_unstable_by(NUM_DIRECTIONS / 2, f64::total_cmp).1;
-        self.level_share(at, floor, reach, FLOOR_LEVEL_M) >= FLOOR_LEVEL_SHARE
+        (self.level_share(at, floor, reach, FLOOR_LEVEL_M) >= FLOOR_LEVEL_SHARE).then_some(reach)
     }
 
     /// Part of the floor within a distance that is as high as at a place.
@@ -180,6 +195,16 @@ impl Plan {
         let floors: Vec<f64> = self.within(at, reach).filter_map(|cell| self.floor(cell)).collect();
         let as_high = floors.iter().filter(|height| (**height - floor).abs() < level);
         as_high.count() as f64 / floors.len().max(1) as f64
+    }
+
+    /// The open place nearest to the middle, with a view if there is one; `outside` of what has walls all around.
+    fn open_place(&self, free: &[(DVec2, f64)], outside: bool) -> Option<(DVec2, f64)> {
+        let is_open = |&&(at, floor): &&(DVec2, f64)| {
+            self.is_open(at, floor) && !(outside && self.walls(at, floor).is_some())
+        };
+        let with_view =
+            free.iter().filter(|&&(at, floor)| self.has_room(at, floor, CLEARANCE_M)).find(is_open);
+        with_view.or_else(|| free.iter().find(is_open)).copied()
     }
 
     /// True if the ground goes on all around, at the scene's bottom.

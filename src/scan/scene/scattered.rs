@@ -9,6 +9,8 @@
 use super::nearest::distances;
 use glam::DVec3;
 
+/// Among fewer points nobody can tell.
+const FEWEST: usize = 30;
 /// Which neighbor tells how lonely a point is: strays may come in pairs. Of few points there are fewer.
 const NEIGHBOR: usize = 4;
 const NEIGHBOR_SHARE: f64 = 0.125;
@@ -25,6 +27,9 @@ const LONELY: f64 = 0.5;
 
 /// The positions that are not scattered; they must be distinct.
 pub(super) fn gathered(positions: &[DVec3]) -> Vec<DVec3> {
+    if positions.len() < FEWEST {
+        return positions.to_vec();
+    }
     let neighbor = ((NEIGHBOR_SHARE * positions.len() as f64) as usize).clamp(1, NEIGHBOR);
     let lonely = distances(positions, neighbor);
     match limit(lonely.clone()) {
