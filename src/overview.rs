@@ -318,7 +318,7 @@ mod tests {
         assert!(left.ends_with("from 10.00,20.00,30.00 to 12.00,22.00,31.00"), "{left}");
         let above = told(middle - DVec3::Z * 9.0, middle - DVec3::Z * 10.0 + DVec3::Y, 0.05);
         assert!(
-            above.contains("is 9.0 units from the eye, 84 degrees above the picture's middle;"),
+            above.contains("is 9.0 units from the eye, 135 degrees above the picture's middle;"),
             "{above}"
         );
         let below = told(middle + DVec3::Z * 9.0, middle + DVec3::new(0.0, 1.0, 9.0), 0.05);

@@ -210,7 +210,7 @@ fn far_points_of_a_ply_are_left_out_and_named_or_cost_nothing() {
         let is_left_out = file.points.xyz.len() == scene.len();
         assert_eq!(is_left_out, far != 30.0, "{far}");
         assert_eq!(scan.warnings.len(), usize::from(is_left_out), "{:?}", scan.warnings);
-        assert!(scan.warnings.iter().all(|w| w.contains("far.ply: has 1 points")), "{:?}", scan.warnings);
+        assert!(scan.warnings.iter().all(|w| w.contains("far.ply: has 1 point ")), "{:?}", scan.warnings);
         let (_, num, _) = rendered(&files, &path, &[], [100, 100]);
         assert!(num > 500, "{far}: {num} pixels");
         let text = String::from_utf8(scanwalk(&["info", path.to_str().unwrap()]).stdout).unwrap();

@@ -119,7 +119,8 @@ fn endings(kind: OutputKind) -> String {
 
 /// `-o *.las` is what the shell makes `-o first.las second.las …` of.
 fn pattern_hint(path: &Path) -> &'static str {
-    if path.exists() {
+    // A device is no match of a pattern.
+    if path.is_file() {
         "; this file exists: if you wrote a pattern such as *.las, the shell put its first match here, so write a \
          name of your own before the pattern"
     } else {

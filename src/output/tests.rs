@@ -150,6 +150,8 @@ fn endings_say_what_is_written() {
         let hinted = refusal.to_string().contains("the shell put its first match here");
         assert_eq!(hinted, name == "b.las", "{refusal}");
     }
+    let refusal = lab.refusal(&[("/dev/null", Scan)]).unwrap().to_string();
+    assert!(!refusal.contains("the shell"), "a device is no match of a pattern: {refusal}");
     for (name, kind) in [
         ("x.png", Picture),
         ("x.PNG", Picture),

@@ -6,7 +6,15 @@ use std::fmt::Display;
 
 /// What to say of so many, as a sentence whose subject is the file.
 pub(super) fn sentence(count: impl Display) -> String {
-    format!("has {count} points too far away to be held beside the others; they were left out")
+    left_out(count, "point", "farther away than the scan's precision allows")
+}
+
+/// The same of other things, and why.
+pub(super) fn left_out(count: impl Display, thing: &str, why: &str) -> String {
+    match count.to_string().as_str() {
+        "1" => format!("has 1 {thing} {why}; it was left out"),
+        count => format!("has {count} {thing}s {why}; they were left out"),
+    }
 }
 
 /// Leaves the points out that are marked, and triangles of them.

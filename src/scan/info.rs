@@ -137,13 +137,14 @@ fn distinct(values: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 fn for_people(scan: &Scan, headers: &[Header]) -> String {
-    let decimals = decimals(&scan.files);
+    // What is drawn elsewhere than its file says has a scene elsewhere too.
+    let in_place = scan.files.iter().all(|file| file.in_file.lattice == file.lattice);
+    let scene = in_place.then_some(scan.scene.bounds).filter(|_| !scan.scene.is_empty());
+    let decimals = decimals(&scan.files, scene);
     let described = describe(scan, headers);
     let mut lines: Vec<(&str, String)> = Vec::new();
     lines.push(("points", grouped(described.points)));
     lines.extend(box_lines(scan.bounds_in_file(), size_m(scan), decimals));
-    // What is drawn elsewhere than its file says has a scene elsewhere too.
-    let in_place = scan.files.iter().all(|file| file.in_file.lattice == file.lattice);
     if in_place && scan.scene.bounds != scan.bounds() {
         let names = ["scene from", "to", "size"];
         let of_scene = box_lines(scan.scene.bounds, None, decimals);
@@ -263,12 +264,13 @@ fn unit_words(scan: &Scan, vertical_unit_m: Option<f64>) -> String {
 }
 
 /// Digits behind the point that the finest lattice needs along each axis, within reason: seven of a file's size are
-/// enough.
-fn decimals(files: &[ScanFile]) -> [usize; 3] {
+/// enough, or of the scene's, where strays make the file larger.
+fn decimals(files: &[ScanFile], scene: Option<Bounds>) -> [usize; 3] {
     [0, 1, 2].map(|axis| {
         let step = |file: &ScanFile| {
             let InFile { lattice, bounds } = file.in_file;
-            lattice.scale[axis].abs().max(1e-7 * bounds.size()[axis].min(1e6))
+            let size = scene.map_or(f64::INFINITY, |scene| scene.size()[axis]).min(bounds.size()[axis]);
+            lattice.scale[axis].abs().max(1e-7 * size.min(1e6))
         };
         let finest = files.iter().map(step).fold(1.0, f64::min);
         (-finest.log10()).ceil().clamp(0.0, 9.0) as usize

@@ -272,7 +272,7 @@ fn splats_are_points_with_their_own_color_and_without_fog() {
     assert_eq!(file.bounds.max.to_array(), [1.0, 2.0, 3.0], "what is left out does not count");
     assert!(file.points.normals.is_empty(), "splats have zeros there");
     assert!(
-        warnings.len() == 1 && warnings[0].contains("has 1 splats that are nearly transparent"),
+        warnings.len() == 1 && warnings[0].contains("has 1 splat nearly transparent; it was"),
         "{warnings:?}"
     );
     assert!(file.format.ends_with(", Gaussian splat"), "{}", file.format);

@@ -238,12 +238,13 @@ fn bad_rows<S>(body: &Body<S>) -> Option<String> {
 
 /// Sentences about rows that could be read and are of no use.
 fn sentences(points: LeftOut, faces: columns::Loss) -> Vec<String> {
+    use super::far::{self, left_out};
     let LeftOut { without_place, faint, far } = points;
     let columns::Loss { num_triangles, num_faces } = faces;
     [
-        (without_place, format!("has {without_place} points without a finite place; they were left out")),
-        (far, super::far::sentence(far)),
-        (faint, format!("has {faint} splats that are nearly transparent; they were left out")),
+        (without_place, left_out(without_place, "point", "without a finite place")),
+        (far, far::sentence(far)),
+        (faint, left_out(faint, "splat", "nearly transparent")),
         (num_triangles, format!("has {num_triangles} triangles of points that are left out; so were they")),
         (
             num_faces,

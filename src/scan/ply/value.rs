@@ -283,6 +283,8 @@ fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
 /// What a word says as a number.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let word = std::str::from_utf8(word).ok()?;
+    // Between numbers there may be commas or semicolons beside the blanks.
+    let word = word.strip_suffix([',', ';']).unwrap_or(word);
     match word.parse() {
         Ok(value) => Some(value),
         // "-nan(ind)", "1.#QNAN", "-1.#INF": what C libraries print where there is no number.
@@ -371,6 +373,14 @@ mod tests {
         assert_eq!(Bytes::new(&[][..], false).skip(1, u64::MAX), None);
         assert_eq!(Record { bytes: &[1, 2], big_endian: false }.skip(1, u64::MAX), None);
         assert_eq!(Words(b"1 2").skip(u64::MAX, 0), None);
+    }
+
+    #[test]
+    fn commas_before_blanks_part_numbers_and_within_words_nothing() {
+        let mut words = Words(b"1.5, -2; 3,\t4e2,\n5 6,5 1.5,2.5 ,");
+        let read: Vec<_> = (0..8).map(|_| words.value(Type::Float)).collect();
+        assert_eq!(read[..5], [1.5, -2.0, 3.0, 400.0, 5.0].map(Some));
+        assert_eq!(read[5..], [None; 3]);
     }
 
     proptest::proptest! {
