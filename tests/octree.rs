@@ -244,7 +244,8 @@ fn what_is_left_out_lies_near_a_sample() {
         let v = DVec3::from_array([0; 3].map(|_| f64::from(r.below(2001)) - 999.5));
         (20_000.0 * v.normalize()).round().as_ivec3().to_array()
     };
-    let surfaces: [(_, &dyn Fn(&mut Random) -> [i32; 3]); 2] = [("slope", &slope), ("ball", &ball)];
+    type Point<'a> = &'a dyn Fn(&mut Random) -> [i32; 3];
+    let surfaces: [(&str, Point); 2] = [("slope", &slope), ("ball", &ball)];
     for (name, surface) in surfaces {
         let xyz = (0..250_000).map(|_| surface(&mut random)).collect();
         let octree = octree_of(&scan_of(xyz));

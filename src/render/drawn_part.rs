@@ -173,24 +173,41 @@ pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
 mod tests {
     use super::*;
 
+    /// Where the tiles are.
+    fn places(size: [u32; 2], hidden: &[u32]) -> Vec<u32> {
+        tiles(size, hidden).into_iter().map(|tile| tile & !TILE_HIDES).collect()
+    }
+
+    #[test]
+    fn tiles_say_whether_they_hide_pixels() {
+        let size = [80, 20];
+        let mut hidden = vec![0; num_mask_words(size)];
+        assert!(tiles(size, &hidden).iter().all(|tile| tile & TILE_HIDES == 0));
+        // Column 29 of the image is the first of the second tile, row 13 the first of the second row.
+        hidden[3 * 12] |= 1 << 29;
+        let hides: Vec<u32> =
+            tiles(size, &hidden).into_iter().filter(|tile| tile & TILE_HIDES != 0).collect();
+        assert_eq!(hides, [1 | TILE_HIDES]);
+    }
+
     #[test]
     fn a_tile_is_left_out_only_when_all_that_it_reaches_is_hidden() {
         // With the guard band 86 × 26.
         let size = [80, 20];
         let none = vec![0; num_mask_words(size)];
-        assert_eq!(tiles(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        assert_eq!(places(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
         // The left 32 columns of all rows, but for one pixel: the tile ends at the image's column 29.
         let mut left = none.clone();
         left.iter_mut().step_by(3).for_each(|word| *word = u32::MAX);
-        assert_eq!(tiles(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
+        assert_eq!(places(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
         left[3 * 19] ^= 1 << 15;
-        assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        assert_eq!(places(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
         // Column 31 is in the next tile, and dilation there reaches three pixels to the left, into this one.
         left[3 * 19] ^= 1 << 15 | 1 << 31;
-        assert_eq!(tiles(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
+        assert_eq!(places(size, &left), [1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
         left[3 * 19 + 1] = 0;
         left[3 * 19] = u32::MAX;
-        assert_eq!(tiles(size, &left), [1, 2, 1 << 16 | 1, 2 | 1 << 16]);
+        assert_eq!(places(size, &left), [1, 2, 1 << 16 | 1, 2 | 1 << 16]);
     }
 
     #[test]
@@ -198,14 +215,14 @@ mod tests {
         // Rows 26 to 31 of the second row of tiles are beyond the guard band; a mask hides all but the corner.
         let size = [26, 20];
         let mut hidden = vec![u32::MAX; num_mask_words(size)];
-        assert!(tiles(size, &hidden).is_empty());
+        assert!(places(size, &hidden).is_empty());
         hidden[0] ^= 1;
-        assert_eq!(tiles(size, &hidden), [0]);
+        assert_eq!(places(size, &hidden), [0]);
         // Row 9 of the image is row 12 of the first tile; the second begins with row 13, three pixels on from row 10.
         hidden[0] ^= 1;
         hidden[9] ^= 1;
-        assert_eq!(tiles(size, &hidden), [0]);
+        assert_eq!(places(size, &hidden), [0]);
         hidden[10] ^= 1;
-        assert_eq!(tiles(size, &hidden), [0, 1 << 16]);
+        assert_eq!(places(size, &hidden), [0, 1 << 16]);
     }
 }

@@ -26,13 +26,11 @@ pub(super) fn leave_out(file: &mut ScanFile, far: &Marks) {
     let num_points = points.xyz.len();
     let mut noise = Marks::default();
     let mut numbers = vec![None; num_points];
-    let mut next = 0;
-    for number in (0..num_points).filter(|&number| !far.get(number)) {
+    for (next, number) in (0..num_points).filter(|&number| !far.get(number)).enumerate() {
         if points.noise.get(number) {
             noise.set(next);
         }
         numbers[number] = u32::try_from(next).ok();
-        next += 1;
     }
     points.noise = noise;
     keep(&mut points.xyz, far);

@@ -140,8 +140,11 @@ fn the_noise_of_black_is_no_second_distribution() {
     for share in [2, 4, 8] {
         for width in [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 150.0, 200.0, 300.0] {
             // The brightest of three channels of noise, thinning out as a bell does or as an exponential.
-            let bell =
-                |at: usize| width * (-2.0 * part(at).ln()).sqrt() * (6.283 * part(at + 99_991)).cos().abs();
+            let bell = |at: usize| {
+                width
+                    * (-2.0 * part(at).ln()).sqrt()
+                    * (std::f64::consts::TAU * part(at + 99_991)).cos().abs()
+            };
             let exponential = |at: usize| -width * part(at).ln();
             for (name, noise) in [("bell", &bell as &dyn Fn(usize) -> f64), ("exponential", &exponential)] {
                 let mut rgb = written(&scene(20_000, 1.0), WRITERS[3].1);
