@@ -13,19 +13,10 @@ fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
     return select(select(values.z, values.y, ring == 1u), values.x, ring == 0u);
 }
 
-// Pixels that the edge of the smallest node has round a point, of those that are drawn whole and have others below. The
-// edge of the point's own is halved from node to node, until it is no more than `most_px`.
-fn undivided_px(edge_px: f32, most_px: f32) -> f32 {
-    let times = edge_px / most_px;
-    // Its mantissa, as a number from a half to one.
-    let halved = bitcast<f32>((bitcast<u32>(times) & 0x7fffffu) | 0x3f000000u);
-    return select(edge_px, most_px * halved, times > 1.0);
-}
-
 // How far the disc of a point reaches round its own pixel, by what it is to close: points that are `spacing` world units
-// apart, and what level of detail leaves open, which is a share of the edge of the smallest node round the point. Away from
-// the optical axis a length along the radius is longer in pixels than one across, by distance over depth. The terms are
-// added in the twin's order.
+// apart, and what level of detail leaves open. Where nodes below are not drawn whole, the edge of theirs has at most
+// `undivided_px`, of which a share lies between its samples. Away from the optical axis a length along the radius is longer
+// in pixels than one across, by distance over depth. The terms are added in the twin's order.
 fn radius_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     let p = p_in_head - view.eyes[eye].eye_in_head;
@@ -36,8 +27,8 @@ fn radius_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacin
     let px_per_unit = view.eyes[eye].pixels_per_radian * per_w;
     let stretch = sqrt(distance_sq) * per_w;
     let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
-    let node_px = undivided_px(edge * px_per_unit, of_ring(ring, view.undivided_px));
-    let samples_px = SAMPLES_COVER * batch.sample_spacing * node_px * stretch - reach_px;
+    let undivided_px = min(edge * px_per_unit, of_ring(ring, view.undivided_px));
+    let samples_px = SAMPLES_COVER * batch.sample_spacing * undivided_px * stretch - reach_px;
     let diameter_px = max(disc_px(spacing * px_per_unit * stretch, reach_px), samples_px);
     return ceil(clamp(0.5 * diameter_px, 0.0, f32(MAX_FILL_RADIUS)));
 }

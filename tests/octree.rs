@@ -253,9 +253,9 @@ fn what_is_left_out_lies_near_a_sample() {
         for number in inner.take(4) {
             let beyond = |cover: f32| share_beyond(&octree, number, 0.5 * f64::from(cover));
             println!("{name}, node {number}: {:.4} {:.4}", beyond(SAMPLES_COVER), beyond(1.5));
-            assert!(beyond(SAMPLES_COVER) <= 0.001, "{name}, node {number}: {}", beyond(SAMPLES_COVER));
+            assert!(beyond(SAMPLES_COVER) <= 0.01, "{name}, node {number}: {}", beyond(SAMPLES_COVER));
             assert!(
-                beyond(1.5) > 0.005,
+                beyond(1.5) > 0.013,
                 "{name}, node {number}: what closes gaps between samples reaches less far"
             );
         }

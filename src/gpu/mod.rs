@@ -1,6 +1,7 @@
 //! wgpu, thinly: the device, its one queue, shaders, stages, timers, readback. Knows no cloud, no eye and
 //! no configuration.
 
+pub mod drawing;
 mod open;
 pub mod points;
 mod queue;

@@ -8,7 +8,8 @@ use super::renderer::Renderer;
 use super::shaders;
 use crate::config::{Overlay, Quality};
 use crate::gpu::Gpu;
-use crate::gpu::stage::{Bindings, shader_module};
+use crate::gpu::drawing::Drawing;
+use crate::gpu::stage::Bindings;
 use crate::layout::{COUNTERS_STRIDE, CullCounters, DilateUniform, Sums, Variant};
 use std::num::NonZeroU64;
 use wgpu::util::DeviceExt;
@@ -199,33 +200,15 @@ impl Pass {
         [vertex, fragment]: [&str; 2],
         format: wgpu::TextureFormat,
     ) -> Self {
-        let module = shader_module(&gpu.device, name, wgsl);
         let target = wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState::ALPHA_BLENDING),
             write_mask: wgpu::ColorWrites::COLOR,
         };
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(name),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(vertex),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(target)],
-            }),
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            multiview_mask: None,
-            cache: None,
-        });
+        let entries = [vertex, fragment];
+        let pipeline =
+            Drawing { name, wgsl, entries, buffers: &[], target: Some(target), depth_format: None }
+                .pipeline(gpu);
         let bindings = Bindings::of(name, wgsl, vertex).with(Bindings::of(name, wgsl, fragment));
         Self { pipeline, bindings }
     }

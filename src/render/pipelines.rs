@@ -2,7 +2,8 @@
 
 use super::point_list::PointList;
 use super::shaders;
-use crate::gpu::stage::{Bindings, Stage, shader_module};
+use crate::gpu::drawing::Drawing;
+use crate::gpu::stage::{Bindings, Stage};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
 use crate::method::{Access, Method};
@@ -176,34 +177,15 @@ fn stage(gpu: &Gpu, access: Access, name: &'static str, variant: Variant) -> Sta
 
 impl DepthImage {
     fn new(gpu: &Gpu, format: wgpu::TextureFormat, wgsl: &str) -> Self {
-        let module = shader_module(&gpu.device, "depth-image", wgsl);
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("depth-image"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[],
-            }),
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = Drawing {
+            name: "depth-image",
+            wgsl,
+            entries: ["vertex", "fragment"],
+            buffers: &[],
+            target: None,
+            depth_format: Some(format),
+        }
+        .pipeline(gpu);
         Self { pipeline, bindings: Bindings::of("depth-image", wgsl, "fragment") }
     }
 

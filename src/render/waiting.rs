@@ -2,7 +2,7 @@
 //! stand in the room: no text and no window is needed for them.
 
 use super::Setup;
-use crate::gpu::stage::shader_module;
+use crate::gpu::drawing::Drawing;
 use crate::gpu::{Gpu, QueueGuard};
 use crate::space::{Eye, Pose};
 use glam::DVec3;
@@ -37,38 +37,20 @@ pub(super) struct Waiting {
 
 impl Waiting {
     pub(super) fn new(gpu: &Gpu, setup: &Setup) -> Self {
-        let module = shader_module(&gpu.device, "waiting", include_str!("../../shaders/waiting.wgsl"));
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("waiting"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: size_of::<Corner>() as u64,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32],
-                })],
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(setup.color_format.into())],
-            }),
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: setup.depth_format.map(|format| wgpu::DepthStencilState {
-                format,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            multiview_mask: None,
-            cache: None,
-        });
+        let corners = wgpu::VertexBufferLayout {
+            array_stride: size_of::<Corner>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32],
+        };
+        let pipeline = Drawing {
+            name: "waiting",
+            wgsl: include_str!("../../shaders/waiting.wgsl"),
+            entries: ["vertex", "fragment"],
+            buffers: &[Some(corners)],
+            target: Some(setup.color_format.into()),
+            depth_format: setup.depth_format,
+        }
+        .pipeline(gpu);
         let num_bytes = setup.sizes_px.len() * MOST_CORNERS * size_of::<Corner>();
         let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
         Self { pipeline, corners: gpu.buffer("waiting", num_bytes as u64, usage), is_shown: false }

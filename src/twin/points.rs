@@ -86,13 +86,6 @@ pub fn points(
     }
 }
 
-/// Pixels that the edge of the smallest node has round a point, of those that are drawn whole and have others below.
-fn undivided_px(edge_px: f32, most_px: f32) -> f32 {
-    let times = edge_px / most_px;
-    let halved = f32::from_bits(times.to_bits() & 0x7f_ffff | 0x3f00_0000);
-    if times > 1.0 { most_px * halved } else { edge_px }
-}
-
 /// How far the disc of a point reaches round its own pixel.
 fn radius_px(
     view: &ViewUniform,
@@ -111,8 +104,8 @@ fn radius_px(
     let reach_px = view.fill_reach_px[ring];
     let stretch = distance_sq.sqrt() * per_w;
     let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
-    let node_px = undivided_px(edge * px_per_unit, view.undivided_px[ring]);
-    let samples_px = SAMPLES_COVER * batch.sample_spacing * node_px * stretch - reach_px;
+    let undivided_px = (edge * px_per_unit).min(view.undivided_px[ring]);
+    let samples_px = SAMPLES_COVER * batch.sample_spacing * undivided_px * stretch - reach_px;
     let apart_px = apart.length() * px_per_unit * stretch;
     let disc_px = match apart {
         Apart::Points(_) => (POINTS_COVER * apart_px - reach_px).min(FILL_OVERLAP * apart_px),
