@@ -4,12 +4,14 @@ mod support;
 
 use glam::{DVec3, DVec4};
 use scanwalk::cloud::quantize::{Cells, cells_of};
-use scanwalk::cloud::{Batch, Cloud, Order};
+use scanwalk::cloud::{Batch, Cloud, Order, build};
 use scanwalk::look::Look;
+use scanwalk::progress::Progress;
+use scanwalk::scan::Scene;
 use scanwalk::space::{Eye, Fov, Pose, View};
-use scanwalk::twin::{self, Scene};
+use scanwalk::twin;
 use std::collections::HashMap;
-use support::{cloud_of, draw};
+use support::{draw, scan_of};
 
 const CORNER: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
 /// Grid points a side; the grid is a wall in the x-z plane, 1 mm apart.
@@ -17,16 +19,19 @@ const SIDE: i32 = 120;
 /// Distance of a point's exact pixel coordinate from a pixel's edge below which either side is right.
 const EDGE: f64 = 0.05;
 
-/// The wall, and two points that stretch the cloud to 20 km: at random they share a batch with the wall. And which point of
-/// the cloud each is.
+/// The wall, and two points that stretch the cloud to 20 km and are none of its strays: at random they share a batch with the
+/// wall. And which point of the cloud each is.
 fn wall() -> (Cloud, Vec<DVec3>, Vec<u32>) {
     let mut xyz = vec![[-10_000_000, -10_000_000, -50_000]];
     for z in 0..SIDE {
         xyz.extend((0..SIDE).map(|x| [x, 0, z]));
     }
     xyz.push([10_000_000, 10_000_000, 50_000]);
-    let positions = xyz.iter().map(|p| CORNER + DVec3::from_array(p.map(f64::from)) * 0.001).collect();
-    let cloud = cloud_of(&xyz, 0.001, CORNER, Order::Shuffled);
+    let positions: Vec<DVec3> =
+        xyz.iter().map(|p| CORNER + DVec3::from_array(p.map(f64::from)) * 0.001).collect();
+    let mut scan = scan_of(&xyz, 0.001, CORNER);
+    scan.scene = Scene { bounds: scan.bounds(), samples: positions.clone() };
+    let cloud = build(&scan, Order::Shuffled, &Progress::hidden()).expect("a cloud");
     let widest = cloud.batches.iter().flat_map(|batch| batch.cell).fold(0.0, f32::max);
     assert!(widest > 5e-6, "a batch is kilometers wide: {widest}");
     let numbers = numbers(&cloud);
@@ -105,7 +110,7 @@ fn nothing_jitters_while_the_head_moves() {
     for step in 0..100 {
         let s = f64::from(step);
         let view = view(DVec3::new(0.000_137 * s, -0.000_071 * s, 0.000_093 * s));
-        let frame = twin::frame(&Scene::flat(&cloud), &view, &Look::default(), None);
+        let frame = twin::frame(&twin::Scene::flat(&cloud), &view, &Look::default(), None);
         let (wrong, seen) = misplaced(&frame.keys[0], &view, &positions, &|i| numbers[i]);
         assert!(seen > 5_000);
         assert_eq!(wrong, 0, "step {step}, of {seen}");
@@ -117,7 +122,7 @@ fn nothing_jitters_while_the_head_moves() {
 fn the_comparison_notices_less_than_half_a_millimetre() {
     let (cloud, positions, numbers) = wall();
     let view = view(DVec3::ZERO);
-    let frame = twin::frame(&Scene::flat(&cloud), &view, &Look::default(), None);
+    let frame = twin::frame(&twin::Scene::flat(&cloud), &view, &Look::default(), None);
     let shifted: Vec<DVec3> = positions.iter().map(|p| *p + DVec3::new(0.0004, 0.0, 0.0004)).collect();
     let (wrong, seen) = misplaced(&frame.keys[0], &view, &shifted, &|i| numbers[i]);
     assert!(wrong > seen / 2, "{wrong} of {seen}");
