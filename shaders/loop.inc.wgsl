@@ -14,9 +14,9 @@ fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
 }
 
 // How far the disc of a point reaches round its own pixel, by what it is to close: points that are `spacing` world units
-// apart, and what level of detail leaves open. Where nodes below are not drawn whole, the edge of theirs has at most
-// `undivided_px`, of which a share lies between its samples. Away from the optical axis a length along the radius is longer
-// in pixels than one across, by distance over depth. The terms are added in the twin's order.
+// apart, and what level of detail leaves open. Where nodes below are not drawn, the edge of theirs has at most twice the
+// threshold, of which a share lies between its samples. Away from the optical axis a length along the radius is longer in
+// pixels than one across, by distance over depth. The terms are added in the twin's order.
 fn radius_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     let p = p_in_head - view.eyes[eye].eye_in_head;

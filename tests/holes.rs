@@ -29,6 +29,9 @@ const SCAN_SHARE: f64 = 0.25;
 const SCAN_POINTS: u64 = 2_000_000;
 /// Of a ring's pixels.
 const MAX_PERCENT: f64 = 0.05;
+/// The same of scans with edges against the sky, where level of detail leaves out the outermost points: discs that reach
+/// them would make lumps of what is slender.
+const MAX_SCAN_PERCENT: f64 = 0.25;
 
 fn octree() -> &'static Octree {
     static OCTREE: OnceLock<Octree> = OnceLock::new();
@@ -68,11 +71,11 @@ fn rings_of(
     frames.iter().map(of_frame).collect()
 }
 
-fn assert_closed(what: &str, rings: &[Ring]) {
+fn assert_closed(what: &str, rings: &[Ring], max_percent: f64) {
     println!("{what}: {rings:?}");
     for (ring, deg) in rings.iter().zip(RINGS_DEG) {
         // A few pixels of a small ring are no share.
-        let is_closed = ring.percent() <= MAX_PERCENT || ring.empty <= 3;
+        let is_closed = ring.percent() <= max_percent || ring.empty <= 3;
         assert!(is_closed, "{what}, up to {deg}°: {ring:?}, {:.3} %", ring.percent());
     }
 }
@@ -84,7 +87,7 @@ fn a_closed_surface_has_no_holes_at_any_angle() {
         for preset in ["quality", "balanced", "performance"] {
             for ((set, lod_scale), rings) in frames.into_iter().zip(rings(&[preset, headset], &frames)) {
                 assert!(rings.iter().all(|ring| ring.judged > 500), "every ring is seen: {rings:?}");
-                assert_closed(&format!("{headset}, {preset}, {set}, × {lod_scale}"), &rings);
+                assert_closed(&format!("{headset}, {preset}, {set}, × {lod_scale}"), &rings, MAX_PERCENT);
             }
         }
     }
@@ -104,14 +107,19 @@ fn assert_scan_is_closed(source: Source) {
         for (headset, preset) in looks {
             let rings = rings_of(&octree, &place, (SCAN_SHARE, true), &[preset, headset], &frames);
             for ((set, lod_scale), rings) in frames.into_iter().zip(rings) {
-                assert_closed(&format!("{}, {headset}, {preset}, {set}, × {lod_scale}", place.name), &rings);
+                let what = format!("{}, {headset}, {preset}, {set}, × {lod_scale}", place.name);
+                assert_closed(&what, &rings, MAX_SCAN_PERCENT);
             }
         }
         // The measure can fail here too: without larger points there are holes, far beyond the last step in a dense room.
         let bare = [("frame.fill=false", 9.0)];
         let bare = rings_of(&octree, &place, (SCAN_SHARE, true), &["performance", "valve-index"], &bare);
         println!("{}, without fill: {bare:?}", place.name);
-        assert!(bare[0].iter().any(|ring| ring.percent() > 4.0 * MAX_PERCENT), "{}: {bare:?}", place.name);
+        assert!(
+            bare[0].iter().any(|ring| ring.percent() > 4.0 * MAX_SCAN_PERCENT),
+            "{}: {bare:?}",
+            place.name
+        );
     }
 }
 
@@ -129,7 +137,7 @@ fn a_real_room_has_no_holes_at_any_angle() {
 #[test]
 fn thresholds_set_by_hand_open_no_holes() {
     let by_hand = rings(&["balanced", "valve-index"], &[("lod.threshold_px=[300, 600, 900]", 1.0)]);
-    assert_closed("by hand", &by_hand[0]);
+    assert_closed("by hand", &by_hand[0], MAX_PERCENT);
     // The measure can fail: without larger points that is full of holes.
     let bare = rings(&["balanced", "valve-index"], &[("frame.fill=false", 3.0)]);
     println!("without fill: {bare:?}");

@@ -5,7 +5,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use scanwalk::cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_octree};
 use scanwalk::cloud::{BuildError, Cloud, quantize};
-use scanwalk::layout::{BATCH_POINTS, Detail, POINTS_PER_LOAD, SAMPLES_COVER};
+use scanwalk::layout::{BATCH_POINTS, Detail, POINTS_PER_LOAD};
 use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
@@ -206,60 +206,6 @@ fn smallest_distance(octree: &Octree, node: &Node) -> f64 {
         cells.entry(cell).or_default().push(p);
     }
     smallest + granted
-}
-
-/// Of the points below an inner node, the share that lies further from its samples and those above than so many times the
-/// distance of its samples.
-fn share_beyond(octree: &Octree, number: usize, times: f64) -> f64 {
-    let node = &octree.nodes[number];
-    let reach = times * f64::from(node.sample_spacing) * node.edge;
-    let cell_of = |p: DVec3| ((p - node.min) / reach).floor().to_array().map(|v| v as i64);
-    let points = |number: usize| {
-        let node = &octree.nodes[number];
-        slots(node).map(move |at| decoded(octree, node.batches.start as usize, at))
-    };
-    let mut samples = std::collections::HashMap::<[i64; 3], Vec<DVec3>>::new();
-    for p in std::iter::once(number).chain(above(octree, number)).flat_map(points) {
-        samples.entry(cell_of(p)).or_default().push(p);
-    }
-    let is_far = |p: &DVec3| {
-        let [x, y, z] = cell_of(*p);
-        let near = (0..27).map(|i| [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1]);
-        !near.filter_map(|cell| samples.get(&cell)).flatten().any(|sample| sample.distance(*p) <= reach)
-    };
-    let below = (0..octree.nodes.len()).filter(|&below| above(octree, below).any(|above| above == number));
-    let left_out: Vec<DVec3> = below.flat_map(points).collect();
-    left_out.iter().filter(|p| is_far(p)).count() as f64 / left_out.len().max(1) as f64
-}
-
-/// Discs of samples are as large as that, so that they cover what level of detail leaves out.
-#[test]
-fn what_is_left_out_lies_near_a_sample() {
-    let mut random = Random(4);
-    let slope = |r: &mut Random| {
-        let [x, y] = [0; 2].map(|_| r.below(60_000));
-        [x, y, x / 3 + y / 7]
-    };
-    let ball = |r: &mut Random| {
-        let v = DVec3::from_array([0; 3].map(|_| f64::from(r.below(2001)) - 999.5));
-        (20_000.0 * v.normalize()).round().as_ivec3().to_array()
-    };
-    type Point<'a> = &'a dyn Fn(&mut Random) -> [i32; 3];
-    let surfaces: [(&str, Point); 2] = [("slope", &slope), ("ball", &ball)];
-    for (name, surface) in surfaces {
-        let xyz = (0..250_000).map(|_| surface(&mut random)).collect();
-        let octree = octree_of(&scan_of(xyz));
-        let inner = (0..octree.nodes.len()).filter(|&n| !octree.nodes[n].children.is_empty());
-        for number in inner.take(4) {
-            let beyond = |cover: f32| share_beyond(&octree, number, 0.5 * f64::from(cover));
-            println!("{name}, node {number}: {:.4} {:.4}", beyond(SAMPLES_COVER), beyond(1.5));
-            assert!(beyond(SAMPLES_COVER) <= 0.01, "{name}, node {number}: {}", beyond(SAMPLES_COVER));
-            assert!(
-                beyond(1.5) > 0.013,
-                "{name}, node {number}: what closes gaps between samples reaches less far"
-            );
-        }
-    }
 }
 
 #[test]

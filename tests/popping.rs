@@ -75,11 +75,10 @@ fn fading_keeps_patches_from_popping() {
     assert!(popped > 3.0, "{popped}");
     assert!(faded < 0.1 * popped, "{faded} with fading, {popped} without");
     // The sizes of points follow the thresholds, which a walk leaves alone and this test changes: they grow and shrink by
-    // whole pixels here, in all nodes at once, which fading does not help. The larger they are for the sake of edges without
-    // holes, the more that shows: 9.7 of 39 here.
+    // whole pixels here, which fading does not help.
     let whole = pop(true, Dilate::Rings, Some(RINGS_REACH_PX));
     println!("whole frame: largest change {whole:.2}");
-    assert!(whole < 0.3 * popped, "{whole} in the whole frame, {popped} of points alone");
+    assert!(whole < 0.2 * popped, "{whole} in the whole frame, {popped} of points alone");
 }
 
 #[test]

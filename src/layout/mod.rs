@@ -57,9 +57,9 @@ pub const FILL_OVERLAP: f32 = 1.5;
 /// How much wider than the points' mean distance the square is to be that disc and dilation together cover: of points that
 /// lie at random, such a square has none once in eight thousand times, and the mean distance is an estimate.
 pub const POINTS_COVER: f32 = 3.0;
-/// The same of a node's samples, which lie more evenly: on a surface, what level of detail leaves out lies within half of
-/// it from a sample, but for one point in a hundred. Between samples 1.5 would do; at a silhouette there is none beyond.
-pub const SAMPLES_COVER: f32 = 2.24;
+/// The same of a node's samples, which lie more evenly. At a silhouette none lies beyond: 2.24 would close edges against the
+/// sky too, and makes railings and leaves one lump (docs/bench/holes).
+pub const SAMPLES_COVER: f32 = 1.5;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;

@@ -1,6 +1,6 @@
 //! What the stages know of a frame: the eyes, and how much of the cloud is drawn for them.
 
-use super::{FADE_END, GUARD_PX, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, guarded};
+use super::{GUARD_PX, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, guarded};
 use crate::cloud::spt;
 use crate::space::{Eye, Fov, Split, View};
 use bytemuck::{Pod, Zeroable};
@@ -180,8 +180,8 @@ pub struct ViewUniform {
     pub fill_reach_px: [f32; 3],
     /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale::base`].
     pub step_base: u32,
-    /// Pixels that the edge of a node above others has at most where these are not drawn whole: twice the threshold in the
-    /// inner, middle and outer ring, and more while points appear one by one.
+    /// Pixels that the edge of a node above others has at most where these are not drawn: twice the threshold in the
+    /// inner, middle and outer ring.
     pub undivided_px: [f32; 3],
     /// Pixels outside an eye's image in which a point may still be large enough to be seen.
     pub margin_px: f32,
@@ -226,10 +226,9 @@ impl ViewUniform {
 }
 
 /// [`ViewUniform::undivided_px`]. A node that reaches into an inner ring has that ring's threshold; where thresholds grow
-/// smoothly, they end the middle ring as the outer one's. Nodes that fade in are drawn whole from [`FADE_END`] on.
+/// smoothly, they end the middle ring as the outer one's.
 fn undivided_px(detail: &Detail) -> [f32; 3] {
     let [inner, middle, outer] = detail.threshold_px;
     let middle = if detail.smooth { middle.max(outer) } else { middle };
-    let whole = if detail.fade { FADE_END } else { 1.0 };
-    [inner, inner.max(middle), inner.max(middle).max(outer)].map(|px| 2.0 * px * whole)
+    [inner, inner.max(middle), inner.max(middle).max(outer)].map(|px| 2.0 * px)
 }
