@@ -4,12 +4,13 @@ use super::groups;
 use super::pipelines::Depth;
 use super::point_list::PointList;
 use super::renderer::Renderer;
-use crate::config::{Dilate, Quality};
+use crate::config::Quality;
 use crate::gpu::QueueGuard;
 use crate::gpu::stage::Stage;
 use crate::layout::{
     COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
 };
+use crate::look::Look;
 use crate::space::View;
 use crate::timing::{STAGES, StageMs};
 
@@ -219,14 +220,13 @@ impl Renderer {
 
     /// From points to finished pixels.
     fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
-        let hqs = groups::hqs(&self.pipelines, self.cloud.as_ref());
-        let closest = &self.pipelines.closest;
-        let surface = if self.look.quality == Quality::Hqs { &hqs.blend } else { &closest.shade };
-        let image = match (self.look.dilate, self.look.quality) {
-            (Dilate::Off, _) => &self.pipelines.show,
-            (Dilate::Rings, Quality::Closest) => &closest.dilate,
-            (Dilate::Rings, Quality::Hqs) => &hqs.blend_dilate,
+        let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
+        let Look { quality, dilate, .. } = self.look;
+        let surface = match quality {
+            Quality::Closest => &pipelines.closest.shade,
+            Quality::Hqs => &groups::hqs(pipelines, cloud).blend,
         };
+        let image = groups::finishing(pipelines, cloud, quality, dilate);
         for eye in &self.groups.eyes {
             for group in &eye.surface {
                 surface.dispatch(pass, group, eye.num_tiles);

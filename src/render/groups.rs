@@ -7,6 +7,7 @@ use super::point_list::PointImages;
 use super::targets::Targets;
 use crate::config::{Dilate, Quality};
 use crate::gpu::Gpu;
+use crate::gpu::stage::Stage;
 use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
 
 /// What the groups are made from.
@@ -234,7 +235,7 @@ impl Parts<'_> {
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
-        let Pipelines { closest, show, depth_image, .. } = self.pipelines;
+        let Pipelines { closest, depth_image, .. } = self.pipelines;
         let resources = self.of_eye(eye);
         let shade =
             |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
@@ -245,11 +246,7 @@ impl Parts<'_> {
             Quality::Hqs if self.dilate == Dilate::Rings => vec![],
             Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
         };
-        let image = match (self.dilate, self.quality) {
-            (Dilate::Off, _) => show,
-            (Dilate::Rings, Quality::Closest) => &closest.dilate,
-            (Dilate::Rings, Quality::Hqs) => &self.hqs().blend_dilate,
-        };
+        let image = finishing(self.pipelines, self.cloud, self.quality, self.dilate);
         EyeGroups {
             num_tiles: self.drawn.eyes[eye].num_tiles,
             surface,
@@ -264,4 +261,18 @@ pub(super) fn hqs<'a>(pipelines: &'a Pipelines, cloud: Option<&CloudBuffers>) ->
     let is_crowded = cloud.is_none_or(|cloud| cloud.is_crowded);
     // The leanest form comes first, the safest last, and there is at least one.
     &pipelines.hqs[if is_crowded { pipelines.hqs.len() - 1 } else { 0 }]
+}
+
+/// The step that makes an eye's finished pixels.
+pub(super) fn finishing<'a>(
+    pipelines: &'a Pipelines,
+    cloud: Option<&CloudBuffers>,
+    quality: Quality,
+    dilate: Dilate,
+) -> &'a Stage {
+    match (dilate, quality) {
+        (Dilate::Off, _) => &pipelines.show,
+        (Dilate::Rings, Quality::Closest) => &pipelines.closest.dilate,
+        (Dilate::Rings, Quality::Hqs) => &hqs(pipelines, cloud).blend_dilate,
+    }
 }

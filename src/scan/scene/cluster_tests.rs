@@ -1,20 +1,11 @@
 //! Scenes and strays of every kind that users have met, along the axes that they vary in.
 
+use super::super::random::Random;
 use super::find;
 use crate::space::Bounds;
 use glam::DVec3;
 
-/// Numbers that look random, the same in every run: splitmix64.
-struct Random(u64);
-
 impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
     /// Within the cube from −1 to 1.
     fn in_cube(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0

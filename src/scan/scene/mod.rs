@@ -7,6 +7,8 @@
 mod cluster;
 mod nearest;
 mod parts;
+#[cfg(test)]
+mod random;
 mod scattered;
 
 pub(crate) use cluster::find;

@@ -1,30 +1,17 @@
 //! Halos of strays round scenes of every kind: ratio of sizes, share, number of points, shape; and scans without strays.
 
 use super::super::cluster::find;
+use super::super::random::Random;
 use crate::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Numbers that look random, the same in every run: splitmix64.
-struct Random(u64);
-
 impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
     /// Normally distributed along each axis.
     fn bell(&mut self) -> DVec3 {
         DVec3::from_array(
             [0; 3].map(|_| (-2.0 * (1.0 - self.next()).ln()).sqrt() * (TAU * self.next()).cos()),
         )
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        self.bell().normalize()
     }
 }
 
@@ -63,7 +50,7 @@ fn corridor(random: &mut Random) -> DVec3 {
 }
 
 fn egg(random: &mut Random) -> DVec3 {
-    0.5 * random.direction()
+    0.5 * random.bell().normalize()
 }
 
 /// As many points a degree of elevation, seen from one place above flat ground; a near wall, far trees.
@@ -88,7 +75,7 @@ fn courtyard(random: &mut Random) -> DVec3 {
     }
     let tree = (12.0 * random.next()).floor();
     let foot = DVec3::new(0.15 + 0.35 * (0.618 * tree).fract(), 0.4 * ((0.37 * tree).fract() - 0.5), 0.02);
-    foot + 0.012 * random.next() * random.direction()
+    foot + 0.012 * random.next() * random.bell().normalize()
 }
 
 fn two_buildings(random: &mut Random) -> DVec3 {
@@ -119,8 +106,8 @@ impl Halo {
     fn at(self, size: f64, random: &mut Random) -> DVec3 {
         match self {
             Self::Bell => size * random.bell(),
-            Self::Ball => size * 2.0 * random.next().cbrt() * random.direction(),
-            Self::Exponential => size * -(1.0 - random.next()).ln() * random.direction(),
+            Self::Ball => size * 2.0 * random.next().cbrt() * random.bell().normalize(),
+            Self::Exponential => size * -(1.0 - random.next()).ln() * random.bell().normalize(),
             Self::Disc => size * random.bell() * DVec3::new(1.0, 1.0, 0.02),
         }
     }
