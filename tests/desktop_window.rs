@@ -102,7 +102,8 @@ fn panel_and_help_come_and_go() {
     let screen = Screen::start();
     let window = Window::open("walk", &screen);
     window.xdotool(&["windowsize", &window.id, "1280", "800"]);
-    std::thread::sleep(std::time::Duration::from_secs(6));
+    // Of the new size is what reaches into the new corner.
+    window.wait_pixel(1270, 790, QUARTERS[0][3]);
     let with_panel = window.picture();
     with_panel.keep("panel");
     window.xdotool(&["key", "Tab"]);

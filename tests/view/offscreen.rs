@@ -212,8 +212,15 @@ fn what_is_required_and_missing_is_the_reason_that_is_given() {
 
 #[test]
 fn a_signal_ends_the_walk_cleanly() {
-    let mut child = view(&Scene::get().courtyard, &[]).spawn().expect("view starts");
-    std::thread::sleep(Duration::from_secs(3));
+    let log = Scene::get().file("interrupted.csv");
+    let log_path = log.to_str().expect("UTF-8");
+    let mut child = view(&Scene::get().courtyard, &["--log", log_path]).spawn().expect("view starts");
+    // The log gets its name when the scan is first shown.
+    let until = Instant::now() + Duration::from_secs(60);
+    while !log.exists() {
+        assert!(Instant::now() < until, "the scan is not shown");
+        std::thread::sleep(Duration::from_millis(50));
+    }
     let killed = Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status();
     assert!(killed.expect("kill").success());
     let until = Instant::now() + Duration::from_secs(20);

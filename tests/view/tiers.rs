@@ -2,7 +2,7 @@
 //! validation, has nothing to say.
 
 use crate::scene::Scene;
-use crate::xr_support::Lab;
+use crate::xr_support::Runtime;
 use scanwalk::config::Quality;
 use scanwalk::method::Method;
 use std::path::Path;
@@ -15,13 +15,14 @@ const MODES: [(&str, &[&str]); 3] = [
 ];
 
 /// Both eyes' pictures of the courtyard, as files, under validation.
-fn draw(lab: &Lab, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
+fn draw(runtime: &Runtime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
     let scan = scene.courtyard.to_str().expect("UTF-8");
     let out = scene.file(&format!("{}.png", options.concat().replace(['=', '/'], "-")));
     let place = ["--stereo", "--size", "301x203", "--eye", "499994.8,3999998.5,101.75"];
     let to = ["--target", "500004,4000002,102.3"];
     let args = [&["render", scan, "-o", out.to_str().expect("UTF-8")], &place[..], &to, options].concat();
-    let done = lab.runtime().validate().timeout_s(120).run(Path::new(env!("CARGO_BIN_EXE_scanwalk")), &args);
+    let done =
+        runtime.clone().validate().timeout_s(120).run(Path::new(env!("CARGO_BIN_EXE_scanwalk")), &args);
     done.assert_ok();
     assert_eq!(done.vulkan_complaints(), Vec::<String>::new(), "{options:?}");
     ["left", "right"].map(|side| std::fs::read(out.with_extension(format!("{side}.png"))).expect("a picture"))
@@ -30,34 +31,34 @@ fn draw(lab: &Lab, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
 /// The papers' methods too, and point trees, whose picture is another.
 #[test]
 fn methods_draw_the_same_picture_and_validation_is_silent() {
-    let Some(lab) = Lab::enter() else { return };
+    let Some(runtime) = Runtime::drivers() else { return };
     let scene = Scene::get();
     let plain = ["--preset", "plain", "--method"];
     let [nearest, blended] =
-        ["closest", "hqs"].map(|quality| draw(&lab, scene, &["--preset", "plain", "--quality", quality]));
+        ["closest", "hqs"].map(|quality| draw(&runtime, scene, &["--preset", "plain", "--quality", quality]));
     assert!(nearest != blended, "the comparison can fail");
     for method in Method::ALL {
-        let drawn = draw(&lab, scene, &[&plain[..], &[method.name()]].concat());
+        let drawn = draw(&runtime, scene, &[&plain[..], &[method.name()]].concat());
         let want = if method.quality() == Some(Quality::Hqs) { &blended } else { &nearest };
         // Near the scanner a pixel gets more points than hqs1 can count, and points that are equally far to fixed40.
         let is_exact = !matches!(method, Method::JustSet | Method::Hqs1 | Method::Fixed40);
         assert!(!is_exact || drawn == *want, "{}", method.name());
     }
     for quality in ["closest", "hqs"] {
-        let discs = draw(&lab, scene, &["--lod", "spt", "--quality", quality]);
+        let discs = draw(&runtime, scene, &["--lod", "spt", "--quality", quality]);
         assert!(discs != nearest && discs != blended);
     }
 }
 
 #[test]
 fn tiers_draw_the_same_picture_and_validation_is_silent() {
-    let Some(lab) = Lab::enter() else { return };
+    let Some(runtime) = Runtime::drivers() else { return };
     let scene = Scene::get();
     let mut pictures = Vec::new();
     for (mode, options) in MODES {
         let drawn = ["int64", "int64-minmax", "int32"].map(|tier| {
             let tier_setting = format!("gpu.tier={tier}");
-            draw(&lab, scene, &[&["--set", &tier_setting], options].concat())
+            draw(&runtime, scene, &[&["--set", &tier_setting], options].concat())
         });
         assert!(drawn[0] == drawn[1] && drawn[0] == drawn[2], "{mode}: the tiers' pictures differ");
         pictures.push(drawn.into_iter().next());

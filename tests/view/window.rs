@@ -3,6 +3,7 @@
 use crate::scene::Scene;
 use crate::screen::{Picture, Screen, wait_for};
 use crate::xr_support::Lab;
+use scanwalk::timing::{self, Phase};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -30,6 +31,19 @@ fn wait_lit(screen: &Screen, window: &str) -> Picture {
     wait_for("the scan in the window", 60.0, || {
         let picture = screen.picture(window);
         (lit(&picture) > 2000).then_some(picture)
+    })
+}
+
+/// The window once it shows the same all the while.
+fn still(screen: &Screen, window: &str) -> Picture {
+    let mut before = screen.picture(window);
+    wait_for("a picture that stays", 60.0, || {
+        // Longer than the window takes to show what is new.
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        let now = screen.picture(window);
+        let stays = now == before;
+        before = now;
+        stays.then(|| before.clone())
     })
 }
 
@@ -195,13 +209,19 @@ fn read_png(path: &Path) -> Option<([u32; 2], Vec<u8>)> {
 fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let screen = Screen::start();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut viewer = start(&screen, folder.path());
+    let log = folder.path().join("frames.csv");
+    let mut command = command(&screen, folder.path(), &Scene::get().courtyard, "on");
+    command.arg("--log").arg(&log).env_remove("WAYLAND_DISPLAY");
+    let mut viewer = Viewer(command.spawn().expect("view starts"));
     let window = window(&screen);
     wait_lit(&screen, &window);
-    // Until the octree is there, and without the panel, which changes by itself.
+    // Without the panel, which changes by itself, and once the octree is there.
     screen.xdotool(&["key", "Tab"]);
-    std::thread::sleep(std::time::Duration::from_secs(8));
-    let plain = screen.picture(&window);
+    wait_for("a walk", 60.0, || {
+        let log = timing::read(&log).ok()?;
+        log.frames.last().is_some_and(|frame| frame.phase == Phase::Walking).then_some(())
+    });
+    let plain = still(&screen, &window);
     let mut before = plain.clone();
     for name in ["rings", "nodes", "overdraw", "depth", "precision"] {
         screen.xdotool(&["key", "o"]);

@@ -15,7 +15,7 @@
 pub mod poses;
 pub mod screen;
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -32,36 +32,56 @@ fn script() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/headless-runtime")
 }
 
-/// The right to run a runtime: one at a time on a machine, for they share its cores and want a steady beat.
+/// Runtimes at a time on a machine: they share its cores and want a steady beat, but wait for that most of the time.
+const PLACES: usize = 2;
+
+/// The right to run a runtime: a place in the laboratory.
 pub struct Lab {
-    _lock: File,
+    _place: File,
 }
 
 impl Lab {
     /// Prepares the runtime and waits for its turn. `None`: it cannot be had here, which is printed, unless
     /// `SCANWALK_REQUIRE_XR` is set: then it is a failure.
     pub fn enter() -> Option<Self> {
-        static PREPARED: OnceLock<Result<(), String>> = OnceLock::new();
-        let prepared = PREPARED.get_or_init(|| {
-            let output = Command::new(script()).arg("prepare").output().map_err(|e| e.to_string())?;
-            let said = String::from_utf8_lossy(&output.stderr).trim().to_string();
-            assert!(output.status.success() || output.status.code() == Some(NOT_PREPARED), "{said}");
-            if output.status.success() { Ok(()) } else { Err(said) }
-        });
-        if let Err(reason) = prepared {
-            assert!(std::env::var_os("SCANWALK_REQUIRE_XR").is_none(), "no OpenXR runtime: {reason}");
-            eprintln!("skipped: no OpenXR runtime for tests: {reason}");
+        if !is_prepared() {
             return None;
         }
-        let lock = File::create(Path::new(env!("CARGO_TARGET_TMPDIR")).join("xr.lock")).expect("target/tmp");
-        lock.lock().expect("the lock file can be locked");
-        Some(Self { _lock: lock })
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let place = |number| File::create(folder.join(format!("xr-{number}.lock"))).expect("target/tmp");
+        let is_free = |place: &File| match place.try_lock() {
+            Ok(()) => true,
+            Err(TryLockError::WouldBlock) => false,
+            Err(TryLockError::Error(error)) => panic!("a lock file cannot be locked: {error}"),
+        };
+        loop {
+            if let Some(place) = (0..PLACES).map(place).find(is_free) {
+                return Some(Self { _place: place });
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 
     /// A runtime that shows nothing, with the remote device.
     pub fn runtime(&self) -> Runtime {
-        Runtime { variables: Vec::new(), timeout_s: 60, validate: false }
+        Runtime::default()
     }
+}
+
+/// Whether the runtime can be had here.
+fn is_prepared() -> bool {
+    static PREPARED: OnceLock<Result<(), String>> = OnceLock::new();
+    let prepared = PREPARED.get_or_init(|| {
+        let output = Command::new(script()).arg("prepare").output().map_err(|e| e.to_string())?;
+        let said = String::from_utf8_lossy(&output.stderr).trim().to_string();
+        assert!(output.status.success() || output.status.code() == Some(NOT_PREPARED), "{said}");
+        if output.status.success() { Ok(()) } else { Err(said) }
+    });
+    if let Err(reason) = prepared {
+        assert!(std::env::var_os("SCANWALK_REQUIRE_XR").is_none(), "no OpenXR runtime: {reason}");
+        eprintln!("skipped: no OpenXR runtime for tests: {reason}");
+    }
+    prepared.is_ok()
 }
 
 /// Where the compositor shows its images.
@@ -71,6 +91,8 @@ pub enum Compositor {
     Null,
     /// On a virtual screen of 1920 × 1080: 960 × 1080 an eye, unscaled and undistorted.
     Xcb,
+    /// There is none, and no runtime.
+    None,
 }
 
 /// What plays the headset.
@@ -90,7 +112,19 @@ pub struct Runtime {
     validate: bool,
 }
 
+impl Default for Runtime {
+    fn default() -> Self {
+        Self { variables: Vec::new(), timeout_s: 60, validate: false }
+    }
+}
+
 impl Runtime {
+    /// Its Vulkan driver and layers alone, for programs that open no headset: these wait for no turn. `None` as for
+    /// [`Lab::enter`].
+    pub fn drivers() -> Option<Self> {
+        is_prepared().then(|| Self::default().compositor(Compositor::None))
+    }
+
     /// Sets an environment variable for the runtime and the program.
     pub fn variable(mut self, name: &str, value: impl Into<String>) -> Self {
         self.variables.push((name.to_string(), value.into()));
@@ -98,7 +132,12 @@ impl Runtime {
     }
 
     pub fn compositor(self, compositor: Compositor) -> Self {
-        self.variable("XR_COMPOSITOR", if compositor == Compositor::Xcb { "xcb" } else { "null" })
+        let name = match compositor {
+            Compositor::Null => "null",
+            Compositor::Xcb => "xcb",
+            Compositor::None => "none",
+        };
+        self.variable("XR_COMPOSITOR", name)
     }
 
     pub fn device(self, device: Device) -> Self {
@@ -275,8 +314,17 @@ impl Running {
 
     /// Kills the runtime, not the program.
     pub fn kill_runtime(&self) {
-        let pid = fs::read_to_string(self.folder().join("service.pid")).expect("the runtime's process");
-        signal("KILL", pid.trim());
+        self.signal("KILL", "service.pid");
+    }
+
+    /// Asks the program to end, as a user would.
+    pub fn ask_to_end(&self) {
+        self.signal("TERM", "program.pid");
+    }
+
+    fn signal(&self, name: &str, pid_file: &str) {
+        let pid = fs::read_to_string(self.folder().join(pid_file)).expect("a process that was started");
+        signal(name, pid.trim());
     }
 
     /// Waits for the program's end.
