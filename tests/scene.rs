@@ -8,6 +8,7 @@ use scanwalk::cloud::octree::build_octree;
 use scanwalk::cloud::{Cloud, Order, build, quantize};
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{self, ReadOptions, Scan};
+use scanwalk::space::Bounds;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -149,6 +150,33 @@ fn the_default_picture_shows_the_scene_whatever_is_astray() {
             if name == "none" {
                 assert_fills(span, size, name);
             }
+        }
+    }
+}
+
+#[test]
+fn strays_beside_a_scene_neither_widen_nor_lift_it() {
+    let files = Files::new();
+    // Any numbers from 0 to 1, and their sums: strays all around, most of them as far away as the scene is long twice.
+    let part = |at: usize| {
+        let hash = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let hash = (hash ^ hash >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        (hash >> 40) as f64 / (1u64 << 24) as f64
+    };
+    let bell = |at: usize| (0..6).map(|i| part(6 * at + i)).sum::<f64>() - 3.0;
+    for (num, share) in [(1500, 0.03), (6000, 0.03), (6000, 0.15), (20_000, 0.15)] {
+        for far in [40.0, 80.0] {
+            let scene = building(num, 20.0);
+            let truth = Bounds::around(&scene);
+            let num_strays = (share * num as f64) as usize;
+            let stray =
+                |i: usize| DVec3::new(bell(3 * i), bell(3 * i + 1), bell(3 * i + 2)) * (far / 0.7) + 10.0;
+            let points: Vec<DVec3> = scene.into_iter().chain((0..num_strays).map(stray)).collect();
+            let scan = read(&[files.save("halo.ply", &ply_text(&points))]);
+            let (found, most) = (scan.scene.bounds, truth.grown(0.15 * truth.edge()));
+            let what = format!("{num} {share} {far}: {found:.1?}");
+            assert!(most.contains(found.min) && most.contains(found.max), "{what}");
+            assert!(found.grown(0.01).contains(truth.min) && found.grown(0.01).contains(truth.max), "{what}");
         }
     }
 }

@@ -35,12 +35,13 @@ const TABLE_M: [f64; 2] = [1.0, 0.3];
 const SMALL_ROOM_M: f64 = 2.5;
 const CLEARANCE_M: f64 = 3.0;
 /// An open place: how wide it is, how far its ground is looked at, how level it is, what part of it there must be,
-/// and in what part of the scene's height it lies.
+/// and in what part of the height it lies that all but a share of the points have at either end: strays.
 const OPEN_M: f64 = 12.0;
 const GROUND_M: f64 = 5.0;
 const LEVEL_M: f64 = 0.5;
 const GROUND_SHARE: f64 = 0.7;
 const LOW_SHARE: f64 = 0.25;
+const STRAY_SHARE: f64 = 0.02;
 
 /// Where one can stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +79,8 @@ struct Plan {
     size: DVec3,
     /// Longer side of the whole scene.
     extent: f64,
+    /// The ground of an open place is no higher.
+    highest_ground: f64,
     /// Where the middle of the points is.
     middle: DVec2,
     cell_m: f64,
@@ -103,10 +106,12 @@ impl Plan {
         let cell_m = (size.x.max(size.y) / MAX_CELLS).max(MIN_CELL_M).max(thin) * coarser;
         let num_cells = [size.x, size.y].map(|edge| (edge / cell_m) as usize + 1);
         let points: Vec<DVec3> = scene.samples.iter().map(|&p| (p - origin) / units_per_m).collect();
+        let [low, high] = heights(points.iter().map(|p| p.z).collect());
         let mut plan = Self {
             origin,
             size,
             extent: (max - min).truncate().max_element() / units_per_m,
+            highest_ground: low + LOW_SHARE * (high - low) + LEVEL_M,
             middle,
             cell_m,
             num_cells,
@@ -209,7 +214,7 @@ impl Plan {
 
     /// True if the ground goes on all around, at the scene's bottom.
     fn is_open(&self, at: DVec2, floor: f64) -> bool {
-        if self.extent < OPEN_M || floor > LOW_SHARE * self.size.z + LEVEL_M {
+        if self.extent < OPEN_M || floor > self.highest_ground {
             return false;
         }
         let (num, known) = self
@@ -217,4 +222,11 @@ impl Plan {
             .fold((0, 0), |(num, known), cell| (num + 1, known + usize::from(self.floor(cell).is_some())));
         2 * known >= num && self.level_share(at, floor, GROUND_M, LEVEL_M) >= GROUND_SHARE
     }
+}
+
+/// Between which heights all lie but strays.
+fn heights(mut heights: Vec<f64>) -> [f64; 2] {
+    let Some(last) = heights.len().checked_sub(1) else { return [0.0; 2] };
+    let tail = (STRAY_SHARE * heights.len() as f64) as usize;
+    [tail, last - tail].map(|at| *heights.select_nth_unstable_by(at, f64::total_cmp).1)
 }

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 const NUM_SAMPLES: usize = 1 << 17;
 /// And of each file at least, if it has as many.
 const NUM_FILE_SAMPLES: usize = 64;
-/// Points that were not looked at belong to the scene if they are within so many edges of its samples' box.
+/// Where not all points were looked at, those belong to the scene that are within so many edges of its samples' box.
 const MARGIN: f64 = 0.25;
 /// If nothing lies further away than so many edges, nothing is astray.
 const FAR: f64 = 1.0;
@@ -59,10 +59,11 @@ impl Scene {
             let bounds = if larger.contains(&file) { boxes[file] } else { Bounds::EMPTY };
             samples.retain(|&p| bounds.contains(p));
         }
-        let mut samples = samples.concat();
+        let (mut samples, is_all) = (samples.concat(), run(num_points, usize::MAX) == 1);
         let around = find(samples.clone()).unwrap_or_default();
         let files: Vec<&ScanFile> = larger.into_iter().map(|file| &scan.files[file]).collect();
-        let bounds = exact(&files, &around, is_all_noise);
+        let margin = if is_all { 0.0 } else { MARGIN };
+        let bounds = exact(&files, &around, margin, is_all_noise);
         samples.retain(|&p| bounds.contains(p));
         (Self { bounds, samples }, warnings)
     }
@@ -102,11 +103,16 @@ impl Scan {
     }
 }
 
+/// Of how many points of a file one is looked at.
+fn run(num_points: usize, num_file_points: usize) -> usize {
+    (num_points / NUM_SAMPLES).min(num_file_points / NUM_FILE_SAMPLES).max(1)
+}
+
 /// Positions from all over a file of a scan of `num_points`, with or without those of noise: one of each run of equal length, not always the same
 /// of it, because scanners write columns of equal length too.
 fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
     let xyz = &file.points.xyz;
-    let run = (num_points / NUM_SAMPLES).min(xyz.len() / NUM_FILE_SAMPLES).max(1);
+    let run = run(num_points, xyz.len());
     let golden = |number: usize| (number as f64 * 0.618_033_988_749_895).fract();
     let at = |number: usize| (number * run + (golden(number) * run as f64) as usize).min(xyz.len() - 1);
     let numbers = (0..xyz.len().div_ceil(run)).map(at);
@@ -114,8 +120,9 @@ fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
     numbers.map(|number| file.lattice.p_in_world(xyz[number])).collect()
 }
 
-/// The box of all points that are not far from the box of samples, with or without those of noise.
-fn exact(files: &[&ScanFile], samples: &Bounds, with_noise: bool) -> Bounds {
+/// The box of all points that are not far from the box of samples, with or without those of noise; if some are, of those
+/// within a margin.
+fn exact(files: &[&ScanFile], samples: &Bounds, margin: f64, with_noise: bool) -> Bounds {
     let all = files.iter().fold(Bounds::EMPTY, |bounds, file| bounds.union(file.bounds));
     let far = samples.grown(FAR * samples.edge());
     let counts = |file: &ScanFile, number| with_noise || !file.points.noise.get(number);
@@ -123,7 +130,7 @@ fn exact(files: &[&ScanFile], samples: &Bounds, with_noise: bool) -> Bounds {
     if !has_noise && far.contains(all.min) && far.contains(all.max) {
         return all;
     }
-    let margin = if far.contains(all.min) && far.contains(all.max) { FAR } else { MARGIN };
+    let margin = if far.contains(all.min) && far.contains(all.max) { FAR } else { margin };
     let near = samples.grown(margin * samples.edge());
     let of_file = |file: &&ScanFile| {
         let counted = file.points.xyz.par_iter().enumerate().filter(|(number, _)| counts(file, *number));
