@@ -6,11 +6,12 @@ mod scan_fixture;
 use scan_fixture::save;
 use scanwalk::progress::Stop;
 use scanwalk::scan::{ColorSource, ReadOptions, Scan, read};
+use std::path::{Path, PathBuf};
 
 const NUM_POINTS: usize = 2000;
 
 /// A PLY of points with 16-bit colors and an intensity.
-fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
+fn file(color: impl Fn(usize) -> [u16; 3]) -> (tempfile::TempDir, PathBuf) {
     let mut text = format!("ply\nformat ascii 1.0\nelement vertex {NUM_POINTS}\n");
     text +=
         "property float x\nproperty float y\nproperty float z\nproperty ushort red\nproperty ushort green\n";
@@ -19,8 +20,16 @@ fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
         let [r, g, b] = color(at);
         text += &format!("{} {} {} {r} {g} {b} {}\n", at % 50, at / 50, at % 7, at % 1000);
     }
-    let (_folder, path) = save("a.ply", text.as_bytes());
-    read(&[path], &ReadOptions::default(), &Stop::default()).unwrap()
+    save("a.ply", text.as_bytes())
+}
+
+fn read_one(path: &Path) -> Scan {
+    read(&[path.to_owned()], &ReadOptions::default(), &Stop::default()).unwrap()
+}
+
+fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
+    let (_folder, path) = file(color);
+    read_one(&path)
 }
 
 /// Channels of a scene from 0 to 1, of which some are cut off at 1.
@@ -75,15 +84,72 @@ fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     }
 }
 
+/// What `info` prints of a scan's colors.
+fn said(path: &Path) -> String {
+    let output =
+        std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines().find(|line| line.starts_with("colour")).unwrap().to_owned()
+}
+
 #[test]
 fn one_color_everywhere_gives_way_to_intensity() {
     for color in [[65535; 3], [1; 3], [0; 3], [200, 10, 10]] {
         let scan = scan(|_| color);
         let file = &scan.files[0];
         assert!(matches!(file.color, ColorSource::Intensity { .. }), "{color:?}: {:?}", file.color);
-        assert_eq!((file.one_color, scan.warnings.len()), (Some(color), usize::from(color != [0; 3])));
+        let blank = file.blank.unwrap();
+        assert_eq!((blank.color, blank.num_others), (color, 0));
+        assert_eq!(scan.warnings.len(), usize::from(color != [0; 3]));
     }
-    assert_eq!(scan(|at| [1, 1, u16::from(at == 5)]).files[0].color, ColorSource::Rgb8);
+}
+
+#[test]
+fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
+    for (color, other) in [
+        ([65535; 3], [65535, 65535, 65534]),
+        ([65535; 3], [200, 10, 10]),
+        ([65535; 3], [65535, 0, 0]),
+        ([255; 3], [255, 255, 254]),
+        ([1; 3], [1, 1, 0]),
+        ([1; 3], [65535, 0, 9]),
+        ([200, 10, 10], [0; 3]),
+    ] {
+        for num_others in [1, 3, 4] {
+            let (folder, path) = file(|at| if at % 500 < 1 && at / 500 < num_others { other } else { color });
+            let (scan, info) = (read_one(&path), said(&path));
+            drop(folder);
+            let what = format!("{num_others} {other:?} among {color:?}: {info}");
+            let bytes = shown(&scan);
+            let greys: Vec<[u8; 3]> = (0..NUM_POINTS).filter(|at| at % 500 > 0).map(|at| bytes[at]).collect();
+            assert!(greys.iter().all(|[r, g, b]| r == g && g == b && (64..=191).contains(r)), "{what}");
+            // As intensity rises.
+            assert!(greys[1..400].is_sorted() && greys[1] < greys[400], "{what}");
+            assert!(
+                scan.warnings[0].contains(&format!("a color at only {num_others} of 2,000 points")),
+                "{what}"
+            );
+            assert!(info.contains("shown by intensity, in greys"), "{what}");
+            if other[0] > 9 {
+                assert!(bytes[0][0] >= 200, "{what}: the few keep their color, {:?}", bytes[0]);
+            }
+        }
+        // More are no accident.
+        let some = scan(|at| if at % 100 < 1 { other } else { color });
+        assert_eq!(some.files[0].blank, None, "{color:?} {other:?}");
+    }
+}
+
+#[test]
+fn an_overexposed_scene_keeps_its_colors() {
+    // Snow: all white but for one point in fifty.
+    for white in [255.0, 4095.0, 65535.0] {
+        let snow = |at: usize| if at % 50 == 7 { channels(at) } else { [1.0; 3] };
+        let scan = scan(|at| snow(at).map(|c| (c * white).round() as u16));
+        let expected = snow(57).map(|c| (c * 255.0).round() as u8);
+        assert!(shown(&scan)[57].iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{white}");
+        assert_eq!((shown(&scan)[0], scan.warnings.len()), ([255; 3], 0), "{white}");
+    }
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! From columns to colours: which column a file is coloured by, and the ramp for those without colour.
 
-use super::info::grouped;
 use super::stats::Stats;
-use super::white::{ColorCounts, White};
-use super::{ColorSource, Scan, ScanFile};
+use super::white::White;
+use super::{Blank, ColorSource, ScanFile};
 use crate::space::Bounds;
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -40,11 +39,11 @@ impl ScanFile {
 }
 
 /// What a file with these columns is coloured by; ranges of ramps follow in [`share_ranges`].
-pub(super) fn source(stats: &Stats) -> ColorSource {
-    if stats.colors.num_points == 0 || stats.colors.constant().is_some() {
+pub(super) fn source(stats: &Stats, rgb: &[[u16; 3]], blank: Option<Blank>) -> ColorSource {
+    if rgb.is_empty() || blank.is_some_and(|blank| blank.is_all()) {
         return without_rgb(stats);
     }
-    match stats.colors.white() {
+    match Blank::telling(blank, &stats.colors, rgb).white() {
         White::One(255) => ColorSource::Rgb8,
         White::One(1023) => ColorSource::Rgb10,
         White::One(4095) => ColorSource::Rgb12,
@@ -61,51 +60,10 @@ fn without_rgb(stats: &Stats) -> ColorSource {
     }
 }
 
-/// Decides about files of which each has a single color. Where these differ, they tell the files apart and stay;
-/// otherwise the color tells nothing, and the column would only cost memory. Greys are what exporters fill in.
-pub(super) fn settle_single_colors(scan: &mut Scan) {
-    let is_grey = |[r, g, b]: [u16; 3]| r == g && g == b;
-    let mut single: Vec<[u16; 3]> = scan.files.iter().filter_map(|file| file.one_color).collect();
-    single.retain(|&color| !is_grey(color));
-    single.sort_unstable();
-    single.dedup();
-    for file in &mut scan.files {
-        let Some(color) = file.one_color else { continue };
-        if single.len() > 1 && !is_grey(color) {
-            file.one_color = None;
-            file.color = if color.iter().all(|&c| c <= 255) { ColorSource::Rgb8 } else { ColorSource::Rgb16 };
-            continue;
-        }
-        file.points.rgb = Vec::new();
-        if color != [0; 3] {
-            let path = file.path.display();
-            scan.warnings.push(format!(
-                "{path}: has the same color at all points, {color:?}, which is taken for none"
-            ));
-        }
-    }
-}
-
-/// What is odd about a file's colors, as sentences whose subject is the file.
-pub(super) fn oddities(colors: &ColorCounts, color: ColorSource) -> Vec<String> {
-    let mut sentences = Vec::new();
-    if color == ColorSource::Rgb8And16 {
-        let what = "has colors of 8 bits at some points and of 16 at others, as if files had been merged";
-        sentences.push(format!("{what}; each point is drawn by its own"));
-    }
-    if color.is_rgb() && is_mostly_black(colors) {
-        let num_colored = grouped((colors.num_points - colors.num_black) as usize);
-        let num_points = grouped(colors.num_points as usize);
-        sentences.push(format!(
-            "has a color at only {num_colored} of {num_points} points; the others are drawn in greys"
-        ));
-    }
-    sentences
-}
-
-/// True if black is no color but the lack of one.
-pub(super) fn is_mostly_black(colors: &ColorCounts) -> bool {
-    2 * colors.num_black > colors.num_points
+/// What is odd about a file's colors, as a sentence whose subject is the file.
+pub(super) fn oddity(color: ColorSource) -> Option<String> {
+    let what = "has colors of 8 bits at some points and of 16 at others, as if files had been merged";
+    (color == ColorSource::Rgb8And16).then(|| format!("{what}; each point is drawn by its own"))
 }
 
 impl ColorSource {
@@ -118,11 +76,6 @@ impl ColorSource {
             Self::Rgb16 | Self::Rgb8And16 => Some(u16::MAX),
             Self::Intensity { .. } | Self::Height { .. } => None,
         }
-    }
-
-    /// True if the points' own colors are drawn.
-    fn is_rgb(self) -> bool {
-        self.white().is_some()
     }
 }
 
@@ -263,7 +216,7 @@ mod tests {
             path: "a.las".into(),
             format: String::new(),
             lattice: Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO },
-            color: source(&stats),
+            color: source(&stats, &points.rgb, None),
             points,
             bounds: Bounds::EMPTY,
             ..ScanFile::default()
@@ -312,56 +265,13 @@ mod tests {
     }
 
     #[test]
-    fn one_color_everywhere_is_none_unless_it_tells_files_apart() {
-        let tile = |rgb| {
-            let points = Points {
-                xyz: vec![[0; 3]; 2],
-                rgb: vec![rgb; 2],
-                intensity: vec![3, 9],
-                ..Points::default()
-            };
-            let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
-            ScanFile { one_color: stats.colors.constant(), ..file(points) }
-        };
-        let settled = |colors: &[[u16; 3]]| {
-            let mut scan = Scan { files: colors.iter().map(|&rgb| tile(rgb)).collect(), ..Scan::default() };
-            settle_single_colors(&mut scan);
-            let sources = scan.files.iter().map(|file| file.color.is_rgb()).collect::<Vec<_>>();
-            (
-                sources,
-                scan.files.iter().all(|file| file.color.is_rgb() != file.points.rgb.is_empty()),
-                scan.warnings.len(),
-            )
-        };
-        let (red, blue, white, black) = ([255, 0, 0], [0, 0, 65535], [65535; 3], [0; 3]);
-        for color in [red, white, [1; 3]] {
-            assert_eq!(settled(&[color]), (vec![false], true, 1), "{color:?}");
-            assert_eq!(settled(&[color, color]), (vec![false; 2], true, 2), "{color:?}");
-        }
-        assert_eq!(settled(&[black]), (vec![false], true, 0));
-        assert_eq!(settled(&[red, blue]), (vec![true; 2], true, 0));
-        assert_eq!(settled(&[red, blue, white, black]), (vec![true, true, false, false], true, 1));
-    }
-
-    #[test]
-    fn few_colored_points_and_merged_bits_are_said() {
-        let said = |rgb: &[[u16; 3]]| {
-            let stats = Stats::of(&[], rgb, &[]);
-            oddities(&stats.colors, source(&stats))
-        };
-        let mut few = vec![[0; 3]; 6000];
-        few[10] = [255, 0, 0];
-        assert_eq!(said(&few), ["has a color at only 1 of 6,000 points; the others are drawn in greys"]);
-        let even: Vec<[u16; 3]> = (0..300).map(|at| [at % 256, 5, 5]).collect();
-        assert!(said(&even).is_empty());
-        let merged = [even, vec![[60_000, 9000, 8000]; 300]].concat();
-        assert!(said(&merged)[0].contains("8 bits at some points and of 16 at others"));
-        assert!(said(&[[0; 3]; 10]).is_empty());
-    }
-
-    #[test]
     fn black_falls_back_to_intensity_and_constant_intensity_to_height() {
         let black = vec![[0; 3]; 2];
+        let file = |points: Points| {
+            let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+            let blank = Blank::of(&stats, &points.rgb);
+            ScanFile { color: source(&stats, &points.rgb, blank), ..file(points) }
+        };
         let xyz = vec![[0; 3], [0, 0, 8]];
         let mut files = [
             file(Points { xyz: xyz.clone(), rgb: black.clone(), intensity: vec![3, 9], ..Points::default() }),

@@ -1,7 +1,8 @@
 //! `scanwalk info`: what is in the files, for people or as JSON.
 
 use super::{
-    ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanFile, UpAxis, WorldFromFile, read, unit,
+    Blank, ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanFile, UpAxis, WorldFromFile, read,
+    unit,
 };
 use crate::progress::Stop;
 use crate::space::Bounds;
@@ -235,20 +236,30 @@ fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&
 }
 
 fn color_words(file: &ScanFile) -> String {
-    let none = match file.one_color {
-        Some([0, 0, 0]) => "none (all points are black)".to_owned(),
-        Some([r, g, b]) => format!("none (all points are {r}, {g}, {b})"),
-        None => "none".into(),
+    let blank = match file.blank.map(|blank| blank.color) {
+        Some([0, 0, 0]) => "black".to_owned(),
+        Some([r, g, b]) => format!("{r}, {g}, {b}"),
+        None => String::new(),
     };
-    match file.color {
-        ColorSource::Rgb8 => "8 bits".into(),
-        ColorSource::Rgb10 => "10 bits".into(),
-        ColorSource::Rgb12 => "12 bits".into(),
-        ColorSource::Rgb16 => "16 bits".into(),
-        ColorSource::Rgb8And16 => "8 and 16 bits, mixed".into(),
-        ColorSource::Intensity { low, high } => format!("{none}; shown by intensity, {low} to {high}"),
-        ColorSource::Height { low, high } => format!("{none}; shown by height, {low:.2} to {high:.2}"),
-    }
+    let none = if blank.is_empty() { "none".to_owned() } else { format!("none (all points are {blank})") };
+    let bits = match file.color {
+        ColorSource::Rgb8 => "8 bits",
+        ColorSource::Rgb10 => "10 bits",
+        ColorSource::Rgb12 => "12 bits",
+        ColorSource::Rgb16 => "16 bits",
+        ColorSource::Rgb8And16 => "8 and 16 bits, mixed",
+        ColorSource::Intensity { low, high } => {
+            return format!("{none}; shown by intensity, {low} to {high}");
+        }
+        ColorSource::Height { low, high } => {
+            return format!("{none}; shown by height, {low:.2} to {high:.2}");
+        }
+    };
+    let Some(Blank { num_others, by_intensity, .. }) = file.blank else { return bits.into() };
+    let num_all = file.points.xyz.len();
+    let (num, all) = (grouped(num_all.saturating_sub(num_others)), grouped(num_all));
+    let by = if by_intensity { "intensity" } else { "height" };
+    format!("{bits}; none at {num} of {all} points, which are {blank} and shown by {by}, in greys")
 }
 
 fn unit_words(scan: &Scan, vertical_unit_m: Option<f64>) -> String {

@@ -12,6 +12,7 @@ mod guard;
 pub mod info;
 mod inputs;
 mod las;
+mod majority;
 mod marks;
 mod ply;
 mod read;
@@ -31,6 +32,7 @@ pub use error::ScanError;
 pub use marks::Marks;
 pub use read::{peek, read};
 pub use scene::Scene;
+pub use uncolored::Blank;
 pub use unit::Unit;
 pub use up::{Evidence, Up, UpAxis};
 pub use world::{Project, WorldFromFile};
@@ -72,8 +74,7 @@ impl Lattice {
 pub struct Points {
     /// Lattice coordinates.
     pub xyz: Vec<[i32; 3]>,
-    /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); where most points of a file are black,
-    /// these are grey.
+    /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); points that have the [`Blank`] are grey.
     pub rgb: Vec<[u16; 3]>,
     /// Intensity as stored.
     pub intensity: Vec<u16>,
@@ -142,10 +143,8 @@ pub struct ScanFile {
     pub points: Points,
     /// Their colours.
     pub color: ColorSource,
-    /// The color that all points have, which is therefore taken for none.
-    pub one_color: Option<[u16; 3]>,
-    /// True if most points are black, which is then the lack of a color.
-    pub is_mostly_black: bool,
+    /// The color that stands for none.
+    pub blank: Option<Blank>,
     /// True box of the points read, world space.
     pub bounds: Bounds,
     /// How the file has them.

@@ -3,8 +3,8 @@
 use super::inputs::{self, Inputs};
 use super::source::Source;
 use super::{
-    Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
-    WorldFromFile, color, sniff, uncolored, world,
+    Blank, Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError,
+    ScanFile, WorldFromFile, color, sniff, uncolored, world,
 };
 use crate::progress::{Job, Progress};
 use crate::space::Bounds;
@@ -62,9 +62,9 @@ pub(super) fn read_with_headers(
     scan.warnings.extend(failures.warnings(headers.is_empty())?);
     name_system(&mut scan, &headers);
     world::place(&mut scan, &headers, options);
-    color::settle_single_colors(&mut scan);
+    uncolored::settle(&mut scan);
     let mut scan = scan.with_scene();
-    scan.files.iter_mut().filter(|file| file.is_mostly_black).for_each(uncolored::fill_with_grey);
+    scan.files.iter_mut().for_each(uncolored::fill_with_grey);
     Ok((scan, headers))
 }
 
@@ -110,8 +110,9 @@ fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
 
 fn add(scan: &mut Scan, header: &Header, columns: Columns, show_withheld: bool) {
     let stats = columns.stats;
-    let (color, one_color) = (color::source(&stats), stats.colors.constant());
-    let odd_colors = color::oddities(&stats.colors, color);
+    let blank = Blank::of(&stats, &columns.points.rgb);
+    let color = color::source(&stats, &columns.points.rgb, blank);
+    let odd_colors = color::oddity(color);
     let sentences = header.warnings.iter().chain(&columns.warnings).chain(&odd_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     let num_withheld = columns.points.num_withheld;
@@ -130,8 +131,7 @@ fn add(scan: &mut Scan, header: &Header, columns: Columns, show_withheld: bool) 
         points: columns.points,
         triangles: columns.triangles,
         color,
-        one_color,
-        is_mostly_black: color::is_mostly_black(&stats.colors),
+        blank,
         bounds,
         in_file: InFile { lattice: columns.lattice, bounds },
         world_from_file: WorldFromFile::default(),

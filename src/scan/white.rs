@@ -3,6 +3,8 @@
 //! LAS has 16 bits for a channel and says how many are used nowhere: cameras and exporters write 8, 10, 12 or 16 of
 //! them. The largest value would tell, but single values are wrong in many files, and merged files have two whites.
 
+use super::majority::Majority;
+
 /// Values that channels are counted above. Powers of two less one: the whites of 8, 10 and 12 bits, and octaves
 /// beside them.
 const LIMITS: [u16; 8] = [0, 15, 255, 511, 1023, 2047, 4095, 8191];
@@ -39,8 +41,8 @@ pub(crate) struct ColorCounts {
     pub num_points: u64,
     /// Points of which all channels are 0.
     pub num_black: u64,
-    /// The color of the first point, and true if all others have it.
-    pub one: Option<([u16; 3], bool)>,
+    /// The color that most points have.
+    pub majority: Majority,
     /// The white, where the reader knows it.
     pub known: Option<u16>,
     /// Channels that were counted.
@@ -69,7 +71,7 @@ impl ColorCounts {
     pub const NONE: Self = Self {
         num_points: 0,
         num_black: 0,
-        one: None,
+        majority: Majority::NONE,
         known: None,
         num_channels: 0,
         above: [0; LIMITS.len()],
@@ -80,11 +82,10 @@ impl ColorCounts {
 
     /// Of these points.
     pub fn of(rgb: &[[u16; 3]]) -> Self {
-        let Some(&first) = rgb.first() else { return Self::NONE };
         let mut counts = Self {
             num_points: rgb.len() as u64,
             num_black: rgb.iter().map(|rgb| u64::from(rgb[0] | rgb[1] | rgb[2] == 0)).sum(),
-            one: Some((first, rgb.iter().all(|rgb| *rgb == first))),
+            majority: Majority::of(rgb),
             ..Self::NONE
         };
         let passes = rgb.chunks(PASS);
@@ -121,14 +122,10 @@ impl ColorCounts {
 
     /// Of both runs together.
     pub fn union(self, other: Self) -> Self {
-        let one = match (self.one, other.one) {
-            (Some((a, a_all)), Some((b, b_all))) => Some((a, a_all && b_all && a == b)),
-            (one, None) | (None, one) => one,
-        };
         Self {
             num_points: self.num_points + other.num_points,
             num_black: self.num_black + other.num_black,
-            one,
+            majority: self.majority.union(other.majority),
             known: self.known.or(other.known),
             num_channels: self.num_channels + other.num_channels,
             above: std::array::from_fn(|at| self.above[at] + other.above[at]),
@@ -136,13 +133,6 @@ impl ColorCounts {
             peaks: std::array::from_fn(|at| self.peaks[at] + other.peaks[at]),
             bytes: self.bytes + other.bytes,
         }
-    }
-
-    /// The color that all points have, if there are several: it tells nothing of any of them. Black tells nothing of
-    /// a single point either.
-    pub fn constant(&self) -> Option<[u16; 3]> {
-        let (color, all) = self.one?;
-        (all && (self.num_points > 1 || color == [0; 3])).then_some(color)
     }
 
     /// The file's white.

@@ -178,15 +178,6 @@ fn a_handful_of_points_is_believed() {
 }
 
 #[test]
-fn one_color_everywhere_is_constant_and_a_single_point_is_not() {
-    assert_eq!(counts(&vec![[9, 8, 7]; 2500]).constant(), Some([9, 8, 7]));
-    assert_eq!(counts(&spoilt(vec![[9, 8, 7]; 2500], 2500, |_| [9, 8, 6])).constant(), None);
-    assert_eq!(counts(&[[9, 8, 7]]).constant(), None);
-    assert_eq!(counts(&[[0; 3]]).constant(), Some([0; 3]));
-    assert_eq!(counts(&[]).constant(), None);
-}
-
-#[test]
 fn blocks_count_as_the_whole() {
     let rgb = written(&scene(9_999, 1.0), WRITERS[3].1);
     assert_eq!(counts(&rgb), ColorCounts::of(&rgb));

@@ -88,6 +88,24 @@ pub fn rows() -> Vec<Row> {
         not_by_color("all white (65535)", 2, |_, p| p.rgb = [65535; 3], "intensity"),
         not_by_color("all 1", 7, |_, p| p.rgb = [1; 3], "intensity"),
         not_by_color("all black", 2, |_, p| p.rgb = [0; 3], "intensity"),
+        not_by_color(
+            "all white (65535), one point has 65534",
+            2,
+            |i, p| p.rgb = [65535, 65535, if i == 0 { 65534 } else { 65535 }],
+            "intensity",
+        ),
+        not_by_color(
+            "all 255, 9 points red",
+            7,
+            |i, p| p.rgb = if i % 700 == 9 { [255, 0, 0] } else { [255; 3] },
+            "intensity",
+        ),
+        not_by_color(
+            "all 1, one point has 60000",
+            2,
+            |i, p| p.rgb = [if i == 5999 { 60_000 } else { 1 }; 3],
+            "intensity",
+        ),
         not_by_color("all white, intensity all 0", 2, |_, p| (p.rgb, p.intensity) = ([255; 3], 0), "height"),
     ];
     rows.push(row(
