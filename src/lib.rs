@@ -37,4 +37,5 @@ pub mod timing;
 pub mod twin;
 pub mod view;
 pub mod walk;
+mod words;
 pub mod xr;

@@ -21,6 +21,7 @@ use crate::walk::pose_path::PosePath;
 use crate::walk::simulated::SimulatedHeadset;
 use crate::walk::start::start;
 use crate::walk::{Headset, Loaded, Walk};
+use crate::words::{self, counted};
 use crate::xr;
 use anyhow::Context;
 use std::path::PathBuf;
@@ -151,8 +152,8 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     finish_log(log, options);
     if let Some(summary) = summary {
         tracing::info!(
-            "{} frames, {} of the scan; ended {}",
-            summary.frames,
+            "{}, {} of the scan; ended {}",
+            counted(summary.frames, "frame"),
             summary.scan_frames,
             summary.ended
         );
@@ -351,7 +352,7 @@ fn sequential(
 /// What the window's panel says of the scan.
 fn scan_facts(scan: &scan::Scan) -> Vec<(String, String)> {
     let size = scan.bounds_in_file().size();
-    let mut facts = vec![("points".to_string(), scan::info::grouped(scan.num_points()))];
+    let mut facts = vec![("points".to_string(), words::grouped(scan.num_points()))];
     facts.push(("size".into(), format!("{:.2} × {:.2} × {:.2}", size.x, size.y, size.z)));
     if let Some(file) = scan.files.first() {
         facts.push(("format".into(), file.format.clone()));
@@ -387,7 +388,11 @@ fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
             // Said when it happened.
             return;
         }
-        eprintln!("scanwalk: frame log: {} ({} frames)", output.path().display(), summary.num_rows);
+        eprintln!(
+            "scanwalk: frame log: {} ({})",
+            output.path().display(),
+            counted(summary.num_rows, "frame")
+        );
     }
 }
 

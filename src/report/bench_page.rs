@@ -4,6 +4,7 @@ use super::bars::{Bar, axis_of, bars};
 use super::bench_results::{BenchResults, BenchRow, GpuMs, count};
 use super::page::{self, Page};
 use super::table::in_order;
+use crate::words::counted;
 
 /// The page: HTML, whole.
 #[must_use]
@@ -48,7 +49,8 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
             .map(|(_, bar)| bar.clone())
             .collect();
         let model = if model.is_empty() { String::new() } else { format!("{model}, ") };
-        let described = format!("{model}viewpoint {viewpoint}, order {order}, {} points", count(points));
+        let described =
+            format!("{model}viewpoint {viewpoint}, order {order}, {}", counted(count(points), "point"));
         page.add(page::figure(bars(&described, "milliseconds a frame", axis, &bars_of), &described));
     }
     page.add(page::figure(

@@ -1,7 +1,7 @@
 //! What `scanwalk bench --json` writes and `scanwalk report RESULTS.json` reads: one set of types for both.
 
 use super::table::{Table, in_order, ms};
-use crate::scan::info::grouped_by;
+use crate::words::grouped_by;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::File;

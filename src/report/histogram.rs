@@ -5,6 +5,7 @@ use super::markup::Markup;
 use super::page;
 use super::svg::{Plot, RIGHT};
 use crate::timing::percentile::Sorted;
+use crate::words::counted;
 
 const NUM_BINS: usize = 60;
 const SIDES: [f64; 2] = [52.0, RIGHT];
@@ -42,7 +43,8 @@ pub(super) fn histogram(logs: &[(&str, &str, &Sorted)], top_ms: f64, budgets_ms:
         for (bin, (share, num)) in shares.iter().enumerate().filter(|(_, (_, num))| *num > 0) {
             let [from, to] = [bin, bin + 1].map(|edge| top_ms * edge as f64 / NUM_BINS as f64);
             let end = if bin + 1 == NUM_BINS { "and more".into() } else { format!("to {to:.2}") };
-            let words = format!("{name}: {from:.2} {end} ms: {num} frames, {:.3} %", 100.0 * share);
+            let words =
+                format!("{name}: {from:.2} {end} ms: {}, {:.3} %", counted(num, "frame"), 100.0 * share);
             let corner = plot.at(to, 100.0 * share);
             let lowest = plot.above_bottom(corner, MIN_UNITS);
             plot.bar(class, [plot.at(from, 0.0), [corner[0], corner[1].min(lowest[1])]], &words);
@@ -78,7 +80,7 @@ mod tests {
         let times = Sorted::new((0..100_000).map(|i| if i == 7 { 9.5 } else { 1.0 }));
         let markup = histogram(&[("a", "x", &times)], 10.0, &[5.0]).into_string();
         assert_eq!(markup.matches("<rect").count(), 2, "{markup}");
-        assert!(markup.contains("height=\"1\"") && markup.contains("1 frames"), "{markup}");
+        assert!(markup.contains("height=\"1\"") && markup.contains(" 1 frame,"), "{markup}");
         assert_eq!(markup.matches("class=\"budget\"").count(), 2, "line and key: {markup}");
     }
 }

@@ -3,6 +3,7 @@
 use super::table::{Table, ms, percent};
 use crate::timing::percentile::{REPORTED_PER_MILLE, Sorted};
 use crate::timing::{FrameLogFile, LoggedFrame, Phase};
+use crate::words::counted;
 use std::fmt;
 
 /// A frame log in figures; its `Display` is the text for people, and the page has the same.
@@ -69,8 +70,9 @@ impl PhaseFigures {
             Phase::Walking => "of the walk",
         };
         format!(
-            "{num_frames} frames {when}: {num_over_budget} over budget, {missed_periods} display periods missed; \
-             not counted below"
+            "{} {when}: {num_over_budget} over budget, {} missed; not counted below",
+            counted(num_frames, "frame"),
+            counted(missed_periods, "display period")
         )
     }
 }
@@ -135,7 +137,10 @@ impl Summary {
         };
         counts.push(("frames", format!("{num_frames} in {duration_s:.1} s{rate}{which}")));
         if self.num_dropped > 0 {
-            counts.push(("dropped", format!("{} more rows: the disk did not keep up", self.num_dropped)));
+            counts.push((
+                "dropped",
+                format!("{}: the disk did not keep up", counted(self.num_dropped, "more row")),
+            ));
         }
         if self.cut_off {
             counts.push(("cut off", "the last line, which is left out".into()));
@@ -144,8 +149,8 @@ impl Summary {
             let most = if low == high { String::new() } else { format!(" to {high:.2}") };
             counts.push(("budget", format!("{low:.2}{most} ms")));
             let share = percent(self.num_over_budget as f64, num_frames as f64);
-            counts.push(("over", format!("{} frames, {share}", self.num_over_budget)));
-            counts.push(("missed", format!("{} display periods", self.missed_periods)));
+            counts.push(("over", format!("{}, {share}", counted(self.num_over_budget, "frame"))));
+            counts.push(("missed", counted(self.missed_periods, "display period")));
         }
         counts
     }

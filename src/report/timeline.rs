@@ -7,6 +7,7 @@ use super::reduce::{Column, columns, held};
 use super::summary::Summary;
 use super::svg::{Path, Plot, RIGHT};
 use crate::timing::{FrameLogFile, LoggedFrame};
+use crate::words::counted;
 
 /// Room beside every plot along the time, for marks: the plots' times then lie below each other.
 pub(super) const SIDES: [f64; 2] = [52.0, RIGHT];
@@ -82,7 +83,7 @@ fn caption(log: &FrameLogFile, top_ms: f64) -> String {
     match num {
         0 => drawn.into(),
         1 => format!("{drawn} One frame goes beyond the top: {longest_ms:.1} ms."),
-        _ => format!("{drawn} {num} frames go beyond the top, up to {longest_ms:.1} ms."),
+        _ => format!("{drawn} {} go beyond the top, up to {longest_ms:.1} ms.", counted(num, "frame")),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Marks, ScanFile};
 use crate::space::Bounds;
+use crate::words::{agreeing, counted};
 use std::fmt::Display;
 
 /// What to say of so many, as a sentence whose subject is the file.
@@ -11,10 +12,7 @@ pub(super) fn sentence(count: impl Display) -> String {
 
 /// The same of other things, and why.
 pub(super) fn left_out(count: impl Display, thing: &str, why: &str) -> String {
-    match count.to_string().as_str() {
-        "1" => format!("has 1 {thing} {why}; it was left out"),
-        count => format!("has {count} {thing}s {why}; they were left out"),
-    }
+    format!("has {} {why}; {} left out", counted(&count, thing), agreeing(&count, "it was", "they were"))
 }
 
 /// Leaves the points out that are marked, and triangles of them.

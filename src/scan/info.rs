@@ -6,6 +6,7 @@ use super::{
 };
 use crate::progress::Stop;
 use crate::space::Bounds;
+use crate::words::{agreeing, counted, grouped};
 use glam::DVec3;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -103,13 +104,18 @@ fn asides((file, header): (&ScanFile, &Header)) -> Vec<String> {
     let mut sentences = Vec::new();
     if num_withheld > 0 {
         sentences.push(format!(
-            "{path}: {num_withheld} points are withheld, which means deleted: they are not drawn, unless \
-             cloud.show_withheld is set"
+            "{path}: {} {} withheld, which means deleted: {} not drawn, unless cloud.show_withheld is set",
+            counted(num_withheld, "point"),
+            agreeing(num_withheld, "is", "are"),
+            agreeing(num_withheld, "it is", "they are"),
         ));
     }
     if num_noise > 0 {
         sentences.push(format!(
-            "{path}: {num_noise} points are noise (class 7 or 18): they are drawn, but the view does not go by them"
+            "{path}: {} {} noise (class 7 or 18): drawn, but the view does not go by {}",
+            counted(num_noise, "point"),
+            agreeing(num_noise, "is", "are"),
+            agreeing(num_noise, "it", "them"),
         ));
     }
     let stands_as_stored = matches!(file.world_from_file, WorldFromFile::Axes { up: UpAxis::Z, .. });
@@ -165,8 +171,9 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     lines.push(("written by", software.join("; ")));
     lines.push(("written on", created.join("; ")));
     if scan.files.len() > 1 {
-        let file =
-            |file: &ScanFile| format!("{} ({} points)", file.path.display(), grouped(file.points.xyz.len()));
+        let file = |file: &ScanFile| {
+            format!("{} ({})", file.path.display(), counted(grouped(file.points.xyz.len()), "point"))
+        };
         lines
             .extend(scan.files.iter().enumerate().map(|(i, f)| (if i == 0 { "files" } else { "" }, file(f))));
     }
@@ -288,33 +295,10 @@ fn decimals(files: &[ScanFile], scene: Option<Bounds>) -> [usize; 3] {
     })
 }
 
-/// 1234567 as 1,234,567.
-pub(crate) fn grouped(count: usize) -> String {
-    grouped_by(count as u64, ',')
-}
-
-/// A count whose thousands have `separator` between them.
-pub(crate) fn grouped_by(count: u64, separator: char) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(separator);
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scan::{Lattice, Points};
-
-    #[test]
-    fn counts_are_grouped() {
-        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
-    }
 
     #[test]
     fn json_has_the_names_of_the_contract() {

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::progress::{Job, Progress};
 use crate::space::Bounds;
+use crate::words::{agreeing, counted};
 use std::path::{Path, PathBuf};
 
 /// Reads files as one scan with z up and one scale on all axes, in the order given; shows its progress, and ends soon
@@ -119,8 +120,12 @@ fn add(scan: &mut Scan, header: &Header, columns: Columns, show_withheld: bool) 
     if num_withheld > 0 && !show_withheld {
         let path = header.path.display();
         scan.warnings.push(format!(
-            "{path}: has {num_withheld} points that are withheld, which means deleted; they are not drawn \
-             (--set cloud.show_withheld=true shows them)"
+            "{path}: has {} that {} withheld, which means deleted; {} not drawn (--set cloud.show_withheld=true \
+             shows {})",
+            counted(num_withheld, "point"),
+            agreeing(num_withheld, "is", "are"),
+            agreeing(num_withheld, "it is", "they are"),
+            agreeing(num_withheld, "it", "them"),
         ));
     }
     let bounds = bounds(&columns);

@@ -2,11 +2,11 @@
 //! may have colors besides at a few points: marked ones, wrong ones, or a scan that was merged from several of which few
 //! had photographs.
 
-use super::info::grouped;
 use super::majority::Majority;
 use super::stats::Stats;
 use super::white::ColorCounts;
 use super::{ColorSource, Scan, ScanFile};
+use crate::words::grouped;
 use rayon::prelude::*;
 
 /// By which part of all points a color has to outnumber the others to be worth counting.

@@ -4,6 +4,7 @@
 use super::Phase;
 use super::columns::{DROPPED, HEAD, TITLE};
 use crate::space::Pose;
+use crate::words::counted;
 use glam::{DQuat, DVec3};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -245,7 +246,11 @@ impl Columns {
     fn frame(&self, line: &str, qualities: &mut Vec<String>) -> Result<LoggedFrame, String> {
         let cells: Vec<&str> = line.split(',').collect();
         if cells.len() != self.count {
-            return Err(format!("{} cells under {} column names", cells.len(), self.count));
+            return Err(format!(
+                "{} under {}",
+                counted(cells.len(), "cell"),
+                counted(self.count, "column name")
+            ));
         }
         let [wait, record, submit] = self.cpu.map(|at| number(cells[at]));
         let stages = self.stages.iter().map(|at| number_or_none(cells[*at]));

@@ -30,7 +30,7 @@ impl VisibilityMask {
         match (hidden_area(session, 0), hidden_area(session, 1)) {
             (Ok(left), Ok(right)) => {
                 let num = [&left, &right].map(|area| area.triangles.len());
-                tracing::info!("the lenses hide {num:?} triangles of the eyes' images");
+                tracing::info!("triangles of the eyes' images that the lenses hide: {num:?}");
                 Some([left, right])
             }
             (Err(result), _) | (_, Err(result)) => {

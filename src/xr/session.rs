@@ -160,7 +160,7 @@ impl XrSession {
                 }
                 xr::Event::DisplayRefreshRateChangedFB(event) => {
                     self.refresh_hz = event.to_display_refresh_rate().into();
-                    tracing::info!("the headset now shows {} images a second", self.refresh_hz);
+                    tracing::info!("images that the headset shows a second: {}", self.refresh_hz);
                 }
                 xr::Event::VisibilityMaskChangedKHR(_) => {
                     if let Some(mask) = &mut self.mask {

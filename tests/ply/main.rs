@@ -64,7 +64,8 @@ fn all_encodings_hold_the_same_points_and_faces() {
                 assert_eq!(difference(&file, &made), None, "{encoding:?}, {} points", made.points.len());
                 assert_eq!(file.color, ColorSource::Rgb8);
                 let bad = made.num_bad_faces();
-                let sentence = format!("scan.ply: has {bad} faces that name points which are not there");
+                let faces = if bad == 1 { "face" } else { "faces" };
+                let sentence = format!("scan.ply: has {bad} {faces} with points that are not there");
                 assert!(warnings.len() == 1 && warnings[0].contains(&sentence), "{warnings:?}");
                 assert!(!file.triangles.is_empty());
             }

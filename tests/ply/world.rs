@@ -85,7 +85,7 @@ fn a_bad_word_costs_its_row_only() {
     assert_eq!(read_one(whole.as_bytes()).0.points.xyz.len(), 100);
     let (file, warnings) = read_one(whole.replace("\n50 0 100\n", "\n50 zero 100\n").as_bytes());
     assert_eq!(file.points.xyz.len(), 99);
-    let sentence = "has 1 lines that could not be read and were left out, first line 111, \"50 zero 100\"";
+    let sentence = "has 1 line that could not be read and was left out: line 111, \"50 zero 100\"";
     assert!(warnings.len() == 1 && warnings[0].ends_with(sentence), "{warnings:?}");
     let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz).x).collect();
     assert!(places.iter().all(|&x| x != 50.0 && x < 100.0) && places[98] == 99.0);
@@ -104,7 +104,7 @@ fn a_value_that_is_missing_shifts_nothing() {
     let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz).x).collect();
     let expected: Vec<f64> = (0..50).filter(|&i| i != 20).map(f64::from).collect();
     assert_eq!(places, expected);
-    assert!(warnings[0].contains("has 1 lines that could not be read"), "{warnings:?}");
+    assert!(warnings[0].contains("has 1 line that could not be read"), "{warnings:?}");
 }
 
 #[test]

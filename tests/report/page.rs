@@ -88,7 +88,7 @@ fn the_page_has_what_the_text_has_and_more() {
         "A walk through yard.laz",
         "<dt>device</dt><dd>some GPU</dd>",
         "3000 in 33.3 s, 90.0 a second",
-        "1 frames, 0.03 %",
+        "1 frame, 0.03 %",
         "One frame goes beyond the top: 3",
         "99.9 %",
         "Costliest: depth, ",

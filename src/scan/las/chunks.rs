@@ -3,6 +3,7 @@
 use super::codec::Codec;
 use crate::scan::source::Source;
 use crate::scan::{ScanError, guard};
+use crate::words::counted;
 use laz::laszip::ChunkTable;
 use std::io::Cursor;
 
@@ -93,7 +94,11 @@ fn table(
         return Ok(Err("its chunk table is empty".into()));
     }
     if num_chunks.saturating_mul(codec.least_bytes() as u64) > data_bytes {
-        return Ok(Err(format!("its chunk table claims {num_chunks} chunks in {data_bytes} bytes")));
+        return Ok(Err(format!(
+            "its chunk table claims {} in {}",
+            counted(num_chunks, "chunk"),
+            counted(data_bytes, "byte")
+        )));
     }
     let bytes = source.bytes(table_offset, 64 + num_chunks * MOST_ENTRY_BYTES)?;
     let variable = chunk_points.is_none();

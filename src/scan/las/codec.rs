@@ -4,6 +4,7 @@
 
 use super::record::{Flags, Layout};
 use crate::scan::Points;
+use crate::words::counted;
 use laz::laszip::LazItemType;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{DecompressionSelection, LazItem};
@@ -104,17 +105,20 @@ impl Codec {
         if self.layered {
             let head = self.layered_head(bytes).ok_or("is shorter than its head")?;
             if head.num_bytes > bytes.len() as u64 {
-                return Err(format!("states {} bytes but has {}", head.num_bytes, bytes.len()));
+                return Err(format!("states {} but has {}", counted(head.num_bytes, "byte"), bytes.len()));
             }
             if announced.is_some_and(|announced| announced != head.num_points) {
-                return Err(format!("states {} points, the file's table others", head.num_points));
+                return Err(format!(
+                    "states {}, the file's table another number",
+                    counted(head.num_points, "point")
+                ));
             }
             num_points = Some(head.num_points);
         }
         let most = bytes.len() as u64 * MOST_POINTS_PER_BYTE + POINTS_FOR_FREE;
         let limit = num_points.unwrap_or(most);
         if limit > most {
-            return Err(format!("states {limit} points in {} bytes", bytes.len()));
+            return Err(format!("states {} in {}", counted(limit, "point"), counted(bytes.len(), "byte")));
         }
         let mut points = Points::default();
         // All at once if the chunk's own bytes vouch for it, otherwise as they come.

@@ -8,6 +8,7 @@ use crate::progress::Progress;
 use crate::scan::source::Source;
 use crate::scan::stats::Stats;
 use crate::scan::{Columns, Points, ScanError, guard};
+use crate::words::{agreeing, counted};
 use laz::LazVlr;
 use rayon::prelude::*;
 use std::io::{self, BufReader};
@@ -97,9 +98,9 @@ impl Laz {
             Chunks::Listed(chunks) => self.read_chunks(&reading, &chunks),
             Chunks::Followed(chunks, reason) => {
                 let mut columns = self.read_chunks(&reading, &chunks)?;
-                columns
-                    .warnings
-                    .insert(0, format!("{reason}; {} whole chunks were found without it", chunks.len()));
+                let (num, were) =
+                    (counted(chunks.len(), "whole chunk"), agreeing(chunks.len(), "was", "were"));
+                columns.warnings.insert(0, format!("{reason}; {num} {were} found without it"));
                 Ok(columns)
             }
             Chunks::Unknown(reason) => {
@@ -313,8 +314,10 @@ fn report(
     }
     let named = damaged.iter().take(MOST_NAMED);
     columns.warnings.extend(named.map(|chunk| format!("{}; it is left out", chunk.sentence(num_chunks))));
-    if damaged.len() > MOST_NAMED {
-        columns.warnings.push(format!("{} more chunks are damaged and left out", damaged.len() - MOST_NAMED));
+    let more = damaged.len().saturating_sub(MOST_NAMED);
+    if more > 0 {
+        let (more, are) = (counted(more, "more chunk"), agreeing(more, "is", "are"));
+        columns.warnings.push(format!("{more} {are} damaged and left out"));
     }
     Ok(())
 }

@@ -12,6 +12,7 @@ use super::crs::{self, Crs};
 use super::source::Source;
 use super::{Columns, Format, Header, ReadOptions, Reader, ScanError};
 use crate::progress::Progress;
+use crate::words::{agreeing, counted};
 use header::LasHeader;
 use laz::Laz;
 use vlr::{Kind, Vlr};
@@ -99,7 +100,9 @@ impl Reader for LasFile {
         let num_points = columns.points.num_read(show_withheld);
         if columns.points.xyz.is_empty() && num_points > 0 {
             let advice = "--set cloud.show_withheld=true shows them";
-            let reason = format!("all {num_points} are withheld, which means deleted; {advice}");
+            let all = format!("all {num_points} are");
+            let all = agreeing(num_points, "its only point is", &all);
+            let reason = format!("{all} withheld, which means deleted; {advice}");
             return Err(ScanError::NoPoints { path: source.path().to_owned(), reason });
         }
         if num_points == 0 {
@@ -109,12 +112,14 @@ impl Reader for LasFile {
         if num_points < announced {
             let end = source.len();
             columns.warnings.push(format!(
-                "announces {announced} points, but only {num_points} could be read (the file has {end} bytes)"
+                "announces {}, but only {num_points} could be read (the file has {end} bytes)",
+                counted(announced, "point")
             ));
         } else if num_points > announced {
-            columns
-                .warnings
-                .push(format!("announces {announced} points, but holds {num_points}; all were read"));
+            columns.warnings.push(format!(
+                "announces {}, but holds {num_points}; all were read",
+                counted(announced, "point")
+            ));
         }
         Ok(columns)
     }

@@ -3,6 +3,7 @@
 use super::value::Type;
 use crate::scan::ScanError;
 use crate::scan::source::Source;
+use crate::words::counted;
 
 /// Part of a file that is looked through first for the header's end; most headers take a few kilobytes.
 const FIRST_BYTES: u64 = 1 << 16;
@@ -177,7 +178,8 @@ impl Lines {
             (1, line) => vec![format!("has a header line {line} that means nothing; it was skipped")],
             (count, line) => {
                 vec![format!(
-                    "has {count} header lines that mean nothing, first line {line}; they were skipped"
+                    "has {} that mean nothing, first line {line}; they were skipped",
+                    counted(count, "header line")
                 )]
             }
         }

@@ -24,6 +24,7 @@ mod window;
 use super::source::Source;
 use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, up};
 use crate::progress::Progress;
+use crate::words::{agreeing, counted};
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
 use plan::{Color, Intensity, Kept, Opacity, Plan, Purpose};
@@ -214,17 +215,18 @@ impl PlyFile {
     fn cut_off(&self, num_points: u64, num_faces: u64) -> Vec<String> {
         let end = self.source.len();
         let sentence = |what, announced: u64, read: u64| {
-            format!("announces {announced} {what}, but only {read} could be read (the file has {end} bytes)")
+            let announced = counted(announced, what);
+            format!("announces {announced}, but only {read} could be read (the file has {end} bytes)")
         };
         let faces =
             self.plans.iter().filter(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
         let num_faces_announced = faces.map(|plan| plan.count).fold(0, u64::saturating_add);
         let mut sentences = Vec::new();
         if num_points < self.num_announced {
-            sentences.push(sentence("points", self.num_announced, num_points));
+            sentences.push(sentence("point", self.num_announced, num_points));
         }
         if num_faces < num_faces_announced {
-            sentences.push(sentence("faces", num_faces_announced, num_faces));
+            sentences.push(sentence("face", num_faces_announced, num_faces));
         }
         sentences
     }
@@ -233,7 +235,9 @@ impl PlyFile {
 /// A sentence about text that is no row.
 fn bad_rows<S>(body: &Body<S>) -> Option<String> {
     let (num_rows, first) = (body.num_bad_rows, body.first_bad_row.as_ref()?);
-    Some(format!("has {num_rows} lines that could not be read and were left out, first {first}"))
+    let (lines, were) =
+        (counted(num_rows, "line"), agreeing(num_rows, "was left out:", "were left out, first"));
+    Some(format!("has {lines} that could not be read and {were} {first}"))
 }
 
 /// Sentences about rows that could be read and are of no use.
@@ -245,10 +249,21 @@ fn sentences(points: LeftOut, faces: columns::Loss) -> Vec<String> {
         (without_place, left_out(without_place, "point", "without a finite place")),
         (far, far::sentence(far)),
         (faint, left_out(faint, "splat", "nearly transparent")),
-        (num_triangles, format!("has {num_triangles} triangles of points that are left out; so were they")),
+        (
+            num_triangles,
+            format!(
+                "has {} of points that are left out; so {}",
+                counted(num_triangles, "triangle"),
+                agreeing(num_triangles, "was it", "were they")
+            ),
+        ),
         (
             num_faces,
-            format!("has {num_faces} faces that name points which are not there; they were left out"),
+            format!(
+                "has {} with points that are not there; {} left out",
+                counted(num_faces, "face"),
+                agreeing(num_faces, "it was", "they were")
+            ),
         ),
     ]
     .into_iter()

@@ -2,6 +2,7 @@
 
 use crate::scan::Scan;
 use crate::space::Bounds;
+use crate::words::counted;
 
 /// Files lie far apart if more than so many edges of the larger are between them.
 const FAR: f64 = 100.0;
@@ -27,8 +28,7 @@ impl Part {
         let first = first.unwrap_or_default();
         match self.files.len() {
             ..=1 => first,
-            2 => format!("{first} and 1 more file"),
-            num => format!("{first} and {} more files", num - 1),
+            num => format!("{first} and {}", counted(num - 1, "more file")),
         }
     }
 }

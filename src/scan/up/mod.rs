@@ -9,6 +9,7 @@ mod surface;
 pub(super) use header::stated;
 
 use super::{Axes, Header, ScanFile};
+use crate::words::counted;
 use glam::DVec3;
 use surface::Vote;
 
@@ -120,8 +121,7 @@ pub(super) fn of_files(
         let path = files[open[first]].path.display();
         let subject = match open.len() - 1 {
             0 => format!("{path}:"),
-            1 => format!("{path} and 1 more file:"),
-            more => format!("{path} and {more} more files:"),
+            more => format!("{path} and {}:", counted(more, "more file")),
         };
         sentences.push(sentence(subject, evidence));
     }
