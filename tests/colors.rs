@@ -84,6 +84,25 @@ fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     }
 }
 
+#[test]
+fn tiles_of_8_bits_among_those_of_more_are_as_bright() {
+    let dim = |at: usize| channels(at).map(|c| c * c);
+    for (white, bits) in [(1023.0, 10), (4095.0, 12)] {
+        for tile in [0..600, 700..1500, 1300..NUM_POINTS] {
+            let stored = |at: usize| if tile.contains(&at) { 255.0 } else { white };
+            let merged = scan(|at| dim(at).map(|c| (c * stored(at)).round() as u16));
+            let sentence = format!("8 bits at some points and of {bits} at others");
+            assert!(merged.warnings[0].contains(&sentence), "{white} {tile:?}: {:?}", merged.warnings);
+            let right = |at: usize| dim(at).map(|c| (c * 255.0).round() as u8);
+            let off = |(at, bytes): &(usize, &[u8; 3])| {
+                bytes.iter().zip(right(*at)).any(|(a, b)| a.abs_diff(b) > 1)
+            };
+            let num_off = shown(&merged).iter().enumerate().filter(off).count();
+            assert!(num_off < 10, "{white} {tile:?}: {num_off} of {NUM_POINTS}");
+        }
+    }
+}
+
 /// What `info` prints of a scan's colors.
 fn said(path: &Path) -> String {
     let output =

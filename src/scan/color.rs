@@ -2,7 +2,7 @@
 
 use super::stats::Stats;
 use super::white::White;
-use super::{Blank, ColorSource, ScanFile};
+use super::{Blank, ColorSource, ScanFile, merged};
 use crate::space::Bounds;
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -38,17 +38,30 @@ impl ScanFile {
     }
 }
 
-/// What a file with these columns is coloured by; ranges of ramps follow in [`share_ranges`].
-pub(super) fn source(stats: &Stats, rgb: &[[u16; 3]], blank: Option<Blank>) -> ColorSource {
+/// What a file with these columns is coloured by; ranges of ramps follow in [`share_ranges`]. Where its colors are of
+/// several kinds, a sentence says so whose subject is the file, and what cannot be told point by point is made one.
+pub(super) fn source(
+    stats: &Stats,
+    rgb: &mut [[u16; 3]],
+    blank: Option<Blank>,
+) -> (ColorSource, Option<String>) {
     if rgb.is_empty() || blank.is_some_and(|blank| blank.is_all()) {
-        return without_rgb(stats);
+        return (without_rgb(stats), None);
     }
+    let merged = |bits, drawn| {
+        let what = format!(
+            "has colors of 8 bits at some points and of {bits} at others, as if files had been merged"
+        );
+        Some(format!("{what}; {drawn}"))
+    };
     match Blank::telling(blank, &stats.colors, rgb).white() {
-        White::One(255) => ColorSource::Rgb8,
-        White::One(1023) => ColorSource::Rgb10,
-        White::One(4095) => ColorSource::Rgb12,
-        White::One(_) => ColorSource::Rgb16,
-        White::Two => ColorSource::Rgb8And16,
+        White::One(white) => (ColorSource::with_white(white), None),
+        White::Two => (ColorSource::Rgb8And16, merged(16, "each point is drawn by its own")),
+        White::Tiles(white) => {
+            merged::raise(rgb, white);
+            let bits = white.ilog2() + 1;
+            (ColorSource::with_white(white), merged(bits, "each tile is drawn by its own"))
+        }
     }
 }
 
@@ -60,13 +73,17 @@ fn without_rgb(stats: &Stats) -> ColorSource {
     }
 }
 
-/// What is odd about a file's colors, as a sentence whose subject is the file.
-pub(super) fn oddity(color: ColorSource) -> Option<String> {
-    let what = "has colors of 8 bits at some points and of 16 at others, as if files had been merged";
-    (color == ColorSource::Rgb8And16).then(|| format!("{what}; each point is drawn by its own"))
-}
-
 impl ColorSource {
+    /// Stored colors of which this is full brightness.
+    fn with_white(white: u16) -> Self {
+        match white {
+            255 => Self::Rgb8,
+            1023 => Self::Rgb10,
+            4095 => Self::Rgb12,
+            _ => Self::Rgb16,
+        }
+    }
+
     /// The stored value of full brightness; of files with two, the larger. `None` if no stored colors are drawn.
     pub(super) fn white(self) -> Option<u16> {
         match self {
@@ -210,13 +227,13 @@ mod tests {
 
     const EVERYWHERE: Bounds = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
-    fn file(points: Points) -> ScanFile {
+    fn file(mut points: Points) -> ScanFile {
         let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
         ScanFile {
             path: "a.las".into(),
             format: String::new(),
             lattice: Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO },
-            color: source(&stats, &points.rgb, None),
+            color: source(&stats, &mut points.rgb, None).0,
             points,
             bounds: Bounds::EMPTY,
             ..ScanFile::default()
@@ -267,10 +284,10 @@ mod tests {
     #[test]
     fn black_falls_back_to_intensity_and_constant_intensity_to_height() {
         let black = vec![[0; 3]; 2];
-        let file = |points: Points| {
+        let file = |mut points: Points| {
             let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
             let blank = Blank::of(&stats, &points.rgb);
-            ScanFile { color: source(&stats, &points.rgb, blank), ..file(points) }
+            ScanFile { color: source(&stats, &mut points.rgb, blank).0, ..file(points) }
         };
         let xyz = vec![[0; 3], [0, 0, 8]];
         let mut files = [

@@ -251,8 +251,8 @@ fn color_words(file: &ScanFile) -> String {
     let none = if blank.is_empty() { "none".to_owned() } else { format!("none (all points are {blank})") };
     let bits = match file.color {
         ColorSource::Rgb8 => "8 bits",
-        ColorSource::Rgb10 => "10 bits",
-        ColorSource::Rgb12 => "12 bits",
+        ColorSource::Rgb10 => "10 bits (next to nothing exceeds 1023)",
+        ColorSource::Rgb12 => "12 bits (next to nothing exceeds 4095)",
         ColorSource::Rgb16 => "16 bits",
         ColorSource::Rgb8And16 => "8 and 16 bits, mixed",
         ColorSource::Intensity { low, high } => {

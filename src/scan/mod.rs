@@ -14,6 +14,7 @@ mod inputs;
 mod las;
 mod majority;
 mod marks;
+mod merged;
 mod ply;
 mod read;
 mod scene;
@@ -74,7 +75,8 @@ impl Lattice {
 pub struct Points {
     /// Lattice coordinates.
     pub xyz: Vec<[i32; 3]>,
-    /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); points that have the [`Blank`] are grey.
+    /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); but points that have the [`Blank`] are grey,
+    /// and tiles of 8 bits in a file of 10 or 12 are as bright as the others.
     pub rgb: Vec<[u16; 3]>,
     /// Intensity as stored.
     pub intensity: Vec<u16>,

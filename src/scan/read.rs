@@ -109,11 +109,10 @@ fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
     }
 }
 
-fn add(scan: &mut Scan, header: &Header, columns: Columns, show_withheld: bool) {
+fn add(scan: &mut Scan, header: &Header, mut columns: Columns, show_withheld: bool) {
     let stats = columns.stats;
     let blank = Blank::of(&stats, &columns.points.rgb);
-    let color = color::source(&stats, &columns.points.rgb, blank);
-    let odd_colors = color::oddity(color);
+    let (color, odd_colors) = color::source(&stats, &mut columns.points.rgb, blank);
     let sentences = header.warnings.iter().chain(&columns.warnings).chain(&odd_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     let num_withheld = columns.points.num_withheld;

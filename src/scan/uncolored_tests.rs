@@ -80,7 +80,7 @@ fn settled(colors: &[[u16; 3]], num_others: usize) -> (Vec<bool>, usize) {
         let intensity: Vec<u16> = (0..2000).collect();
         let stats = Stats::of(&xyz, &rgb, &intensity);
         let blank = Blank::of(&stats, &rgb);
-        let color = source(&stats, &rgb, blank);
+        let color = source(&stats, &mut rgb, blank).0;
         ScanFile {
             blank,
             color,
@@ -119,7 +119,7 @@ fn the_bits_of_a_few_colors_are_their_own() {
         rgb[4000] = other;
         let stats = Stats::of(&[], &rgb, &[]);
         let blank = Blank::of(&stats, &rgb);
-        source(&stats, &rgb, blank)
+        source(&stats, &mut rgb, blank).0
     };
     assert_eq!(source([65535; 3], [200, 10, 10]), ColorSource::Rgb8);
     assert_eq!(source([65535; 3], [65535, 65535, 65534]), ColorSource::Rgb16);

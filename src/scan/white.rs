@@ -4,6 +4,7 @@
 //! them. The largest value would tell, but single values are wrong in many files, and merged files have two whites.
 
 use super::majority::Majority;
+use super::merged::Runs;
 
 /// Values that channels are counted above. Powers of two less one: the whites of 8, 10 and 12 bits, and octaves
 /// beside them.
@@ -53,6 +54,8 @@ pub(crate) struct ColorCounts {
     num_counted: u64,
     /// Those of them whose brightest channel is above each of [`PEAK_LIMITS`].
     peaks: [u64; PEAK_LIMITS.len()],
+    /// Runs of the points that were counted.
+    runs: Runs,
     /// Channels above 255 whose low byte is 0 or their high byte: 8 bits made 16, by shifting or by repeating.
     bytes: u64,
 }
@@ -64,6 +67,8 @@ pub(crate) enum White {
     One(u16),
     /// 255 for points that have no channel above it, 65535 for the others.
     Two,
+    /// 255 for some tiles, this for the others.
+    Tiles(u16),
 }
 
 impl ColorCounts {
@@ -77,6 +82,7 @@ impl ColorCounts {
         above: [0; LIMITS.len()],
         num_counted: 0,
         peaks: [0; PEAK_LIMITS.len()],
+        runs: Runs::NONE,
         bytes: 0,
     };
 
@@ -113,11 +119,13 @@ impl ColorCounts {
         for (peak, [r, g, b]) in peaks.iter_mut().zip(rgb) {
             *peak = *r.max(g).max(b);
         }
+        let peaks = &peaks[..rgb.len().min(PASS)];
         for (above, limit) in self.peaks.iter_mut().zip(PEAK_LIMITS) {
             if largest > limit {
-                *above += self::count(&peaks[..rgb.len().min(PASS)], &|c| c > limit);
+                *above += self::count(peaks, |c| c > limit);
             }
         }
+        self.runs.add(peaks);
     }
 
     /// Of both runs together.
@@ -131,6 +139,7 @@ impl ColorCounts {
             above: std::array::from_fn(|at| self.above[at] + other.above[at]),
             num_counted: self.num_counted + other.num_counted,
             peaks: std::array::from_fn(|at| self.peaks[at] + other.peaks[at]),
+            runs: self.runs.union(other.runs),
             bytes: self.bytes + other.bytes,
         }
     }
@@ -156,7 +165,11 @@ impl ColorCounts {
             // Where full brightness is cut off, next to nothing follows; the highlights of a dark scan thin out.
             self.is_wrong(self.above(white)) && next <= 3 + top / 50
         };
-        White::One([1023, 4095].into_iter().find(|&white| ends(white)).unwrap_or(u16::MAX))
+        match [1023, 4095].into_iter().find(|&white| ends(white)) {
+            Some(white) if self.runs.are_merged() => White::Tiles(white),
+            None if self.runs.are_merged() => White::Two,
+            white => White::One(white.unwrap_or(u16::MAX)),
+        }
     }
 
     /// Channels above one of [`LIMITS`].
@@ -212,7 +225,7 @@ impl ColorCounts {
 }
 
 /// At most 65 535 values that are so.
-fn count(values: &[u16], is: &dyn Fn(u16) -> bool) -> u64 {
+pub(super) fn count(values: &[u16], is: impl Fn(u16) -> bool) -> u64 {
     u64::from(values.iter().map(|&value| u16::from(is(value))).sum::<u16>())
 }
 
