@@ -58,7 +58,7 @@ fn planes_needed(edge_px: f32) -> u32 {
 // the distance of its farthest corner over its least depth.
 fn may_be_wide(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spacing: f32) -> bool {
     let stretch = min(far, 1.0 / eye.widest_cos);
-    let undivided_px = min(vec3<f32>(edge_px), view.undivided_px);
+    let undivided_px = min(vec3<f32>(2.0 * edge_px), view.undivided_px);
     let across_px = max(vec3<f32>(widest * edge_px), SAMPLES_COVER * sample_spacing * undivided_px);
     return any(stretch * across_px > (1.0 - SLACK) * view.fill_reach_px);
 }

@@ -2,8 +2,8 @@
 // surface of its window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
 // others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
 //
-// In two passes through workgroup memory: rows first, each pixel with the radius of its own ring, then columns over
-// what the rows found. Depths come first. Where they say that a tile is one surface without gaps, or that none of its pixels
+// In two passes through workgroup memory: rows first, each pixel with the radius of its own ring, or the reach of what it
+// meets if that is more, then columns over what the rows found. Depths come first. Where they say that a tile is one surface without gaps, or that none of its pixels
 // takes anything, it is written as it is; else colours are blended in those rows that a pixel takes from. Sums are
 // integers, so their order does not show. Neighbours are made at once, eight in a row and four in a column, since they share
 // taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in different banks. A thread keeps its own
@@ -55,13 +55,16 @@ fn taps(v: Run) -> Taps {
         vec4(v[6], v[7], v[8], v[9]));
 }
 
-// Depths without those that a neighbour's radius does not reach.
+// A depth without those whose surface is not taken so far: neither the neighbour's own radius reaches it, nor what lies
+// there reaches the neighbour.
+fn taken_from(radius: vec4<u32>, depth: vec4<u32>, distance: u32) -> vec4<u32> {
+    let reach = max(radius, depth & vec4<u32>(REACH_MASK));
+    return select(vec4<u32>(EMPTY_DEPTH), depth, reach >= vec4<u32>(distance));
+}
+
 fn within(radius: vec4<u32>, d: Taps) -> Taps {
-    let none = vec4<u32>(EMPTY_DEPTH);
-    let two = radius >= vec4<u32>(2u);
-    let three = radius >= vec4<u32>(3u);
-    return Taps(select(none, d[0], three), select(none, d[1], two), d[2], d[3], d[4], select(none, d[5], two),
-        select(none, d[6], three));
+    return Taps(taken_from(radius, d[0], 3u), taken_from(radius, d[1], 2u), d[2], d[3], d[4],
+        taken_from(radius, d[5], 2u), taken_from(radius, d[6], 3u));
 }
 
 fn nearest_of(d: Taps) -> vec4<u32> {

@@ -35,7 +35,7 @@ fn spacings(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u3
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
 }
 
-// Discs are as wide as they are made, but for what dilation covers in any case.
-fn disc_px(spacing_px: f32, reach_px: f32) -> f32 {
-    return spacing_px - reach_px;
+// Discs close as much as they are made wide.
+fn cover_px(spacing_px: f32, kernel_px: f32) -> f32 {
+    return spacing_px;
 }

@@ -13,24 +13,47 @@ fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
     return select(select(values.z, values.y, ring == 1u), values.x, ring == 0u);
 }
 
-// How far the disc of a point reaches round its own pixel, by what it is to close: points that are `spacing` world units
-// apart, and what level of detail leaves open. Where nodes below are not drawn, the edge of theirs has at most twice the
-// threshold, of which a share lies between its samples. Away from the optical axis a length along the radius is longer in
-// pixels than one across, by distance over depth. The terms are added in the twin's order.
-fn radius_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
+// The edge of the finest nodes that are drawn whole where a point of a node with this edge lies: edges halve from level to
+// level, and the finest is more than half of `undivided_px`. While nodes below them fade in, with four times as many
+// samples, these lie less far apart, and the edge is as much shorter.
+fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
+    let octaves = (bitcast<u32>(max(edge_px, undivided_px)) >> 23u) - (bitcast<u32>(undivided_px) >> 23u);
+    let near_px = bitcast<f32>(bitcast<u32>(edge_px) - (octaves << 23u));
+    let whole_px = near_px * select(select(1.0, 0.5, near_px > undivided_px), 2.0, near_px <= 0.5 * undivided_px);
+    if (view.flags & LOD_FADE) == 0u {
+        return whole_px;
+    }
+    let below = FADE_END * whole_px / undivided_px;
+    let share = clamp((below - FADE_BEGIN) / (FADE_END - FADE_BEGIN), 0.0, 1.0);
+    return whole_px / sqrt(1.0 + 3.0 * share);
+}
+
+// How wide the square is that a point is to close, in pixels: by its distance from others, `spacing` world units, and by
+// what level of detail leaves open, a share of the finest nodes' edge. Away from the optical axis a length along the radius
+// is longer in pixels than one across, by distance over depth. The terms are added in the twin's order.
+fn open_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     let p = p_in_head - view.eyes[eye].eye_in_head;
     let distance_sq = p.x * p.x + p.y * p.y + p.z * p.z;
     let ring = ring_of(p.x * gaze.x + p.y * gaze.y + p.z * gaze.z, distance_sq);
-    let reach_px = of_ring(ring, view.fill_reach_px);
     let per_w = 1.0 / w;
     let px_per_unit = view.eyes[eye].pixels_per_radian * per_w;
     let stretch = sqrt(distance_sq) * per_w;
     let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
-    let undivided_px = min(edge * px_per_unit, of_ring(ring, view.undivided_px));
-    let samples_px = SAMPLES_COVER * batch.sample_spacing * undivided_px * stretch - reach_px;
-    let diameter_px = max(disc_px(spacing * px_per_unit * stretch, reach_px), samples_px);
-    return ceil(clamp(0.5 * diameter_px, 0.0, f32(MAX_FILL_RADIUS)));
+    let edge_px = open_edge_px(edge * px_per_unit, of_ring(ring, view.undivided_px));
+    let apart_px = batch.sample_spacing * edge_px * stretch;
+    let samples_px = min(SAMPLES_COVER * apart_px, max(FILL_OVERLAP * apart_px, view.fill_reach_px.z));
+    return max(cover_px(spacing * px_per_unit * stretch, of_ring(ring, view.fill_reach_px)), samples_px);
+}
+
+// The narrowest kernel of dilation that closes a square, 1 to 3.
+fn reach_of(open_px: f32) -> u32 {
+    return 1u + select(0u, 1u, open_px > view.fill_reach_px.x) + select(0u, 1u, open_px > view.fill_reach_px.y);
+}
+
+// How far a disc reaches round its own pixel, for what the widest kernel leaves open.
+fn radius_of(open_px: f32) -> f32 {
+    return ceil(clamp(0.5 * (open_px - view.fill_reach_px.z), 0.0, f32(MAX_FILL_RADIUS)));
 }
 
 // A point as a disc of pixels round its own, which may lie outside the image.
@@ -61,17 +84,24 @@ fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
 }
 
 fn draw(eye: u32, batch: VisibleBatch, points: Turn, spacing: vec4<f32>) {
-    let p = seen(eye, batch, points);
+    var p = seen(eye, batch, points);
     let id = points.id;
     if FILL && (batch.flags & VISIBLE_FILL) != 0u {
+        var radius = vec4<f32>(0.0);
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
-            if p.w[i] > 0.0 {
-                let p_in_head = vec3<f32>(points.x[i], points.y[i], points.z[i]);
-                let radius = radius_px(eye, batch, p_in_head, p.w[i], spacing[i]);
-                put_wide(eye, vec2<f32>(p.x[i], p.y[i]), p.w[i], id[i], radius);
-            }
+            let p_in_head = vec3<f32>(points.x[i], points.y[i], points.z[i]);
+            let open_px = open_px(eye, batch, p_in_head, p.w[i], spacing[i]);
+            radius[i] = select(0.0, radius_of(open_px), p.w[i] > 0.0);
+            p.w[i] = bitcast<f32>(bitcast<u32>(p.w[i]) | reach_of(open_px));
         }
-        return;
+        if any(radius > vec4<f32>(0.0)) {
+            for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
+                if p.w[i] >= view.near {
+                    put_wide(eye, vec2<f32>(p.x[i], p.y[i]), p.w[i], id[i], radius[i]);
+                }
+            }
+            return;
+        }
     }
     put_seen(eye, p.pixel.x, p.w.x, id.x);
     count_point();

@@ -15,7 +15,8 @@ fn spacings(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u3
     return apart;
 }
 
-// How wide the disc of a point is that lies so many pixels from the next, where dilation covers some in any case.
-fn disc_px(spacing_px: f32, reach_px: f32) -> f32 {
-    return min(POINTS_COVER * spacing_px - reach_px, FILL_OVERLAP * spacing_px);
+// How wide the square is that a point closes which lies so many pixels from the next, where the ring's kernel closes some
+// in any case.
+fn cover_px(spacing_px: f32, kernel_px: f32) -> f32 {
+    return min(POINTS_COVER * spacing_px, FILL_OVERLAP * spacing_px + kernel_px);
 }

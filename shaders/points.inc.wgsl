@@ -40,7 +40,7 @@ struct Turn {
 }
 
 /// `x` and `y` are whole coordinates, inside the image or not. `w` is linear depth, whose IEEE bits order like the
-/// number itself; 0 for points that are not there or too near.
+/// number itself, with room for REACH_MASK; 0 for points that are not there or too near.
 struct Projected {
     pixel: vec4<u32>,
     x: vec4<f32>,
@@ -56,9 +56,15 @@ fn row(r: vec4<f32>, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<f32> {
     return r.x * x + r.y * y + r.z * z + r.w;
 }
 
+// Depths whose last bits are free for REACH_MASK.
+fn without_reach(w: vec4<f32>) -> vec4<f32> {
+    return bitcast<vec4<f32>>(bitcast<vec4<u32>>(w) & vec4<u32>(~REACH_MASK));
+}
+
 fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool>) -> Projected {
-    let w = row(view.eyes[eye].row_w, x, y, z);
-    let per_w = 1.0 / w;
+    let exact_w = row(view.eyes[eye].row_w, x, y, z);
+    let w = without_reach(exact_w);
+    let per_w = 1.0 / exact_w;
     let u = floor(row(view.eyes[eye].row_x, x, y, z) * per_w);
     let v = floor(row(view.eyes[eye].row_y, x, y, z) * per_w);
     let first = view.eyes[eye].first_px;

@@ -125,7 +125,7 @@ fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
     // Shares of the corners in space, not yet of a sum of 1: their mean has the pixel's depth.
     let shares = max(select(-edge, edge, is_front), vec3<f32>(0.0));
     let sum = shares.x + shares.y + shares.z;
-    let w = (t.w.x * shares.x + t.w.y * shares.y + t.w.z * shares.z) / sum;
+    let w = without_reach(vec4<f32>((t.w.x * shares.x + t.w.y * shares.y + t.w.z * shares.z) / sum)).x;
     let is_inside = exists && (is_front || is_back) && sum > 0.0 && w > view.near;
 
     mixed_points = t.points;

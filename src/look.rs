@@ -4,7 +4,7 @@ use crate::config::{Config, Dilate, EarlyZLoad, LodMethod, Precision, Quality};
 use crate::layout::Detail;
 use crate::method::{Access, Method};
 
-/// [`Detail::fill_reach_px`] beside dilation by rings: the kernels' widths.
+/// [`Detail::fill_reach_px`] beside dilation: the kernels' widths.
 pub const RINGS_REACH_PX: [f32; 3] = [3.0, 5.0, 7.0];
 /// The same for discs of a sequential point tree, which have the sizes that close a surface. Kernels bridge two, four and
 /// six empty pixels; discs lie unevenly, and where the gap comes near that there are pinholes.

@@ -10,5 +10,5 @@ fn finish(pixel: u32) {
         surface[pixel] = vec2<u32>(EMPTY_DEPTH, 0u);
         return;
     }
-    surface[pixel] = vec2<u32>(bitcast<u32>(f32(depth_of(depth40))), u32(key & 0xfffffflu) | 0xff000000u);
+    surface[pixel] = vec2<u32>(bitcast<u32>(f32(depth_of(depth40))) & ~REACH_MASK, u32(key & 0xfffffflu) | 0xff000000u);
 }

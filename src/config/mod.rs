@@ -162,7 +162,7 @@ pub struct FrameConfig {
     pub quality: Quality,
     /// How gaps between points are filled.
     pub dilate: Dilate,
-    /// Points are drawn larger where even the finest lie further apart than `dilate` reaches.
+    /// Where even the finest points lie further apart than `dilate` reaches, it reaches further, and then points are larger.
     pub fill: bool,
 }
 

@@ -57,9 +57,9 @@ pub const FILL_OVERLAP: f32 = 1.5;
 /// How much wider than the points' mean distance the square is to be that disc and dilation together cover: of points that
 /// lie at random, such a square has none once in eight thousand times, and the mean distance is an estimate.
 pub const POINTS_COVER: f32 = 3.0;
-/// The same of a node's samples, which lie more evenly. At a silhouette none lies beyond: 2.24 would close edges against the
-/// sky too, and makes railings and leaves one lump (docs/bench/holes).
-pub const SAMPLES_COVER: f32 = 1.5;
+/// The same of a node's samples, which lie more evenly, as far as dilation alone can: less than 1 % of what level of detail
+/// leaves out lies further from the nearest sample than half of this (`tests/octree.rs`), which one sees at silhouettes.
+pub const SAMPLES_COVER: f32 = 2.24;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
@@ -82,6 +82,9 @@ pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 pub const TILE_PX: [u32; 2] = [32, 16];
 /// Pixels that `dilate` reaches at most, to each side: 7×7.
 pub const DILATE_REACH_PX: u32 = 3;
+/// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0 where
+/// the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
+pub const REACH_MASK: u32 = 3;
 /// A tile's word in the list of those that `resolve` works on: lenses hide some of its pixels.
 pub const TILE_HIDES: u32 = 1 << 31;
 /// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.

@@ -1,6 +1,6 @@
 //! What the stages know of a frame: the eyes, and how much of the cloud is drawn for them.
 
-use super::{GUARD_PX, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, guarded};
+use super::{FADE_END, GUARD_PX, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, guarded};
 use crate::cloud::spt;
 use crate::space::{Eye, Fov, Split, View};
 use bytemuck::{Pod, Zeroable};
@@ -114,8 +114,8 @@ pub struct Detail {
     pub smooth: bool,
     /// Points of a node appear one by one.
     pub fade: bool,
-    /// Pixels that points may be wide, in the inner, middle and outer ring, and are drawn as one pixel; `None`: all are,
-    /// always.
+    /// Pixels, across, that the kernels of dilation close, which the inner, middle and outer ring have: points that are to
+    /// close more have a wider kernel, and what the widest leaves open a disc. `None`: all are drawn as one pixel, always.
     pub fill_reach_px: Option<[f32; 3]>,
     /// Pixels that a disc of a sequential point tree may be wrong by, ε of [SPT §3.5]; `None`: there is none to draw.
     pub error_px: Option<f32>,
@@ -176,12 +176,12 @@ pub struct ViewUniform {
     pub ring_cos: [f32; 2],
     /// Their sines.
     pub ring_sin: [f32; 2],
-    /// Points narrower than this, in pixels of the inner, middle and outer ring, are drawn as one pixel.
+    /// [`Detail::fill_reach_px`].
     pub fill_reach_px: [f32; 3],
     /// Of a sequential point tree's lengths; see [`crate::cloud::spt::Scale::base`].
     pub step_base: u32,
-    /// Pixels that the edge of a node above others has at most where these are not drawn: twice the threshold in the
-    /// inner, middle and outer ring.
+    /// Pixels that the edge of the finest node has at most that is drawn whole: in the inner, middle and outer ring twice
+    /// the size from which a node is.
     pub undivided_px: [f32; 3],
     /// Pixels outside an eye's image in which a point may still be large enough to be seen.
     pub margin_px: f32,
@@ -230,5 +230,6 @@ impl ViewUniform {
 fn undivided_px(detail: &Detail) -> [f32; 3] {
     let [inner, middle, outer] = detail.threshold_px;
     let middle = if detail.smooth { middle.max(outer) } else { middle };
-    [inner, inner.max(middle), inner.max(middle).max(outer)].map(|px| 2.0 * px)
+    let whole = if detail.fade { FADE_END } else { 1.0 };
+    [inner, inner.max(middle), inner.max(middle).max(outer)].map(|px| 2.0 * whole * px)
 }

@@ -234,7 +234,7 @@ fn may_be_wide(
 ) -> bool {
     let stretch = far.min(1.0 / eye.widest_cos);
     (0..3).any(|ring| {
-        let undivided_px = edge_px.min(view.undivided_px[ring]);
+        let undivided_px = (2.0 * edge_px).min(view.undivided_px[ring]);
         let across_px = (widest * edge_px).max(SAMPLES_COVER * sample_spacing * undivided_px);
         stretch * across_px > (1.0 - SLACK) * view.fill_reach_px[ring]
     })

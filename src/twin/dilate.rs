@@ -3,7 +3,8 @@
 use super::resolve::{EMPTY, Pixel};
 use super::rings::ring;
 use crate::layout::{
-    DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, SURFACE_TOLERANCE, ViewUniform,
+    DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, REACH_MASK, SURFACE_TOLERANCE,
+    ViewUniform,
 };
 
 /// Alpha of every colour.
@@ -22,7 +23,7 @@ struct Row {
 ///
 /// A pixel that lies farther than the nearest surface of its window, or has no point, takes that surface's nearest
 /// depth and the blend of its colours, the closer the heavier. Rows come first, each pixel with the radius of its
-/// own ring; then columns over what the rows found.
+/// own ring, and as far as its neighbours' depths say that they are taken; then columns over what the rows found.
 ///
 /// # Panics
 /// If `surface` is smaller than the eye's image.
@@ -38,7 +39,8 @@ pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
     pixels
         .map(|(x, y)| {
             let radius = radius_px(view, dilate, x, y);
-            let window = window(y, radius, height).map(|from| (y.abs_diff(from), rows[from * width + x]));
+            let window = window(y, height).map(|from| (y.abs_diff(from), rows[from * width + x]));
+            let window = window.filter(|&(distance, row)| is_taken(row.nearest, distance, radius));
             filled(surface[y * width + x], window)
         })
         .collect()
@@ -58,9 +60,15 @@ pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize)
     1 + ring(view, along, right * right + up * up + 1.0)
 }
 
-/// Positions within `radius` of `center` on an axis of `length` pixels.
-fn window(center: usize, radius: usize, length: usize) -> std::ops::Range<usize> {
-    center.saturating_sub(radius)..(center + radius + 1).min(length)
+/// Positions that `center` may take from on an axis of `length` pixels.
+fn window(center: usize, length: usize) -> std::ops::Range<usize> {
+    let reach = DILATE_REACH_PX as usize;
+    center.saturating_sub(reach)..(center + reach + 1).min(length)
+}
+
+/// Whether a pixel with a kernel of `radius` takes what has this depth, so far away.
+fn is_taken(depth: u32, distance_px: usize, radius: usize) -> bool {
+    distance_px <= radius.max((depth & REACH_MASK) as usize)
 }
 
 /// The farthest depth of the surface whose nearest is given; 0, which no point has, if there is none.
@@ -74,8 +82,8 @@ fn weight(distance_px: usize) -> u32 {
 }
 
 fn sum_row(row: &[Pixel], x: usize, radius: usize) -> Row {
-    let window = window(x, radius, row.len());
-    let nearest = row[window.clone()].iter().fold(EMPTY_DEPTH, |nearest, pixel| nearest.min(pixel[0]));
+    let window = window(x, row.len()).filter(|&from| is_taken(row[from][0], x.abs_diff(from), radius));
+    let nearest = window.clone().fold(EMPTY_DEPTH, |nearest, from| nearest.min(row[from][0]));
     let mut sums = [0; 4];
     for from in window.filter(|&from| row[from][0] <= surface_end(nearest)) {
         let rgba = (row[from][1] | OPAQUE).to_le_bytes();

@@ -6,8 +6,9 @@ use super::tolerance;
 use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    DRAWN_WHOLE, EyeUniform, FILL_OVERLAP, MAX_FILL_RADIUS, MAX_SLICES, PLANE_BITS, POINTS_COVER,
-    SAMPLES_COVER, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, LOD_FADE, MAX_FILL_RADIUS, MAX_SLICES,
+    PLANE_BITS, POINTS_COVER, REACH_MASK, SAMPLES_COVER, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
+    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -74,8 +75,9 @@ pub fn points(
                 }
                 let Some((at, w)) = project(uniform, view.near, p_in_head) else { continue };
                 if fill && batch.flags & VISIBLE_FILL != 0 {
-                    let radius = radius_px(view, uniform, batch, p_in_head, w, apart);
-                    pixels_round(uniform, at, radius, &mut |pixel| {
+                    let open_px = open_px(view, uniform, batch, p_in_head, w, apart);
+                    let w = f32::from_bits(w.to_bits() | reach(view, open_px));
+                    pixels_round(uniform, at, radius(view, open_px), &mut |pixel| {
                         put(Put { eye, pixel, w, id, mixture: None });
                     });
                 } else if let Some(pixel) = pixel_at(uniform, at) {
@@ -86,8 +88,33 @@ pub fn points(
     }
 }
 
-/// How far the disc of a point reaches round its own pixel.
-fn radius_px(
+/// The edge of the finest nodes that are drawn whole where a point of a node with this edge lies; shorter while nodes below
+/// them fade in.
+fn open_edge_px(view: &ViewUniform, edge_px: f32, undivided_px: f32) -> f32 {
+    let mut whole_px = if edge_px <= 0.5 * undivided_px { 2.0 * edge_px } else { edge_px };
+    while whole_px > undivided_px {
+        whole_px *= 0.5;
+    }
+    if view.flags & LOD_FADE == 0 {
+        return whole_px;
+    }
+    let below = FADE_END * whole_px / undivided_px;
+    let share = ((below - FADE_BEGIN) / (FADE_END - FADE_BEGIN)).clamp(0.0, 1.0);
+    whole_px / (1.0 + 3.0 * share).sqrt()
+}
+
+/// The narrowest kernel that closes a square.
+fn reach(view: &ViewUniform, open_px: f32) -> u32 {
+    1 + view.fill_reach_px[..2].iter().filter(|&&px| open_px > px).count() as u32
+}
+
+/// How far a disc reaches round its own pixel.
+fn radius(view: &ViewUniform, open_px: f32) -> f32 {
+    (0.5 * (open_px - view.fill_reach_px[2])).clamp(0.0, MAX_FILL_RADIUS as f32).ceil()
+}
+
+/// How wide the square is that a point is to close.
+fn open_px(
     view: &ViewUniform,
     eye: &EyeUniform,
     batch: &VisibleBatch,
@@ -101,17 +128,17 @@ fn radius_px(
     let ring = ring(view, dot(from_eye, eye.gaze_in_head), distance_sq);
     let per_w = 1.0 / w;
     let px_per_unit = eye.pixels_per_radian * per_w;
-    let reach_px = view.fill_reach_px[ring];
     let stretch = distance_sq.sqrt() * per_w;
     let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
-    let undivided_px = (edge * px_per_unit).min(view.undivided_px[ring]);
-    let samples_px = SAMPLES_COVER * batch.sample_spacing * undivided_px * stretch - reach_px;
+    let edge_px = open_edge_px(view, edge * px_per_unit, view.undivided_px[ring]);
+    let samples_px = batch.sample_spacing * edge_px * stretch;
+    let samples_px = (SAMPLES_COVER * samples_px).min((FILL_OVERLAP * samples_px).max(view.fill_reach_px[2]));
     let apart_px = apart.length() * px_per_unit * stretch;
-    let disc_px = match apart {
-        Apart::Points(_) => (POINTS_COVER * apart_px - reach_px).min(FILL_OVERLAP * apart_px),
-        Apart::Discs(_) => apart_px - reach_px,
+    let cover_px = match apart {
+        Apart::Points(_) => (POINTS_COVER * apart_px).min(FILL_OVERLAP * apart_px + view.fill_reach_px[ring]),
+        Apart::Discs(_) => apart_px,
     };
-    (0.5 * disc_px.max(samples_px)).clamp(0.0, MAX_FILL_RADIUS as f32).ceil()
+    cover_px.max(samples_px)
 }
 
 /// How far apart what is drawn lies, world units.
@@ -199,7 +226,14 @@ fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<([f32; 2]
     let w = row(eye.row_w);
     let per_w = 1.0 / w;
     let at = [(row(eye.row_x) * per_w).floor(), (row(eye.row_y) * per_w).floor()];
+    let w = without_reach(w);
     (w > near).then_some((at, w))
+}
+
+/// A depth whose last bits are free for [`REACH_MASK`].
+#[must_use]
+pub fn without_reach(w: f32) -> f32 {
+    f32::from_bits(w.to_bits() & !REACH_MASK)
 }
 
 /// Number of the pixel at these coordinates, if it is of the image or its guard band.

@@ -1,6 +1,6 @@
 //! Twin of `triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
 
-use super::points::{Put, cells, p_in_head};
+use super::points::{Put, cells, p_in_head, without_reach};
 use super::tolerance;
 use crate::cloud::spt::Scale;
 use crate::layout::{EyeUniform, TRIANGLE_SLACK_PX, ViewUniform, VisibleBatch};
@@ -137,7 +137,7 @@ impl Triangle {
         let is_back = (0..3).all(|i| edge[i] <= self.slack[i]);
         let shares = edge.map(|e| if is_front { e } else { -e }.max(0.0));
         let sum = shares[0] + shares[1] + shares[2];
-        let w = (self.w[0] * shares[0] + self.w[1] * shares[1] + self.w[2] * shares[2]) / sum;
+        let w = without_reach((self.w[0] * shares[0] + self.w[1] * shares[1] + self.w[2] * shares[2]) / sum);
         ((is_front || is_back) && sum > 0.0 && w > near).then_some((w, shares))
     }
 }
