@@ -13,7 +13,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 
 /// The program's window on a screen, once it is there and has the keyboard.
 fn window(screen: &Screen) -> String {
-    let window = wait_for("the window", 30.0, || {
+    let window = wait_for("the window", 60.0, || {
         let found = screen.try_xdotool(&["search", "--onlyvisible", "--name", "scanwalk"])?;
         found.lines().next().map(str::to_string)
     });
@@ -72,26 +72,26 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
         let differing = picture.pixels.iter().zip(&start.pixels).enumerate();
         differing.filter(|(i, (a, b))| i % start.width < 250 && a != b).count()
     };
-    let without = wait_for("the panel to go", 10.0, || {
+    let without = wait_for("the panel to go", 60.0, || {
         let picture = screen.picture(&window);
         (panel(&picture) > 20_000).then_some(picture)
     });
     // Walking changes what is seen.
     screen.xdotool(&["keydown", "w"]);
-    wait_for("another view", 20.0, || {
+    wait_for("another view", 60.0, || {
         let picture = screen.picture(&window);
         (picture.num_different(&without) > without.pixels.len() / 20).then_some(())
     });
     screen.xdotool(&["keyup", "w"]);
     // Another size, another shape: the scan fills it again.
     screen.xdotool(&["windowsize", "--sync", &window, "900", "411"]);
-    let small = wait_for("the new size", 20.0, || {
+    let small = wait_for("the new size", 60.0, || {
         let picture = screen.picture(&window);
         ((picture.width, picture.height) == (900, 411) && lit(&picture) > 1000).then_some(picture)
     });
     small.keep("view-resized");
     screen.ask_to_close(&window);
-    let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+    let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
     assert_eq!(status.code(), Some(0));
 }
 
@@ -133,7 +133,7 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
         let window = window(&screen);
         wait_lit(&screen, &window);
         screen.ask_to_close(&window);
-        let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+        let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
         let mut said = String::new();
         viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
         assert_eq!((status.code(), said.as_str()), (Some(0), ""), "--window {when}, {name}");
@@ -154,7 +154,7 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
         Viewer(command.spawn().expect("view starts"))
     };
     let assert_failed = |mut viewer: Viewer| {
-        let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+        let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
         let mut said = String::new();
         viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
         assert!(said.lines().last().is_some_and(|reason| reason.contains("broken.las")), "{said}");
@@ -168,7 +168,7 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
     for close in [true, false] {
         let mut viewer = start("on", &[]);
         let window = window(&screen);
-        let card = wait_for("the reason", 20.0, || {
+        let card = wait_for("the reason", 60.0, || {
             let picture = screen.picture(&window);
             (written(&picture) > 100).then_some(picture)
         });
@@ -225,7 +225,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let mut before = plain.clone();
     for name in ["rings", "nodes", "overdraw", "depth", "precision"] {
         screen.xdotool(&["key", "o"]);
-        let with = wait_for(name, 10.0, || {
+        let with = wait_for(name, 60.0, || {
             let picture = screen.picture(&window);
             [&plain, &before].iter().all(|other| picture.num_different(other) > 2000).then_some(picture)
         });
@@ -235,7 +235,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     // The fifth is on: four pictures, of which two are what the headset gets.
     screen.xdotool(&["key", "F12"]);
     let names = ["left.png", "left.precision.png", "right.png", "right.precision.png"];
-    let pictures = wait_for("four pictures", 20.0, || {
+    let pictures = wait_for("four pictures", 60.0, || {
         let paths = screenshots(folder.path());
         let pictures: Option<Vec<_>> = names.iter().map(|&name| read_png(paths.get(name)?)).collect();
         pictures
@@ -249,9 +249,9 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     screen.picture(&window).keep("screenshot-notice");
     // After the last comes none.
     screen.xdotool(&["key", "o"]);
-    wait_for("no overlay", 20.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
+    wait_for("no overlay", 60.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
     screen.ask_to_close(&window);
-    let status = wait_for("the end", 20.0, || viewer.0.try_wait().expect("a child of ours"));
+    let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
     assert_eq!(status.code(), Some(0));
 }
 
