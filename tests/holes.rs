@@ -29,9 +29,9 @@ const SCAN_SHARE: f64 = 0.25;
 const SCAN_POINTS: u64 = 2_000_000;
 /// Of a ring's pixels.
 const MAX_PERCENT: f64 = 0.05;
-/// The same of scans with edges against the sky, where level of detail leaves out the outermost points: discs that reach
-/// them would make lumps of what is slender.
-const MAX_SCAN_PERCENT: f64 = 0.25;
+/// The same of scans, where points lie alone too: the frame of all points draws these larger than a sample that stands for
+/// them and for denser ones beside them.
+const MAX_SCAN_PERCENT: f64 = 0.2;
 
 fn octree() -> &'static Octree {
     static OCTREE: OnceLock<Octree> = OnceLock::new();

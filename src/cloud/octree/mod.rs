@@ -77,8 +77,8 @@ pub struct Node {
     pub num_points: u32,
     /// Points of the cloud in its cube: its own, those of all nodes below, and those that nodes above took.
     pub num_points_within: u32,
-    /// Mean distance of neighbours among all points in each octant of its cube, estimated, as a share of `edge`;
-    /// 0 where no points are. Octant number: x | y≪1 | z≪2.
+    /// Distance of neighbours among all points in each octant of its cube, estimated, as a share of `edge`, where a sample
+    /// is: each part of the octant counts by its area. 0 where no points are. Octant number: x | y≪1 | z≪2.
     pub octant_spacing: [f32; 8],
     /// Most of its points that share a cell of a grid of 128³; 1 if inner.
     pub crowd: u32,

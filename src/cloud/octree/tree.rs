@@ -29,10 +29,10 @@ pub(super) struct Draft {
     pub keys: Range<usize>,
     /// Points of its own.
     pub num_points: u32,
-    /// Mean distance of neighbours among all points in each octant, world units; 0 where there are few.
+    /// Distance of neighbours where samples of each octant are, world units; 0 of a leaf's where there are few points.
     pub octant_spacing: [f64; 8],
-    /// The same of all its points, most of which lie where they are dense.
-    pub spacing: f64,
+    /// How far apart its points lie where a sample is.
+    apart: Apart,
     /// Most of its points in a cell of its grid.
     pub crowd: u32,
     /// Spacing of its samples in cells of its grid, 1 or more; 0 of a leaf.
@@ -143,13 +143,14 @@ impl Builder<'_> {
         part.levels.fill(level as u8);
         let bits = frame.bits_below(level);
         let Spacing { share, crowd } = spacing(part.keys, bits);
-        let octant_spacing = leaf_spacing(part.keys, bits, self.root.edge(level));
+        let edge = self.root.edge(level);
+        let (octant_spacing, octants) = leaf_spacing(part.keys, bits, edge);
         let draft = Draft {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: part.keys.len() as u32,
             octant_spacing,
-            spacing: share * self.root.edge(level),
+            apart: Apart { mean: share * edge, ..octants },
             crowd,
             sample_cells: 0.0,
             children: Vec::new(),
@@ -193,8 +194,7 @@ impl Builder<'_> {
             part.keys[at].color = sample.color();
         }
         let octant_spacing = octant_spacing(level, &below);
-        let weighted = below.iter().map(|(child, _)| child.spacing * child.keys.len() as f64);
-        let spacing = weighted.sum::<f64>() / part.keys.len() as f64;
+        let apart = Apart::of(below.iter().map(|(child, _)| (child.keys.len(), child.apart)));
         let mut children: Vec<Draft> = below.into_iter().map(|(child, _)| child).collect();
         for (child, taken) in children.iter_mut().zip(sampled.num_taken) {
             child.num_points -= taken;
@@ -208,7 +208,7 @@ impl Builder<'_> {
             keys: part.range(),
             num_points: sampled.samples.len() as u32,
             octant_spacing,
-            spacing,
+            apart,
             crowd: 1,
             sample_cells,
             children,
@@ -217,27 +217,87 @@ impl Builder<'_> {
     }
 }
 
-/// Mean distance of neighbours in each octant of a leaf, from the codes of its points, in order.
-fn leaf_spacing(keys: &[Key], bits: u32, edge: f64) -> [f64; 8] {
-    let mut octants = [0.0; 8];
+/// How far apart the points of a cube lie where one of its samples is. Samples are spread over the cube's surface, so each
+/// part of it counts by its area, which its points take up together: n · a² where n points lie a apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Apart {
+    /// The area, and the sum of distances that it counts with; 0 where no part has points enough to tell of a surface.
+    area: f64,
+    weighted: f64,
+    /// The mean of all points.
+    mean: f64,
+}
+
+impl Apart {
+    /// A part with `num` points that lie `spacing` apart.
+    fn add(&mut self, num: usize, spacing: f64) {
+        let area = num as f64 * spacing * spacing;
+        self.area += area;
+        self.weighted += area * spacing;
+    }
+
+    /// Of parts and their numbers of points.
+    fn of(parts: impl Iterator<Item = (usize, Self)>) -> Self {
+        let (mut all, mut num) = (Self::default(), 0);
+        for (part_num, part) in parts {
+            all.area += part.area;
+            all.weighted += part.weighted;
+            all.mean += part.mean * part_num as f64;
+            num += part_num;
+        }
+        Self { mean: all.mean / num as f64, ..all }
+    }
+
+    fn spacing(&self) -> f64 {
+        if self.area > 0.0 { self.weighted / self.area } else { self.mean }
+    }
+}
+
+/// Mean distance of neighbours in each octant of a leaf, from the codes of its points, in order, and what they tell of it.
+fn leaf_spacing(keys: &[Key], bits: u32, edge: f64) -> ([f64; 8], Apart) {
+    let (mut octants, mut apart) = ([0.0; 8], Apart::default());
     if bits < 3 || edge == 0.0 {
-        return octants;
+        return (octants, apart);
     }
     let bits = bits - 3;
     for part in keys.chunk_by(|a, b| a.code >> bits == b.code >> bits) {
         // A few points tell nothing of a surface.
         if part.len() >= MIN_SURFACE_POINTS {
-            octants[(part[0].code >> bits & 7) as usize] = spacing(part, bits).share * 0.5 * edge;
+            let spacing = spacing(part, bits).share * 0.5 * edge;
+            octants[(part[0].code >> bits & 7) as usize] = spacing;
+            apart.add(part.len(), spacing);
         }
+    }
+    (octants, apart)
+}
+
+/// Distance of neighbours where samples of each part are; a node at `level` has at most one in each octant.
+fn octant_spacing(level: u32, below: &[(Draft, Offer)]) -> [f64; 8] {
+    let mut octants = [0.0; 8];
+    for (part, _) in below {
+        octants[octant_of(level, part.cube.level, part.cube.number)] = part.apart.spacing();
     }
     octants
 }
 
-/// Mean distance of neighbours among all points of each part; a node at `level` has at most one in each octant.
-fn octant_spacing(level: u32, below: &[(Draft, Offer)]) -> [f64; 8] {
-    let mut octants = [0.0; 8];
-    for (part, _) in below {
-        octants[octant_of(level, part.cube.level, part.cube.number)] = part.spacing;
+#[cfg(test)]
+mod tests {
+    use super::Apart;
+
+    #[test]
+    fn parts_count_by_their_area() {
+        let part = |num: usize, spacing: f64| {
+            let mut part = Apart { mean: spacing, ..Apart::default() };
+            part.add(num, spacing);
+            (num, part)
+        };
+        let spacing = |parts: &[(usize, Apart)]| Apart::of(parts.iter().copied()).spacing();
+        // As much surface with points 1 apart as with points 10 apart: samples are as often in the one as in the other.
+        assert!((spacing(&[part(10_000, 1.0), part(100, 10.0)]) - 5.5).abs() < 1e-9);
+        assert!((spacing(&[part(500, 2.0), part(70, 2.0)]) - 2.0).abs() < 1e-9);
+        // Points too few to tell of a surface count only where there are no others.
+        let lone = Apart { mean: 50.0, ..Apart::default() };
+        assert!((spacing(&[part(10_000, 1.0), (1, lone)]) - 1.0).abs() < 1e-9);
+        assert!((spacing(&[(3, lone), (1, Apart { mean: 10.0, ..lone })]) - 40.0).abs() < 1e-9);
     }
-    octants
 }
