@@ -17,8 +17,8 @@ pub(super) fn how<'a>(meaning: &'a Meaning, found: &Found, has_faces: bool, num_
     How {
         meaning,
         grid: Grid::over(found.sample.clone(), found.bounds),
-        color_factor: float_factor(found.bright, found.num_kept).0,
-        intensity: intensity_ramp(found.intensity, meaning.has.intensity),
+        color_factor: float_factor(found.channels, found.num_kept).0,
+        intensity: intensity_ramp(intensity_ends(found.intensity, &found.intensities), meaning.has.intensity),
         has_faces,
         num_announced,
     }
@@ -53,7 +53,7 @@ pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color)
 /// The largest that a color can be, where the file or its format says so.
 fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option<u16> {
     match (meaning.has.color, of_faces) {
-        (Color::Floats, _) => Some(float_factor(found.bright, found.num_kept).1),
+        (Color::Floats, _) => Some(float_factor(found.channels, found.num_kept).1),
         (Color::Absent, Color::Floats) => Some(u16::MAX),
         _ => meaning.white(),
     }
@@ -67,15 +67,35 @@ fn stats(xyz: &[[i32; 3]], rgb: &[[u16; 3]], intensity: &[u16]) -> Stats {
 }
 
 /// What float colors are multiplied by, and what white is then: 0 to 1 is what float colors should be, but some
-/// programs write 0 to 255, or to 65535. Single values beyond an end are wrong and prove nothing. `bright`: how many
-/// channels are above 1, and above 255.
-fn float_factor(bright: [u64; 2], num_points: u64) -> (f64, u16) {
+/// programs write 0 to 255, or to 65535. Single values beyond an end are wrong and prove nothing; nor do overexposed ones
+/// above 1, while more channels lie between 0 and 1. `channels`: how many do, how many are above 1, and above 255.
+fn float_factor([within, above_one, above_255]: [u64; 3], num_points: u64) -> (f64, u16) {
     let most_wrong = 3 * num_points / 500;
-    match bright.map(|count| count > most_wrong) {
-        [false, _] => (65535.0, u16::MAX),
-        [true, false] => (1.0, 255),
-        [true, true] => (1.0, u16::MAX),
+    if above_one <= most_wrong.max(within) {
+        (65535.0, u16::MAX)
+    } else if above_255 <= most_wrong {
+        (1.0, 255)
+    } else {
+        (1.0, u16::MAX)
     }
+}
+
+/// The ends of a file's intensities, of which these are the least, the largest and some. A few that lie far beyond the
+/// others, such as -1e10 for "none", are not looked at.
+fn intensity_ends((least, most): (f64, f64), some: &[f64]) -> (f64, f64) {
+    let mut sample = some.to_vec();
+    sample.sort_unstable_by(f64::total_cmp);
+    // Of so few, none can be said to be beyond the others.
+    if sample.len() < 20 {
+        return (least, most);
+    }
+    let tail = (sample.len() / 200).max(1);
+    let (low, high) = (sample[tail], sample[sample.len() - 1 - tail]);
+    if low == high {
+        return (least, most);
+    }
+    let width = high - low;
+    (least.max(low - width), most.min(high + width))
 }
 
 /// What intensities have subtracted, and are then multiplied by. Integers stay if 16 bits hold them; others are
@@ -115,11 +135,37 @@ mod tests {
 
     #[test]
     fn float_colors_are_as_bright_as_they_say() {
-        assert_eq!(float_factor([0, 0], 10), (65535.0, u16::MAX));
-        assert_eq!(float_factor([1, 0], 10), (1.0, 255));
-        assert_eq!(float_factor([30, 1], 10), (1.0, u16::MAX));
+        assert_eq!(float_factor([20, 0, 0], 10), (65535.0, u16::MAX));
+        assert_eq!(float_factor([0, 1, 0], 10), (1.0, 255));
+        assert_eq!(float_factor([0, 30, 1], 10), (1.0, u16::MAX));
         // Single values beyond the end are wrong.
-        assert_eq!(float_factor([12, 12], 2000), (65535.0, u16::MAX));
-        assert_eq!(float_factor([6000, 12], 2000), (1.0, 255));
+        assert_eq!(float_factor([0, 12, 12], 2000), (65535.0, u16::MAX));
+        assert_eq!(float_factor([0, 6000, 12], 2000), (1.0, 255));
+        // Overexposed, from some points to a third of all; a dark scene of 0 to 255.
+        for overexposed in [20, 300, 2000] {
+            assert_eq!(float_factor([6000 - overexposed, overexposed, 0], 2000), (65535.0, u16::MAX));
+        }
+        assert_eq!(float_factor([900, 4000, 0], 2000), (1.0, 255));
+    }
+
+    #[test]
+    fn wild_intensities_leave_the_others_apart() {
+        let ends = |values: &[f64]| {
+            let range = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+            intensity_ends(range, values)
+        };
+        let even: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        assert_eq!(ends(&even), (0.0, 0.999));
+        for wild in [-1e10, 1e20, f64::MAX, 2_147_483_647.0] {
+            for num in [1, 5, 6] {
+                let (low, high) = ends(&[even.clone(), vec![wild; num]].concat());
+                let is_close = (-1.1..=0.0).contains(&low) && (0.999..=2.1).contains(&high);
+                assert_eq!(is_close, num < 6, "{wild} {num}: {low} {high}");
+            }
+        }
+        // Bright spots that are no accident stay; so do the ends of a few points.
+        assert_eq!(ends(&[even.clone(), vec![1.9; 30]].concat()), (0.0, 1.9));
+        assert_eq!(ends(&[0.0, 1.0, 1e9]), (0.0, 1e9));
+        assert_eq!(ends(&[vec![5.0; 100], vec![9.0]].concat()), (5.0, 9.0));
     }
 }

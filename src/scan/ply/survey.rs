@@ -21,10 +21,12 @@ pub(super) struct Found {
     pub bounds: Bounds,
     /// Places of some that are kept.
     pub sample: Vec<DVec3>,
-    /// How many of their float channels are above 1, and above 255.
-    pub bright: [u64; 2],
+    /// How many of their float channels lie between 0 and 1, how many are above 1, and above 255.
+    pub channels: [u64; 3],
     /// The smallest and largest finite intensity.
     pub intensity: (f64, f64),
+    /// Finite intensities of some.
+    pub intensities: Vec<f64>,
 }
 
 /// The pass.
@@ -47,8 +49,9 @@ impl<'a> Survey<'a> {
             num_faint: 0,
             bounds: Bounds::EMPTY,
             sample: Vec::new(),
-            bright: [0; 2],
+            channels: [0; 3],
             intensity: (f64::MAX, f64::MIN),
+            intensities: Vec::new(),
         };
         let stride = num_points.div_ceil(SAMPLE).max(1);
         Self { meaning, stride, until_next: 0, first_point: 0, num_points: 0, found }
@@ -61,13 +64,14 @@ impl Sink for Survey<'_> {
     }
 
     fn append(&mut self, later: Self) {
-        let Found { num_kept, num_faint, bounds, sample, bright, intensity } = later.found;
+        let Found { num_kept, num_faint, bounds, sample, channels, intensity, intensities } = later.found;
         self.num_points += later.num_points;
         self.found.num_kept += num_kept;
         self.found.num_faint += num_faint;
         self.found.bounds = self.found.bounds.union(bounds);
         self.found.sample.extend(sample);
-        self.found.bright = std::array::from_fn(|limit| self.found.bright[limit] + bright[limit]);
+        self.found.channels = std::array::from_fn(|range| self.found.channels[range] + channels[range]);
+        self.found.intensities.extend(intensities);
         self.found.intensity =
             (self.found.intensity.0.min(intensity.0), self.found.intensity.1.max(intensity.1));
     }
@@ -95,13 +99,17 @@ impl Sink for Survey<'_> {
         }
         if self.meaning.has.color == Color::Floats {
             for &channel in &row.values[SLOT_RGB] {
-                found.bright[0] += u64::from(channel > 1.0);
-                found.bright[1] += u64::from(channel > 255.0);
+                found.channels[0] += u64::from(0.0 < channel && channel < 1.0);
+                found.channels[1] += u64::from(channel > 1.0);
+                found.channels[2] += u64::from(channel > 255.0);
             }
         }
         if self.meaning.has.intensity != Intensity::Absent && row.values[SLOT_INTENSITY].is_finite() {
             let value = row.values[SLOT_INTENSITY];
             found.intensity = (found.intensity.0.min(value), found.intensity.1.max(value));
+            if is_of_sample {
+                found.intensities.push(value);
+            }
         }
     }
 
