@@ -44,6 +44,24 @@ fn info(options: &[&str], paths: &[PathBuf]) -> Output {
     command.arg("info").args(options).args(paths).output().unwrap()
 }
 
+#[cfg(unix)]
+#[test]
+fn a_link_to_nothing_among_good_tiles_is_named_and_the_rest_is_read() {
+    let (folder, mut paths) = folder(&[("good.las", &tile())]);
+    let link = folder.path().join("gone.las");
+    std::os::unix::fs::symlink("elsewhere.las", &link).unwrap();
+    paths.push(link.clone());
+    let scan = read_all(&paths).unwrap();
+    assert_eq!((scan.num_points(), scan.warnings.len()), (5, 1));
+    let warning = &scan.warnings[0];
+    assert!(
+        warning.contains("gone.las") && warning.contains("link to a file that is not there"),
+        "{warning}"
+    );
+    let alone = read_all(&[link]).unwrap_err().to_string();
+    assert!(alone.contains("gone.las") && alone.contains("link"), "{alone}");
+}
+
 #[test]
 fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     let tile = tile();

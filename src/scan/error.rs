@@ -32,7 +32,7 @@ pub enum ScanError {
         /// The system's words. Not a `source`: the message holds them already.
         error: io::Error,
     },
-    /// A folder, a pipe, a device.
+    /// A folder, a pipe, a device, a link to nothing.
     #[error("{path}: is {kind}, not a file: {advice}", path = path.display())]
     NotAFile {
         /// What was named.

@@ -5,8 +5,11 @@
 
 use super::ScanError;
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+
+/// What is named where there is only a link.
+const DANGLING: &str = "a link to a file that is not there";
 
 /// An open file and its size.
 #[derive(Debug)]
@@ -20,10 +23,17 @@ impl Source {
     /// Opens a regular file. Looks before it opens: opening a pipe would wait for a writer.
     ///
     /// # Errors
-    /// Not found, no permission, a folder, a pipe, a device.
+    /// Not found, no permission, a folder, a pipe, a device, a link to nothing.
     pub fn open(path: &Path) -> Result<Self, ScanError> {
         let fail = |source| ScanError::io(path, None, source);
-        let metadata = std::fs::metadata(path).map_err(fail)?;
+        let metadata = match std::fs::metadata(path) {
+            // A pattern such as *.laz finds the link all the same.
+            Err(error) if error.kind() == ErrorKind::NotFound && path.is_symlink() => {
+                let advice = "it may have been moved or renamed";
+                return Err(ScanError::NotAFile { path: path.to_owned(), kind: DANGLING, advice });
+            }
+            found => found.map_err(fail)?,
+        };
         if metadata.is_dir() {
             let advice = "name the files in it (for example FOLDER/*.laz)";
             return Err(ScanError::NotAFile { path: path.to_owned(), kind: "a folder", advice });
