@@ -54,8 +54,8 @@ fn planes_needed(edge_px: f32) -> u32 {
     return select(3u, 2u, edge_px < PRECISION_THRESHOLD_PX * 1024.0);
 }
 
-// False if no point of a box is drawn larger than one pixel, though its edge is drawn so large: see `radius_px`. `far` is
-// the distance of its farthest corner over its least depth.
+// False if no point of a box is to close more than its ring's kernel does, though the box's edge is drawn so large: see
+// `open_px`, in which the edge counts at most twice. `far` is the distance of its farthest corner over its least depth.
 fn may_be_wide(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spacing: f32) -> bool {
     let stretch = min(far, 1.0 / eye.widest_cos);
     let undivided_px = min(vec3<f32>(2.0 * edge_px), view.undivided_px);

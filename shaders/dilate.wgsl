@@ -3,11 +3,11 @@
 // others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
 //
 // In two passes through workgroup memory: rows first, each pixel with the radius of its own ring, or the reach of what it
-// meets if that is more, then columns over what the rows found. Depths come first. Where they say that a tile is one surface without gaps, or that none of its pixels
-// takes anything, it is written as it is; else colours are blended in those rows that a pixel takes from. Sums are
-// integers, so their order does not show. Neighbours are made at once, eight in a row and four in a column, since they share
-// taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in different banks. A thread keeps its own
-// four pixels' depths and colours.
+// meets if that is more, then columns over what the rows found. Depths come first. Where they say that a tile is one surface
+// without gaps, or that none of its pixels takes anything, it is written as it is; else colours are blended in those rows
+// that a pixel takes from. Sums are integers, so their order does not show. Neighbours are made at once, eight in a row and
+// four in a column, since they share taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in
+// different banks. A thread keeps its own four pixels' depths and colours.
 
 const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;

@@ -87,16 +87,17 @@ fn draw(eye: u32, batch: VisibleBatch, points: Turn, spacing: vec4<f32>) {
     var p = seen(eye, batch, points);
     let id = points.id;
     if FILL && (batch.flags & VISIBLE_FILL) != 0u {
+        let is_there = p.w > vec4<f32>(0.0);
         var radius = vec4<f32>(0.0);
         for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
             let p_in_head = vec3<f32>(points.x[i], points.y[i], points.z[i]);
             let open_px = open_px(eye, batch, p_in_head, p.w[i], spacing[i]);
-            radius[i] = select(0.0, radius_of(open_px), p.w[i] > 0.0);
+            radius[i] = select(0.0, radius_of(open_px), is_there[i]);
             p.w[i] = bitcast<f32>(bitcast<u32>(p.w[i]) | reach_of(open_px));
         }
         if any(radius > vec4<f32>(0.0)) {
             for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
-                if p.w[i] >= view.near {
+                if is_there[i] {
                     put_wide(eye, vec2<f32>(p.x[i], p.y[i]), p.w[i], id[i], radius[i]);
                 }
             }

@@ -173,13 +173,18 @@ const WRITES_FILES: [&str; 24] = [
     "persist",
 ];
 
+/// What stands before a file's module of tests.
+fn without_tests(file: &File) -> &str {
+    file.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
+}
+
 /// Tests in `src` may write what they like: what stands behind `#[cfg(test)]` before a module of tests, and files of
 /// tests.
 fn written_files(file: &File) -> Vec<String> {
     if file.path.starts_with("src/output/") || file.path.ends_with("tests.rs") {
         return Vec::new();
     }
-    let program = file.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let program = without_tests(file);
     let mut faults = Vec::new();
     for (line, text) in code(program) {
         let used = WRITES_FILES.iter().filter(|word| names(text, word));
@@ -268,7 +273,7 @@ fn always_plural(file: &File) -> Vec<String> {
     if file.path.ends_with("tests.rs") || file.path.starts_with("src/bench/") {
         return Vec::new();
     }
-    let program = file.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let program = without_tests(file);
     let is_plural = |text: &str| {
         let text = NEVER_ONE.iter().fold(text.to_owned(), |text, phrase| text.replace(phrase, ""));
         text.split('}').skip(1).any(|behind| {
