@@ -276,13 +276,20 @@ fn a_pipe_and_a_link_are_written_through() {
     assert!(fs::read(lab.path("inner/later.png")).unwrap() == picture, "the same picture");
 }
 
+/// Outputs of an earlier run, which the next may replace.
+const OLD: [(&str, &[u8]); 5] = [
+    ("old.png", b"\x89PNG\r\n\x1a\n and so on"),
+    ("old.npy", b"\x93NUMPY and so on"),
+    ("old.json", b"{\"gpu_bytes\": 7}"),
+    ("old.csv", b"# scanwalk frame log, version 0.0.9"),
+    ("old.html", b"<!DOCTYPE html><meta name=\"generator\" content=\"scanwalk 0.0.9\">"),
+];
+
 #[test]
 fn a_failure_leaves_what_was_there() {
     let lab = Lab::new();
     lab.put("broken.las", b"LASF and then nothing");
-    for name in ["old.png", "old.npy", "old.json", "old.csv", "old.html"] {
-        lab.put(name, b"old");
-    }
+    OLD.iter().for_each(|(name, bytes)| lab.put(name, bytes));
     for line in [
         "scanwalk render broken.las -o old.png --depth old.npy --metrics old.json",
         "scanwalk render a.las -o old.png --size 64x48 --metrics /dev/full",
@@ -291,10 +298,81 @@ fn a_failure_leaves_what_was_there() {
         "scanwalk bench broken.las -o old.html",
     ] {
         lab.refused(line, 1);
-        for name in ["old.png", "old.npy", "old.json", "old.csv", "old.html"] {
-            assert_eq!(fs::read(lab.path(name)).unwrap(), b"old", "{line}: {name}");
+        for (name, bytes) in OLD {
+            assert_eq!(fs::read(lab.path(name)).unwrap(), bytes, "{line}: {name}");
         }
     }
+}
+
+/// Whatever a user has is kept, though no command reads it: scans by any output, and what is none of the kind.
+#[test]
+fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
+    let lab = Lab::new();
+    lab.put("mesh.ply", b"ply\nformat ascii 1.0\n");
+    lab.put("photo.png", b"\xff\xd8\xff\xe0 a JPEG by another name");
+    lab.put("package.json", b"{\"name\": \"mine\"}");
+    lab.put("table.csv", b"x,y,z\n1,2,3\n");
+    lab.put("site.html", b"<!DOCTYPE html><title>mine</title>");
+    lab.put("notes", b"remember");
+    symlink("b.las", lab.path("scan.png")).unwrap();
+    symlink("mesh.ply", lab.path("mesh.json")).unwrap();
+    let view = "scanwalk view a.las --headset off --window off --frames 2";
+    for line in [
+        "scanwalk synth aerial -o a.las --points 100",
+        "scanwalk synth aerial -o inner/../b.las --points 100",
+        "scanwalk synth photogrammetry -o mesh.ply --points 100",
+        "scanwalk render a.las -o scan.png --size 64x48",
+        "scanwalk render a.las -o photo.png --size 64x48",
+        "scanwalk render a.las -o x.png --metrics mesh.json --size 64x48",
+        "scanwalk render a.las -o x.png --metrics package.json --size 64x48",
+        "scanwalk render a.las -o x.png --depth notes --size 64x48",
+        &format!("{view} --log table.csv"),
+        &format!("{view} --log notes"),
+        "scanwalk report frames.csv -o site.html",
+        "scanwalk report frames.csv --worst-poses notes",
+    ] {
+        let before: Vec<_> = lab.names().iter().map(fs::read).map(Result::ok).collect();
+        let said = lab.refused(line, 2);
+        assert!(said.contains("is there already") && said.contains("--force"), "{line}: {said}");
+        assert!(lab.names().iter().map(fs::read).map(Result::ok).eq(before), "{line}");
+    }
+    // By force, but not even so over what is read.
+    for line in [
+        "scanwalk --force synth aerial -o b.las --points 100",
+        "scanwalk synth photogrammetry -o mesh.ply --points 100 --force",
+        "scanwalk render a.las -o photo.png --metrics package.json --depth notes --size 64x48 --force",
+        &format!("{view} --log table.csv --force"),
+        "scanwalk report frames.csv -o site.html --force",
+    ] {
+        let output = lab.run(line);
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    for (name, start) in [("b.las", &b"LASF"[..]), ("photo.png", b"\x89PNG"), ("site.html", b"<!DOCTYPE")] {
+        assert!(fs::read(lab.path(name)).unwrap().starts_with(start), "{name}");
+    }
+    let said = lab.refused("scanwalk render a.las -o link.png --size 64x48 --force", 2);
+    assert!(said.contains("which is read as"), "{said}");
+}
+
+/// Every command runs twice with the same names; what is empty is nothing.
+#[test]
+fn outputs_of_an_earlier_run_are_replaced() {
+    let lab = Lab::new();
+    lab.put("empty.las", b"");
+    for run in 0..2 {
+        for line in [
+            "scanwalk render a.las -o x.png --depth x.npy --metrics x.json --size 64x48",
+            "scanwalk view a.las --headset off --window off --frames 2 --log x.csv",
+            "scanwalk report frames.csv -o x.html --worst-poses x.poses",
+            "scanwalk report results.json -o x.md",
+        ] {
+            lab.put("results.json", br#"{"device": "a GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#);
+            let output = lab.run(line);
+            assert!(output.status.success(), "{run}: {line}: {}", String::from_utf8_lossy(&output.stderr));
+        }
+    }
+    let output = lab.run("scanwalk synth aerial -o empty.las --points 100");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// The limit stands in for a full disk: both end a write with an error.
@@ -306,7 +384,8 @@ fn a_disk_that_fills_up_is_named_and_leaves_nothing() {
     lab.put("old.ply", b"old");
     for (kind, name) in [("aerial", "old.las"), ("terrestrial", "old.laz"), ("photogrammetry", "old.ply")] {
         // 200 blocks of 512 bytes; the signal that comes with it is ignored.
-        let line = format!("trap '' XFSZ; ulimit -f 200; scanwalk synth {kind} -o {name} --points 30000");
+        let line =
+            format!("trap '' XFSZ; ulimit -f 200; scanwalk synth {kind} -o {name} --points 30000 --force");
         let before = lab.names();
         let output = lab.run_in_shell(&line);
         let said = String::from_utf8(output.stderr).unwrap();
@@ -333,7 +412,7 @@ fn ctrl_c_leaves_no_half_file() {
         lab.put("old.las", b"old");
         let before = lab.names();
         let mut child = lab
-            .command("scanwalk synth aerial -o old.las --points 2000000000")
+            .command("scanwalk synth aerial -o old.las --points 2000000000 --force")
             .stderr(Stdio::null())
             .spawn()
             .unwrap();

@@ -2,7 +2,7 @@
 //! each device, the same bytes again, nothing left behind when something goes wrong.
 
 use las::{Point, Reader};
-use scanwalk::output::{Output, OutputKind};
+use scanwalk::output::{Files, Output, OutputKind, Partials};
 use scanwalk::progress::Stop;
 use scanwalk::synth::{Kind, Summary, SynthError, SynthOptions, viewpoints, write};
 use std::fs;
@@ -11,8 +11,12 @@ use std::time::Duration;
 
 const KINDS: [Kind; 3] = [Kind::Terrestrial, Kind::Aerial, Kind::Photogrammetry];
 
+/// A scan that may take the place of one made before.
 fn output(path: &Path) -> Output {
-    Output::new(path, OutputKind::Scan).unwrap()
+    let mut files = Files::default();
+    files.force();
+    files.writes("-o", path, OutputKind::Scan);
+    files.check(&Partials::default()).unwrap().take_one(OutputKind::Scan).unwrap()
 }
 
 fn make(folder: &Path, name: &str, kind: Kind, points: u64, seed: u64) -> (PathBuf, Summary) {

@@ -42,7 +42,7 @@ pub struct SynthArgs {
     /// What to make, each in the point order that such a device writes
     #[arg(value_name = "KIND")]
     pub kind: synth::Kind,
-    /// The file to write; .ply, a mesh with normals, for photogrammetry only
+    /// The file to write, which must not be there yet (see --force); .ply, a mesh with normals, for photogrammetry only
     #[arg(short, long, value_name = "OUT.las|OUT.laz|OUT.ply")]
     pub out: PathBuf,
     /// How many points

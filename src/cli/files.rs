@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 /// Checks the files of the command that was asked for; gives what it may write.
 pub(super) fn check(cli: &Cli, partials: &Partials) -> anyhow::Result<Outputs> {
     let mut files = Files::default();
+    if cli.shared.force {
+        files.force();
+    }
     if let Some(config) = &cli.shared.config {
         files.reads("the settings", config);
     }

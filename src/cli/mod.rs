@@ -58,6 +58,9 @@ pub struct SharedArgs {
     /// The GPU to use: part of its name [default: the fastest kind]
     #[arg(long, global = true, value_name = "NAME", help_heading = "Options of every command")]
     pub adapter: Option<String>,
+    /// Replace what has an output's name, even if it is a scan or no file of that kind; never what is read
+    #[arg(long, global = true, help_heading = "Options of every command")]
+    pub force: bool,
     /// Say more on stderr; twice: still more. RUST_LOG goes beyond
     #[arg(short, long, global = true, action = clap::ArgAction::Count, help_heading = "Options of every command")]
     pub verbose: u8,

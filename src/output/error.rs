@@ -29,6 +29,16 @@ pub enum OutputError {
         /// "a scan".
         what: &'static str,
     },
+    /// What has its name is not such a file, or is a scan: it may be all that the user has.
+    #[error("{option} {}: {}; name another file, or add --force to replace it", path.display(), exists(*kind))]
+    Exists {
+        /// "-o".
+        option: &'static str,
+        /// As written.
+        path: PathBuf,
+        /// What was to be written.
+        kind: OutputKind,
+    },
     /// What is printed goes into a file that is read.
     #[error("stdout goes into {}, which is read as {what}; send it to another file", read.display())]
     StdoutIsRead {
@@ -104,6 +114,7 @@ impl OutputError {
         match self {
             Self::Ending { .. }
             | Self::IsRead { .. }
+            | Self::Exists { .. }
             | Self::StdoutIsRead { .. }
             | Self::Twice { .. }
             | Self::Stream { .. } => true,
@@ -115,6 +126,14 @@ impl OutputError {
 /// ".html or .htm".
 fn endings(kind: OutputKind) -> String {
     kind.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ")
+}
+
+/// Why a file is not replaced.
+fn exists(kind: OutputKind) -> String {
+    match kind {
+        OutputKind::Scan => "is there already, and a scan takes no file's place unasked".into(),
+        _ => format!("is there already, and is not {}", kind.name()),
+    }
 }
 
 /// `-o *.las` is what the shell makes `-o first.las second.las …` of.

@@ -11,6 +11,7 @@ pub struct Files {
     reads: Vec<(&'static str, PathBuf)>,
     writes: Vec<(&'static str, PathBuf, OutputKind)>,
     prints: bool,
+    forced: bool,
 }
 
 impl Files {
@@ -29,11 +30,16 @@ impl Files {
         self.prints = true;
     }
 
-    /// Looks at all of them; nothing is opened, created or changed. Files that `partials` knows of are removed when
-    /// it says so.
+    /// Declares that outputs may take the place of whatever has their names, but of nothing that is read.
+    pub fn force(&mut self) {
+        self.forced = true;
+    }
+
+    /// Looks at all of them; nothing is created or changed. Files that `partials` knows of are removed when it says so.
     ///
     /// # Errors
-    /// An output with a wrong ending; one that is read, or written twice; a place where nothing can be written.
+    /// An output with a wrong ending; one that is read, or written twice; one whose name a file of another kind has, or any
+    /// scan; a place where nothing can be written.
     pub fn check(self, partials: &Partials) -> Result<Outputs, OutputError> {
         let reads: Vec<(&str, &PathBuf, Identity)> =
             self.reads.iter().map(|(what, path)| (*what, path, Identity::of_read(path))).collect();
@@ -64,6 +70,9 @@ impl Files {
             if let Some((other_option, other, _)) = before {
                 let (path, other) = (path.clone(), other.to_path_buf());
                 return Err(OutputError::Twice { option, path, other_option, other });
+            }
+            if !self.forced && place.goal().is_some_and(|goal| !kind.may_replace(&goal)) {
+                return Err(OutputError::Exists { option, path: path.clone(), kind: *kind });
             }
             written.push((option, path, identity));
             let output = Output { path: path.clone(), place, partials: partials.clone(), fresh: false };

@@ -1,6 +1,11 @@
-//! What is written, and how its name must end.
+//! What is written, how its name must end, and what it may take the place of.
 
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
+
+/// So many bytes of a file tell what it is.
+const HEAD_BYTES: u64 = 1024;
 
 /// What an output is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,10 +70,36 @@ impl OutputKind {
         is_one_of(self.endings()) || !self.needs_ending() && !says_something_else
     }
 
+    /// What an older one has among its first bytes. Scans have nothing: whoever made one, it is taken for the user's.
+    fn marks(self) -> &'static [&'static [u8]] {
+        match self {
+            Self::Picture => &[b"\x89PNG\r\n\x1a\n"],
+            Self::Depth => &[b"\x93NUMPY"],
+            Self::Metrics => &[b"\"gpu_bytes\": "],
+            Self::FrameLog => &[b"# scanwalk frame log"],
+            Self::Page => &[b"content=\"scanwalk ", b"# The papers' tables"],
+            Self::Poses => &[b"time_s,x,y,z,qx,qy,qz,qw"],
+            Self::Scan => &[],
+        }
+    }
+
+    /// True if one may take the place of what is at `path`: nothing, an empty file, or an older one of its kind.
+    pub(super) fn may_replace(self, path: &Path) -> bool {
+        let mut head = Vec::new();
+        match File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)) {
+            Ok(_) => head.is_empty() || self.marks().iter().any(|mark| has(&head, mark)),
+            Err(error) => error.kind() == io::ErrorKind::NotFound,
+        }
+    }
+
     /// Would fill a terminal with what nobody can read.
     pub(super) fn is_binary(self) -> bool {
         matches!(self, Self::Picture | Self::Depth | Self::Scan)
     }
+}
+
+fn has(head: &[u8], mark: &[u8]) -> bool {
+    head.windows(mark.len()).any(|bytes| bytes == mark)
 }
 
 /// What stands behind the last dot, in lower case.

@@ -1,8 +1,8 @@
 //! The files that scanwalk writes for a user. No other module creates, renames or removes one (`tests/house.rs`).
 //!
 //! A command declares all that it reads and all that it writes ([`Files`]) before it does either. [`Files::check`]
-//! refuses what would destroy something that is read, tells of a folder that is missing or cannot be written, and
-//! only then gives out [`Output`]s; nothing can be written without one.
+//! refuses what would destroy something that is read, or a file that is none of the kind that is written, tells of a
+//! folder that is missing or cannot be written, and only then gives out [`Output`]s; nothing can be written without one.
 //!
 //! An output is written under another name in its folder and gets its own when it is whole ([`OutputFile`]), so that
 //! at any moment there is the old file or the new one. A name that is a link keeps being one: what it leads to is
@@ -41,7 +41,7 @@ impl Output {
     /// A file that is written beside no other, and nothing is read.
     ///
     /// # Errors
-    /// A wrong ending, a folder of that name, a folder that is missing or cannot be written.
+    /// A wrong ending, a folder or another kind of file of that name, a folder that is missing or cannot be written.
     pub fn new(path: impl Into<PathBuf>, kind: OutputKind) -> Result<Self, OutputError> {
         let path = path.into();
         let mut files = Files::default();

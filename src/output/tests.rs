@@ -4,6 +4,9 @@ use super::*;
 use std::fs;
 use std::io::Write;
 
+/// Metrics of an earlier run, as much as tells them.
+const OLD: &str = r#"{"gpu_bytes": 7}"#;
+
 /// A folder with a scan, `a.las`.
 struct Lab(tempfile::TempDir);
 
@@ -170,6 +173,46 @@ fn endings_say_what_is_written() {
 }
 
 #[test]
+fn what_has_the_name_is_replaced_only_if_it_is_of_the_kind() {
+    use OutputKind::*;
+    let lab = Lab::new();
+    let refused = |name: &str, kind, forced: bool| {
+        let mut files = Files::default();
+        if forced {
+            files.force();
+        }
+        files.writes("-o", &lab.path(name), kind);
+        match files.check(&Partials::default()) {
+            Ok(_) => false,
+            Err(error @ OutputError::Exists { .. }) => error.is_usage(),
+            Err(other) => panic!("{name}: {other}"),
+        }
+    };
+    for (name, bytes, kind, right) in [
+        ("x.png", &b"\x89PNG\r\n\x1a\n\0\0"[..], Picture, true),
+        ("x.png", b"\xff\xd8\xff", Picture, false),
+        ("x.png", b"LASF", Picture, false),
+        ("x.npy", b"\x93NUMPY\x01", Depth, true),
+        ("x.npy", b"ply\n", Depth, false),
+        ("x.json", OLD.as_bytes(), Metrics, true),
+        ("x.json", b"{}", Metrics, false),
+        ("x.csv", b"# scanwalk frame log, version 9\n", FrameLog, true),
+        ("x.csv", b"frame,time\n", FrameLog, false),
+        ("x.html", b"<!DOCTYPE html><html>", Page, false),
+        ("x.poses", b"time_s,x,y,z,qx,qy,qz,qw\n", Poses, true),
+        ("x.poses", b"# by hand\n", Poses, false),
+        ("x.las", b"LASF", Scan, false),
+        ("x.las", b"nothing known", Scan, false),
+        ("x.las", b"", Scan, true),
+        ("x.png", b"", Picture, true),
+    ] {
+        fs::write(lab.path(name), bytes).unwrap();
+        assert_eq!(refused(name, kind, false), !right, "{name}: {}", bytes.escape_ascii());
+        assert!(!refused(name, kind, true), "{name}: by force");
+    }
+}
+
+#[test]
 fn a_place_where_nothing_can_be_written_is_found_first() {
     let lab = Lab::new();
     fs::create_dir(lab.path("x.png")).unwrap();
@@ -197,12 +240,12 @@ fn a_place_where_nothing_can_be_written_is_found_first() {
 fn the_old_file_stays_until_the_new_one_is_whole() {
     let lab = Lab::new();
     let output = Output::new(lab.path("x.json"), OutputKind::Metrics).unwrap();
-    written(&output, "old").unwrap();
+    written(&output, OLD).unwrap();
     let mut file = output.begin().unwrap();
     file.write_all(b"half").unwrap();
-    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), ("old", 3));
+    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), (OLD, 3));
     drop(file);
-    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), ("old", 2), "given up");
+    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), (OLD, 2), "given up");
     written(&output, "new").unwrap();
     assert_eq!((lab.text("x.json").as_str(), lab.names().len()), ("new", 2));
 }
@@ -211,7 +254,7 @@ fn the_old_file_stays_until_the_new_one_is_whole() {
 #[test]
 fn a_program_that_is_ended_leaves_nothing_behind() {
     let lab = Lab::new();
-    fs::write(lab.path("x.json"), "old").unwrap();
+    fs::write(lab.path("x.json"), OLD).unwrap();
     let partials = Partials::default();
     let mut files = Files::default();
     files.writes("--metrics", &lab.path("x.json"), OutputKind::Metrics);
@@ -219,9 +262,9 @@ fn a_program_that_is_ended_leaves_nothing_behind() {
     let mut file = output.begin().unwrap();
     file.write_all(b"half").unwrap();
     partials.discard();
-    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), ("old", 2));
+    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), (OLD, 2));
     assert!(output.keep(file).is_err() && output.begin().is_err(), "nothing after the end");
-    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), ("old", 2));
+    assert_eq!((lab.text("x.json").as_str(), lab.names().len()), (OLD, 2));
     // What has its name is no longer partial.
     let partials = Partials::default();
     let mut files = Files::default();

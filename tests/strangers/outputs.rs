@@ -42,7 +42,7 @@ fn laid(desk: &Desk) {
 }
 
 /// The output `args` names, and why it must not be written.
-const REFUSED: [(&str, &str); 20] = [
+const REFUSED: [(&str, &str); 22] = [
     ("render a.las -o a.las", "the scan itself"),
     ("render a.las -o ./folder/../a.las", "the scan by another way"),
     ("render a.las -o link.png", "a link to the scan"),
@@ -66,6 +66,8 @@ const REFUSED: [(&str, &str); 20] = [
     ("report frames.csv --worst-poses ./frames.csv", "the log, by --worst-poses"),
     ("bench a.las -o a.las", "the scan, by bench"),
     ("synth aerial -o yard.txt --points 10", "not a scan by its ending"),
+    ("synth aerial -o b.las --points 10", "a scan that is there"),
+    ("render a.las -o x.left.png", "a link to a scan that is not read"),
 ];
 
 pub fn rows() -> Vec<Row> {
@@ -105,7 +107,7 @@ pub fn rows() -> Vec<Row> {
         "the new picture, no other file",
         |desk| {
             laid(desk);
-            desk.put("OLD.PNG", "old");
+            desk.put("OLD.PNG", b"\x89PNG\r\n\x1a\n".to_vec());
             let before = std::fs::read_dir(desk.path("")).expect("a folder").count();
             let ran = desk.run(&["render", "a.las", "-o", "OLD.PNG", "--size", "96x64"]);
             let picture = std::fs::read(desk.path("OLD.PNG")).map_err(|e| e.to_string())?;
