@@ -74,7 +74,10 @@ impl ViewOptions {
 /// be begun, a runtime or device that fails.
 pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
-    let display = open_display(options.window)?;
+    let display = open_display(options.window, stop)?;
+    if stop.requested() {
+        return Ok(());
+    }
     let (gpu, mut headset) = open_headset(options.headset, config)?;
     let facts = facts(options, config, &gpu, &*headset);
     let log = options.log.as_ref().map(|output| FrameLog::start(output, &facts)).transpose()?;
@@ -162,18 +165,19 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
 }
 
 /// The display that was wished for, before anything else is opened or read.
-fn open_display(wish: Wish) -> anyhow::Result<Option<Display>> {
-    match wish {
-        Wish::Off => Ok(None),
-        Wish::On => Display::open().map(Some).context("--window on"),
-        Wish::Auto if !desktop::is_named() => Ok(None),
-        Wish::Auto => match Display::open() {
-            Ok(display) => Ok(Some(display)),
-            Err(error) => {
-                eprintln!("scanwalk: no window: {error}");
-                Ok(None)
-            }
-        },
+fn open_display(wish: Wish, stop: &Stop) -> anyhow::Result<Option<Display>> {
+    if wish == Wish::Off || wish == Wish::Auto && !desktop::is_named() {
+        return Ok(None);
+    }
+    match Display::open(stop) {
+        Ok(display) => Ok(Some(display)),
+        // The user waits no longer for a display that keeps silent.
+        Err(_) if stop.requested() => Ok(None),
+        Err(error) if wish == Wish::On => Err(error).context("--window on"),
+        Err(error) => {
+            eprintln!("scanwalk: no window: {error}");
+            Ok(None)
+        }
     }
 }
 

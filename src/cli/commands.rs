@@ -22,7 +22,7 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &Stop) -> anyhow::Result
         Command::Info(args) => scan::info::print(&args.scans, args.json, &config.cloud.read_options(), stop),
         Command::Synth(args) => synth(args, outputs, stop),
         Command::Report(args) => report::run(args, outputs),
-        Command::Doctor(args) => doctor::run(&config, args.json),
+        Command::Doctor(args) => doctor::run(&config, args.json, stop),
         Command::Convert(_) => {
             Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
         }

@@ -3,6 +3,7 @@
 use crate::config::Config;
 use crate::desktop::{self, Server};
 use crate::gpu::{Atomics, Gpu};
+use crate::progress::Stop;
 use crate::xr;
 use serde::Serialize;
 use std::io::{self, Write};
@@ -31,9 +32,9 @@ impl Check {
 }
 
 /// Looks, and prints what it found: as JSON for programs, else as lines. Finding a lack is no failure.
-pub(super) fn run(config: &Config, json: bool) -> anyhow::Result<()> {
+pub(super) fn run(config: &Config, json: bool, stop: &Stop) -> anyhow::Result<()> {
     let mut checks = gpu(config);
-    checks.push(display());
+    checks.push(display(stop));
     checks.push(headset());
     let mut out = io::stdout().lock();
     if json {
@@ -95,8 +96,8 @@ fn gpu(config: &Config) -> Vec<Check> {
 }
 
 /// Something that a window can open on.
-fn display() -> Check {
-    match desktop::server() {
+fn display(stop: &Stop) -> Check {
+    match desktop::server(stop) {
         Ok(Server::Wayland(name)) => Check::good("display", format!("Wayland, {name}")),
         Ok(Server::X11 { name, no_wayland: None }) => Check::good("display", format!("X11, {name}")),
         Ok(Server::X11 { name, no_wayland: Some(reason) }) => {

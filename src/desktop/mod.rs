@@ -24,7 +24,7 @@
 //! let (walk_end, commands, viewer) = link::link();
 //! let frames = std::thread::spawn(move || walk(walk_end, commands)); // its end requests `stop`
 //! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
-//! match desktop::Display::open() {
+//! match desktop::Display::open(&stop) {
 //!     Ok(display) => display.run(gpu, viewer, facts, &config, stop.clone())?,
 //!     Err(_) => {} // `--window auto`: the walk goes on without
 //! }
@@ -60,7 +60,6 @@ use crate::gpu::Gpu;
 use crate::progress::Stop;
 use crate::walk::link::ViewerEnd;
 use std::sync::Arc;
-use winit::error::{EventLoopError, OsError};
 use winit::event_loop::EventLoop;
 
 /// What the window tells of the run, besides what comes through the link.
@@ -84,11 +83,17 @@ pub enum DesktopError {
         reason: String,
     },
     /// winit's event loop failed.
-    #[error("the window's event loop failed: {0}")]
-    EventLoop(#[source] EventLoopError),
+    #[error("the window's event loop failed: {reason}")]
+    EventLoop {
+        /// In words.
+        reason: String,
+    },
     /// The display server refused the window.
-    #[error("the display server refused to open a window: {0}")]
-    Window(#[source] OsError),
+    #[error("the display server refused to open a window: {reason}")]
+    Window {
+        /// In words.
+        reason: String,
+    },
     /// Vulkan refused the surface.
     #[error("the GPU's driver cannot draw into a window of this desktop: {0}; use --window off")]
     Surface(#[from] wgpu::CreateSurfaceError),
@@ -107,15 +112,16 @@ pub enum DesktopError {
 pub struct Display(EventLoop<()>);
 
 impl Display {
-    /// Connects to the display that the environment names: Wayland if a compositor answers there, else X11.
+    /// Connects to the display that the environment names: Wayland if a compositor answers there, else X11. Those that do not
+    /// answer are given up after some seconds, or when `stop` is requested.
     ///
     /// # Errors
     /// [`DesktopError::NoDisplay`].
     ///
     /// # Panics
     /// On another thread than the main one, and when called again in a process after a success: winit's rules.
-    pub fn open() -> Result<Self, DesktopError> {
-        server::event_loop().map(Self)
+    pub fn open(stop: &Stop) -> Result<Self, DesktopError> {
+        server::event_loop(stop).map(Self)
     }
 
     /// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
@@ -133,7 +139,9 @@ impl Display {
         stop: Stop,
     ) -> Result<(), DesktopError> {
         let mut app = window::App::new(gpu, viewer, facts, config, stop);
-        self.0.run_app(&mut app).map_err(DesktopError::EventLoop)?;
+        self.0
+            .run_app(&mut app)
+            .map_err(|error| DesktopError::EventLoop { reason: server::event_loop_words(&error) })?;
         app.outcome()
     }
 }

@@ -4,7 +4,7 @@ use super::controls::{Controls, View};
 use super::history::History;
 use super::painter::{EguiPicture, Painter};
 use super::screen::Screen;
-use super::{DesktopError, WindowFacts, help, notice, panel, style};
+use super::{DesktopError, WindowFacts, help, notice, panel, server, style};
 use crate::config::{Config, WindowConfig};
 use crate::gpu::Gpu;
 use crate::progress::Stop;
@@ -14,6 +14,7 @@ use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
+use winit::error::OsError;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::PhysicalKey;
@@ -107,7 +108,7 @@ impl App {
             .with_title(title)
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(160, 120));
-        let window = Arc::new(events.create_window(attributes).map_err(DesktopError::Window)?);
+        let window = Arc::new(events.create_window(attributes).map_err(refused)?);
         let screen = Screen::new(Arc::clone(&self.gpu), Arc::clone(&window))?;
         let painter = Painter::new(&self.gpu.device, screen.format());
         let context = egui::Context::default();
@@ -258,6 +259,10 @@ impl App {
         self.send(command);
         Ok(())
     }
+}
+
+fn refused(error: OsError) -> DesktopError {
+    DesktopError::Window { reason: server::words(&error) }
 }
 
 impl ApplicationHandler for App {

@@ -65,7 +65,7 @@ pub fn play(role: &str) {
     let facts = WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
     let mut config = Config::default();
     config.window.size = [960, 640];
-    let outcome = Display::open()
+    let outcome = Display::open(&stop)
         .and_then(|display| display.run(Arc::clone(&gpu), viewer, facts, &config, stop.clone()));
     // An error of the window ends the stand-in too.
     let stopped = stop.requested();
