@@ -11,7 +11,7 @@ use crate::desktop::{self, Display};
 use crate::ending::Ending;
 use crate::gpu::Gpu;
 use crate::output::Output;
-use crate::progress::{Job, Progress, Stop};
+use crate::progress::{Count, Job, Progress, Stop};
 use crate::render::{CloudBuffers, CloudUpload, UploadError};
 use crate::scan::{self, ScanError};
 use crate::timing::RunFacts;
@@ -282,6 +282,7 @@ fn detailed(
     match detailed {
         Ok(buffers) => {
             let bytes = buffers.bytes;
+            link.set_doing(Some(Arc::new(Count::uncounted("showing all detail"))));
             let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
             // Once it is shown, the flat cloud comes back; if none does, the walk has ended.
             if let Ok(flat) = shelf.retired.recv() {
@@ -328,12 +329,15 @@ const PASSES: &str = "points in several passes";
 
 /// Builds the octree of a scan and sends its nodes to the GPU as they come.
 fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, job: &Job) -> anyhow::Result<CloudBuffers> {
-    let building = Progress::new("building the octree", PASSES, 2 * scan.num_points() as u64, job);
+    // Points are counted twice as the octree is built, and once as they are sent.
+    let building = Progress::new("building the octree", PASSES, 3 * scan.num_points() as u64, job);
     let sending = Progress::silent(job.stop());
     let mut upload: Option<Result<CloudUpload, UploadError>> = None;
     build_octree(&scan, &building, &mut |octree, nodes| {
         let begun = upload.take().unwrap_or_else(|| CloudUpload::layered(gpu, octree, chunk_limit, &sending));
+        let num_points: u64 = octree.nodes[nodes.clone()].iter().map(|node| u64::from(node.num_points)).sum();
         upload = Some(begun.and_then(|mut upload| upload.write_nodes(octree, nodes).map(|()| upload)));
+        building.add(num_points);
     })?;
     Ok(upload.ok_or(BuildError::Empty)??.finish())
 }
@@ -350,7 +354,10 @@ fn sequential(
     let building = Progress::new("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2, job);
     let spt = build_spt(&scan, cull_backfaces, &building)?;
     drop((scan, building));
-    Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &Progress::silent(job.stop()))?)
+    // Three planes, colors and shapes.
+    let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
+    let sending = Progress::new("sending to the GPU", "bytes", num_bytes, job);
+    Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending)?)
 }
 
 /// What the window's panel says of the scan.

@@ -1,20 +1,23 @@
 //! The last seconds of frames: what the panel's plot and figures are made of.
 
-use crate::timing::FrameRow;
 use crate::timing::percentile::Sorted;
+use crate::timing::{FrameRow, Phase};
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Seconds of frames kept.
 pub(super) const HISTORY_S: f64 = 5.0;
 /// Seconds that the frame rate is counted over.
 const RATE_S: f64 = 1.0;
+/// Slow frames come in bursts, as many at once as may be under way: the rate is of at least so many.
+const RATE_FRAMES: usize = 8;
 /// Most rows kept, whatever their times say: 5 s at 800 Hz.
 const MAX_ROWS: usize = 4096;
-/// Without a row for so long the frames count as stopped.
-const STALLED: Duration = Duration::from_millis(1500);
+/// Without a row for so long, and for so many times what a frame took, the frames count as stopped.
+const STALLED_S: f64 = 3.0;
+const STALLED_FRAMES: f64 = 3.0;
 
-/// Rows of the last [`HISTORY_S`], oldest first.
+/// Rows of the last [`HISTORY_S`], and those before that the frame rate needs; oldest first.
 #[derive(Debug, Default)]
 pub(super) struct History {
     rows: VecDeque<FrameRow>,
@@ -43,8 +46,9 @@ impl History {
         self.num_missed += u64::from(row.missed_periods);
         self.last_push = Some(now);
         self.rows.push_back(row);
+        let is_old = |oldest: &FrameRow| row.time_s - oldest.time_s > HISTORY_S;
         while self.rows.len() > MAX_ROWS
-            || self.rows.front().is_some_and(|oldest| row.time_s - oldest.time_s > HISTORY_S)
+            || self.rows.len() > RATE_FRAMES + 1 && self.rows.front().is_some_and(is_old)
         {
             self.rows.pop_front();
         }
@@ -55,26 +59,35 @@ impl History {
         self.rows.back()
     }
 
-    /// Rows with their age: seconds before the newest one, ≤ 0, oldest first.
-    pub(super) fn aged(&self) -> impl Iterator<Item = (f64, &FrameRow)> {
+    /// Rows with their age: seconds before the newest one, −[`HISTORY_S`] to 0, oldest first.
+    pub(super) fn aged(&self) -> impl DoubleEndedIterator<Item = (f64, &FrameRow)> {
         let newest_s = self.newest().map_or(0.0, |row| row.time_s);
-        self.rows.iter().map(move |row| (row.time_s - newest_s, row))
+        let aged = self.rows.iter().map(move |row| (row.time_s - newest_s, row));
+        aged.filter(|(age_s, _)| *age_s >= -HISTORY_S)
     }
 
-    /// Frames a second over the last second; `None` before there are two frames and once they stopped.
+    /// Frames of the scan a second, over the last second, or over the last few if they take longer; `None` before there are
+    /// two and once they stopped.
     pub(super) fn frames_per_second(&self, now: Instant) -> Option<f64> {
-        if now.saturating_duration_since(self.last_push?) > STALLED {
+        let waited = now.saturating_duration_since(self.last_push?);
+        let newest_s = self.newest()?.time_s;
+        let is_recent = |row: &FrameRow| newest_s - row.time_s + waited.as_secs_f64() <= RATE_S;
+        let of_scan = || self.rows.iter().rev().take_while(|row| row.phase != Phase::Waiting);
+        // Their time begins with the frame before them; the first of all is such a one.
+        let num_frames = of_scan().take_while(|row| is_recent(row)).count().max(RATE_FRAMES);
+        let num_frames = num_frames.min(of_scan().count().checked_sub(1)?);
+        let took_s = newest_s - of_scan().nth(num_frames)?.time_s;
+        let frame_s = took_s / num_frames as f64;
+        // NaN of a single frame.
+        if frame_s.is_nan()
+            || frame_s <= 0.0
+            || waited.as_secs_f64() > STALLED_S.max(STALLED_FRAMES * frame_s)
+        {
             return None;
         }
-        let newest_s = self.newest()?.time_s;
-        let recent = self.rows.iter().rev().take_while(|row| newest_s - row.time_s <= RATE_S);
-        let (num_frames, oldest_s) = recent.fold((0, newest_s), |(count, _), row| (count + 1, row.time_s));
-        // One frame in the last second: the time since the one before it.
-        let (num_frames, oldest_s) = match num_frames {
-            1 => (2, self.rows.get(self.rows.len().checked_sub(2)?)?.time_s),
-            many => (many, oldest_s),
-        };
-        (newest_s > oldest_s).then(|| f64::from(num_frames - 1) / (newest_s - oldest_s))
+        // The frame that is being drawn counts once it takes longer than the others.
+        let with_next = (num_frames + 1) as f64 / (took_s + waited.as_secs_f64());
+        Some(frame_s.recip().min(with_next))
     }
 
     /// Missed display periods since the start.
@@ -84,7 +97,7 @@ impl History {
 
     /// GPU time of the whole frame; `None` if the device gives none.
     pub(super) fn gpu(&self) -> Option<Spread> {
-        let times = || self.rows.iter().map(|row| row.gpu_ms).filter(|ms| ms.is_finite());
+        let times = || self.aged().map(|(_, row)| row.gpu_ms).filter(|ms| ms.is_finite());
         let now_ms = times().next_back()?;
         let sorted = Sorted::new(times().map(f64::from));
         let [median_ms, p99_ms] = [sorted.median()?, sorted.percentile(990)?].map(|ms| ms as f32);
@@ -96,7 +109,7 @@ impl History {
         let budget_ms = self.newest().map_or(0.0, |row| f64::from(row.budget_ms));
         let budget_ms = if budget_ms.is_finite() && budget_ms > 0.0 { budget_ms } else { 10.0 };
         let longest_ms =
-            self.rows.iter().map(|row| f64::from(row.gpu_ms)).filter(|ms| ms.is_finite()).fold(0.0, f64::max);
+            self.aged().map(|(_, row)| f64::from(row.gpu_ms)).filter(|ms| ms.is_finite()).fold(0.0, f64::max);
         let steps = [1.4, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
         let wanted = longest_ms * 1.05;
         steps.iter().map(|step| step * budget_ms).find(|top| *top >= wanted).unwrap_or(wanted)
@@ -106,7 +119,7 @@ impl History {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::timing::Phase;
+    use std::time::Duration;
 
     /// A frame at `time_s` that took the GPU `gpu_ms`.
     pub(in crate::desktop) fn row(frame: u64, time_s: f64, gpu_ms: f32) -> FrameRow {
@@ -174,6 +187,47 @@ pub(super) mod tests {
         assert_eq!(filled([1.0]).frames_per_second(now), None);
         assert_eq!(filled([1.0, 1.0]).frames_per_second(now), None, "no division by zero");
         assert_eq!(filled([1.0, 1.1]).frames_per_second(now + Duration::from_secs(9)), None, "stopped");
+    }
+
+    /// Two are under way at once: both begin when the two before have ended.
+    #[test]
+    fn frames_that_come_in_bursts_are_as_slow_as_they_are() {
+        for (in_flight, burst_s) in [(1, 2.0), (2, 4.0), (2, 0.3), (3, 6.0), (2, 60.0)] {
+            let times = (0..40).map(|i| f64::from(i / in_flight) * burst_s + 0.05 * f64::from(i % in_flight));
+            let (times, truth): (Vec<f64>, _) = (times.collect(), f64::from(in_flight) / burst_s);
+            for num in 20..40 {
+                let history = filled(times[..num].iter().copied());
+                let rate = history.frames_per_second(Instant::now()).expect("frames go on");
+                let what = format!("{in_flight} in {burst_s} s: {rate}, after {num}");
+                assert!((0.7 * truth..1.4 * truth).contains(&rate), "{what}");
+                let ages: Vec<f64> = history.aged().map(|(age_s, _)| age_s).collect();
+                assert!(ages.iter().all(|age_s| (-HISTORY_S..=0.0).contains(age_s)), "{what}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_frame_rate_is_the_scans_and_falls_while_a_frame_takes_long() {
+        let mut history = History::default();
+        let began = Instant::now();
+        for i in 0..300 {
+            let waiting = FrameRow { phase: Phase::Waiting, ..row(i, i as f64 / 60.0, 5.0) };
+            history.push(waiting, began);
+            assert_eq!(history.frames_per_second(began), None, "a bar is no scan");
+        }
+        for (i, time_s) in [5.0, 7.0, 9.0].into_iter().enumerate() {
+            history.push(row(300 + i as u64, time_s, 2000.0), began);
+        }
+        assert_eq!(history.frames_per_second(began), Some(0.5));
+        let history = filled((0..200).map(|i| f64::from(i) / 90.0));
+        let after = |seconds: f64| {
+            let now = history.last_push.expect("rows") + Duration::from_secs_f64(seconds);
+            history.frames_per_second(now)
+        };
+        let rates = [0.005, 0.02, 0.5, 1.0, 2.9].map(|seconds| after(seconds).expect("not yet stopped"));
+        assert!(rates.is_sorted_by(|a, b| a > b), "{rates:?}");
+        assert!(rates[0] > 89.0 && (40.0..50.0).contains(&rates[2]) && rates[4] < 4.0, "{rates:?}");
+        assert_eq!(after(3.1), None);
     }
 
     #[test]

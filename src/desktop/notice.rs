@@ -35,6 +35,10 @@ fn loading(ui: &mut Ui, doing: &Done, picture: bool) {
     let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
     card(ui, "loading", align, y, |ui| {
         ui.set_width(260.0);
+        if doing.total == 0 {
+            ui.label(format!("{} …", title(doing.what)));
+            return;
+        }
         ui.horizontal(|ui| {
             ui.label(format!("{} …", title(doing.what)));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

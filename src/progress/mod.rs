@@ -81,6 +81,12 @@ pub struct Count {
 }
 
 impl Count {
+    /// Of work whose parts nobody counts.
+    #[must_use]
+    pub fn uncounted(what: &'static str) -> Self {
+        Self { what, unit: "", done: AtomicU64::new(0), total: 0 }
+    }
+
     /// As it is now.
     #[must_use]
     pub fn now(&self) -> Done {
@@ -98,7 +104,7 @@ pub struct Done {
     pub unit: &'static str,
     /// How many are done.
     pub done: u64,
-    /// Of how many, as far as was known before.
+    /// Of how many, as far as was known before; 0: nobody counts.
     pub total: u64,
 }
 
