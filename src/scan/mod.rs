@@ -3,6 +3,7 @@
 //! Readers parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose
 //! nothing that can be read. A new format is one more [`Format`] in [`FORMATS`]; nothing else knows of formats.
 
+mod axes;
 mod color;
 mod crs;
 mod earth;

@@ -7,7 +7,7 @@ use super::crs::{Angle, Axes};
 use super::earth::{Geodetic, LocalFrame};
 use super::ply::grid::Grid;
 use super::up::{self, UpAxis};
-use super::{Header, Lattice, Marks, ReadOptions, Scan, ScanFile, far, unit};
+use super::{Header, Lattice, Marks, ReadOptions, Scan, ScanFile, axes, far, unit};
 use crate::space::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -124,9 +124,10 @@ impl Axes {
 
 /// Puts all files into one world, and says what was done that a user does not expect.
 pub(super) fn place(scan: &mut Scan, headers: &[Header], options: &ReadOptions) {
-    let units: Vec<Units> = headers.iter().map(|header| Units::of(header, options)).collect();
     let axes: Vec<Axes> =
-        scan.files.iter().zip(headers).map(|(file, header)| axes(file, header, options)).collect();
+        scan.files.iter().zip(headers).map(|(file, header)| axes::of(file, header, options)).collect();
+    let units: Vec<Units> =
+        headers.iter().zip(&axes).map(|(header, &axes)| Units::of(header, axes, options)).collect();
     let on_earth = |at: &usize| axes[*at] != Axes::Planar;
     let projected: Vec<usize> = (0..scan.files.len()).filter(on_earth).collect();
     scan.unit_in_file_m = units.iter().find_map(|units| units.across_m);
@@ -167,12 +168,14 @@ struct Units {
 
 impl Units {
     /// As the user states them, or else the file. What the user says of all axes holds for heights too.
-    fn of(header: &Header, options: &ReadOptions) -> Self {
+    fn of(header: &Header, axes: Axes, options: &ReadOptions) -> Self {
         let (unit_m, vertical_m) = (options.unit.metres(), options.vertical_unit.metres());
         // Who states a unit of heights only, has metres across, unless the file says otherwise.
         let metre = vertical_m.map(|_| 1.0);
+        // A map's unit says nothing of places on the earth.
+        let in_file_m = header.unit_m.filter(|_| axes == Axes::Planar || header.axes != Some(Axes::Planar));
         Self {
-            across_m: unit_m.or(header.unit_m).or(metre),
+            across_m: unit_m.or(in_file_m).or(metre),
             up_m: vertical_m.or(unit_m).or(header.vertical_unit_m),
         }
     }
@@ -193,63 +196,6 @@ impl Units {
             Axes::Geocentric => self.across_m.unwrap_or(1.0),
         }
     }
-}
-
-/// What the axes of a file are.
-fn axes(file: &ScanFile, header: &Header, options: &ReadOptions) -> Axes {
-    match options.project {
-        Project::Off => Axes::Planar,
-        Project::Degrees => Axes::Geographic(Angle::Degree),
-        Project::Geocentric => Axes::Geocentric,
-        Project::Auto => match header.axes {
-            Some(axes) if is_possible(file, axes) => axes,
-            Some(_) => Axes::Planar,
-            None => evident_axes(file, header.is_on_fixed_grid).unwrap_or(Axes::Planar),
-        },
-    }
-}
-
-/// False if a file's points cannot be where its coordinate system says: some files name one that is not theirs.
-fn is_possible(file: &ScanFile, axes: Axes) -> bool {
-    let middle = median(samples(file).collect());
-    match axes {
-        Axes::Planar => true,
-        Axes::Geographic(angle) => {
-            let turn = std::f64::consts::TAU / angle.radians();
-            middle.x.abs() <= turn && middle.y.abs() <= 0.25 * turn
-        }
-        Axes::Geocentric => (-20e3..100e3).contains(&Geodetic::of_geocentric(middle).height_m),
-    }
-}
-
-/// What the axes must be of a file that does not say it, where the coordinates leave no doubt.
-fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
-    let Bounds { min, max } = file.bounds;
-    let (size, middle) = (file.bounds.size(), file.bounds.center());
-    let across = size.x.max(size.y);
-    let in_range = min.x >= -180.0 && max.x <= 180.0 && min.y >= -90.0 && max.y <= 90.0;
-    let has_extent = size.x > 0.0 && size.y > 0.0;
-    // A degree is 111 km: what is degrees across looks like a needle, far from zero for its thickness. A grid of whole
-    // steps in metres has not got the decimals that degrees need, or has them for heights too.
-    let (step, needle) = (file.lattice.scale.abs(), size.z / across);
-    let step_across = step.x.max(step.y);
-    let is_far = middle.truncate().length() >= 1000.0 * across;
-    let has_decimals = step_across <= 1e-5 && step.z >= 10.0 * step_across;
-    let is_needle = across < 1.0 && is_far && needle >= if is_on_fixed_grid { 50.0 } else { 1000.0 };
-    // Nobody stores lengths to a thousandth of a millimetre and heights to a tenth.
-    let is_degrees_grid = is_on_fixed_grid && step_across <= 1.1e-6 && step.z >= 90.0 * step_across;
-    // Nor threads to a ten thousandth.
-    let is_thread = across < 1.0 && is_far && needle >= 10_000.0 && step_across <= 1.1e-7;
-    if in_range && has_extent && (is_needle && has_decimals || is_degrees_grid || is_thread) {
-        return Some(Axes::Geographic(Angle::Degree));
-    }
-    // No survey has heights of 20 km, and by chance the middle may be as far from zero as the ground is, but not all else.
-    let is_on_ground = |&p: &DVec3| (-1000.0..9000.0).contains(&Geodetic::of_geocentric(p).height_m);
-    let places: Vec<DVec3> = samples(file).collect();
-    let are_most = || 5 * places.iter().filter(|p| is_on_ground(p)).count() >= 4 * places.len();
-    let middle = median(places.clone());
-    let is_evident = middle.z.abs() > 20_000.0 && is_on_ground(&middle) && are_most();
-    is_evident.then_some(Axes::Geocentric)
 }
 
 /// Some points of a file, evenly over it, in its coordinates.
@@ -367,11 +313,11 @@ fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geo
             WorldFromFile::Geographic { .. } => "in angles",
             _ => "from the earth's centre",
         };
-        let is_guess = options.project == Project::Auto && header.axes.is_none();
-        let how = if is_guess {
-            "names no coordinate system, but has its coordinates"
-        } else {
-            "has its coordinates"
+        let is_as_stated = header.axes == Some(file.world_from_file.axes());
+        let how = match header.axes {
+            _ if options.project != Project::Auto || is_as_stated => "has its coordinates",
+            None => "names no coordinate system, but has its coordinates",
+            Some(_) => "names another coordinate system, but has its coordinates",
         };
         let (lon, lat) = (middle.longitude.to_degrees(), middle.latitude.to_degrees());
         let path = file.path.display();
@@ -379,6 +325,13 @@ fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geo
             "{path}: {how} {what}; they are drawn in metres east, north and up of longitude {lon:.5}, latitude {lat:.5} \
              (cloud.project=off draws them as they are)"
         ));
+        let is_geographic = matches!(file.world_from_file, WorldFromFile::Geographic { .. });
+        if is_geographic && options.project == Project::Auto && options.unit.metres().is_some() {
+            sentences.push(format!(
+                "{path}: cloud.unit is the unit of its heights only, for its coordinate system is one of angles \
+                 (cloud.project=off, if it has lengths)"
+            ));
+        }
         if let Some((other, _)) = all().find(|(file, _)| !is_projected(file)) {
             let other = other.path.display();
             sentences.push(format!(

@@ -1,6 +1,7 @@
 //! GeoTIFF keys, as LAS files have them.
 
-use super::{Angle, Axes, Crs, FOOT_M, US_SURVEY_FOOT_M};
+use super::units::{angle, length_m};
+use super::{Angle, Axes, Crs};
 
 /// From GeoTIFF keys: the key directory, its numbers, its texts.
 pub(crate) fn from_geotiff(keys: &[u8], doubles: &[u8], texts: &[u8]) -> Crs {
@@ -25,22 +26,16 @@ pub(crate) fn from_geotiff(keys: &[u8], doubles: &[u8], texts: &[u8]) -> Crs {
         let at = 8 * usize::from(start);
         doubles.get(at..)?.first_chunk().map(|bytes| f64::from_le_bytes(*bytes))
     };
-    // EPSG's numbers of units of length.
-    let length = |code: Option<u16>| match code {
-        Some(9001) => Some(1.0),
-        Some(9002) => Some(FOOT_M),
-        Some(9003) => Some(US_SURVEY_FOOT_M),
-        Some(9036) => Some(1000.0),
-        _ => None,
-    };
-    let unit_m = length(short(3076)).or_else(|| double(3077));
-    let vertical_unit_m = length(short(4099));
+    let unit_m = short(3076).and_then(length_m).or_else(|| double(3077));
+    let vertical_unit_m = short(4099).and_then(length_m);
+    let angle = short(2054).and_then(angle);
+    let geographic = Axes::Geographic(angle.unwrap_or(Angle::Degree));
     let (model, projected, geodetic) = (short(1024), short(3072).map(u32::from), short(2048).map(u32::from));
     let axes = match model {
         // Model types: 1 projected, 2 geographic, 3 geocentric.
         Some(3) => Axes::Geocentric,
-        Some(2) if projected.is_none() => geographic(short(2054)),
-        None if projected.is_none() && geodetic.is_some() => geographic(short(2054)),
+        Some(2) if projected.is_none() => geographic,
+        None if projected.is_none() && geodetic.is_some() => geographic,
         None if projected.is_none() && unit_m.is_none() => return Crs { vertical_unit_m, ..Crs::default() },
         _ => Axes::Planar,
     };
@@ -49,20 +44,14 @@ pub(crate) fn from_geotiff(keys: &[u8], doubles: &[u8], texts: &[u8]) -> Crs {
     let citation =
         if on_earth { text(2049).or_else(|| text(1026)) } else { text(3073).or_else(|| text(1026)) };
     let vertical_code = short(4096).map(u32::from);
-    Crs { vertical_code, ..Crs::new(code, citation, axes, unit_m, vertical_unit_m) }.or_registered()
-}
-
-/// Angles in the unit with this number of EPSG.
-fn geographic(unit: Option<u16>) -> Axes {
-    Axes::Geographic(match unit {
-        Some(9101) => Angle::Radian,
-        Some(9105 | 9106) => Angle::Gradian,
-        _ => Angle::Degree,
-    })
+    let lacks_angle = angle.is_none();
+    let crs = Crs { vertical_code, lacks_angle, ..Crs::new(code, citation, axes, unit_m, vertical_unit_m) };
+    crs.or_registered()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{FOOT_M, US_SURVEY_FOOT_M};
     use super::*;
 
     fn geotiff(keys: &[[u16; 4]], doubles: &[f64], texts: &str) -> Crs {
@@ -99,6 +88,25 @@ mod tests {
         // What the file says itself wins; an unknown code says nothing.
         assert_eq!(geotiff(&[[3072, 0, 1, 2263], [3076, 0, 1, 9001]], &[], "").unit_m, Some(1.0));
         assert_eq!(projected(65000).unit_m, None);
+    }
+
+    #[test]
+    fn units_of_every_number_are_known() {
+        for (number, unit_m) in
+            [(9005, 0.304_797_265_4), (9014, 1.8288), (9037, 0.914_391_796_2), (9093, 1609.344)]
+        {
+            let keys = [[1024, 0, 1, 1], [3072, 0, 1, 32767], [3076, 0, 1, number], [4099, 0, 1, number]];
+            let crs = geotiff(&keys, &[], "");
+            for found_m in [crs.unit_m, crs.vertical_unit_m] {
+                assert!((found_m.unwrap_or_default() - unit_m).abs() < 1e-12, "{number}: {found_m:?}");
+            }
+        }
+        let angle = |keys: &[[u16; 4]]| geotiff(keys, &[], "").axes;
+        let gradian = Some(Axes::Geographic(Angle::Gradian));
+        assert_eq!(angle(&[[1024, 0, 1, 2], [2048, 0, 1, 32767], [2054, 0, 1, 9105]]), gradian);
+        assert_eq!(angle(&[[1024, 0, 1, 2], [2048, 0, 1, 4807]]), gradian, "by the system's number");
+        let stated = angle(&[[1024, 0, 1, 2], [2048, 0, 1, 4807], [2054, 0, 1, 9102]]);
+        assert_eq!(stated, Some(Axes::Geographic(Angle::Degree)), "what the file says itself wins");
     }
 
     #[test]

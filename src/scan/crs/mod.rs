@@ -2,6 +2,7 @@
 //! leaves out, the EPSG's register says by the system's number.
 
 mod geotiff;
+mod units;
 mod wkt;
 
 pub(crate) use geotiff::from_geotiff;
@@ -72,6 +73,8 @@ pub(crate) struct Crs {
     pub vertical_unit_m: Option<f64>,
     /// What the coordinates are.
     pub axes: Option<Axes>,
+    /// The unit of angles is not stated: degrees were taken.
+    lacks_angle: bool,
     code: Option<u32>,
     vertical_code: Option<u32>,
 }
@@ -89,15 +92,21 @@ impl Crs {
         let name = named_with(code, named);
         let [unit_m, vertical_unit_m] = [unit_m, vertical_unit_m].map(|unit| unit.and_then(length));
         let unit_m = unit_m.filter(|_| !matches!(axes, Axes::Geographic(_)));
-        Self { name, unit_m, vertical_unit_m, axes: Some(axes), code, vertical_code: None }
+        Self { name, unit_m, vertical_unit_m, axes: Some(axes), code, ..Self::default() }
     }
 
     /// With what the register says of the numbers, where the file says nothing itself.
     fn or_registered(self) -> Self {
         let system = self.code.and_then(registered).unwrap_or_default();
         let vertical = self.vertical_code.and_then(registered).unwrap_or_default();
-        // A number of a geocentric system counts more than the kind that a file calls it.
-        let axes = system.axes.filter(|&axes| axes == Axes::Geocentric).or(self.axes);
+        // A number of a geocentric system counts more than the kind that a file calls it, and tells an angle that it does not
+        // name.
+        let counts_more = |axes: &Axes| match axes {
+            Axes::Geocentric => true,
+            Axes::Geographic(_) => self.lacks_angle,
+            Axes::Planar => false,
+        };
+        let axes = system.axes.filter(counts_more).or(self.axes);
         let says_name = self.name.as_ref().is_some_and(|name| name.contains(", "));
         Self {
             name: if says_name { self.name } else { system.name.or(self.name) },

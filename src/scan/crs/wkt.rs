@@ -31,6 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Crs {
         vertical_unit_m.or_else(|| third.and_then(Node::unit_m).filter(|_| axes != Axes::Geocentric));
     let name = Some(system.text(0).to_owned());
     Crs {
+        lacks_angle: system.angle_radians().is_none(),
         vertical_code: vertical.and_then(Node::code),
         ..Crs::new(code, name, axes, system.unit_m(), vertical_unit_m)
     }
@@ -89,11 +90,16 @@ impl Node {
         unit.and_then(|unit| unit.text(1).parse().ok())
     }
 
-    /// The unit of angle that the node states, itself or at its first axis.
+    /// The unit of angle that the node states, itself or at its first axis; else degrees.
     fn angle(&self) -> Angle {
+        Angle::of_radians(self.angle_radians())
+    }
+
+    /// Radians of the unit that it states.
+    fn angle_radians(&self) -> Option<f64> {
         let axis = || self.child(&["AXIS"]).and_then(|axis| axis.child(&["ANGLEUNIT", "UNIT"]));
         let unit = self.child(&["ANGLEUNIT", "UNIT"]).or_else(axis);
-        Angle::of_radians(unit.and_then(|unit| unit.text(1).parse().ok()))
+        unit.and_then(|unit| unit.text(1).parse().ok())
     }
 
     /// The first node from the top that `wanted` accepts.
@@ -208,6 +214,8 @@ mod tests {
         let gradian =
             from_wkt(br#"GEOGCS["NTF (Paris)",UNIT["grad",0.01570796326794897],AUTHORITY["EPSG","4807"]]"#);
         assert_eq!(gradian.axes, Some(Axes::Geographic(Angle::Gradian)));
+        let by_number = from_wkt(br#"GEOGCS["NTF (Paris)",DATUM["x"],AUTHORITY["EPSG","4807"]]"#);
+        assert_eq!(by_number.axes, Some(Axes::Geographic(Angle::Gradian)));
     }
 
     #[test]
