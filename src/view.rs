@@ -445,4 +445,43 @@ mod tests {
             .expect_err("there is no GPU any more");
         assert!(viewer.load().warnings.is_empty());
     }
+
+    /// A slow frame may be under way when all is built and sent: until the next one shows it, no count stands at its end.
+    #[test]
+    fn what_comes_after_building_has_its_own_name() {
+        let gpu = Gpu::open(None).unwrap();
+        for (method, last) in
+            [(LodMethod::Octree, "building the octree"), (LodMethod::Spt, "sending to the GPU")]
+        {
+            let mut config = Config::default();
+            config.lod.method = method;
+            let xyz: Vec<[i32; 3]> = (0..3000).map(|i| [i * 37 % 1000, i * 91 % 1000, i / 30]).collect();
+            let points = scan::Points { rgb: vec![[100; 3]; xyz.len()], xyz, ..Default::default() };
+            let file = scan::ScanFile { points, ..Default::default() };
+            let lattice = file.lattice;
+            let positions = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
+            let bounds = positions.fold(crate::space::Bounds::EMPTY, crate::space::Bounds::with);
+            let scan = scan::Scan { files: vec![scan::ScanFile { bounds, ..file }], ..Default::default() };
+            let (link, _commands, viewer) = link::link();
+            let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
+            let seen = Arc::clone(&counts);
+            let job =
+                Job::observed(&Stop::default(), move |count| seen.lock().unwrap().push(Arc::clone(count)));
+            let (sender, loaded) = std::sync::mpsc::channel();
+            let (retired, retired_receiver) = std::sync::mpsc::channel();
+            let shelf = Shelf { loaded: sender, retired: retired_receiver };
+            std::thread::scope(|scope| {
+                let (config, gpu, link, job) = (&config, &gpu, &link, &job);
+                let loading = scope.spawn(move || detailed(scan, config, gpu, link, job, &shelf));
+                loaded.recv().expect("a cloud");
+                let doing = viewer.load().doing.expect("it is not shown yet");
+                assert_eq!((doing.what, doing.total), ("showing all detail", 0), "{method:?}");
+                drop(retired);
+                assert!(loading.join().unwrap().unwrap().is_some());
+            });
+            let done: Vec<_> = counts.lock().unwrap().iter().map(|count| count.now()).collect();
+            let newest = done.last().expect("work that is seen");
+            assert!(newest.what == last && newest.done >= newest.total, "{method:?}: {done:?}");
+        }
+    }
 }

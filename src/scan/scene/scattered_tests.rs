@@ -191,6 +191,69 @@ fn thin_parts_may_get_lost_among_strays_but_the_view_stays_near() {
     }
 }
 
+/// Where a scanner stands in scenes of 1 by 1 by 0.5, and by how many times farther it goes astray.
+const EYE: DVec3 = DVec3::new(0.1, 0.05, 0.1);
+const ASTRAY: f64 = 75.0;
+
+#[derive(Clone, Copy, Debug)]
+enum Rays {
+    /// To all sides, at any distance.
+    Around,
+    /// Into the sky.
+    Up,
+    /// Within a narrow part of it.
+    Cone,
+    /// Beyond the points of the scene: what is behind a pane, or was reflected by it.
+    Beyond,
+    /// As many from one to two times as far as from two to four times.
+    Logarithmic,
+    /// Few directions, each with many.
+    Hundreds,
+}
+
+impl Rays {
+    fn at(self, scene: fn(&mut Random) -> DVec3, random: &mut Random) -> DVec3 {
+        let far = ASTRAY * random.next();
+        let direction = random.bell().normalize();
+        let away = match self {
+            Self::Around => direction * far,
+            Self::Up => direction.with_z(direction.z.abs()) * far,
+            Self::Cone => (direction + DVec3::Z * 3.0).normalize() * far,
+            Self::Beyond => {
+                let away = scene(random) - EYE;
+                away + away.normalize() * far
+            }
+            Self::Logarithmic => direction * 0.02 * (ASTRAY / 0.02).powf(random.next()),
+            Self::Hundreds => Random((300.0 * random.next()) as u64).bell().normalize() * far,
+        };
+        EYE + away
+    }
+}
+
+/// Rays touch the scene: where they begin, strays are as dense as its points. (Thousands of strays in each of a few
+/// directions are left: so are wires.)
+#[test]
+fn strays_along_a_scanners_rays_do_not_count() {
+    for scene in [COMPACT[0], COMPACT[1], COMPACT[2], THIN[0]] {
+        for rays in [Rays::Around, Rays::Up, Rays::Cone, Rays::Beyond, Rays::Logarithmic, Rays::Hundreds] {
+            for num in [3_000, 20_000] {
+                for share in [0.01, 0.1] {
+                    let random = &mut Random(num);
+                    let num_strays = (share * num as f64) as u64;
+                    let mut positions: Vec<DVec3> = (num_strays..num).map(|_| scene.1(random)).collect();
+                    let bounds = Bounds::around(&positions);
+                    positions.extend((0..num_strays).map(|_| rays.at(scene.1, random)));
+                    let found = find(positions).expect("a scene");
+                    let what = format!("{} {rays:?} {num} {share}: {found:.2?} of {bounds:.2?}", scene.0);
+                    let most = bounds.grown(bounds.edge());
+                    assert!(most.contains(found.min) && most.contains(found.max), "{what}");
+                    assert!(found.edge() > 0.6 * bounds.edge(), "{what}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn without_strays_thin_parts_stay() {
     for (name, scene) in COMPACT.into_iter().chain(THIN) {
