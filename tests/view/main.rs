@@ -7,6 +7,7 @@ mod xr_support;
 #[allow(dead_code, reason = "each test program uses its own part")]
 mod screen;
 
+mod display;
 mod headset;
 mod offscreen;
 mod scene;

@@ -140,51 +140,6 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
     }
 }
 
-/// A session that hangs takes connections and says nothing. Nobody waits for it: neither the window nor a library that looks
-/// for GPUs, and least of all whoever asks the program to end.
-#[test]
-fn a_wayland_display_that_keeps_silent_is_given_up() {
-    let screen = Screen::start();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let _silent = std::os::unix::net::UnixListener::bind(folder.path().join("wayland-0")).expect("a socket");
-    let start = |has_x11: bool, args: &[&str]| {
-        let mut command = match args {
-            [] => command(&screen, folder.path(), &Scene::get().courtyard, "on"),
-            _ => Command::new(PROGRAM),
-        };
-        command.args(args).current_dir(folder.path()).stderr(Stdio::piped());
-        command.env("WAYLAND_DISPLAY", "wayland-0").env("XDG_RUNTIME_DIR", folder.path());
-        if !has_x11 {
-            command.env_remove("DISPLAY");
-        }
-        Viewer(command.spawn().expect("the program starts"))
-    };
-    let end = |mut viewer: Viewer| {
-        let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
-        let mut said = String::new();
-        viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
-        (status.code(), said)
-    };
-    let viewer = start(true, &[]);
-    let window = window(&screen);
-    wait_lit(&screen, &window);
-    screen.ask_to_close(&window);
-    assert_eq!(end(viewer), (Some(0), String::new()));
-    let (code, said) = end(start(false, &[]));
-    assert!(code == Some(1) && said.lines().count() == 1, "{said}");
-    assert!(said.contains("wayland-0, where a compositor listens, but does not answer"), "{said}");
-    // While it waits for the compositor; it would end by itself with a failure.
-    let viewer = start(false, &[]);
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    let id = viewer.0.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
-    let (code, said) = end(viewer);
-    assert!(code == Some(0) && said.contains("stopping"), "{code:?}: {said}");
-    let scan = Scene::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
-    let (code, said) = end(start(false, &["render", &scan, "-o", "picture.png", "--size", "64x48"]));
-    assert_eq!((code, said.as_str()), (Some(0), ""));
-}
-
 /// Why there is no scan is to be read: the window stays until it is closed, or the program is asked to end. Whoever set a
 /// limit, or has no window, is not waited for.
 #[test]
