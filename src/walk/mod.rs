@@ -16,6 +16,7 @@ mod screenshot;
 pub mod simulated;
 pub mod start;
 mod surroundings;
+mod tube;
 mod waiting;
 
 pub use run::{Loaded, Walk, WalkSummary};

@@ -3,6 +3,7 @@
 use super::locomotion::Start;
 use super::part::part;
 use super::surroundings::{Standing, standing};
+use super::tube;
 use crate::overview::{self, Lens};
 use crate::scan::Scene;
 use crate::space::{Bounds, Fov, Pose};
@@ -39,6 +40,9 @@ pub fn start(scene: &Scene, unit_m: f64) -> Start {
 
 /// The floor and the yaw; `None` of a landscape. What is long and thin is seen by a part of it.
 fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64)> {
+    if let Some((floor_in_world, ahead)) = tube::floor(scene, units_per_m) {
+        return Some((floor_in_world, (-ahead.x).atan2(ahead.y)));
+    }
     let near = part(scene, NEAR_PART_M * units_per_m);
     let far = part(scene, PART_M * units_per_m);
     if spread(&near) / units_per_m > LANDSCAPE_M {

@@ -226,3 +226,56 @@ fn a_hollow_tower_in_the_open_is_seen_from_outside() {
         }
     }
 }
+
+/// A tube of `radius` and `length` along `turn`, open, lying on z = 0.
+fn tube(radius: f64, length: f64, turn: f64) -> Vec<DVec3> {
+    let (ahead, right) = (glam::DVec2::from_angle(turn), -glam::DVec2::from_angle(turn).perp());
+    let at = |[u, v]: [f64; 2]| {
+        let round = std::f64::consts::TAU * v;
+        (ahead * length * (u - 0.5) + right * radius * round.sin()).extend(radius * (1.0 - round.cos()))
+    };
+    square(20_000).map(at).collect()
+}
+
+#[test]
+fn a_round_tunnel_begins_inside_and_what_is_round_otherwise_is_none() {
+    for (radius, length) in [(1.3, 20.0), (2.0, 15.0), (3.0, 60.0), (6.0, 400.0), (3.0, 5000.0)] {
+        for turn in [0.0, 0.5, 0.785, 1.57, 2.4] {
+            let ahead = glam::DVec2::from_angle(turn);
+            // What lies about, and a few strays.
+            let rails = square(400).map(|[u, _]| (ahead * length * (u - 0.5)).extend(0.15 * radius));
+            let strays = square(40).map(|[u, v]| DVec3::new(2.0 * radius * u, 0.0, 3.0 * radius * v));
+            let scene = scene(UTM, tube(radius, length, turn).into_iter().chain(rails).chain(strays));
+            let Start { floor_in_world, yaw, .. } = start(&scene, 1.0);
+            let at = floor_in_world - UTM;
+            let what = format!("{radius} {length} {turn}: {at}");
+            assert!(
+                at.z.abs() < 0.05 * radius && at.truncate().perp_dot(ahead).abs() < 0.1 * radius,
+                "{what}"
+            );
+            assert!(at.truncate().dot(ahead).abs() < 0.1 * length, "{what}");
+            assert!(glam::DVec2::new(-yaw.sin(), yaw.cos()).dot(ahead).abs() > 0.99, "{what}: {yaw}");
+        }
+    }
+    let lid = |x: f64, radius: f64| {
+        square(500).map(move |[u, v]| {
+            let (round, r) = (std::f64::consts::TAU * u, radius * v.sqrt());
+            DVec3::new(x, r * round.sin(), radius - r * round.cos())
+        })
+    };
+    let ground = floor(40.0, 30.0).into_iter();
+    let standing = |p: DVec3| DVec3::new(p.z, p.y, p.x);
+    for (what, points) in [
+        ("a tank", tube(2.0, 14.0, 0.0).into_iter().chain(lid(-7.0, 2.0)).chain(lid(7.0, 2.0)).collect()),
+        ("a can", tube(2.0, 8.0, 0.0)),
+        ("a thin pipe", tube(0.6, 20.0, 0.0)),
+        ("a column", tube(2.0, 20.0, 0.0).into_iter().map(standing).collect()),
+        ("half a pipe", tube(3.0, 30.0, 0.0).into_iter().filter(|p| p.z > 2.0).collect()),
+        (
+            "a pipe over ground",
+            tube(2.0, 20.0, 0.0).into_iter().map(|p| p + DVec3::Z).chain(ground).collect::<Vec<_>>(),
+        ),
+    ] {
+        assert_eq!(tube::floor(&scene(UTM, points), 1.0), None, "{what}");
+    }
+}

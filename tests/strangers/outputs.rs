@@ -107,7 +107,7 @@ pub fn rows() -> Vec<Row> {
         "the new picture, no other file",
         |desk| {
             laid(desk);
-            desk.put("OLD.PNG", b"\x89PNG\r\n\x1a\n".to_vec());
+            desk.put("OLD.PNG", b"\x89PNG\r\n\x1a\n");
             let before = std::fs::read_dir(desk.path("")).expect("a folder").count();
             let ran = desk.run(&["render", "a.las", "-o", "OLD.PNG", "--size", "96x64"]);
             let picture = std::fs::read(desk.path("OLD.PNG")).map_err(|e| e.to_string())?;
