@@ -2,10 +2,10 @@
 // surface of its window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
 // others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
 //
-// In two passes through workgroup memory: rows first, each pixel with the radius of its own ring, or the reach of what it
-// meets if that is more, then columns over what the rows found. Depths come first. Where they say that a tile is one surface
-// without gaps, or that none of its pixels takes anything, it is written as it is; else colours are blended in those rows
-// that a pixel takes from. Sums are integers, so their order does not show. Neighbours are made at once, eight in a row and
+// In two passes through workgroup memory: rows first, each pixel with what reaches it, then columns over what the rows
+// found. What lies in a pixel reaches as far as its depth's last bits say, and as its ring's kernel at least. Depths come
+// first. Where they say that a tile is one surface without gaps, or that none of its pixels takes anything, it is written
+// as it is; else colours are blended in those rows that a pixel takes from. Sums are integers, so their order does not show. Neighbours are made at once, eight in a row and
 // four in a column, since they share taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in
 // different banks. A thread keeps its own four pixels' depths and colours.
 
@@ -16,6 +16,8 @@ const TILE_STRIDE: u32 = NUM_COLUMNS | 1u;
 const ROW_STRIDE: u32 = TILE_PX.x | 1u;
 /// Row windows are made eight at once.
 const NUM_RUNS: u32 = TILE_PX.x / 8u;
+/// Depths within this factor of another, nearer or farther, are of one surface: its square is below SURFACE_TOLERANCE.
+const WHOLE_TOLERANCE: f32 = 1.0 + 0.49 * (SURFACE_TOLERANCE - 1.0);
 /// Pixels that reach into the tile: above and below it, and in all.
 const NUM_ABOVE_BELOW: u32 = 2u * DILATE_REACH_PX * NUM_COLUMNS;
 const NUM_AROUND: u32 = NUM_ABOVE_BELOW + 2u * DILATE_REACH_PX * TILE_PX.y;
@@ -27,9 +29,8 @@ var<private> eye: EyeUniform;
 var<workgroup> tile_depth: array<u32, TILE_STRIDE * NUM_ROWS>;
 /// Their colours, with 1 for alpha: its sum is that of the weights.
 var<workgroup> tile_color: array<u32, TILE_STRIDE * NUM_ROWS>;
-/// The farthest depth, and the complement of the nearest: both begin at 0.
-var<workgroup> farthest: atomic<u32>;
-var<workgroup> nearness: atomic<u32>;
+/// Not 0 if a pixel of the tile may have something to take: it is neither one surface without gaps, nor empty.
+var<workgroup> varies: atomic<u32>;
 /// Of each eight columns: a bit a row in which a pixel takes from row windows.
 var<workgroup> taken: array<atomic<u32>, NUM_RUNS>;
 /// Nearest depth of each pixel's row window.
@@ -55,16 +56,14 @@ fn taps(v: Run) -> Taps {
         vec4(v[6], v[7], v[8], v[9]));
 }
 
-// A depth without those whose surface is not taken so far: neither the neighbour's own radius reaches it, nor what lies
-// there reaches the neighbour.
-fn taken_from(radius: vec4<u32>, depth: vec4<u32>, distance: u32) -> vec4<u32> {
-    let reach = max(radius, depth & vec4<u32>(REACH_MASK));
-    return select(vec4<u32>(EMPTY_DEPTH), depth, reach >= vec4<u32>(distance));
+// Depths of what reaches so far.
+fn reaching(depth: vec4<u32>, distance: u32) -> vec4<u32> {
+    return select(vec4<u32>(EMPTY_DEPTH), depth, (depth & vec4<u32>(REACH_MASK)) >= vec4<u32>(distance));
 }
 
-fn within(radius: vec4<u32>, d: Taps) -> Taps {
-    return Taps(taken_from(radius, d[0], 3u), taken_from(radius, d[1], 2u), d[2], d[3], d[4],
-        taken_from(radius, d[5], 2u), taken_from(radius, d[6], 3u));
+// All reach the pixels beside them.
+fn within_reach(d: Taps) -> Taps {
+    return Taps(reaching(d[0], 3u), reaching(d[1], 2u), d[2], d[3], d[4], reaching(d[5], 2u), reaching(d[6], 3u));
 }
 
 fn nearest_of(d: Taps) -> vec4<u32> {
@@ -105,7 +104,7 @@ fn place_around(i: u32) -> vec2<u32> {
     return vec2<u32>(select(side, side + TILE_PX.x, side >= DILATE_REACH_PX), row + DILATE_REACH_PX);
 }
 
-// A pixel's depth, which counts for the tile's nearest and farthest; outside the image there is none.
+// A pixel's depth, which counts for the nearest and farthest of a thread; outside the image there is none.
 fn load_depth(pixel: vec2<u32>, range: ptr<function, vec2<u32>>) -> u32 {
     if !is_inside(pixel) {
         return EMPTY_DEPTH;
@@ -115,6 +114,12 @@ fn load_depth(pixel: vec2<u32>, range: ptr<function, vec2<u32>>) -> u32 {
     return w;
 }
 
+// A depth that reaches as far as the kernel of the pixel's ring, or farther.
+fn with_reach(depth: u32, pixel: vec2<u32>) -> u32 {
+    let reach = max(depth & REACH_MASK, radius_px(eye, i32(pixel.x), i32(pixel.y)));
+    return (depth & ~REACH_MASK) | reach;
+}
+
 fn load_color(pixel: vec2<u32>, w: u32) -> u32 {
     if w == EMPTY_DEPTH {
         return 0u;
@@ -122,23 +127,16 @@ fn load_color(pixel: vec2<u32>, w: u32) -> u32 {
     return surface_color(number_of(pixel));
 }
 
-// True if no pixel of the tile has anything to take: it is one surface without gaps, or empty.
-fn is_whole() -> bool {
-    let nearest = ~atomicLoad(&nearness);
-    return nearest == EMPTY_DEPTH || atomicLoad(&farthest) <= surface_end(vec4<u32>(nearest)).x;
+// The nearest and the farthest of depths that are of one surface if the pixel's is among them.
+fn surface_around(pixel: vec2<u32>) -> vec2<u32> {
+    let w = surface_depth(number_of(pixel));
+    let depth = bitcast<f32>(w);
+    let around = vec2<u32>(bitcast<u32>(depth / WHOLE_TOLERANCE), bitcast<u32>(depth * WHOLE_TOLERANCE));
+    return select(around, vec2<u32>(EMPTY_DEPTH), w == EMPTY_DEPTH);
 }
 
 fn keep_color(at: u32, color: u32) {
     tile_color[at] = (color & 0xffffffu) | 0x01000000u;
-}
-
-// The rings' radii of four pixels, the next of which are `step` further.
-fn radii(first: vec2<u32>, step: vec2<i32>) -> vec4<u32> {
-    let a = vec2<i32>(first);
-    let b = a + step;
-    let c = b + step;
-    let d = c + step;
-    return vec4(radius_px(eye, a.x, a.y), radius_px(eye, b.x, b.y), radius_px(eye, c.x, c.y), radius_px(eye, d.x, d.y));
 }
 
 // Depths that the row windows of eight pixels reach, from `i` on in the tile.
@@ -156,9 +154,9 @@ fn last_run(v: Row) -> Run {
     return Run(v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], v[12], v[13]);
 }
 
-// Keeps the nearest depths of the row windows of four pixels, the first of which is `pixel` and goes to `to`.
-fn keep_nearest(pixel: vec2<u32>, to: u32, depth: Run) {
-    let nearest = nearest_of(within(radii(pixel, vec2(1, 0)), taps(depth)));
+// Keeps the nearest depths of the row windows of four pixels, the first of which goes to `to`.
+fn keep_nearest(to: u32, depth: Run) {
+    let nearest = nearest_of(within_reach(taps(depth)));
     row_nearest[to] = nearest.x;
     row_nearest[to + 1u] = nearest.y;
     row_nearest[to + 2u] = nearest.z;
@@ -166,17 +164,16 @@ fn keep_nearest(pixel: vec2<u32>, to: u32, depth: Run) {
 }
 
 // Finds the nearest depths of the row windows of eight pixels, the first of which lies at column + reach, row of the tile.
-fn search_rows(corner: vec2<u32>, column: u32, row: u32) {
+fn search_rows(column: u32, row: u32) {
     let depth = row_depths(row * TILE_STRIDE + column);
-    let pixel = corner + vec2(column + DILATE_REACH_PX, row);
     let to = row * ROW_STRIDE + column;
-    keep_nearest(pixel, to, first_run(depth));
-    keep_nearest(pixel + vec2(4u, 0u), to + 4u, last_run(depth));
+    keep_nearest(to, first_run(depth));
+    keep_nearest(to + 4u, last_run(depth));
 }
 
-// Sums up the row windows of four pixels, the first of which is `pixel` and goes to `to`.
-fn sum_row(pixel: vec2<u32>, to: u32, depth: Run, color: Run) {
-    let d = within(radii(pixel, vec2(1, 0)), taps(depth));
+// Sums up the row windows of four pixels, the first of which goes to `to`.
+fn sum_row(to: u32, depth: Run, color: Run) {
+    let d = within_reach(taps(depth));
     let end = surface_end(vec4(row_nearest[to], row_nearest[to + 1u], row_nearest[to + 2u], row_nearest[to + 3u]));
     let c = taps(color);
     let rb = weigh(end, d, c, Part(0u, 0x00ff00ffu));
@@ -188,22 +185,21 @@ fn sum_row(pixel: vec2<u32>, to: u32, depth: Run, color: Run) {
 }
 
 // Sums up the row windows of eight pixels, as `search_rows`.
-fn sum_rows(corner: vec2<u32>, column: u32, row: u32) {
+fn sum_rows(column: u32, row: u32) {
     let i = row * TILE_STRIDE + column;
     let depth = row_depths(i);
     let color = Row(tile_color[i], tile_color[i + 1u], tile_color[i + 2u], tile_color[i + 3u], tile_color[i + 4u],
         tile_color[i + 5u], tile_color[i + 6u], tile_color[i + 7u], tile_color[i + 8u], tile_color[i + 9u],
         tile_color[i + 10u], tile_color[i + 11u], tile_color[i + 12u], tile_color[i + 13u]);
-    let pixel = corner + vec2(column + DILATE_REACH_PX, row);
     let to = row * ROW_STRIDE + column;
-    sum_row(pixel, to, first_run(depth), first_run(color));
-    sum_row(pixel + vec2(4u, 0u), to + 4u, last_run(depth), last_run(color));
+    sum_row(to, first_run(depth), first_run(color));
+    sum_row(to + 4u, last_run(depth), last_run(color));
 }
 
 // What the rows found in the column windows of four pixels.
-fn column_depths(radius: vec4<u32>, i: u32) -> Taps {
+fn column_depths(i: u32) -> Taps {
     let k = ROW_STRIDE;
-    return within(radius, taps(Run(row_nearest[i], row_nearest[i + k], row_nearest[i + 2u * k],
+    return within_reach(taps(Run(row_nearest[i], row_nearest[i + k], row_nearest[i + 2u * k],
         row_nearest[i + 3u * k], row_nearest[i + 4u * k], row_nearest[i + 5u * k], row_nearest[i + 6u * k],
         row_nearest[i + 7u * k], row_nearest[i + 8u * k], row_nearest[i + 9u * k])));
 }
@@ -244,28 +240,31 @@ fn main(
     let d = a + vec2(0u, 3u);
     let at = (row + DILATE_REACH_PX) * TILE_STRIDE + column + DILATE_REACH_PX;
 
+    let whole = surface_around(first);
     var range = vec2<u32>(EMPTY_DEPTH, 0u);
     let own = vec4<u32>(load_depth(a, &range), load_depth(b, &range), load_depth(c, &range), load_depth(d, &range));
-    tile_depth[at] = own.x;
-    tile_depth[at + TILE_STRIDE] = own.y;
-    tile_depth[at + 2u * TILE_STRIDE] = own.z;
-    tile_depth[at + 3u * TILE_STRIDE] = own.w;
+    tile_depth[at] = with_reach(own.x, a);
+    tile_depth[at + TILE_STRIDE] = with_reach(own.y, b);
+    tile_depth[at + 2u * TILE_STRIDE] = with_reach(own.z, c);
+    tile_depth[at + 3u * TILE_STRIDE] = with_reach(own.w, d);
     for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
         let place = place_around(i);
-        tile_depth[place.y * TILE_STRIDE + place.x] = load_depth(corner + place, &range);
+        let pixel = corner + place;
+        tile_depth[place.y * TILE_STRIDE + place.x] = with_reach(load_depth(pixel, &range), pixel);
     }
-    atomicMax(&nearness, ~range.x);
-    atomicMax(&farthest, range.y);
+    if range.x < whole.x || range.y > whole.y {
+        atomicStore(&varies, 1u);
+    }
     workgroupBarrier();
     var depth = own;
     var color = vec4<u32>(load_color(a, own.x), load_color(b, own.y), load_color(c, own.z), load_color(d, own.w));
-    if !is_whole() {
+    if atomicLoad(&varies) != 0u {
         for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
-            search_rows(corner, 8u * (i / NUM_ROWS), i % NUM_ROWS);
+            search_rows(8u * (i / NUM_ROWS), i % NUM_ROWS);
         }
         workgroupBarrier();
         let i = row * ROW_STRIDE + column;
-        let around = column_depths(radii(a, vec2(0, 1)), i);
+        let around = column_depths(i);
         let nearest = nearest_of(around);
         let end = surface_end(nearest);
         // An empty pixel that finds nothing stays too.
@@ -294,12 +293,12 @@ fn main(
             for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
                 let run = i / NUM_ROWS;
                 if ((atomicLoad(&taken[run]) >> (i % NUM_ROWS)) & 1u) != 0u {
-                    sum_rows(corner, 8u * run, i % NUM_ROWS);
+                    sum_rows(8u * run, i % NUM_ROWS);
                 }
             }
             workgroupBarrier();
             if !all(stays) {
-                depth = select(nearest, own, stays);
+                depth = select(nearest & vec4<u32>(~REACH_MASK), own, stays);
                 color = select(blend_columns(i, end, around), color, stays);
             }
         }

@@ -6,6 +6,15 @@ fn weight(x: u32, y: u32, center: vec2<u32>) -> u32 {
     return 1u << (DILATE_FALLOFF_BITS * (2u * DILATE_REACH_PX - distance));
 }
 
+// The depth at a pixel if what lies there reaches `center`, else EMPTY_DEPTH.
+fn reaching(pixel: vec2<u32>, center: vec2<u32>) -> u32 {
+    let eye = view.eyes[dilate.eye];
+    let w = surface[pixel.y * eye.width + pixel.x].x;
+    let reach = max(w & REACH_MASK, radius_px(eye, i32(pixel.x), i32(pixel.y)));
+    let distance = max(pixel, center) - min(pixel, center);
+    return select(EMPTY_DEPTH, (w & ~REACH_MASK) | reach, max(distance.x, distance.y) <= reach);
+}
+
 @compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let width = view.eyes[dilate.eye].width;
@@ -13,14 +22,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width || id.y >= height {
         return;
     }
-    let radius = radius_px(view.eyes[dilate.eye], i32(id.x), i32(id.y));
-    let first = vec2<u32>(max(id.x, radius) - radius, max(id.y, radius) - radius);
-    let last = vec2<u32>(min(id.x + radius, width - 1u), min(id.y + radius, height - 1u));
+    let reach = DILATE_REACH_PX;
+    let first = vec2<u32>(max(id.x, reach) - reach, max(id.y, reach) - reach);
+    let last = vec2<u32>(min(id.x + reach, width - 1u), min(id.y + reach, height - 1u));
 
     var nearest = EMPTY_DEPTH;
     for (var y = first.y; y <= last.y; y += 1u) {
         for (var x = first.x; x <= last.x; x += 1u) {
-            nearest = min(nearest, surface[y * width + x].x);
+            nearest = min(nearest, reaching(vec2(x, y), id.xy));
         }
     }
     let own = surface[id.y * width + id.x];
@@ -33,14 +42,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var weights = 0u;
     for (var y = first.y; y <= last.y; y += 1u) {
         for (var x = first.x; x <= last.x; x += 1u) {
-            let neighbour = surface[y * width + x];
-            if neighbour.x <= end {
+            if reaching(vec2(x, y), id.xy) <= end {
                 let w = weight(x, y, id.xy);
-                sums += w * (vec3<u32>(neighbour.y, neighbour.y >> 8u, neighbour.y >> 16u) & vec3<u32>(0xffu));
+                let color = surface[y * width + x].y;
+                sums += w * (vec3<u32>(color, color >> 8u, color >> 16u) & vec3<u32>(0xffu));
                 weights += w;
             }
         }
     }
     let color = (sums + weights / 2u) / weights;
-    into_image(id.xy, nearest, color.r | color.g << 8u | color.b << 16u, false);
+    into_image(id.xy, nearest & ~REACH_MASK, color.r | color.g << 8u | color.b << 16u, false);
 }

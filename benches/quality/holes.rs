@@ -13,6 +13,9 @@ use std::sync::Arc;
 
 /// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
 pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
+/// How near to what is empty a filled pixel belongs to an outline: dilation takes a point as far beyond the surface, with or
+/// without level of detail.
+const OUTLINE_PX: usize = scanwalk::layout::DILATE_REACH_PX as usize;
 /// No point has this color.
 const EMPTY_RGB: [u8; 3] = [255, 0, 255];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -95,12 +98,11 @@ impl Drawn {
         (0..self.rgb.len()).map(color).collect()
     }
 
-    /// True if the pixel and its eight neighbours show something: at edges, what a pixel shows is a matter of half a pixel.
+    /// True if all pixels as near as an outline is wide show something.
     fn is_inside(&self, pixel: usize) -> bool {
         let [width, height] = self.size_px.map(|size| size as usize);
-        let (x, y) = (pixel % width, pixel / width);
-        let mut rows = y.saturating_sub(1)..height.min(y + 2);
-        let columns = x.saturating_sub(1)..width.min(x + 2);
+        let around = |at: usize, size: usize| at.saturating_sub(OUTLINE_PX)..size.min(at + OUTLINE_PX + 1);
+        let (mut rows, columns) = (around(pixel / width, height), around(pixel % width, width));
         rows.all(|y| columns.clone().all(|x| !self.is_empty(y * width + x)))
     }
 }
@@ -164,37 +166,49 @@ pub fn unreduced(config: &Config) -> Config {
     whole
 }
 
-/// Pixels of a ring.
+/// Pixels that are judged, of a ring or of outlines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Ring {
-    /// Of those that are judged, the empty ones.
+pub struct Judged {
+    /// How many of them are empty.
     pub empty: u64,
-    /// Those that the unreduced frame fills, as it does their eight neighbours; all, where there is none.
+    /// How many there are.
     pub judged: u64,
 }
 
-impl Ring {
+impl Judged {
     /// Share that is empty, in percent; NaN where nothing is judged.
     pub fn percent(&self) -> f64 {
         100.0 * self.empty as f64 / self.judged as f64
     }
 }
 
-/// Holes of each ring, beside the frame that draws every point, if there is one.
-pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>) -> [Ring; RINGS_DEG.len()] {
+/// What is empty of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Holes {
+    /// By the angle from the gaze, where the frame that draws every point is filled all around; all pixels, where there is
+    /// none.
+    pub rings: [Judged; RINGS_DEG.len()],
+    /// Where that frame is filled, at the edge of what it leaves empty.
+    pub outline: Judged,
+}
+
+/// Holes of a frame, beside the frame that draws every point, if there is one.
+pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>) -> Holes {
     let eye = &view.eyes[0];
     let (fov, gaze) = (eye.fov, eye.gaze_in_view.normalize());
     let cosines = RINGS_DEG.map(|deg| deg.to_radians().cos());
     let [width, height] = drawn.size_px.map(|size| size as usize);
-    let mut rings = [Ring::default(); RINGS_DEG.len()];
-    for pixel in (0..width * height).filter(|&pixel| whole.is_none_or(|whole| whole.is_inside(pixel))) {
+    let mut holes = Holes::default();
+    for pixel in (0..width * height).filter(|&pixel| whole.is_none_or(|whole| !whole.is_empty(pixel))) {
         let share = |at: usize, size: usize| (at as f64 + 0.5) / size as f64;
         let right = fov.left + (fov.right - fov.left) * share(pixel % width, width);
         let up = fov.up + (fov.down - fov.up) * share(pixel / width, height);
         let along = DVec3::new(right, up, -1.0).normalize().dot(gaze);
         let number = cosines.iter().position(|&cos| along >= cos).unwrap_or(RINGS_DEG.len() - 1);
-        rings[number].judged += 1;
-        rings[number].empty += u64::from(drawn.is_empty(pixel));
+        let is_inside = whole.is_none_or(|whole| whole.is_inside(pixel));
+        let part = if is_inside { &mut holes.rings[number] } else { &mut holes.outline };
+        part.judged += 1;
+        part.empty += u64::from(drawn.is_empty(pixel));
     }
-    rings
+    holes
 }

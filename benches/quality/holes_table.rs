@@ -1,6 +1,6 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
-use super::holes::{Drawer, Drawn, RINGS_DEG, Ring, holes, left_eye, settings, sphere, unreduced};
+use super::holes::{self, Drawer, Drawn, RINGS_DEG, left_eye, settings, sphere, unreduced};
 use super::scene::{SOURCES, Source};
 use anyhow::{Context, Result};
 use glam::DVec3;
@@ -121,7 +121,7 @@ impl Holes {
             for &lod_scale in &self.lod_scale {
                 let drawn = drawer.draw(&config, view, lod_scale)?;
                 let names = format!("{names},{smooth},{lod_scale}");
-                kept.row(&names, num_points, &drawn, &holes(view, &drawn, whole.as_ref()))?;
+                kept.row(&names, num_points, &drawn, &holes::holes(view, &drawn, whole.as_ref()))?;
                 kept.picture(&names, &drawn, whole.as_ref())?;
             }
         }
@@ -140,16 +140,18 @@ impl Kept<'_> {
         let ring = |ring: &str| format!(",empty_{ring},judged_{ring}");
         let rings = ["0-20", "20-38", "38-50", "50-55", "55-"].map(ring).concat();
         let names = "scene,headset,preset,smooth,lod_scale";
-        let header = format!("{names},num_points,width_px,height_px,points_read{rings}");
+        let header =
+            format!("{names},num_points,width_px,height_px,points_read{rings},empty_outline,judged_outline");
         println!("{header}");
         Ok(writeln!(self.csv, "{header}")?)
     }
 
     /// `names`: its first columns.
-    fn row(&mut self, names: &str, num_points: u64, drawn: &Drawn, rings: &[Ring]) -> Result<()> {
+    fn row(&mut self, names: &str, num_points: u64, drawn: &Drawn, holes: &holes::Holes) -> Result<()> {
         let ([width, height], num_read) = (drawn.size_px, drawn.points_read);
-        let counts: String = rings.iter().map(|ring| format!(",{},{}", ring.empty, ring.judged)).collect();
-        let percents: String = rings.iter().map(|ring| format!(" {:>8.4}", ring.percent())).collect();
+        let all = || holes.rings.iter().chain([&holes.outline]);
+        let counts: String = all().map(|part| format!(",{},{}", part.empty, part.judged)).collect();
+        let percents: String = all().map(|part| format!(" {:>8.4}", part.percent())).collect();
         println!("{names:<60} {num_read:>9} read {percents} %");
         writeln!(self.csv, "{names},{num_points},{width},{height},{num_read}{counts}")?;
         Ok(self.csv.flush()?)

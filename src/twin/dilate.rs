@@ -22,8 +22,9 @@ struct Row {
 /// The image of eye `dilate.eye`, whose pixels are `surface`, row by row.
 ///
 /// A pixel that lies farther than the nearest surface of its window, or has no point, takes that surface's nearest
-/// depth and the blend of its colours, the closer the heavier. Rows come first, each pixel with the radius of its
-/// own ring, and as far as its neighbours' depths say that they are taken; then columns over what the rows found.
+/// depth and the blend of its colours, the closer the heavier. Rows come first, each pixel with what reaches it, then
+/// columns over what the rows found. What lies in a pixel reaches as far as its depth's last bits say, its ring's kernel
+/// at least.
 ///
 /// # Panics
 /// If `surface` is smaller than the eye's image.
@@ -32,18 +33,21 @@ pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
     let eye = &view.eyes[dilate.eye as usize];
     let (width, height) = (eye.width as usize, eye.height as usize);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let rows: Vec<Row> = pixels
-        .clone()
-        .map(|(x, y)| sum_row(&surface[y * width..][..width], x, radius_px(view, dilate, x, y)))
-        .collect();
+    let reaching = |(x, y)| with_reach(surface[y * width + x], radius_px(view, dilate, x, y));
+    let reaching: Vec<Pixel> = pixels.clone().map(reaching).collect();
+    let rows: Vec<Row> = pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
     pixels
         .map(|(x, y)| {
-            let radius = radius_px(view, dilate, x, y);
             let window = window(y, height).map(|from| (y.abs_diff(from), rows[from * width + x]));
-            let window = window.filter(|&(distance, row)| is_taken(row.nearest, distance, radius));
+            let window = window.filter(|&(distance, row)| is_taken(row.nearest, distance));
             filled(surface[y * width + x], window)
         })
         .collect()
+}
+
+/// A pixel that reaches as far as a kernel of `radius`, or farther.
+fn with_reach([depth, color]: Pixel, radius: usize) -> Pixel {
+    [depth & !REACH_MASK | (depth & REACH_MASK).max(radius as u32), color]
 }
 
 /// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its centre lies in.
@@ -66,9 +70,9 @@ fn window(center: usize, length: usize) -> std::ops::Range<usize> {
     center.saturating_sub(reach)..(center + reach + 1).min(length)
 }
 
-/// Whether a pixel with a kernel of `radius` takes what has this depth, so far away.
-fn is_taken(depth: u32, distance_px: usize, radius: usize) -> bool {
-    distance_px <= radius.max((depth & REACH_MASK) as usize)
+/// Whether what has this depth reaches so far.
+fn is_taken(depth: u32, distance_px: usize) -> bool {
+    distance_px <= (depth & REACH_MASK) as usize
 }
 
 /// The farthest depth of the surface whose nearest is given; 0, which no point has, if there is none.
@@ -81,8 +85,8 @@ fn weight(distance_px: usize) -> u32 {
     1 << (DILATE_FALLOFF_BITS * (DILATE_REACH_PX - distance_px as u32))
 }
 
-fn sum_row(row: &[Pixel], x: usize, radius: usize) -> Row {
-    let window = window(x, row.len()).filter(|&from| is_taken(row[from][0], x.abs_diff(from), radius));
+fn sum_row(row: &[Pixel], x: usize) -> Row {
+    let window = window(x, row.len()).filter(|&from| is_taken(row[from][0], x.abs_diff(from)));
     let nearest = window.clone().fold(EMPTY_DEPTH, |nearest, from| nearest.min(row[from][0]));
     let mut sums = [0; 4];
     for from in window.filter(|&from| row[from][0] <= surface_end(nearest)) {
@@ -113,5 +117,5 @@ fn filled(own: Pixel, column: impl Iterator<Item = (usize, Row)> + Clone) -> Pix
     }
     let weights = a / 255;
     let mean = |sum: u32| (sum + weights / 2) / weights;
-    [nearest, mean(r) | mean(g) << 8 | mean(b) << 16 | OPAQUE]
+    [nearest & !REACH_MASK, mean(r) | mean(g) << 8 | mean(b) << 16 | OPAQUE]
 }

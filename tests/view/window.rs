@@ -34,15 +34,24 @@ fn wait_lit(screen: &Screen, window: &str) -> Picture {
     })
 }
 
-/// The window once it shows the same all the while.
-fn still(screen: &Screen, window: &str) -> Picture {
-    let mut before = screen.picture(window);
-    wait_for("a picture that stays", 60.0, || {
-        // Longer than the window takes to show what is new.
-        std::thread::sleep(std::time::Duration::from_millis(500));
-        let now = screen.picture(window);
+/// Frames of the walk in a log that is being written.
+fn num_walked(log: &Path) -> usize {
+    let log = timing::read(log);
+    log.map_or(0, |log| log.frames.iter().filter(|frame| frame.phase == Phase::Walking).count())
+}
+
+/// The window once further frames of the walk show nothing else.
+fn still(screen: &Screen, window: &str, log: &Path) -> Picture {
+    let further = |before| {
+        // The frame that has just ended may not be in the window yet.
+        wait_for("further frames", 120.0, || (num_walked(log) >= before + 3).then_some(()));
+        (num_walked(log), screen.picture(window))
+    };
+    let (mut num_before, mut before) = further(0);
+    wait_for("a picture that stays", 120.0, || {
+        let (num_now, now) = further(num_before);
         let stays = now == before;
-        before = now;
+        (num_before, before) = (num_now, now);
         stays.then(|| before.clone())
     })
 }
@@ -217,11 +226,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     wait_lit(&screen, &window);
     // Without the panel, which changes by itself, and once the octree is there.
     screen.xdotool(&["key", "Tab"]);
-    wait_for("a walk", 60.0, || {
-        let log = timing::read(&log).ok()?;
-        log.frames.last().is_some_and(|frame| frame.phase == Phase::Walking).then_some(())
-    });
-    let plain = still(&screen, &window);
+    let plain = still(&screen, &window, &log);
     let mut before = plain.clone();
     for name in ["rings", "nodes", "overdraw", "depth", "precision"] {
         screen.xdotool(&["key", "o"]);
