@@ -1,5 +1,5 @@
 //! What files are colored by, from the file to the bytes that are drawn: bits by distribution, one color everywhere, few
-//! colored points. Files are made up as text.
+//! colored points, points without a color. Files are made up as text.
 
 mod scan_fixture;
 
@@ -76,7 +76,7 @@ fn a_single_wrong_value_darkens_nothing() {
 fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     let white = |at: usize| if at < 1000 { 255.0 } else { 65535.0 };
     let scan = scan(|at| channels(at).map(|c| (c * white(at)).round() as u16));
-    assert_eq!(scan.files[0].color, ColorSource::Rgb8And16);
+    assert_eq!(scan.files[0].color, ColorSource::Rgb16);
     assert!(scan.warnings[0].contains("8 bits at some points and of 16 at others"), "{:?}", scan.warnings);
     for (at, bytes) in shown(&scan).iter().enumerate() {
         let expected = channels(at).map(|c| (c * 255.0).round() as u8);
@@ -84,21 +84,88 @@ fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     }
 }
 
+/// How many of the points are drawn otherwise than `right`.
+fn num_off(scan: &Scan, right: impl Fn(usize) -> [f64; 3]) -> usize {
+    let is_off = |(at, bytes): &(usize, [u8; 3])| {
+        let right = right(*at).map(|c| (c * 255.0).round() as u8);
+        bytes.iter().zip(right).any(|(a, b)| a.abs_diff(b) > 1)
+    };
+    shown(scan).into_iter().enumerate().filter(is_off).count()
+}
+
+fn bits_said(scan: &Scan, low: f64, high: f64) -> bool {
+    let bits = |white: f64| (white + 1.0).log2() as u32;
+    let sentence = format!("{} bits at some points and of {} at others", bits(low), bits(high));
+    scan.warnings.iter().any(|warning| warning.contains(&sentence))
+}
+
+const WHITES: [f64; 4] = [255.0, 1023.0, 4095.0, 65535.0];
+
 #[test]
-fn tiles_of_8_bits_among_those_of_more_are_as_bright() {
+fn tiles_of_fewer_bits_among_those_of_more_are_as_bright() {
     let dim = |at: usize| channels(at).map(|c| c * c);
-    for (white, bits) in [(1023.0, 10), (4095.0, 12)] {
+    for (low, high) in WHITES.into_iter().flat_map(|low| WHITES.map(|high| (low, high))) {
         for tile in [0..600, 700..1500, 1300..NUM_POINTS] {
-            let stored = |at: usize| if tile.contains(&at) { 255.0 } else { white };
+            if low >= high {
+                continue;
+            }
+            let stored = |at: usize| if tile.contains(&at) { low } else { high };
             let merged = scan(|at| dim(at).map(|c| (c * stored(at)).round() as u16));
-            let sentence = format!("8 bits at some points and of {bits} at others");
-            assert!(merged.warnings[0].contains(&sentence), "{white} {tile:?}: {:?}", merged.warnings);
-            let right = |at: usize| dim(at).map(|c| (c * 255.0).round() as u8);
-            let off = |(at, bytes): &(usize, &[u8; 3])| {
-                bytes.iter().zip(right(*at)).any(|(a, b)| a.abs_diff(b) > 1)
-            };
-            let num_off = shown(&merged).iter().enumerate().filter(off).count();
-            assert!(num_off < 10, "{white} {tile:?}: {num_off} of {NUM_POINTS}");
+            assert!(bits_said(&merged, low, high), "{low} {high} {tile:?}: {:?}", merged.warnings);
+            let num_off = num_off(&merged, dim);
+            assert!(num_off < 10, "{low} {high} {tile:?}: {num_off} of {NUM_POINTS}");
+        }
+    }
+}
+
+#[test]
+fn tiles_of_three_kinds_are_as_bright() {
+    let dim = |at: usize| channels(at).map(|c| c * c);
+    let stored = |at: usize| WHITES[[0, 2, 3][(at * 3 / NUM_POINTS).min(2)]];
+    let merged = scan(|at| dim(at).map(|c| (c * stored(at)).round() as u16));
+    assert!(
+        bits_said(&merged, 255.0, 65535.0) && bits_said(&merged, 4095.0, 65535.0),
+        "{:?}",
+        merged.warnings
+    );
+    assert!(num_off(&merged, dim) < 20, "{}", num_off(&merged, dim));
+}
+
+#[test]
+fn of_points_of_two_kinds_among_each_other_a_warning_says_so() {
+    for (low, high) in WHITES.into_iter().flat_map(|low| WHITES.map(|high| (low, high))) {
+        for step in [2, 3] {
+            if low >= high {
+                continue;
+            }
+            let stored = |at: usize| if at.is_multiple_of(step) { low } else { high };
+            let mixed = scan(|at| channels(at).map(|c| (c * stored(at)).round() as u16));
+            assert!(bits_said(&mixed, low, high), "{low} {high} {step}: {:?}", mixed.warnings);
+            // No point of this scene is dark, so all can be told.
+            assert_eq!(num_off(&mixed, channels), 0, "{low} {high} {step}");
+        }
+    }
+    // Where dark points of 10 bits may as well be bright ones of 8, nothing is guessed.
+    let grey = |at: usize| [((at * 40_503 % 65_536) as f64 / 64_000.0).min(1.0); 3];
+    let stored = |at: usize| if at.is_multiple_of(2) { 255.0 } else { 1023.0 };
+    let mixed = scan(|at| grey(at).map(|c| (c * stored(at)).round() as u16));
+    assert_eq!(mixed.files[0].color, ColorSource::Rgb10);
+    assert!(bits_said(&mixed, 255.0, 1023.0) && mixed.warnings[0].contains("cannot be told"));
+    assert!((900..1100).contains(&num_off(&mixed, grey)), "{}", num_off(&mixed, grey));
+}
+
+#[test]
+fn wild_values_leave_the_others_as_bright_as_they_are() {
+    for white in &WHITES[..3] {
+        for step in [1000, 100, 50] {
+            let wild = |at: usize| [0, 1, 2].map(|c| ((3 * at + c + 7) * 27_644 % 65_536) as u16);
+            let is_wild = |at: usize| at % step == 9;
+            let scan = scan(|at| {
+                if is_wild(at) { wild(at) } else { channels(at).map(|c| (0.97 * c * white).round() as u16) }
+            });
+            let num_off = num_off(&scan, |at| channels(at).map(|c| 0.97 * c));
+            assert!(num_off <= NUM_POINTS / step, "{white} {step}: {num_off}");
+            assert_eq!(bits_said(&scan, *white, 65535.0), step < 1000, "{white} {step}: {:?}", scan.warnings);
         }
     }
 }
@@ -126,11 +193,8 @@ fn one_color_everywhere_gives_way_to_intensity() {
 #[test]
 fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
     for (color, other) in [
-        ([65535; 3], [65535, 65535, 65534]),
         ([65535; 3], [200, 10, 10]),
         ([65535; 3], [65535, 0, 0]),
-        ([255; 3], [255, 255, 254]),
-        ([1; 3], [1, 1, 0]),
         ([1; 3], [65535, 0, 9]),
         ([200, 10, 10], [0; 3]),
     ] {
@@ -181,4 +245,57 @@ fn points_without_a_color_among_a_few_that_have_one_are_seen() {
     assert_eq!(greys.len(), NUM_POINTS - 4);
     let (darkest, brightest) = (greys.iter().min(), greys.iter().max());
     assert_eq!((darkest, brightest), (Some(&64), Some(&191)), "before black and before white");
+}
+
+#[test]
+fn colors_that_nobody_can_tell_apart_give_way_to_intensity() {
+    for (a, b) in [
+        ([0; 3], [1; 3]),
+        ([1; 3], [1, 1, 0]),
+        ([254; 3], [255; 3]),
+        ([65280; 3], [65535; 3]),
+        ([65535; 3], [65535, 65535, 65534]),
+        ([200, 10, 10], [201, 11, 9]),
+    ] {
+        for step in [2, 7, 2000] {
+            let (folder, path) = file(|at| if at % step == 1 { a } else { b });
+            let (scan, info) = (read_one(&path), said(&path));
+            drop(folder);
+            assert!(matches!(scan.files[0].color, ColorSource::Intensity { .. }), "{a:?} {b:?}: {info}");
+            assert!(info.contains("none (all points are nearly ") && info.contains("intensity"), "{info}");
+            let sentence = "has nearly the same color at all points";
+            assert!(scan.warnings.len() == 1 && scan.warnings[0].contains(sentence), "{:?}", scan.warnings);
+        }
+    }
+}
+
+#[test]
+fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
+    for white in [255.0, 4095.0, 65535.0] {
+        for (percent, only) in [(15, ""), (30, ""), (50, ""), (70, "only ")] {
+            let has_color = |at: usize| at * 37 % 100 >= percent;
+            let color = |at: usize| channels(at).map(|c| (c * white).round() as u16);
+            let (folder, path) = file(|at| if has_color(at) { color(at) } else { [0; 3] });
+            let (scan, info) = (read_one(&path), said(&path));
+            drop(folder);
+            let num = NUM_POINTS / 100 * (100 - percent);
+            let sentence = format!("a color at {only}{num} of 2,000 points").replace("1700", "1,700");
+            let sentence = sentence.replace("1400", "1,400").replace("1000", "1,000");
+            assert!(scan.warnings.iter().any(|w| w.contains(&sentence)), "{sentence}: {:?}", scan.warnings);
+            assert!(info.contains("which are black and shown by intensity, in greys"), "{info}");
+            for (at, bytes) in shown(&scan).into_iter().enumerate() {
+                let expected = channels(at).map(|c| (c * 255.0).round() as u8);
+                let is_right = if has_color(at) {
+                    bytes.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1)
+                } else {
+                    bytes.iter().all(|c| *c == bytes[0] && (64..=191).contains(c))
+                };
+                assert!(is_right, "{white} {percent} {at}: {bytes:?}");
+            }
+        }
+        // Night: in 8 bits a seventh of the points are black, and more are nearly.
+        let light = |at: usize| 0.1 * ((at * 27_644 % 65_536) as f64 / 65_536.0).powi(2);
+        let scan = scan(|at| channels(at).map(|c| (c * light(at) * white).round() as u16));
+        assert_eq!((scan.files[0].blank, scan.warnings.len()), (None, 0), "{white}: {:?}", scan.warnings);
+    }
 }

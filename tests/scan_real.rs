@@ -136,6 +136,13 @@ fn colors_and_units_are_recognised() {
     let scan = |name: &str| read_in(&folder, name).unwrap();
     assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").files[0].color, ColorSource::Rgb8);
     assert_eq!(scan("las-small/sample_c.las").files[0].color, ColorSource::Rgb16);
+    // A part of these rooms was not photographed.
+    let rooms = scan("laz-indoor-rooms/indoor-rooms.laz");
+    let blank = rooms.files[0].blank.unwrap();
+    assert_eq!(
+        (rooms.files[0].color, blank.color, blank.num_others),
+        (ColorSource::Rgb16, [0; 3], 2_804_520)
+    );
     assert!(matches!(scan("laz-tls-tree/pine.laz").files[0].color, ColorSource::Height { .. }));
     assert!(matches!(scan("las-small/simple1_3.las").files[0].color, ColorSource::Intensity { .. }));
     assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").unit_m, Some(0.3048));

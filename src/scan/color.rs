@@ -1,8 +1,10 @@
 //! From columns to colours: which column a file is coloured by, and the ramp for those without colour.
 
+use super::distribution::{Distribution, LESSER_WHITES};
+use super::merged::{self, Parts};
 use super::stats::Stats;
 use super::white::White;
-use super::{Blank, ColorSource, ScanFile, merged};
+use super::{Blank, ColorSource, ScanFile};
 use crate::space::Bounds;
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -24,11 +26,6 @@ impl ScanFile {
             ColorSource::Rgb10 => pack(self.points.rgb[index].map(|c| byte(c, 1023))),
             ColorSource::Rgb12 => pack(self.points.rgb[index].map(|c| byte(c, 4095))),
             ColorSource::Rgb16 => pack(self.points.rgb[index].map(|c| byte(c, u16::MAX))),
-            ColorSource::Rgb8And16 => {
-                let rgb = self.points.rgb[index];
-                let white = if rgb.iter().all(|&c| c <= 255) { 255 } else { u16::MAX };
-                pack(rgb.map(|c| byte(c, white)))
-            }
             ColorSource::Intensity { low, high } => ramp(f64::from(self.points.intensity[index]), low, high),
             ColorSource::Height { low, high } => {
                 let z = self.lattice.offset.z + self.lattice.scale.z * f64::from(self.points.xyz[index][2]);
@@ -38,31 +35,68 @@ impl ScanFile {
     }
 }
 
-/// What a file with these columns is coloured by; ranges of ramps follow in [`share_ranges`]. Where its colors are of
-/// several kinds, a sentence says so whose subject is the file, and what cannot be told point by point is made one.
-pub(super) fn source(
-    stats: &Stats,
-    rgb: &mut [[u16; 3]],
-    blank: Option<Blank>,
-) -> (ColorSource, Option<String>) {
-    if rgb.is_empty() || blank.is_some_and(|blank| blank.is_all()) {
-        return (without_rgb(stats), None);
+/// What a file is coloured by, and what is to be said of it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Choice {
+    /// Ranges of ramps follow in [`share_ranges`].
+    pub color: ColorSource,
+    pub blank: Option<Blank>,
+    /// Sentences whose subject is the file, where its colors are of several kinds.
+    pub sentences: Vec<String>,
+}
+
+/// Chooses for a file with these columns, of which the reader may know the white. Colors of several kinds are made one.
+pub(super) fn choose(stats: &Stats, rgb: &mut [[u16; 3]], known: Option<u16>) -> Choice {
+    if rgb.is_empty() {
+        return Choice { color: without_rgb(stats), ..Choice::default() };
     }
-    let merged = |bits, drawn| {
-        let what = format!(
-            "has colors of 8 bits at some points and of {bits} at others, as if files had been merged"
-        );
-        Some(format!("{what}; {drawn}"))
+    let colors = Distribution::of(rgb);
+    let white = White::known_or_of(known, &colors);
+    let blank = Blank::of(&colors, white, rgb, stats.intensity_min < stats.intensity_max);
+    let (color, sentences) = match blank {
+        Some(blank) if blank.is_all() => (without_rgb(stats), Vec::new()),
+        Some(blank) if !blank.is_black() => {
+            // The few that have a color tell their white themselves.
+            let mut few: Vec<[u16; 3]> = rgb.iter().copied().filter(|&rgb| !blank.is(rgb)).collect();
+            let made = make_one(&mut few, known);
+            rgb.iter_mut().filter(|rgb| !blank.is(**rgb)).zip(few).for_each(|(rgb, few)| *rgb = few);
+            made
+        }
+        _ => make_one(rgb, known),
     };
-    match Blank::telling(blank, &stats.colors, rgb).white() {
-        White::One(white) => (ColorSource::with_white(white), None),
-        White::Two => (ColorSource::Rgb8And16, merged(16, "each point is drawn by its own")),
-        White::Tiles(white) => {
-            merged::raise(rgb, white);
-            let bits = white.ilog2() + 1;
-            (ColorSource::with_white(white), merged(bits, "each tile is drawn by its own"))
+    Choice { color, blank, sentences }
+}
+
+/// Makes colors of several whites those of the greatest, one after the other, and says so.
+fn make_one(rgb: &mut [[u16; 3]], known: Option<u16>) -> (ColorSource, Vec<String>) {
+    let (mut sentences, mut full) = (Vec::new(), 0);
+    for _ in 0..=LESSER_WHITES.len() {
+        let white = White::known_or_of(known, &Distribution::of(rgb));
+        full = white.full().max(full);
+        let White::Two { low, high, parts } = white else { break };
+        merged::raise(rgb, low, high, parts);
+        sentences.push(two_whites(low, high, parts));
+        if parts == Parts::Unknown {
+            break;
         }
     }
+    (ColorSource::with_white(full), sentences)
+}
+
+/// What is to be said of two whites.
+fn two_whites(low: u16, high: u16, parts: Parts) -> String {
+    let [low, high] = [low, high].map(|white| white.ilog2() + 1);
+    let drawn = match parts {
+        Parts::Points => "each point is drawn by its own".into(),
+        Parts::Tiles => "each tile is drawn by its own".into(),
+        Parts::Unknown => format!(
+            "which is which cannot be told, so all are drawn as of {high} and some are too dark; show the files that were \
+             merged, each of which is drawn by its own"
+        ),
+    };
+    format!(
+        "has colors of {low} bits at some points and of {high} at others, as if files had been merged; {drawn}"
+    )
 }
 
 fn without_rgb(stats: &Stats) -> ColorSource {
@@ -75,7 +109,7 @@ fn without_rgb(stats: &Stats) -> ColorSource {
 
 impl ColorSource {
     /// Stored colors of which this is full brightness.
-    fn with_white(white: u16) -> Self {
+    pub(super) fn with_white(white: u16) -> Self {
         match white {
             255 => Self::Rgb8,
             1023 => Self::Rgb10,
@@ -84,13 +118,13 @@ impl ColorSource {
         }
     }
 
-    /// The stored value of full brightness; of files with two, the larger. `None` if no stored colors are drawn.
+    /// The stored value of full brightness. `None` if no stored colors are drawn.
     pub(super) fn white(self) -> Option<u16> {
         match self {
             Self::Rgb8 => Some(255),
             Self::Rgb10 => Some(1023),
             Self::Rgb12 => Some(4095),
-            Self::Rgb16 | Self::Rgb8And16 => Some(u16::MAX),
+            Self::Rgb16 => Some(u16::MAX),
             Self::Intensity { .. } | Self::Height { .. } => None,
         }
     }
@@ -174,7 +208,7 @@ fn height_range(files: &[ScanFile], scene: &Bounds) -> (f64, f64) {
 }
 
 /// round(c · 255 / white), in integers: no white here is even, so no tie exists. Above the white is white.
-fn byte(c: u16, white: u16) -> u8 {
+pub(super) fn byte(c: u16, white: u16) -> u8 {
     let (c, white) = (u32::from(c.min(white)), u32::from(white));
     ((2 * 255 * c + white) / (2 * white)) as u8
 }
@@ -228,12 +262,12 @@ mod tests {
     const EVERYWHERE: Bounds = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
     fn file(mut points: Points) -> ScanFile {
-        let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+        let stats = Stats::of(&points.xyz, &points.intensity);
         ScanFile {
             path: "a.las".into(),
             format: String::new(),
             lattice: Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO },
-            color: source(&stats, &mut points.rgb, None).0,
+            color: choose(&stats, &mut points.rgb, None).color,
             points,
             bounds: Bounds::EMPTY,
             ..ScanFile::default()
@@ -264,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn ten_and_twelve_bits_round_and_each_point_of_a_merged_file_has_its_own_white() {
+    fn ten_and_twelve_bits_round() {
         let shown = |color, rgb| {
             let points = Points { xyz: vec![[0; 3]], rgb: vec![rgb], ..Points::default() };
             let file = ScanFile { points, color, ..ScanFile::default() };
@@ -277,18 +311,11 @@ mod tests {
             }
             assert_eq!(shown(color, [60_000, 0, 0])[0], 255, "beyond the white is white");
         }
-        assert_eq!(shown(ColorSource::Rgb8And16, [255, 7, 0]), [255, 7, 0, 255]);
-        assert_eq!(shown(ColorSource::Rgb8And16, [257, 256, 65535]), [1, 1, 255, 255]);
     }
 
     #[test]
     fn black_falls_back_to_intensity_and_constant_intensity_to_height() {
         let black = vec![[0; 3]; 2];
-        let file = |mut points: Points| {
-            let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
-            let blank = Blank::of(&stats, &points.rgb);
-            ScanFile { color: source(&stats, &mut points.rgb, blank).0, ..file(points) }
-        };
         let xyz = vec![[0; 3], [0, 0, 8]];
         let mut files = [
             file(Points { xyz: xyz.clone(), rgb: black.clone(), intensity: vec![3, 9], ..Points::default() }),

@@ -243,18 +243,13 @@ fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&
 }
 
 fn color_words(file: &ScanFile) -> String {
-    let blank = match file.blank.map(|blank| blank.color) {
-        Some([0, 0, 0]) => "black".to_owned(),
-        Some([r, g, b]) => format!("{r}, {g}, {b}"),
-        None => String::new(),
-    };
-    let none = if blank.is_empty() { "none".to_owned() } else { format!("none (all points are {blank})") };
+    let blank = file.blank.as_ref().map(Blank::words);
+    let none = blank.as_ref().map_or("none".into(), |blank| format!("none (all points are {blank})"));
     let bits = match file.color {
         ColorSource::Rgb8 => "8 bits",
         ColorSource::Rgb10 => "10 bits (next to nothing exceeds 1023)",
         ColorSource::Rgb12 => "12 bits (next to nothing exceeds 4095)",
         ColorSource::Rgb16 => "16 bits",
-        ColorSource::Rgb8And16 => "8 and 16 bits, mixed",
         ColorSource::Intensity { low, high } => {
             return format!("{none}; shown by intensity, {low} to {high}");
         }
@@ -262,7 +257,9 @@ fn color_words(file: &ScanFile) -> String {
             return format!("{none}; shown by height, {low:.2} to {high:.2}");
         }
     };
-    let Some(Blank { num_others, by_intensity, .. }) = file.blank else { return bits.into() };
+    let (Some(Blank { num_others, by_intensity, .. }), Some(blank)) = (file.blank, blank) else {
+        return bits.into();
+    };
     let num_all = file.points.xyz.len();
     let (num, all) = (grouped(num_all.saturating_sub(num_others)), grouped(num_all));
     let by = if by_intensity { "intensity" } else { "height" };

@@ -1,98 +1,141 @@
-//! Files that were merged from some of 8 bits and some of 10 or 12: there, dark points of the one look like those of the
+//! Files that were merged from some of fewer bits and some of more: there, dark points of the one look like those of the
 //! other. But files are merged one behind the other, so runs of points tell what single points do not.
 //!
-//! A run in which next to no channel exceeds 255, from dark to bright below, is of 8 bits; of 12 bits, it would be a part of
-//! the scene that is nearly black, and between it and the rest there would be runs that are half dark.
+//! A run in which next to no channel exceeds the lesser white, from dark to bright below, is of fewer bits; of more bits,
+//! it would be a part of the scene that is nearly black, and between it and the rest there would be runs that are half dark.
 
-use super::white::count;
+use super::distribution::peak_of;
 
 /// Points of a run.
-const RUN: usize = 128;
-/// Part of a run's points that may have a channel above 255 where it is of 8 bits, and that have where it is of more.
+pub(super) const RUN: usize = 128;
+/// Points of a run that are not black, for it to tell anything.
+const FEWEST_COLORED: usize = RUN / 4;
+/// Part of a run's points that may have a channel above the lesser white where it is of fewer bits, and that have where it
+/// is of more.
 const LOW: f64 = 0.02;
 const HIGH: f64 = 0.5;
 /// Fewer runs than this are no second distribution.
 const FEWEST: u64 = 4;
-/// Runs that are neither: at the ends of tiles, and a share of those of 8 bits.
+/// Runs that are neither: at the ends of tiles, and a share of those of fewer bits.
 const MOST_ENDS: f64 = 2.0;
 const MOST_BETWEEN: f64 = 0.1;
-/// Part of the points of 8 bits that are in the brighter and in the darker half of what there is.
-const LEAST_BRIGHT: f64 = 0.15;
+/// Part of the points of fewer bits that are in their brightest quarter, in the quarter below, and in their darker half:
+/// a scene has all, a few dark materials have not.
+pub(super) const LEAST_BRIGHT: f64 = 0.15;
+pub(super) const LEAST_MIDDLE: f64 = 0.05;
 const LEAST_DARK: f64 = 0.04;
+/// So many times as many points are in the brightest quarter of fewer bits as in what follows, as wide again: what is only
+/// dark thins out.
+const CUT_OFF: u64 = 50;
 
-/// Runs of points, by whether their brightest channels exceed 255.
+/// Which points of a file with two whites have which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Runs {
+pub(super) enum Parts {
+    /// Those that have no channel above the lesser white have it.
+    Points,
+    /// The same of runs of points.
+    Tiles,
+    /// Nobody knows.
+    Unknown,
+}
+
+/// The start of the brightest quarter of what has this white.
+pub(super) fn bright(white: u16) -> u16 {
+    white - (white + 1) / 4
+}
+
+/// Part of the points of a run that exceed a white; `None` if nearly all are black, which is the same with any white.
+fn part_above(peaks: impl Iterator<Item = u16> + Clone, white: u16) -> Option<f64> {
+    let num_colored = peaks.clone().filter(|&c| c > 0).count();
+    let num_above = peaks.filter(|&c| c > white).count();
+    (num_colored >= FEWEST_COLORED).then(|| num_above as f64 / num_colored as f64)
+}
+
+/// Runs of points, by whether their brightest channels exceed a white.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Runs {
     low: u64,
     between: u64,
     high: u64,
-    /// Points of the low ones, those of them above 191, and those up to 127.
+    /// Points of the low ones that are not black, those in the brightest quarter, in the quarter below,
+    /// and in the darker half.
     points: u64,
     bright: u64,
+    middle: u64,
     dark: u64,
+    /// Points of the low ones that are brighter than the white, by a quarter at most.
+    over: u64,
 }
 
 impl Runs {
     /// Of no points.
-    pub const NONE: Self = Self { low: 0, between: 0, high: 0, points: 0, bright: 0, dark: 0 };
+    pub const NONE: Self =
+        Self { low: 0, between: 0, high: 0, points: 0, bright: 0, middle: 0, dark: 0, over: 0 };
 
-    /// Counts the runs of points of which these are the brightest channels.
-    pub fn add(&mut self, peaks: &[u16]) {
-        for run in peaks.chunks_exact(RUN) {
-            let above = count(run, |c| c > 255) as f64 / RUN as f64;
-            if above > LOW {
-                *(if above < HIGH { &mut self.between } else { &mut self.high }) += 1;
-                continue;
-            }
-            self.low += 1;
-            self.points += RUN as u64;
-            self.bright += count(run, |c| c > 191);
-            self.dark += count(run, |c| c <= 127);
+    /// Counts a run of points of which these are the brightest channels.
+    pub fn add(&mut self, run: &[u16; RUN], white: u16) {
+        let Some(above) = part_above(run.iter().copied(), white) else { return };
+        if above > LOW {
+            *(if above < HIGH { &mut self.between } else { &mut self.high }) += 1;
+            return;
         }
+        let count = |is: &dyn Fn(u16) -> bool| run.iter().filter(|&&c| is(c)).count() as u64;
+        self.low += 1;
+        self.points += count(&|c| c > 0);
+        self.bright += count(&|c| c > bright(white) && c <= white);
+        self.over += count(&|c| c > white && c - white <= white - bright(white));
+        self.middle += count(&|c| c > white / 2 && c <= bright(white));
+        self.dark += count(&|c| c > 0 && c <= white / 2);
     }
 
-    /// Of both together.
-    pub fn union(self, other: Self) -> Self {
-        Self {
-            low: self.low + other.low,
-            between: self.between + other.between,
-            high: self.high + other.high,
-            points: self.points + other.points,
-            bright: self.bright + other.bright,
-            dark: self.dark + other.dark,
-        }
-    }
-
-    /// True if some runs are of 8 bits and others of more.
+    /// True if some runs have this white and others a greater one.
     pub fn are_merged(&self) -> bool {
         let part = |num: u64, least: f64| num as f64 >= least * self.points as f64;
         self.low >= FEWEST
             && self.high >= FEWEST
             && self.between as f64 <= MOST_ENDS + MOST_BETWEEN * self.low as f64
             && part(self.bright, LEAST_BRIGHT)
+            && part(self.middle, LEAST_MIDDLE)
             && part(self.dark, LEAST_DARK)
+            && CUT_OFF * self.over <= self.bright
     }
 }
 
-/// Makes the colors of 8 bits in a merged file as bright as the others, whose white is `white`.
-pub(super) fn raise(rgb: &mut [[u16; 3]], white: u16) {
-    let is_low = |rgb: &[u16; 3]| rgb.iter().all(|&c| c <= 255);
-    let mut is_eight = vec![false; rgb.len()];
-    for (run, is_eight) in rgb.chunks(RUN).zip(is_eight.chunks_mut(RUN)) {
-        let above = run.iter().filter(|rgb| !is_low(rgb)).count() as f64;
-        is_eight.fill(above <= LOW * run.len() as f64);
+/// Makes the colors whose white is `low` as bright as the others, whose white is `high`.
+pub(super) fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, parts: Parts) {
+    let raised = |c: u16| {
+        let (c, low, high) = (u64::from(c), u64::from(low), u64::from(high));
+        // No larger than `high`, which is a u16: `c` is no larger than `low`.
+        if c > low { c as u16 } else { ((c * high + low / 2) / low) as u16 }
+    };
+    let is_low = |rgb: &[u16; 3]| peak_of(rgb) <= low;
+    match parts {
+        Parts::Unknown => {}
+        Parts::Points => rgb.iter_mut().filter(|rgb| is_low(rgb)).for_each(|rgb| *rgb = rgb.map(raised)),
+        Parts::Tiles => {
+            let is_of_low = tiles(rgb, low);
+            let of_low = rgb.iter_mut().zip(is_of_low).filter(|(_, is_of_low)| *is_of_low);
+            of_low.for_each(|(rgb, _)| *rgb = rgb.map(raised));
+        }
     }
-    // A tile ends within a run: as far as all is low.
+}
+
+/// Which points lie in tiles of the lesser white.
+fn tiles(rgb: &[[u16; 3]], low: u16) -> Vec<bool> {
+    let is_low = |rgb: &[u16; 3]| peak_of(rgb) <= low;
+    let mut is_of_low = vec![false; rgb.len()];
+    for (run, is_of_low) in rgb.chunks(RUN).zip(is_of_low.chunks_mut(RUN)) {
+        let above = part_above(run.iter().map(peak_of), low);
+        is_of_low.fill(above.is_some_and(|above| above <= LOW));
+    }
+    // A tile ends within a run, and goes on over runs that tell nothing: as far as all is low.
     for at in 1..rgb.len() {
-        is_eight[at] |= is_eight[at - 1] && is_low(&rgb[at]);
+        is_of_low[at] |= is_of_low[at - 1] && is_low(&rgb[at]);
     }
     for at in (1..rgb.len()).rev() {
-        is_eight[at - 1] |= is_eight[at] && is_low(&rgb[at - 1]);
+        is_of_low[at - 1] |= is_of_low[at] && is_low(&rgb[at - 1]);
     }
-    let raised = |c: u16| if c > 255 { c } else { ((u32::from(c) * u32::from(white) + 127) / 255) as u16 };
-    for (rgb, _) in rgb.iter_mut().zip(is_eight).filter(|(_, is_eight)| *is_eight) {
-        *rgb = rgb.map(raised);
-    }
+    is_of_low
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 mod axes;
 mod color;
 mod crs;
+mod distribution;
 mod earth;
 mod error;
 mod far;
@@ -13,7 +14,6 @@ mod guard;
 pub mod info;
 mod inputs;
 mod las;
-mod majority;
 mod marks;
 mod merged;
 mod ply;
@@ -77,7 +77,7 @@ pub struct Points {
     /// Lattice coordinates.
     pub xyz: Vec<[i32; 3]>,
     /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); but points that have the [`Blank`] are grey,
-    /// and tiles of 8 bits in a file of 10 or 12 are as bright as the others.
+    /// and those of fewer bits in a merged file are as bright as the others.
     pub rgb: Vec<[u16; 3]>,
     /// Intensity as stored.
     pub intensity: Vec<u16>,
@@ -108,8 +108,6 @@ pub enum ColorSource {
     Rgb12,
     /// `rgb` holds 16-bit values; 8-bit colour = round(c / 257).
     Rgb16,
-    /// `rgb` holds 16-bit values for points of which a channel exceeds 255, and 8-bit values for the others.
-    Rgb8And16,
     /// No colour: intensity through the ramp, `low..=high` of the scan.
     Intensity {
         /// Value at the dark end.
@@ -286,6 +284,8 @@ struct Columns {
     /// See [`ScanFile::triangles`].
     triangles: Vec<[u32; 3]>,
     stats: Stats,
+    /// The largest that a color can be, where the reader knows it.
+    white: Option<u16>,
     /// What was odd, as sentences whose subject is the file.
     warnings: Vec<String>,
 }
@@ -293,7 +293,14 @@ struct Columns {
 impl Default for Columns {
     fn default() -> Self {
         let (lattice, points) = (Lattice::default(), Points::default());
-        Self { lattice, points, triangles: Vec::new(), stats: Stats::EMPTY, warnings: Vec::new() }
+        Self {
+            lattice,
+            points,
+            triangles: Vec::new(),
+            stats: Stats::EMPTY,
+            white: None,
+            warnings: Vec::new(),
+        }
     }
 }
 

@@ -1,10 +1,11 @@
 //! Several files of any format to one [`Scan`].
 
+use super::color::{self, Choice};
 use super::inputs::{self, Inputs};
 use super::source::Source;
 use super::{
-    Blank, Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError,
-    ScanFile, WorldFromFile, color, sniff, uncolored, world,
+    Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
+    WorldFromFile, sniff, uncolored, world,
 };
 use crate::progress::{Job, Progress};
 use crate::space::Bounds;
@@ -111,9 +112,9 @@ fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
 
 fn add(scan: &mut Scan, header: &Header, mut columns: Columns, show_withheld: bool) {
     let stats = columns.stats;
-    let blank = Blank::of(&stats, &columns.points.rgb);
-    let (color, odd_colors) = color::source(&stats, &mut columns.points.rgb, blank);
-    let sentences = header.warnings.iter().chain(&columns.warnings).chain(&odd_colors);
+    let Choice { color, blank, sentences: of_colors } =
+        color::choose(&stats, &mut columns.points.rgb, columns.white);
+    let sentences = header.warnings.iter().chain(&columns.warnings).chain(&of_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     let num_withheld = columns.points.num_withheld;
     if num_withheld > 0 && !show_withheld {

@@ -1,6 +1,4 @@
-//! Extremes of columns and the distribution of colors, gathered block by block while the block is in the cache.
-
-use super::white::ColorCounts;
+//! Extremes of columns, gathered block by block while the block is in the cache.
 
 /// What there is in a run of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,8 +7,6 @@ pub(crate) struct Stats {
     pub xyz_min: [i32; 3],
     /// Largest lattice coordinates.
     pub xyz_max: [i32; 3],
-    /// Its colors.
-    pub colors: ColorCounts,
     /// Smallest intensity.
     pub intensity_min: u16,
     /// Largest intensity.
@@ -19,22 +15,16 @@ pub(crate) struct Stats {
 
 impl Stats {
     /// Of no points; the neutral element of [`Stats::union`].
-    pub const EMPTY: Self = Self {
-        xyz_min: [i32::MAX; 3],
-        xyz_max: [i32::MIN; 3],
-        colors: ColorCounts::NONE,
-        intensity_min: u16::MAX,
-        intensity_max: 0,
-    };
+    pub const EMPTY: Self =
+        Self { xyz_min: [i32::MAX; 3], xyz_max: [i32::MIN; 3], intensity_min: u16::MAX, intensity_max: 0 };
 
     /// Of these columns.
-    pub fn of(xyz: &[[i32; 3]], rgb: &[[u16; 3]], intensity: &[u16]) -> Self {
+    pub fn of(xyz: &[[i32; 3]], intensity: &[u16]) -> Self {
         let mut stats = Self::EMPTY;
         for p in xyz {
             stats.xyz_min = std::array::from_fn(|axis| stats.xyz_min[axis].min(p[axis]));
             stats.xyz_max = std::array::from_fn(|axis| stats.xyz_max[axis].max(p[axis]));
         }
-        stats.colors = ColorCounts::of(rgb);
         stats.intensity_min = intensity.iter().fold(u16::MAX, |min, &value| min.min(value));
         stats.intensity_max = intensity.iter().fold(0, |max, &value| max.max(value));
         stats
@@ -45,7 +35,6 @@ impl Stats {
         Self {
             xyz_min: std::array::from_fn(|axis| self.xyz_min[axis].min(other.xyz_min[axis])),
             xyz_max: std::array::from_fn(|axis| self.xyz_max[axis].max(other.xyz_max[axis])),
-            colors: self.colors.union(other.colors),
             intensity_min: self.intensity_min.min(other.intensity_min),
             intensity_max: self.intensity_max.max(other.intensity_max),
         }

@@ -106,6 +106,13 @@ pub fn rows() -> Vec<Row> {
             |i, p| p.rgb = [if i == 5999 { 60_000 } else { 1 }; 3],
             "intensity",
         ),
+        not_by_color(
+            "65280 or 65535",
+            2,
+            |i, p| p.rgb = [if i % 2 == 0 { 65280 } else { 65535 }; 3],
+            "intensity",
+        ),
+        not_by_color("0 or 1", 7, |i, p| p.rgb = [(i % 3 == 0).into(); 3], "intensity"),
         not_by_color("all white, intensity all 0", 2, |_, p| (p.rgb, p.intensity) = ([255; 3], 0), "height"),
     ];
     rows.push(row(
@@ -126,6 +133,36 @@ pub fn rows() -> Vec<Row> {
             )
         },
     ));
+    type Merged = (&'static str, [&'static str; 2], fn(usize, &mut Point));
+    const MERGED: [Merged; 3] = [
+        ("12 and 16 bits, one tile each", ["12", "16"], |i, p| {
+            if i < 3000 {
+                to_bits(p, 12)
+            }
+        }),
+        ("8 and 12 bits, point by point", ["8", "12"], |i, p| to_bits(p, if i % 2 == 0 { 8 } else { 12 })),
+        ("12 bits, every 100th point wild", ["12", "16"], |i, p| {
+            if i % 100 != 3 {
+                to_bits(p, 12)
+            }
+        }),
+    ];
+    for (name, bits, store) in MERGED {
+        rows.push(row(
+            LINE,
+            name,
+            "a warning with the bits; the picture of the same scene in 16 bits",
+            move |desk| {
+                let want = drawn(desk, 2, |_, _| ())?;
+                let got = drawn(desk, 2, store)?;
+                let info = desk.info(&["scan.las"])?;
+                let off = |(a, b): &(&[u8; 3], &[u8; 3])| (0..3).any(|c| a[c].abs_diff(b[c]) > 3);
+                let num = got.pixels.iter().zip(&want.pixels).filter(off).count();
+                let is_said = info.says(&["scan.las", bits[0], bits[1], "bits at some points"]);
+                judged(num * 50 < want.lit() && is_said, format!("{num} pixels differ; {}", info.in_words()))
+            },
+        ));
+    }
     type Mixed = (&'static str, fn(usize) -> bool);
     const MIXED: [Mixed; 4] = [
         ("16 bits, a last tile of 4 % in 8 bits", |i| i >= 5760),
@@ -159,6 +196,19 @@ pub fn rows() -> Vec<Row> {
         |i, p| if i % 150 == 4 { p.rgb = [256; 3] } else { to_bits(p, 8) },
         3,
     ));
+    rows.push(row(LINE, "50 % of the points black", "they are seen; a sentence", |desk| {
+        let all = drawn(desk, 2, |_, _| ())?;
+        let picture = drawn(desk, 2, |i, p| {
+            if i % 2 == 0 {
+                p.rgb = [0; 3]
+            }
+        })?;
+        let info = desk.info(&["scan.las"])?;
+        judged(
+            picture.lit() == all.lit() && info.says(&["scan.las", "3,000 of 6,000 points"]),
+            format!("{} of {} pixels are lit; {}", picture.lit(), all.lit(), info.in_words()),
+        )
+    }));
     rows.push(row(LINE, "97 % of the points black", "they stay visible; a sentence", |desk| {
         let picture = drawn(desk, 2, |i, p| {
             if i % 33 != 0 {

@@ -147,7 +147,7 @@ impl Laz {
         }
         let points = guard::catch(|| self.codec.decode_chunk(&bytes, chunk.num_points, show_withheld))
             .unwrap_or_else(|panic| Err(format!("is damaged ({panic})")))?;
-        let stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+        let stats = Stats::of(&points.xyz, &points.intensity);
         progress.add(points.num_read(show_withheld));
         Ok((points, stats))
     }
@@ -194,7 +194,7 @@ impl Laz {
                 break;
             }
         }
-        columns.stats = Stats::of(&points.xyz, &points.rgb, &points.intensity);
+        columns.stats = Stats::of(&points.xyz, &points.intensity);
         Ok(columns)
     }
 }

@@ -105,8 +105,7 @@ impl Task<'_> {
         layout.parse(records, block.xyz, block.rgb, block.intensity);
         let kept = layout.sift(records, self.show_withheld, &mut block);
         let num_points = kept.num_points;
-        let rgb = &block.rgb[..num_points.min(block.rgb.len())];
-        let stats = Stats::of(&block.xyz[..num_points], rgb, &block.intensity[..num_points]);
+        let stats = Stats::of(&block.xyz[..num_points], &block.intensity[..num_points]);
         BlockEnd { num_read, whole: num_read == num_wanted, kept, stats, error }
     }
 }

@@ -42,12 +42,12 @@ pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color)
     if rows.rgb.is_empty() {
         rows.rgb = rows.faces.colors_of_points(num_points);
     }
-    let mut stats = stats(&rows.xyz, &rows.rgb, &rows.intensity);
-    stats.colors.known = white(how.meaning, found, of_faces);
+    let stats = stats(&rows.xyz, &rows.intensity);
+    let white = white(how.meaning, found, of_faces);
     let triangles = rows.faces.triangles;
     let Rows { xyz, rgb, intensity, normals, .. } = rows;
     let points = Points { xyz, rgb, intensity, normals, ..Points::default() };
-    (Columns { lattice: how.grid.lattice, points, triangles, stats, warnings: Vec::new() }, loss)
+    (Columns { lattice: how.grid.lattice, points, triangles, stats, white, warnings: Vec::new() }, loss)
 }
 
 /// The largest that a color can be, where the file or its format says so.
@@ -59,11 +59,10 @@ fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option<u16> {
     }
 }
 
-fn stats(xyz: &[[i32; 3]], rgb: &[[u16; 3]], intensity: &[u16]) -> Stats {
-    let xyz = xyz.par_chunks(BLOCK).map(|block| Stats::of(block, &[], &[]));
-    let rgb = rgb.par_chunks(BLOCK).map(|block| Stats::of(&[], block, &[]));
-    let intensity = intensity.par_chunks(BLOCK).map(|block| Stats::of(&[], &[], block));
-    xyz.chain(rgb).chain(intensity).reduce(|| Stats::EMPTY, Stats::union)
+fn stats(xyz: &[[i32; 3]], intensity: &[u16]) -> Stats {
+    let xyz = xyz.par_chunks(BLOCK).map(|block| Stats::of(block, &[]));
+    let intensity = intensity.par_chunks(BLOCK).map(|block| Stats::of(&[], block));
+    xyz.chain(intensity).reduce(|| Stats::EMPTY, Stats::union)
 }
 
 /// What float colors are multiplied by, and what white is then: 0 to 1 is what float colors should be, but some
