@@ -134,6 +134,14 @@ impl Blank {
     }
 }
 
+/// Part of points with these colors that have none.
+pub(super) fn part_without(rgb: &[[u16; 3]], known: Option<u16>) -> f64 {
+    let colors = Distribution::of(rgb);
+    let white = White::known_or_of(known, &colors);
+    let blank = Blank::of(&colors, white, rgb, false);
+    blank.map_or(0.0, |blank| 1.0 - blank.num_others as f64 / rgb.len() as f64)
+}
+
 /// How far the channels of two colors are apart at most.
 fn distance(a: [u16; 3], b: [u16; 3]) -> u16 {
     a.iter().zip(b).fold(0, |far, (a, b)| far.max(a.abs_diff(b)))

@@ -1,6 +1,7 @@
 //! PLY files, written here in all three encodings and read back: every column, and whatever can be wrong.
 
 mod broken;
+mod colors;
 #[path = "../damage/mod.rs"]
 mod damage;
 mod made;

@@ -224,8 +224,14 @@ fn faces_color_their_corners_where_points_have_none() {
     let own = header
         .replace("float z\n", "float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n");
     let own = own.replace("KIND", "uchar").replace(" 0\n", " 0 9 9 200\n");
-    let (file, _) = read_one((own + "3 0 1 3 255 0 0\n3 1 4 3 0 255 0\n3 0 4 1 0 0 255\n").as_bytes());
-    assert!(file.points.rgb.iter().all(|&rgb| rgb == [9, 9, 200]), "{:?}", file.points.rgb);
+    let faces = "3 0 1 3 255 0 0\n3 1 4 3 0 255 0\n3 0 4 1 0 0 255\n";
+    let (file, warnings) = read_one((own.replace("1 1 0 9", "1 1 0 99") + faces).as_bytes());
+    assert_eq!(file.points.rgb, [[9, 9, 200], [9, 9, 200], [9, 9, 200], [99, 9, 200]]);
+    assert!(warnings.iter().any(|warning| warning.contains("those of faces are not read")), "{warnings:?}");
+    // Unless they are the same everywhere.
+    let (file, warnings) = read_one((own + faces).as_bytes());
+    assert_eq!(colors(&file), [red, red, red, green]);
+    assert!(warnings.iter().any(|warning| warning.contains("those of its faces are shown")), "{warnings:?}");
 }
 
 #[test]

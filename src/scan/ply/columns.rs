@@ -31,6 +31,8 @@ pub(super) struct Loss {
     pub num_triangles: u64,
     /// Faces that name points which there are not.
     pub num_faces: u64,
+    /// Colors of faces: lists of other than red, green, blue and perhaps alpha.
+    pub num_colors: u64,
 }
 
 /// The columns of a file, whose faces have colors of this kind.
@@ -38,7 +40,8 @@ pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color)
     let (num_points, num_triangles) = (rows.xyz.len(), rows.faces.triangles.len());
     rows.faces.renumber(&rows.gone, num_points);
     let num_triangles = (num_triangles - rows.faces.triangles.len()) as u64;
-    let loss = Loss { num_triangles, num_faces: rows.faces.num_bad };
+    let (num_faces, num_colors) = (rows.faces.num_bad, rows.faces.num_odd_lists);
+    let loss = Loss { num_triangles, num_faces, num_colors };
     if rows.rgb.is_empty() {
         rows.rgb = rows.faces.colors_of_points(num_points);
     }

@@ -13,6 +13,8 @@ pub(super) struct Faces {
     pub num_faces: u64,
     /// Faces and strips that name points which there are not.
     pub num_bad: u64,
+    /// Faces with a list of colors that is none of red, green, blue and perhaps alpha.
+    pub num_odd_lists: u64,
     /// Numbers that faces may name are less than this.
     pub num_points: u64,
 }
@@ -26,6 +28,7 @@ impl Faces {
     /// Adds the polygon of a row as a fan round its first corner.
     pub fn push_face(&mut self, color: Color, row: &Row) {
         self.num_faces += 1;
+        self.num_odd_lists += u64::from(row.has_odd_list);
         if !row.corners.iter().all(|corner| self.names_a_point(*corner)) {
             self.num_bad += 1;
             return;
@@ -66,6 +69,7 @@ impl Faces {
         self.colors.append(&mut later.colors);
         self.num_faces += later.num_faces;
         self.num_bad += later.num_bad;
+        self.num_odd_lists += later.num_odd_lists;
     }
 
     fn names_a_point(&self, corner: f64) -> bool {

@@ -1,6 +1,6 @@
 //! The header of a PLY file: lines of text that say how the rest is written.
 
-use super::value::Type;
+use super::value::{Type, number};
 use crate::scan::ScanError;
 use crate::scan::source::Source;
 use crate::words::counted;
@@ -208,10 +208,10 @@ fn element(rest: &str, line: u64) -> Result<Element, String> {
     Ok(Element { name: name.to_owned(), count, properties: Vec::new(), line })
 }
 
-/// A count; some programs write theirs as 5e+03 or 5000.0.
+/// A count; some programs write theirs as 5e+03, 5D+03 or 5000.0.
 fn whole_number(word: &str) -> Option<u64> {
     let as_float = || {
-        let value: f64 = word.parse().ok()?;
+        let value = number(word.as_bytes())?;
         (value >= 0.0 && value.fract() == 0.0 && value < 2f64.powi(53)).then_some(value as u64)
     };
     word.parse().ok().or_else(as_float)
@@ -289,6 +289,7 @@ mod tests {
             ("ply \n", "\u{feff}PLY\n"),
             ("element vertex 3", "ELEMENT vertex 3e+00"),
             ("element vertex 3", "element vertex 3.0"),
+            ("element vertex 3", "element vertex 0.3D+01"),
             ("property list uchar int32", "Property List UCHAR Int"),
             ("property float", "property Float32"),
             ("format binary_big_endian", "FORMAT Binary_Big_Endian"),

@@ -10,6 +10,7 @@
 mod binary;
 mod body;
 mod columns;
+mod describe;
 mod faces;
 pub(super) mod grid;
 mod header;
@@ -22,12 +23,12 @@ mod value;
 mod window;
 
 use super::source::Source;
-use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, up};
+use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, uncolored};
 use crate::progress::Progress;
 use crate::words::{agreeing, counted};
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
-use plan::{Color, Intensity, Kept, Opacity, Plan, Purpose};
+use plan::{Color, Kept, Opacity, Plan, Purpose};
 use point::{Chunk, Meaning};
 use rows::{LeftOut, Rows};
 use survey::{Chunks, Found, Survey};
@@ -45,23 +46,47 @@ impl Format for Ply {
 
     fn open(&self, source: Source) -> Result<Box<dyn Reader>, ScanError> {
         let ply = PlyHeader::read(&source)?;
-        let plans = plans(&source, &ply)?;
-        let points = plans.iter().find_map(|plan| match plan.purpose {
-            Purpose::Points(has) => Some((plan, has)),
-            _ => None,
-        });
-        let (points, has) = points.ok_or_else(|| ScanError::NoPoints {
+        let mut choices = vec![plans(&source, &ply, 0)?];
+        let no_points = || ScanError::NoPoints {
             path: source.path().to_owned(),
             reason: "its header has no element named vertex; export it again, with points".into(),
-        })?;
-        let header = describe(&source, &ply, &plans, points, has);
-        let num_announced = points.count;
-        Ok(Box::new(PlyFile { source, ply, plans, has, num_announced, header }))
+        };
+        let header = describe::header(&source, &ply, &choices[0], points(&choices[0]).ok_or_else(no_points)?);
+        while has_color(&choices[choices.len() - 1]) {
+            choices.push(plans(&source, &ply, choices.len())?);
+        }
+        // The last is without the points' own colors: those of faces count then.
+        if choices.len() > 1 && color_of_faces(&choices[choices.len() - 1]) == Color::Absent {
+            choices.pop();
+        }
+        Ok(Box::new(PlyFile { source, ply, choices, header }))
     }
 }
 
+/// The element that has the points, and what they have.
+fn points(plans: &[Plan]) -> Option<(&Plan, Kept)> {
+    plans.iter().find_map(|plan| match plan.purpose {
+        Purpose::Points(has) => Some((plan, has)),
+        _ => None,
+    })
+}
+
+fn has_color(plans: &[Plan]) -> bool {
+    points(plans).is_some_and(|(_, has)| has.color != Color::Absent)
+}
+
+/// How faces have colors, if there are any.
+fn color_of_faces(plans: &[Plan]) -> Color {
+    let mut colors = plans.iter().filter(|plan| plan.count > 0).filter_map(|plan| match plan.purpose {
+        Purpose::Faces(color) => Some(color),
+        _ => None,
+    });
+    colors.next().unwrap_or(Color::Absent)
+}
+
 /// What is done with each element. The first that is named vertex has the points, or else the first that has x, y and z.
-fn plans(source: &Source, ply: &PlyHeader) -> Result<Vec<Plan>, ScanError> {
+/// Of the colors that these have, that of number `color` counts.
+fn plans(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<Plan>, ScanError> {
     let is_vertex = |element: &header::Element| element.name.eq_ignore_ascii_case("vertex");
     let has_places = |element: &header::Element| {
         let has = |axis| element.properties.iter().any(|property| property.name.eq_ignore_ascii_case(axis));
@@ -75,12 +100,10 @@ fn plans(source: &Source, ply: &PlyHeader) -> Result<Vec<Plan>, ScanError> {
             line: element.line,
             problem: format!("the element vertex has no {missing}: export the file again, with x, y and z"),
         };
-        Plan::of_points(element).map_err(fail)
+        Plan::of_points(element, color).map_err(fail)
     });
     let mut points = points.transpose()?;
-    let has_color = points
-        .as_ref()
-        .is_some_and(|points| matches!(points.purpose, Purpose::Points(has) if has.color != Color::Absent));
+    let has_color = points.as_ref().is_some_and(|points| has_color(std::slice::from_ref(points)));
     let plan = |(at, element): (usize, &header::Element)| {
         let points = if Some(at) == vertex { points.take() } else { None };
         points.unwrap_or_else(|| Plan::of_others(element, has_color))
@@ -92,10 +115,18 @@ fn plans(source: &Source, ply: &PlyHeader) -> Result<Vec<Plan>, ScanError> {
 struct PlyFile {
     source: Source,
     ply: PlyHeader,
-    plans: Vec<Plan>,
-    has: Kept,
-    num_announced: u64,
+    /// What to do with each element, for each of the colors that points have; there is one at least, with points.
+    choices: Vec<Vec<Plan>>,
     header: Header,
+}
+
+/// A file once it was surveyed.
+struct Surveyed<'a> {
+    plans: &'a [Plan],
+    meaning: Meaning,
+    found: Found,
+    /// What is to be said of the choice of colors.
+    sentence: Option<&'static str>,
 }
 
 impl Reader for PlyFile {
@@ -104,27 +135,17 @@ impl Reader for PlyFile {
     }
 
     fn read(&self, _options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError> {
-        let chunks = self.chunks(progress)?;
-        let mut meaning = Meaning { has: self.has, chunks, leaves_faint_out: true };
-        let mut found = self.survey(&meaning, progress)?;
-        if found.num_kept == 0 && found.num_faint > 0 {
-            meaning.leaves_faint_out = false;
-            found = self.survey(&meaning, progress)?;
-        }
-        let faces = self.plans.iter().filter(|plan| plan.count > 0);
-        let has_faces = faces.clone().any(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
-        let mut colors_of_faces = faces.filter_map(|plan| match plan.purpose {
-            Purpose::Faces(color) => Some(color),
-            _ => None,
-        });
-        let of_faces = colors_of_faces.next().unwrap_or(Color::Absent);
-        let how = columns::how(&meaning, &found, has_faces, self.num_announced);
+        let Surveyed { plans, meaning, found, sentence } = self.survey_best(progress)?;
+        let mut faces = plans.iter().filter(|plan| plan.count > 0);
+        let has_faces = faces.any(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let of_faces = color_of_faces(plans);
+        let how = columns::how(&meaning, &found, has_faces, self.num_announced());
         let mut rows = Rows::new(&how);
         let memory =
             |_| ScanError::Memory { path: self.source.path().to_owned(), num_points: found.num_kept };
         rows.reserve(found.num_kept).map_err(memory)?;
         let mut body = Body::new(rows);
-        self.pass(&self.plans, self.plans.len(), &mut body, progress)?;
+        self.pass(plans, plans.len(), &mut body, progress)?;
         let mut warnings = std::mem::take(&mut body.warnings);
         let num_faces = body.sink.faces.num_faces;
         warnings.extend(self.cut_off(body.sink.num_points(), num_faces));
@@ -135,7 +156,8 @@ impl Reader for PlyFile {
             return Err(self.no_points(None, left_out.far));
         }
         warnings.extend(bad_rows);
-        warnings.extend(sentences(left_out, loss));
+        warnings.extend(sentences(left_out, loss, meaning.has.is_splat));
+        warnings.extend(sentence.map(str::to_owned));
         Ok(Columns { warnings, ..columns })
     }
 }
@@ -162,12 +184,72 @@ impl PlyFile {
         }
     }
 
+    fn num_announced(&self) -> u64 {
+        points(&self.choices[0]).map_or(0, |(plan, _)| plan.count)
+    }
+
+    /// A survey with those of the points' colors that most points have; where none is more than the same at all points,
+    /// with those of faces.
+    fn survey_best(&self, progress: &Progress) -> Result<Surveyed<'_>, ScanError> {
+        let mut best: Option<(f64, Surveyed)> = None;
+        for (number, plans) in self.choices.iter().enumerate() {
+            let is_of_points = has_color(plans);
+            let least = best.as_ref().map(|(least, _)| *least);
+            if !is_of_points && least.is_some_and(|least| least < 1.0) {
+                break;
+            }
+            let (meaning, found) = self.survey_one(plans, progress)?;
+            let lacking = uncolored::part_without(&found.colors, meaning.white());
+            if least.is_none_or(|least| lacking < least || !is_of_points) {
+                let sentence = match number {
+                    0 => None,
+                    _ if is_of_points => {
+                        Some("has several colors a point: those that most points have are shown")
+                    }
+                    _ => Some("has the same color at all points: those of its faces are shown"),
+                };
+                best = Some((lacking, Surveyed { plans, meaning, found, sentence }));
+            }
+            if lacking == 0.0 {
+                break;
+            }
+        }
+        // There is one choice at least.
+        let (_, mut surveyed) = best.ok_or_else(|| self.no_points(None, 0))?;
+        let is_of_faces = |plans: &Vec<Plan>| !has_color(plans) && color_of_faces(plans) != Color::Absent;
+        if has_color(surveyed.plans) && self.choices.last().is_some_and(is_of_faces) {
+            surveyed.sentence =
+                Some("has colors of faces beside those of its points: those of faces are not read");
+        }
+        Ok(surveyed)
+    }
+
+    /// A survey that understands opacities, and leaves nearly transparent points out unless all are.
+    fn survey_one(&self, plans: &[Plan], progress: &Progress) -> Result<(Meaning, Found), ScanError> {
+        let has = points(plans).map(|(_, has)| has).ok_or_else(|| self.no_points(None, 0))?;
+        let chunks = self.chunks(plans, has, progress)?;
+        let mut meaning = Meaning { has, chunks, leaves_faint_out: true };
+        let mut found = self.survey(plans, &meaning, progress)?;
+        if has.opacity == Opacity::Unclear {
+            let (low, high) = found.opacity;
+            let is_part = low >= 0.0 && high <= 1.0;
+            meaning.has.opacity = if is_part { Opacity::PartOf(1) } else { Opacity::Logit };
+            found = self.survey(plans, &meaning, progress)?;
+        }
+        if found.num_kept == 0 && found.num_faint > 0 {
+            meaning.leaves_faint_out = false;
+            found = self.survey(plans, &meaning, progress)?;
+        }
+        Ok((meaning, found))
+    }
+
     /// What must be known of all points first; there is at least one.
-    fn survey(&self, meaning: &Meaning, progress: &Progress) -> Result<Found, ScanError> {
-        let plans: Vec<Plan> = self.plans.iter().map(Plan::for_survey).collect();
+    fn survey(&self, plans: &[Plan], meaning: &Meaning, progress: &Progress) -> Result<Found, ScanError> {
+        let with_colors = self.choices.len() > 1;
+        let plans: Vec<Plan> = plans.iter().map(|plan| plan.for_survey(with_colors)).collect();
         let is_points = |plan: &Plan| matches!(plan.purpose, Purpose::Points(_));
         let num_elements = plans.iter().position(is_points).map_or(0, |at| at + 1);
-        let mut body = Body::new(Survey::new(meaning, self.header.num_points));
+        let mut body = Body::new(Survey::new(meaning, self.header.num_points, with_colors));
         self.pass(&plans, num_elements, &mut body, progress)?;
         if body.sink.found.num_kept + body.sink.found.num_faint == 0 {
             return Err(self.no_points(body.first_bad_row, body.sink.num_points()));
@@ -176,11 +258,11 @@ impl PlyFile {
     }
 
     /// The boxes of a compressed splat, for which all elements but these are passed over.
-    fn chunks(&self, progress: &Progress) -> Result<Vec<Chunk>, ScanError> {
-        if !self.has.chunked {
+    fn chunks(&self, plans: &[Plan], has: Kept, progress: &Progress) -> Result<Vec<Chunk>, ScanError> {
+        if !has.chunked {
             return Ok(Vec::new());
         }
-        let plans: Vec<Plan> = self.plans.iter().map(Plan::for_chunks).collect();
+        let plans: Vec<Plan> = plans.iter().map(Plan::for_chunks).collect();
         let mut body = Body::new(Chunks::default());
         self.pass(&plans, plans.len(), &mut body, progress)?;
         Ok(body.sink.0)
@@ -188,14 +270,13 @@ impl PlyFile {
 
     /// Why there are no points although so many were read.
     fn no_points(&self, first_bad_row: Option<String>, num_read: u64) -> ScanError {
-        let announced = self.num_announced;
+        let announced = self.num_announced();
         let reason = match first_bad_row {
             _ if announced == 0 => "its header announces none".into(),
-            Some(row) if row.split_once('"').is_some_and(|(_, text)| text.contains(',')) => format!(
+            Some(row) => format!(
                 "its header announces {announced}, none could be read, see {row}: numbers have points, not commas, and \
-                 blanks between them; write them so"
+                 blanks or semicolons between them; write them so"
             ),
-            Some(row) => format!("its header announces {announced}, none could be read, see {row}"),
             None if num_read > 0 => {
                 format!(
                     "its header announces {announced}, none has a place within 1e15 of zero; export it again"
@@ -219,11 +300,11 @@ impl PlyFile {
             format!("announces {announced}, but only {read} could be read (the file has {end} bytes)")
         };
         let faces =
-            self.plans.iter().filter(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+            self.choices[0].iter().filter(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
         let num_faces_announced = faces.map(|plan| plan.count).fold(0, u64::saturating_add);
         let mut sentences = Vec::new();
-        if num_points < self.num_announced {
-            sentences.push(sentence("point", self.num_announced, num_points));
+        if num_points < self.num_announced() {
+            sentences.push(sentence("point", self.num_announced(), num_points));
         }
         if num_faces < num_faces_announced {
             sentences.push(sentence("face", num_faces_announced, num_faces));
@@ -241,14 +322,21 @@ fn bad_rows<S>(body: &Body<S>) -> Option<String> {
 }
 
 /// Sentences about rows that could be read and are of no use.
-fn sentences(points: LeftOut, faces: columns::Loss) -> Vec<String> {
+fn sentences(points: LeftOut, faces: columns::Loss, are_splats: bool) -> Vec<String> {
     use super::far::{self, left_out};
-    let LeftOut { without_place, faint, far } = points;
-    let columns::Loss { num_triangles, num_faces } = faces;
+    let LeftOut { without_place, faint, far, colors } = points;
+    let columns::Loss { num_triangles, num_faces, num_colors } = faces;
+    let faint_thing = if are_splats { "splat" } else { "point" };
+    let list = |count: u64, thing| {
+        let things = counted(count, thing);
+        format!("has {things} with a list of colors of other than 3 or 4 values, which is not read")
+    };
     [
         (without_place, left_out(without_place, "point", "without a finite place")),
         (far, far::sentence(far)),
-        (faint, left_out(faint, "splat", "nearly transparent")),
+        (faint, left_out(faint, faint_thing, "nearly transparent")),
+        (colors, list(colors, "point")),
+        (num_colors, list(num_colors, "face")),
         (
             num_triangles,
             format!(
@@ -271,108 +359,6 @@ fn sentences(points: LeftOut, faces: columns::Loss) -> Vec<String> {
     .collect()
 }
 
-fn describe(source: &Source, ply: &PlyHeader, plans: &[Plan], points: &Plan, has: Kept) -> Header {
-    let kind = match ply.encoding {
-        Encoding::Ascii => "ascii",
-        Encoding::LittleEndian => "binary little-endian",
-        Encoding::BigEndian => "binary big-endian",
-    };
-    let body_bytes = source.len().saturating_sub(ply.body_offset);
-    let num_points = match ply.encoding {
-        Encoding::Ascii => text::most_rows(points, body_bytes),
-        _ => points.count.min(body_bytes / points.row_bytes().0.max(1)),
-    };
-    let splat = match has.color {
-        Color::Harmonics => ", Gaussian splat",
-        _ if has.chunked => ", compressed Gaussian splat",
-        _ => "",
-    };
-    Header {
-        path: source.path().to_owned(),
-        format: format!("PLY, {kind}{splat}"),
-        num_points,
-        attributes: attributes(plans, points, has),
-        up: up::stated(&ply.remarks, &points.extra),
-        software: software(&ply.remarks),
-        created: created(&ply.remarks),
-        warnings: ply.oddities.iter().cloned().chain(texture(ply, has)).collect(),
-        ..Header::default()
-    }
-}
-
-/// A sentence about a texture, which is not read.
-fn texture(ply: &PlyHeader, has: Kept) -> Option<String> {
-    let file = ply.remarks.iter().find_map(|remark| {
-        let (word, name) = remark.split_once(char::is_whitespace)?;
-        word.eq_ignore_ascii_case("TextureFile").then(|| name.trim())
-    });
-    let names = |element: &header::Element| {
-        let names = element.properties.iter().map(|property| property.name.to_ascii_lowercase());
-        names.collect::<Vec<String>>()
-    };
-    let is_mapped = |names: Vec<String>| {
-        let has = |name: &str| names.iter().any(|other| other == name);
-        has("texcoord") || has("texture_u") || has("s") && has("t") || has("u") && has("v")
-    };
-    let texture = match file {
-        Some(name) => format!("its texture ({name}) is not read"),
-        None if ply.elements.iter().map(names).any(is_mapped) => "its texture is not read".into(),
-        None => return None,
-    };
-    Some(if has.color == Color::Absent {
-        format!("has its colors in a texture: {texture}; bake it into colors of vertices to see them")
-    } else {
-        format!("has a texture beside the colors of its points: {texture}")
-    })
-}
-
-fn attributes(plans: &[Plan], points: &Plan, has: Kept) -> Vec<String> {
-    let known = [
-        (has.color != Color::Absent, "rgb"),
-        (has.intensity != Intensity::Absent, "intensity"),
-        (has.normal, "normals"),
-        (has.opacity != Opacity::Absent, "opacity"),
-    ];
-    let mut names: Vec<String> =
-        known.into_iter().filter(|(is_there, _)| *is_there).map(|(_, name)| name.to_owned()).collect();
-    for plan in plans.iter().filter(|plan| plan.count > 0) {
-        match plan.purpose {
-            Purpose::Faces(color) => {
-                names.extend((color != Color::Absent).then(|| "rgb of faces".to_owned()));
-                names.push(format!("faces: {}", plan.count));
-            }
-            Purpose::Strips => names.push("triangle strips".into()),
-            Purpose::Points(_) | Purpose::Chunks | Purpose::Unused => {}
-        }
-    }
-    names.extend(points.extra.iter().map(|name| format!("extra:{name}")));
-    names
-}
-
-/// The program that a remark names: "Created by CloudCompare v2.11.1", "VCGLIB generated".
-fn software(remarks: &[String]) -> Option<String> {
-    let name_in = |remark: &String| {
-        let lower = remark.to_ascii_lowercase();
-        let behind = ["generated by ", "created by "].iter().find(|words| lower.starts_with(*words));
-        let name = match behind {
-            Some(words) => remark.get(words.len()..)?,
-            None if lower.ends_with(" generated") => remark.get(..remark.len() - " generated".len())?,
-            None => return None,
-        };
-        Some(name.trim_end_matches('!').trim().to_owned()).filter(|name| !name.is_empty())
-    };
-    remarks.iter().find_map(name_in)
-}
-
-/// The day in "Created 2024/03/21 19:18".
-fn created(remarks: &[String]) -> Option<String> {
-    remarks.iter().find_map(|remark| {
-        let day = remark.strip_prefix("Created ")?.split_whitespace().next()?;
-        let is_day = day.len() == 10 && day.split('/').map(str::len).eq([4, 2, 2]);
-        (is_day && day.bytes().all(|b| b.is_ascii_digit() || b == b'/')).then(|| day.replace('/', "-"))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -385,22 +371,5 @@ mod tests {
         for no in ["", "pl", "plywood\n", "PLYWOOD", "#ply\n"] {
             assert!(!Ply.recognises(no.as_bytes()), "{no:?}");
         }
-    }
-
-    #[test]
-    fn remarks_name_program_and_day() {
-        let all = |remarks: &[&str]| {
-            let remarks: Vec<String> = remarks.iter().map(|&remark| remark.to_owned()).collect();
-            (software(&remarks), created(&remarks))
-        };
-        let cloud =
-            all(&["Created by CloudCompare v2.11.1 (Anoia)", "Created 2024/03/21 19:18", "Generated by x!"]);
-        assert_eq!(cloud, (Some("CloudCompare v2.11.1 (Anoia)".into()), Some("2024-03-21".into())));
-        assert_eq!(all(&["by hand", "VCGLIB generated"]).0.as_deref(), Some("VCGLIB"));
-        assert_eq!(all(&["Generated by CloudCompare!"]).0.as_deref(), Some("CloudCompare"));
-        assert_eq!(
-            all(&["Created by ", "Created yesterday", "Created 2024/3/211", " generated"]),
-            (None, None)
-        );
     }
 }

@@ -23,6 +23,9 @@ const RGB: [[&str; 3]; 4] = [
 ];
 /// Colors of Gaussian splats: the constant term of spherical harmonics.
 const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
+/// Names of a color in a list of red, green, blue and perhaps alpha.
+const LISTED_RGB: [&str; 8] =
+    ["rgb", "rgba", "color", "colors", "colour", "colours", "vertex_color", "face_color"];
 /// Names of a color in one value of 32 bits.
 const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
 /// Names of intensity, the likeliest first; and parts of names that only an intensity has.
@@ -66,6 +69,8 @@ pub(super) enum Purpose {
 /// What a point has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kept {
+    /// True if it is a Gaussian splat.
+    pub is_splat: bool,
     /// True if its place is packed in its chunk's box.
     pub chunked: bool,
     pub color: Color,
@@ -97,12 +102,16 @@ pub(super) enum Intensity {
     Floats,
 }
 
-/// How a splat's opacity is stored.
+/// How a point's opacity is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Opacity {
     Absent,
+    /// As one of the next two, which only all values tell.
+    Unclear,
     /// ln(o / (1 − o)).
     Logit,
+    /// As a part of this.
+    PartOf(u16),
     /// The lowest byte of the color.
     Chunked,
 }
@@ -118,8 +127,13 @@ enum Step {
         num_bytes: u64,
     },
     Corners(Type, Type),
+    /// A list of red, green, blue and perhaps alpha.
+    Colors(Type, Type),
     SkipList(Type, Type),
 }
+
+/// One of the ways in which an element may have colors: what is to be kept of its properties.
+type ColorSteps = (Color, Vec<(usize, Step)>);
 
 /// What was kept of a row; used again for the next.
 #[derive(Clone, Debug)]
@@ -127,11 +141,13 @@ pub(super) struct Row {
     /// NaN where a value is unknown.
     pub values: [f64; NUM_SLOTS],
     pub corners: Vec<f64>,
+    /// True if a list of colors is none of red, green, blue and perhaps alpha.
+    pub has_odd_list: bool,
 }
 
 impl Default for Row {
     fn default() -> Self {
-        Self { values: [f64::NAN; NUM_SLOTS], corners: Vec::new() }
+        Self { values: [f64::NAN; NUM_SLOTS], corners: Vec::new(), has_odd_list: false }
     }
 }
 
@@ -156,11 +172,11 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// For the element that holds the points.
+    /// For the element that holds the points, with the color that is number `color` of those that it has, or none.
     ///
     /// # Errors
     /// The names of the coordinates that are missing.
-    pub fn of_points(element: &Element) -> Result<Self, String> {
+    pub fn of_points(element: &Element, color: usize) -> Result<Self, String> {
         let mut plan = Self::unused(element);
         let place = PLACE.map(|name| find(element, name));
         let chunked = place.contains(&None).then(|| find(element, "packed_position")).flatten();
@@ -179,15 +195,28 @@ impl Plan {
                 plan.keep_three(SLOT_PLACE, place);
             }
         }
-        let is_splat = chunked.is_some() || HARMONICS.iter().all(|name| find(element, name).is_some());
-        let color = plan.keep_color(element, chunked.is_some());
-        let opacity = match find(element, "opacity").filter(|_| is_splat) {
+        let has = |name| find(element, name).is_some();
+        let has_harmonics = HARMONICS.into_iter().all(has);
+        let has_shape = ["opacity", "scale_0", "rot_0"].into_iter().all(has);
+        let is_splat = chunked.is_some() || has_harmonics || has_shape;
+        let color = plan.keep_color(element, color);
+        let opacity = match find(element, "opacity") {
             _ if color == Color::Chunked => Opacity::Chunked,
-            Some((at, kind)) => {
+            Some((at, kind)) if kind.is_float() || kind.num_bytes() <= 2 => {
                 plan.steps[at] = Step::Keep(kind, SLOT_OPACITY);
-                Opacity::Logit
+                match kind.num_bytes() {
+                    _ if kind.is_float() => {
+                        if has_harmonics {
+                            Opacity::Logit
+                        } else {
+                            Opacity::Unclear
+                        }
+                    }
+                    1 => Opacity::PartOf(u16::from(u8::MAX)),
+                    _ => Opacity::PartOf(u16::MAX),
+                }
             }
-            None => Opacity::Absent,
+            _ => Opacity::Absent,
         };
         let intensity = match intensity(element) {
             None => Intensity::Absent,
@@ -198,8 +227,8 @@ impl Plan {
         };
         // Splats have zeros there.
         let normal = !is_splat && plan.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
-        plan.purpose =
-            Purpose::Points(Kept { chunked: chunked.is_some(), color, intensity, normal, opacity });
+        let chunked = chunked.is_some();
+        plan.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
         let unused = plan.steps.iter().zip(&element.properties);
         let unused = unused.filter(|(step, property)| {
             matches!(step, Step::Skip { .. } | Step::SkipList(..))
@@ -215,7 +244,7 @@ impl Plan {
         let mut plan = Self::unused(element);
         match element.name.to_ascii_lowercase().as_str() {
             "face" | "faces" if plan.keep_corners(element) => {
-                let color = if points_have_color { Color::Absent } else { plan.keep_color(element, false) };
+                let color = if points_have_color { Color::Absent } else { plan.keep_color(element, 0) };
                 plan.purpose = Purpose::Faces(color);
             }
             "tristrips" if plan.keep_corners(element) => plan.purpose = Purpose::Strips,
@@ -252,30 +281,11 @@ impl Plan {
         true
     }
 
-    fn keep_color(&mut self, element: &Element, chunked: bool) -> Color {
-        if chunked {
-            let Some((at, kind)) = find(element, "packed_color") else { return Color::Absent };
-            self.steps[at] = Step::KeepBits(kind, SLOT_RGB.start);
-            return Color::Chunked;
-        }
-        for names in RGB {
-            let found = names.map(|name| find(element, name));
-            if self.keep_three(SLOT_RGB, found) {
-                let kinds = found.map(|found| found.map_or(Type::UChar, |(_, kind)| kind));
-                let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
-                let any_float = kinds.iter().any(|kind| kind.is_float());
-                return if any_float { Color::Floats } else { Color::Integers(kinds.map(largest)) };
-            }
-        }
-        if self.keep_three(SLOT_RGB, HARMONICS.map(|name| find(element, name))) {
-            return Color::Harmonics;
-        }
-        let packed =
-            PACKED_RGB.iter().find_map(|name| find(element, name)).filter(|(_, kind)| kind.num_bytes() >= 4);
-        packed.map_or(Color::Absent, |(at, kind)| {
-            self.steps[at] = Step::KeepBits(kind, SLOT_RGB.start);
-            Color::Packed
-        })
+    /// Keeps the color that is number `number` of those that there are.
+    fn keep_color(&mut self, element: &Element, number: usize) -> Color {
+        let Some((color, steps)) = colors(element).into_iter().nth(number) else { return Color::Absent };
+        steps.into_iter().for_each(|(at, step)| self.steps[at] = step);
+        color
     }
 
     fn keep_corners(&mut self, element: &Element) -> bool {
@@ -286,8 +296,9 @@ impl Plan {
         true
     }
 
-    /// The same rows, of which only that is kept which the grid and the ranges of columns depend on.
-    pub fn for_survey(&self) -> Self {
+    /// The same rows, of which only that is kept which the grid and the ranges of columns depend on, and colors if that
+    /// is asked for.
+    pub fn for_survey(&self, with_colors: bool) -> Self {
         let mut plan = self.clone();
         let has = match plan.purpose {
             Purpose::Points(has) => Some(has),
@@ -297,7 +308,8 @@ impl Plan {
             }
         };
         let is_needed = |slot: usize| {
-            let rgb = |has: Kept| has.color == Color::Floats || has.opacity == Opacity::Chunked;
+            let rgb =
+                |has: Kept| with_colors || has.color == Color::Floats || has.opacity == Opacity::Chunked;
             has.is_some_and(|has| match slot {
                 _ if SLOT_RGB.contains(&slot) => rgb(has),
                 _ => !SLOT_NORMAL.contains(&slot),
@@ -308,6 +320,7 @@ impl Plan {
                 Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => {
                     Step::Skip { num_values: 1, num_bytes: kind.num_bytes() }
                 }
+                Step::Colors(count, item) if !is_needed(SLOT_RGB.start) => Step::SkipList(count, item),
                 Step::Corners(count, item) => Step::SkipList(count, item),
                 other => other,
             };
@@ -318,7 +331,7 @@ impl Plan {
 
     /// The same rows, of which nothing is kept unless they are chunks.
     pub fn for_chunks(&self) -> Self {
-        let mut plan = self.for_survey();
+        let mut plan = self.for_survey(false);
         if self.purpose == Purpose::Chunks {
             return self.clone();
         }
@@ -346,7 +359,9 @@ impl Plan {
         let sizes = self.steps.iter().map(|step| match step {
             Step::Keep(kind, _) | Step::KeepBits(kind, _) => (kind.num_bytes(), true),
             Step::Skip { num_bytes, .. } => (*num_bytes, true),
-            Step::Corners(count, _) | Step::SkipList(count, _) => (count.num_bytes(), false),
+            Step::Corners(count, _) | Step::Colors(count, _) | Step::SkipList(count, _) => {
+                (count.num_bytes(), false)
+            }
         });
         sizes.fold((0, true), |(sum, all_fixed), (size, fixed)| (sum + size, all_fixed && fixed))
     }
@@ -360,6 +375,7 @@ impl Plan {
     #[inline]
     pub fn read_row(&self, values: &mut impl Values, row: &mut Row) -> Option<()> {
         row.corners.clear();
+        row.has_odd_list = false;
         for step in &self.steps {
             match *step {
                 Step::Keep(kind, slot) => row.values[slot] = values.value(kind)?,
@@ -370,6 +386,17 @@ impl Plan {
                     let count = values.value(count)? as u64;
                     values.skip(count, count.checked_mul(item.num_bytes())?)?;
                 }
+                Step::Colors(count, item) => {
+                    let count = values.value(count)? as u64;
+                    row.has_odd_list = !(3..=4).contains(&count);
+                    let num_channels = if row.has_odd_list { 0 } else { 3 };
+                    row.values[SLOT_RGB].fill(f64::NAN);
+                    for slot in SLOT_RGB.take(num_channels) {
+                        row.values[slot] = values.value(item)?;
+                    }
+                    let left = count - num_channels as u64;
+                    values.skip(left, left.checked_mul(item.num_bytes())?)?;
+                }
                 Step::Corners(count, item) => {
                     for _ in 0..values.value(count)? as u64 {
                         row.corners.push(values.value(item)?);
@@ -379,6 +406,41 @@ impl Plan {
         }
         Some(())
     }
+}
+
+/// The ways in which an element has colors, the likeliest first.
+fn colors(element: &Element) -> Vec<ColorSteps> {
+    let three = |names: [&str; 3]| {
+        let [a, b, c] = names.map(|name| find(element, name));
+        Some([a?, b?, c?])
+    };
+    let keep = |found: [(usize, Type); 3]| {
+        found.into_iter().zip(SLOT_RGB).map(|((at, kind), slot)| (at, Step::Keep(kind, slot))).collect()
+    };
+    let bits = |(at, kind)| vec![(at, Step::KeepBits(kind, SLOT_RGB.start))];
+    let list = LISTED_RGB.iter().find_map(|name| {
+        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
+            Shape::List(count, item) if property.name.eq_ignore_ascii_case(name) => Some((at, count, item)),
+            _ => None,
+        })
+    });
+    let packed =
+        PACKED_RGB.iter().find_map(|name| find(element, name)).filter(|(_, kind)| kind.num_bytes() >= 4);
+    let chunked = find(element, "packed_position").and_then(|_| find(element, "packed_color"));
+    let chunked = chunked.map(|found| (Color::Chunked, bits(found)));
+    let rgb = RGB.into_iter().filter_map(three);
+    let rgb = rgb.map(|found| (plain(found.map(|(_, kind)| kind)), keep(found)));
+    let harmonics = three(HARMONICS).map(|found| (Color::Harmonics, keep(found)));
+    let listed = list.map(|(at, count, item)| (plain([item; 3]), vec![(at, Step::Colors(count, item))]));
+    let packed = packed.map(|found| (Color::Packed, bits(found)));
+    chunked.into_iter().chain(rgb).chain(harmonics).chain(listed).chain(packed).collect()
+}
+
+/// Red, green and blue of these types.
+fn plain(kinds: [Type; 3]) -> Color {
+    let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
+    let any_float = kinds.iter().any(|kind| kind.is_float());
+    if any_float { Color::Floats } else { Color::Integers(kinds.map(largest)) }
 }
 
 /// Index and type of the value with this name, in whatever case.
@@ -407,5 +469,7 @@ fn intensity(element: &Element) -> Option<(usize, Type)> {
 
 /// True for what splats have by the dozen and points do not need.
 fn is_of_splats(name: &str) -> bool {
-    ["f_rest_", "scale_", "rot_", "packed_", "nx", "ny", "nz"].iter().any(|start| name.starts_with(start))
+    ["f_dc_", "f_rest_", "scale_", "rot_", "packed_", "nx", "ny", "nz"]
+        .iter()
+        .any(|start| name.starts_with(start))
 }

@@ -39,13 +39,14 @@ impl Meaning {
         self.chunks.get(usize::try_from(number / CHUNK_POINTS).ok()?)
     }
 
-    /// True for a splat that is nearly transparent.
+    /// True for a point that is nearly transparent.
     #[inline]
     pub fn is_faint(&self, row: &Row) -> bool {
         let opacity = match self.has.opacity {
             _ if !self.leaves_faint_out => return false,
-            Opacity::Absent => return false,
+            Opacity::Absent | Opacity::Unclear => return false,
             Opacity::Logit => 1.0 / (1.0 + (-row.values[SLOT_OPACITY]).exp()),
+            Opacity::PartOf(most) => row.values[SLOT_OPACITY] / f64::from(most),
             Opacity::Chunked => part(row.values[SLOT_RGB.start] as u32, 255),
         };
         opacity < FAINT
@@ -128,7 +129,8 @@ mod tests {
 
     fn meaning(color: Color, opacity: Opacity, chunks: Vec<Chunk>) -> Meaning {
         let chunked = !chunks.is_empty();
-        let has = Kept { chunked, color, intensity: Intensity::Absent, normal: false, opacity };
+        let has =
+            Kept { is_splat: true, chunked, color, intensity: Intensity::Absent, normal: false, opacity };
         Meaning { has, chunks, leaves_faint_out: true }
     }
 

@@ -39,7 +39,7 @@ pub(super) struct Rows<'a> {
     pub left_out: LeftOut,
 }
 
-/// Points that are left out, by why.
+/// Points that are left out, by why, and colors of them that are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LeftOut {
     /// Without a finite place.
@@ -48,6 +48,8 @@ pub(super) struct LeftOut {
     pub faint: u64,
     /// Farther away than the grid reaches.
     pub far: u64,
+    /// Only their colors: lists of other than red, green, blue and perhaps alpha.
+    pub colors: u64,
 }
 
 impl<'a> Rows<'a> {
@@ -111,6 +113,7 @@ impl Sink for Rows<'_> {
         self.left_out.without_place += later.left_out.without_place;
         self.left_out.faint += later.left_out.faint;
         self.left_out.far += later.left_out.far;
+        self.left_out.colors += later.left_out.colors;
     }
 
     #[inline]
@@ -133,6 +136,7 @@ impl Sink for Rows<'_> {
         }
         self.xyz.push(grid.snap(&place));
         if meaning.has.color != Color::Absent {
+            self.left_out.colors += u64::from(row.has_odd_list);
             self.rgb.push(meaning.rgb(number, row, self.how.color_factor));
         }
         if meaning.has.intensity != Intensity::Absent {

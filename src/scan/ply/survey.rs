@@ -2,7 +2,7 @@
 
 use super::body::Sink;
 use super::grid;
-use super::plan::{Color, Intensity, Row, SLOT_INTENSITY, SLOT_RGB};
+use super::plan::{Color, Intensity, Opacity, Row, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
 use super::point::{Chunk, Meaning};
 use crate::space::Bounds;
 use glam::DVec3;
@@ -27,12 +27,17 @@ pub(super) struct Found {
     pub intensity: (f64, f64),
     /// Finite intensities of some.
     pub intensities: Vec<f64>,
+    /// The smallest and largest finite opacity.
+    pub opacity: (f64, f64),
+    /// Colors of some, where they are asked for; of floats, 0 to 1 as 8 bits.
+    pub colors: Vec<[u16; 3]>,
 }
 
 /// The pass.
 #[derive(Debug)]
 pub(super) struct Survey<'a> {
     meaning: &'a Meaning,
+    with_colors: bool,
     /// Points from one of the sample to the next, and those until then.
     stride: u64,
     until_next: u64,
@@ -43,7 +48,7 @@ pub(super) struct Survey<'a> {
 
 impl<'a> Survey<'a> {
     /// Of a file that holds about so many points.
-    pub fn new(meaning: &'a Meaning, num_points: u64) -> Self {
+    pub fn new(meaning: &'a Meaning, num_points: u64, with_colors: bool) -> Self {
         let found = Found {
             num_kept: 0,
             num_faint: 0,
@@ -52,19 +57,22 @@ impl<'a> Survey<'a> {
             channels: [0; 3],
             intensity: (f64::MAX, f64::MIN),
             intensities: Vec::new(),
+            opacity: (f64::MAX, f64::MIN),
+            colors: Vec::new(),
         };
         let stride = num_points.div_ceil(SAMPLE).max(1);
-        Self { meaning, stride, until_next: 0, first_point: 0, num_points: 0, found }
+        Self { meaning, with_colors, stride, until_next: 0, first_point: 0, num_points: 0, found }
     }
 }
 
 impl Sink for Survey<'_> {
     fn part(&self, first_point: u64, _: usize) -> Self {
-        Self { stride: self.stride, first_point, ..Self::new(self.meaning, 0) }
+        Self { stride: self.stride, first_point, ..Self::new(self.meaning, 0, self.with_colors) }
     }
 
     fn append(&mut self, later: Self) {
-        let Found { num_kept, num_faint, bounds, sample, channels, intensity, intensities } = later.found;
+        let Found { num_kept, num_faint, bounds, sample, channels, .. } = later.found;
+        let Found { intensity, intensities, opacity, colors, .. } = later.found;
         self.num_points += later.num_points;
         self.found.num_kept += num_kept;
         self.found.num_faint += num_faint;
@@ -72,8 +80,9 @@ impl Sink for Survey<'_> {
         self.found.sample.extend(sample);
         self.found.channels = std::array::from_fn(|range| self.found.channels[range] + channels[range]);
         self.found.intensities.extend(intensities);
-        self.found.intensity =
-            (self.found.intensity.0.min(intensity.0), self.found.intensity.1.max(intensity.1));
+        self.found.colors.extend(colors);
+        self.found.intensity = both(self.found.intensity, intensity);
+        self.found.opacity = both(self.found.opacity, opacity);
     }
 
     #[inline]
@@ -96,6 +105,12 @@ impl Sink for Survey<'_> {
         found.bounds = found.bounds.with(place);
         if is_of_sample {
             found.sample.push(place);
+            if self.with_colors {
+                found.colors.push(self.meaning.rgb(number, row, 255.0));
+            }
+        }
+        if self.meaning.has.opacity == Opacity::Unclear && row.values[SLOT_OPACITY].is_finite() {
+            found.opacity = both(found.opacity, (row.values[SLOT_OPACITY], row.values[SLOT_OPACITY]));
         }
         if self.meaning.has.color == Color::Floats {
             for &channel in &row.values[SLOT_RGB] {
@@ -106,7 +121,7 @@ impl Sink for Survey<'_> {
         }
         if self.meaning.has.intensity != Intensity::Absent && row.values[SLOT_INTENSITY].is_finite() {
             let value = row.values[SLOT_INTENSITY];
-            found.intensity = (found.intensity.0.min(value), found.intensity.1.max(value));
+            found.intensity = both(found.intensity, (value, value));
             if is_of_sample {
                 found.intensities.push(value);
             }
@@ -124,6 +139,11 @@ impl Sink for Survey<'_> {
     fn progress(num_points: u64) -> u64 {
         num_points / 2
     }
+}
+
+/// The range of two ranges.
+fn both(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0.min(b.0), a.1.max(b.1))
 }
 
 /// The pass before that, of compressed splats: the boxes of their chunks.

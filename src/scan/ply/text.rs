@@ -1,4 +1,4 @@
-//! Rows of text: values between blanks, wherever lines end.
+//! Rows of text: values between blanks or semicolons, wherever lines end.
 //!
 //! By the format's rules a row may take several lines, or share one with others. Nearly all files have a line a row,
 //! so that is tried first, block by block in parallel; where every line is exactly a row, both readings agree.
@@ -7,7 +7,7 @@
 
 use super::body::{Body, Sink, take, take_bad};
 use super::plan::{Plan, Purpose, Row};
-use super::value::Words;
+use super::value::{Words, parts_words, without_blanks};
 use super::window::{self, Window, is_blank};
 use crate::progress::Progress;
 use crate::scan::ScanError;
@@ -127,7 +127,7 @@ impl<S: Sink> Text<'_, S> {
 
     /// True if there is anything but blanks.
     fn has_more(&mut self) -> Result<bool, ScanError> {
-        while self.window.text().iter().all(u8::is_ascii_whitespace) {
+        while is_blank(self.window.text()) {
             if self.window.at_end {
                 return Ok(false);
             }
@@ -251,8 +251,7 @@ impl<S: Sink> Text<'_, S> {
 
     fn read_words(&self, plan: &Plan, text: &[u8], left: u64, more_follow: bool) -> Read<S> {
         // The last word of all is whole only if nothing more is announced: a number could have lost digits.
-        let last_is_doubtful =
-            self.window.at_end && text.last().is_some_and(|byte| !byte.is_ascii_whitespace());
+        let last_is_doubtful = self.window.at_end && text.last().is_some_and(|byte| !parts_words(byte));
         let empty = self.body.sink.part(0, 0);
         let first_point = self.body.sink.num_points();
         match plan.num_words() {
@@ -335,7 +334,7 @@ fn read_counted<S: Sink>(
     (left, doubt): (u64, Option<bool>),
     part_from: impl Fn(u64) -> S + Sync,
 ) -> Read<S> {
-    let blocks = window::cut(text, BLOCK_BYTES, |byte| byte.is_ascii_whitespace());
+    let blocks = window::cut(text, BLOCK_BYTES, |byte| parts_words(&byte));
     let counts: Vec<u64> = blocks.par_iter().map(|block| window::count_words(&text[block.clone()])).collect();
     let total: u64 = counts.iter().sum();
     let mut num_rows = left.min(total / num_words);
@@ -364,7 +363,7 @@ fn read_counted<S: Sink>(
             match plan.read_row(&mut words, &mut row) {
                 Some(()) => take(plan, &row, &mut part.sink),
                 None => {
-                    part.bad_row(plan, text.len() - whole.0.trim_ascii_start().len());
+                    part.bad_row(plan, text.len() - without_blanks(whole.0).len());
                     words = whole;
                     skip(&mut words, num_words);
                 }
@@ -408,7 +407,7 @@ fn read_lists<S: Sink>(
         if is_read {
             take(plan, &row, &mut part.sink);
         } else {
-            let start = text.len() - whole.0.trim_ascii_start().len();
+            let start = text.len() - without_blanks(whole.0).len();
             part.bad_row(plan, start);
             let line = text[start..].iter().position(|&byte| byte == line_end);
             words = Words(&text[line.map_or(text.len(), |end| start + end)..]);

@@ -206,7 +206,20 @@ impl ByteValues for Record<'_> {
     }
 }
 
-/// Values in text, between blanks and ends of lines.
+/// True for what stands between words: blanks, ends of lines, and semicolons, which no number has.
+#[inline]
+pub(super) fn parts_words(byte: &u8) -> bool {
+    byte.is_ascii_whitespace() || *byte == b';'
+}
+
+/// What is left of a text from its first word on.
+#[inline]
+pub(super) fn without_blanks(text: &[u8]) -> &[u8] {
+    let start = text.iter().position(|byte| !parts_words(byte)).unwrap_or(text.len());
+    &text[start..]
+}
+
+/// Values in text, between blanks, ends of lines and semicolons.
 #[derive(Clone, Copy)]
 pub(super) struct Words<'a>(pub &'a [u8]);
 
@@ -214,8 +227,8 @@ impl<'a> Words<'a> {
     /// The next word.
     #[inline]
     pub fn word(&mut self) -> Option<&'a [u8]> {
-        let text = self.0.trim_ascii_start();
-        let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+        let text = without_blanks(self.0);
+        let end = text.iter().position(parts_words).unwrap_or(text.len());
         let (word, rest) = text.split_at(end);
         self.0 = rest;
         (!word.is_empty()).then_some(word)
@@ -226,7 +239,7 @@ impl Values for Words<'_> {
     /// The type is not asked: text that says more than its type holds is believed.
     #[inline]
     fn value(&mut self, _: Type) -> Option<f64> {
-        self.0 = self.0.trim_ascii_start();
+        self.0 = without_blanks(self.0);
         if let Some((value, rest)) = plain_number(self.0) {
             self.0 = rest;
             return Some(value);
@@ -264,7 +277,7 @@ fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
                 num_digits += 1;
             }
             b'.' if point.is_none() => point = Some(at),
-            _ if byte.is_ascii_whitespace() => {
+            _ if parts_words(byte) => {
                 end = at;
                 break;
             }
@@ -280,12 +293,17 @@ fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
     Some((if digits.len() < text.len() { -value } else { value }, &digits[end..]))
 }
 
+/// A number as Fortran writes those of double and quadruple precision, with the e of others: 1.0D+00 as 1.0e+00.
+fn of_fortran(word: &str) -> String {
+    word.replacen(['D', 'd', 'Q', 'q'], "e", 1)
+}
+
 /// What a word says as a number.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let word = std::str::from_utf8(word).ok()?;
-    // Between numbers there may be commas or semicolons beside the blanks.
-    let word = word.strip_suffix([',', ';']).unwrap_or(word);
-    match word.parse() {
+    // Between numbers there may be commas beside the blanks.
+    let word = word.strip_suffix(',').unwrap_or(word);
+    match word.parse().or_else(|_| of_fortran(word).parse()) {
         Ok(value) => Some(value),
         // "-nan(ind)", "1.#QNAN", "-1.#INF": what C libraries print where there is no number.
         Err(_) if word.contains('#') || word.to_ascii_lowercase().contains("nan") => Some(f64::NAN),
@@ -373,6 +391,24 @@ mod tests {
         assert_eq!(Bytes::new(&[][..], false).skip(1, u64::MAX), None);
         assert_eq!(Record { bytes: &[1, 2], big_endian: false }.skip(1, u64::MAX), None);
         assert_eq!(Words(b"1 2").skip(u64::MAX, 0), None);
+    }
+
+    #[test]
+    fn exponents_of_fortran_are_read() {
+        let words = "1.0D+00 -2.5d-1 3D2 .5Q1 7d";
+        let mut words = Words(words.as_bytes());
+        let read: Vec<_> = (0..5).map(|_| words.value(Type::Double)).collect();
+        assert_eq!(read, [Some(1.0), Some(-0.25), Some(300.0), Some(5.0), None]);
+        for no_number in ["d", "D5", "1.0D", "1D2D3", "1.0De5", "add", "q"] {
+            assert_eq!(number(no_number.as_bytes()), None, "{no_number}");
+        }
+    }
+
+    #[test]
+    fn semicolons_part_numbers_wherever_they_stand() {
+        let mut words = Words(b";1;2 ; 3;; -4e1;\n;5;");
+        let read: Vec<_> = (0..6).map(|_| words.value(Type::Float)).collect();
+        assert_eq!(read, [Some(1.0), Some(2.0), Some(3.0), Some(-40.0), Some(5.0), None]);
     }
 
     #[test]

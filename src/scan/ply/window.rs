@@ -1,5 +1,6 @@
 //! The part of a text file that is in memory, and where lines and words end in it.
 
+use super::value::parts_words;
 use crate::scan::ScanError;
 use crate::scan::source::Source;
 use std::ops::Range;
@@ -68,11 +69,7 @@ impl Window {
     /// The first byte behind the last word that is whole.
     pub fn last_word_end(&self) -> usize {
         let text = self.text();
-        if self.at_end {
-            text.len()
-        } else {
-            text.iter().rposition(u8::is_ascii_whitespace).map_or(0, |at| at + 1)
-        }
+        if self.at_end { text.len() } else { text.iter().rposition(parts_words).map_or(0, |at| at + 1) }
     }
 
     /// The first byte behind the first `most` lines that are not blank, of the lines before byte `end`.
@@ -104,7 +101,7 @@ impl Window {
 /// True if there are no words.
 #[inline]
 pub(super) fn is_blank(text: &[u8]) -> bool {
-    text.iter().all(u8::is_ascii_whitespace)
+    text.iter().all(parts_words)
 }
 
 /// Pieces of about `num_bytes` that end where `is_end` says, or with the text.
@@ -125,7 +122,7 @@ pub(super) fn count_words(text: &[u8]) -> u64 {
     let mut in_word = false;
     let mut count = 0;
     for byte in text {
-        let is_part = !byte.is_ascii_whitespace();
+        let is_part = !parts_words(byte);
         count += u64::from(is_part && !in_word);
         in_word = is_part;
     }
