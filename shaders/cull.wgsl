@@ -165,7 +165,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let center = half_edge - head_hi - head_lo;
 
     let longest = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z));
-    let widest = POINTS_COVER * widest(node.spacing);
+    let step = node.spacing_step;
+    let widest = POINTS_COVER * widest(node.spacing) * (step * step * step);
     let sample_spacing = spacing_drawn(node, drawn);
     var flags = 0u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
@@ -229,7 +230,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let of_slice = (slice << SLICE_SHIFT) | ((num_slices - 1u) << NUM_SLICES_SHIFT);
         visible[slot + slice] = VisibleBatch(
             head_cell, batch.first_point, offset, batch.num_points, batch.cell, flags | planes | of_slice,
-            node.spacing, own, drawn, id.x, vec3<u32>(0u), sample_spacing,
+            node.spacing, own, drawn, id.x, vec2<u32>(0u), node.spacing_step, sample_spacing,
         );
     }
 }

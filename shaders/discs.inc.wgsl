@@ -30,7 +30,7 @@ fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f
 }
 
 // World units that discs are wide: as far as they are apart.
-fn spacings(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
     let step = (shapes_of(load, turn) >> vec4<u32>(16u)) & vec4<u32>(255u);
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
 }

@@ -21,6 +21,7 @@ struct Node {
     flags: u32,
     level: u32,
     sample_spacing: f32,
+    spacing_step: f32,
 }
 
 struct EyeUniform {
@@ -70,7 +71,8 @@ struct VisibleBatch {
     own: vec2<u32>,
     drawn: u32,
     batch: u32,
-    reserved: vec3<u32>,
+    reserved: vec2<u32>,
+    spacing_step: f32,
     sample_spacing: f32,
 }
 

@@ -136,7 +136,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         var spacing = vec4<f32>(0.0);
         if FILL && (batch.flags & VISIBLE_FILL) != 0u {
             let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
-            spacing = spacings(points.load, turn, points.octant, edge, batch.spacing);
+            spacing = spacings(batch, points.load, turn, points.octant, edge);
         }
         if sees(0u, batch) {
             draw(0u, batch, points, spacing);

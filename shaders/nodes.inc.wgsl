@@ -5,12 +5,16 @@ fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f
     return vec4<bool>(true);
 }
 
-// World units that points are apart, in a batch with this longest edge and the spacing of its node.
-fn spacings(load: u32, turn: u32, octant: vec4<u32>, edge: f32, spacing: vec4<u32>) -> vec4<f32> {
+// World units that points are apart, in a batch with this longest edge: by the spacing of their octant, and by a power of
+// their node's step.
+fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
+    let exponent = hi_of(load, turn) >> vec4<u32>(SPACING_EXPONENT_SHIFT);
+    let step = batch.spacing_step;
+    let powers = vec4<f32>(1.0, step, step * step, step * step * step);
     var apart: vec4<f32>;
     for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
-        let pair = unpack2x16float(spacing[octant[i] >> 1u]);
-        apart[i] = edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u);
+        let pair = unpack2x16float(batch.spacing[octant[i] >> 1u]);
+        apart[i] = edge * select(pair.x, pair.y, (octant[i] & 1u) != 0u) * powers[exponent[i]];
     }
     return apart;
 }

@@ -110,7 +110,7 @@ fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
     let hi = hi_of(load, turn);
     var x = ((hi & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
     var y = (((hi >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
-    var z = ((hi >> vec4<u32>(20u)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
+    var z = (hi & vec4<u32>(MASK << 20u)) | vec4<u32>(0x80000u);
     if planes >= 2u {
         let mid = mid_of(load, turn);
         x = (x & vec4<u32>(0xfff00000u)) | ((mid & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);

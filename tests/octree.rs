@@ -5,7 +5,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use scanwalk::cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_octree};
 use scanwalk::cloud::{BuildError, Cloud, quantize};
-use scanwalk::layout::{BATCH_POINTS, Detail, POINTS_PER_LOAD};
+use scanwalk::layout::{BATCH_POINTS, COORDINATE_BITS, Detail, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
 use scanwalk::look::Look;
 use scanwalk::progress::{Progress, Stop};
 use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
@@ -309,6 +309,51 @@ fn filtered_colors_are_the_averages_of_cells() {
     for node in leaves {
         assert_eq!(octree.filtered_colors[slots(node)], octree.cloud.colors[slots(node)]);
     }
+}
+
+/// How far apart the neighbours of a node's points lie, world units, as planes and node say, with the points' x in the scan.
+fn spacings<'o>(octree: &'o Octree, node: &'o Node) -> impl Iterator<Item = (f64, f64)> + 'o {
+    slots(node).map(|at| {
+        let words = planes_at(octree, at);
+        let [x, y, z] = quantize::cells_of(words).map(|cell| (cell >> (COORDINATE_BITS - 1)) as usize);
+        let least = f64::from(node.octant_spacing[x | y << 1 | z << 2]) * node.edge;
+        let exponent = words[0] >> SPACING_EXPONENT_SHIFT;
+        let spacing = least * f64::from(node.spacing_step).powi(exponent as i32);
+        (decoded(octree, node.batches.start as usize, at).x - 5e5, spacing)
+    })
+}
+
+/// Beside each other, ground with a point every 10 mm and ground with one every 70 mm, more and less than a leaf has.
+#[test]
+fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
+    let sheet = |num: i32, step: i32, first: i32| {
+        (0..num * num).map(move |i| [first + i % num * step, i / num * step, i / 7 % 3])
+    };
+    let border_mm = 5000;
+    let scan = scan_of(sheet(500, 10, 0).chain(sheet(100, 70, border_mm)).collect());
+    let octree = octree_of(&scan);
+    let inner = octree.nodes.iter().filter(|node| node.sample_spacing > 0.0);
+    let told: Vec<(f64, f64)> = inner.clone().flat_map(|node| spacings(&octree, node)).collect();
+    // Leaves and their octants that the border goes through have some of both.
+    let apart = |&&(x, _): &&(f64, f64)| (x - 5.0).abs() > 1.0;
+    let wrong = |least: f64, most: f64| {
+        let ratio = |(x, spacing): (f64, f64)| spacing / if x < 5.0 { 0.01 } else { 0.07 };
+        let is_wrong = |told: &&(f64, f64)| !(least..most).contains(&ratio(**told));
+        told.iter().filter(apart).filter(is_wrong).count()
+    };
+    let num = told.iter().filter(apart).count();
+    assert!(num > 10_000, "{num}");
+    assert!(wrong(0.6, 2.5) * 50 < num, "{} of {num} are wrong", wrong(0.6, 2.5));
+    // The root holds both: without exponents all would be as dense.
+    let root = &octree.nodes[0];
+    assert!(root.spacing_step > 1.5, "{}", root.spacing_step);
+    let exponents: Vec<u32> =
+        slots(root).map(|at| octree.cloud.planes[0][at] >> SPACING_EXPONENT_SHIFT).collect();
+    assert!(exponents.contains(&0) && exponents.contains(&3), "both are told apart");
+    // A leaf's points lie as far apart as their octant says.
+    let leaves = octree.nodes.iter().filter(|node| node.sample_spacing == 0.0 && node.spacing_step == 1.0);
+    let words = leaves.flat_map(slots).map(|at| octree.cloud.planes[0][at]);
+    assert!(words.clone().count() > 10_000 && words.clone().all(|word| word >> SPACING_EXPONENT_SHIFT == 0));
 }
 
 #[test]

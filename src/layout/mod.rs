@@ -82,6 +82,9 @@ pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 pub const TILE_PX: [u32; 2] = [32, 16];
 /// Pixels that `dilate` reaches at most, to each side: 7×7.
 pub const DILATE_REACH_PX: u32 = 3;
+/// From this bit on a word of the coarse plane says in two bits how far apart a point's neighbours lie: as far as its octant's
+/// spacing says, times its node's `spacing_step` to the power of these bits. 0 in flat clouds.
+pub const SPACING_EXPONENT_SHIFT: u32 = 3 * PLANE_BITS;
 /// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0 where
 /// the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
 pub const REACH_MASK: u32 = 3;
@@ -164,7 +167,7 @@ pub struct Node {
     pub min_lo: [f32; 3],
     /// Its first child's number; children follow one another in Morton order.
     pub first_child: u32,
-    /// How far apart the finest points in each octant lie, as a share of `edge`: eight f16. With
+    /// How far apart the finest points in each octant lie, as a share of `edge`, where they lie closest: eight f16. With
     /// [`NODE_ONE_SIDED`], four f32: the axis of the directions in which only backs are seen, and the sine of the
     /// angle round it.
     pub spacing: [u32; 4],
@@ -177,6 +180,10 @@ pub struct Node {
     /// How far apart its samples lie, as a share of `edge`: what is seen of the surface while nothing below it is
     /// drawn. 0 where nothing is below.
     pub sample_spacing: f32,
+    /// How many times as far apart points lie for each count of their exponent: see [`SPACING_EXPONENT_SHIFT`].
+    pub spacing_step: f32,
+    /// Always 0.
+    pub reserved: [u32; 3],
 }
 
 impl Node {
@@ -191,6 +198,8 @@ impl Node {
         flags: NODE_WHOLE,
         level: 0,
         sample_spacing: 0.0,
+        spacing_step: 1.0,
+        reserved: [0; 3],
     };
 
     /// The GPU's form of a run of a sequential point tree.
@@ -238,6 +247,8 @@ impl Node {
             flags,
             level: node.level,
             sample_spacing: node.sample_spacing,
+            spacing_step: node.spacing_step,
+            reserved: [0; 3],
         }
     }
 }
@@ -318,7 +329,9 @@ pub struct VisibleBatch {
     /// The batch.
     pub batch: u32,
     /// Always 0.
-    pub reserved: [u32; 3],
+    pub reserved: [u32; 2],
+    /// [`Node::spacing_step`].
+    pub spacing_step: f32,
     /// [`Node::sample_spacing`]; of the root's samples that are drawn.
     pub sample_spacing: f32,
 }

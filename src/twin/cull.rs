@@ -94,7 +94,8 @@ fn cull_batch(
 
     let longest = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2]));
     let widest = shares(node.spacing).into_iter().fold(0.0, f32::max);
-    let widest = POINTS_COVER * widest;
+    let step = node.spacing_step;
+    let widest = POINTS_COVER * widest * (step * step * step);
     let sample_spacing = spacing_drawn(node, drawn);
     let mut flags = 0;
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
@@ -151,7 +152,8 @@ fn cull_batch(
         own: [0; 2],
         drawn: 0,
         batch: 0,
-        reserved: [0; 3],
+        reserved: [0; 2],
+        spacing_step: node.spacing_step,
         sample_spacing,
     };
     Some((visible, slices))

@@ -7,8 +7,8 @@ use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
     DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, LOD_FADE, MAX_FILL_RADIUS, MAX_SLICES,
-    PLANE_BITS, POINTS_COVER, REACH_MASK, SAMPLES_COVER, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
-    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    PLANE_BITS, POINTS_COVER, REACH_MASK, SAMPLES_COVER, SLICE_SHIFT, SPACING_EXPONENT_SHIFT, VISIBLE_DISCS,
+    VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -64,7 +64,10 @@ pub fn points(
             let disc = shapes.filter(|_| batch.flags & VISIBLE_DISCS != 0);
             let disc = disc.map(|shapes| Disc::of(view, shapes[index as usize]));
             let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
-            let spacing = edge * shares(batch.spacing)[octant];
+            let step = batch.spacing_step;
+            let powers = [1.0, step, step * step, step * step * step];
+            let power = powers[(words[0] >> SPACING_EXPONENT_SHIFT) as usize];
+            let spacing = edge * shares(batch.spacing)[octant] * power;
             let is_disc = shapes.is_some();
             let length = disc.map_or(spacing, |disc| disc.diameter);
             let apart = if is_disc { Apart::Discs(length) } else { Apart::Points(length) };

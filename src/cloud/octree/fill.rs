@@ -1,12 +1,12 @@
 //! From a tree of drafts to nodes, batches and planes.
 
 use super::keys::{Cube, Key, Root};
-use super::tree::Draft;
+use super::tree::{Draft, Octant};
 use super::{GRID_BITS, Node, Octree};
 use crate::cloud::index::Index;
 use crate::cloud::quantize::{Cells, planes};
 use crate::cloud::{Batch, BuildError, Cloud};
-use crate::layout::{BATCH_POINTS, POINTS_PER_LOAD};
+use crate::layout::{BATCH_POINTS, COORDINATE_BITS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
 use crate::progress::Progress;
 use crate::scan::Scene;
 use crate::space::{Bounds, Split};
@@ -35,13 +35,22 @@ pub(super) struct Plan {
     batches: Vec<Batch>,
     /// Keys and cells of each node.
     origins: Vec<(Range<usize>, Cells)>,
+    /// Of all leaves, in the keys' order.
+    octants: Vec<Octant>,
 }
 
 impl Plan {
     /// Lays the nodes out breadth first.
     pub fn new(root: &Root, bounds: Bounds, scene: Scene, draft: Draft) -> Result<Self, BuildError> {
         let num_points = draft.keys.len();
-        let mut plan = Self { bounds, scene, nodes: Vec::new(), batches: Vec::new(), origins: Vec::new() };
+        let mut plan = Self {
+            bounds,
+            scene,
+            nodes: Vec::new(),
+            batches: Vec::new(),
+            origins: Vec::new(),
+            octants: Vec::new(),
+        };
         let mut end = 0u64;
         let mut generation = vec![(None, draft)];
         while !generation.is_empty() {
@@ -56,10 +65,12 @@ impl Plan {
                     return Err(BuildError::TooMany(num_points));
                 }
                 plan.push(node, draft.cube, draft.keys.clone(), root);
+                plan.octants.extend(draft.octants);
                 next.extend(draft.children.into_iter().map(|child| (Some(number), child)));
             }
             generation = next;
         }
+        plan.octants.sort_unstable_by_key(|octant| octant.end);
         Ok(plan)
     }
 
@@ -97,6 +108,7 @@ fn node(root: &Root, draft: &Draft, parent: Option<u32>, children: Range<usize>,
         num_points: draft.num_points,
         num_points_within: draft.keys.len() as u32,
         octant_spacing: draft.octant_spacing.map(|s| if edge > 0.0 { (s / edge) as f32 } else { 0.0 }),
+        spacing_step: draft.spacing_step as f32,
         crowd: draft.crowd,
         sample_spacing: (draft.sample_cells / f64::from(1u32 << GRID_BITS)) as f32,
     }
@@ -109,7 +121,7 @@ pub(super) fn fill(
     progress: &Progress,
     ready: &mut dyn FnMut(&Octree, Range<usize>),
 ) -> Result<Octree, BuildError> {
-    let Plan { bounds, scene, nodes, batches, origins } = plan;
+    let Plan { bounds, scene, nodes, batches, origins, octants } = plan;
     // At least one node, since there is at least one point.
     let size = nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(POINTS_PER_LOAD));
     let plane = || vec![0u32; size as usize];
@@ -124,7 +136,7 @@ pub(super) fn fill(
         slots.into_par_iter().zip(&nodes[run.clone()]).zip(&origins[run.clone()]).for_each(
             |((slot, node), (keys, cells))| {
                 if !progress.stopped() {
-                    slot.fill(source, node, keys.clone(), cells);
+                    slot.fill(source, &octants, node, keys.clone(), cells);
                     progress.add(u64::from(node.num_points));
                 }
             },
@@ -177,18 +189,32 @@ fn slots<'p>(cloud: &'p mut Cloud, filtered_colors: &'p mut [u32], nodes: &[Node
 }
 
 impl Slot<'_> {
-    fn fill(self, source: &Source, node: &Node, keys: Range<usize>, cells: &Cells) {
+    /// `octants`: of all leaves.
+    fn fill(self, source: &Source, octants: &[Octant], node: &Node, keys: Range<usize>, cells: &Cells) {
         let [hi, mid, lo, colors, filtered_colors] = self.0;
         // An inner node that has taken every point below has no children either: its points stand for themselves.
         let is_own = node.children.is_empty();
+        let mut octants = &octants[octants.partition_point(|octant| octant.end <= keys.start)..];
         for (at, number) in owned(source.levels, keys, node.level as u8).enumerate() {
             let key = &source.keys[number];
             let point = key.point as usize;
-            [hi[at], mid[at], lo[at]] = planes(cells.quantize(source.index.position(point)));
+            let cells = cells.quantize(source.index.position(point));
+            [hi[at], mid[at], lo[at]] = planes(cells);
+            if node.spacing_step > 1.0 {
+                octants = &octants[octants.iter().take_while(|octant| octant.end <= number).count()..];
+                let spacing = octants.first().map_or(0.0, |octant| octant.spacing);
+                hi[at] |= node.spacing_exponent(octant(cells), spacing) << SPACING_EXPONENT_SHIFT;
+            }
             colors[at] = if is_own { key.color } else { source.index.color(point) };
             filtered_colors[at] = key.color;
         }
     }
+}
+
+/// The octant of its node's cube that a cell lies in.
+fn octant(cells: [u32; 3]) -> usize {
+    let [x, y, z] = cells.map(|cell| (cell >> (COORDINATE_BITS - 1)) as usize);
+    x | y << 1 | z << 2
 }
 
 /// Keys of a range that a node of `level` owns. Most of an inner node's range belongs to nodes below it, so

@@ -77,9 +77,12 @@ pub struct Node {
     pub num_points: u32,
     /// Points of the cloud in its cube: its own, those of all nodes below, and those that nodes above took.
     pub num_points_within: u32,
-    /// Distance of neighbours among all points in each octant of its cube, estimated, as a share of `edge`, where a sample
-    /// is: each part of the octant counts by its area. 0 where no points are. Octant number: x | y≪1 | z≪2.
+    /// Distance of neighbours among all points in each octant of its cube, estimated, as a share of `edge`: of an inner node
+    /// where they lie closest. 0 where no points are. Octant number: x | y≪1 | z≪2.
     pub octant_spacing: [f32; 8],
+    /// A sample's neighbours lie `spacing_step`ⁿ times as far apart as its octant's spacing says, 0 ≤ n ≤ 3: see
+    /// [`crate::layout::SPACING_EXPONENT_SHIFT`]. 1 of a leaf.
+    pub spacing_step: f32,
     /// Most of its points that share a cell of a grid of 128³; 1 if inner.
     pub crowd: u32,
     /// How far apart its samples lie on a surface, together with those that nodes above took of its cube, as a share of
@@ -92,6 +95,15 @@ impl Node {
     #[must_use]
     pub fn cell(&self) -> f64 {
         self.edge / f64::from(1u32 << GRID_BITS)
+    }
+
+    /// The exponent n of a point in an octant whose neighbours lie `spacing` world units apart; 0 if that is not known. The
+    /// step above is taken from 0.3 steps on: too near a size leaves gaps, too far only blurs.
+    fn spacing_exponent(&self, octant: usize, spacing: f64) -> u32 {
+        let step = f64::from(self.spacing_step);
+        let least = f64::from(self.octant_spacing[octant]) * self.edge;
+        let bound = |exponent: i32| least * step.powf(0.3) * step.powi(exponent);
+        (0..3).filter(|&exponent| spacing > bound(exponent)).count() as u32
     }
 
     /// Octant of this node's cube that a node below lies in.

@@ -16,6 +16,8 @@ const PARALLEL_POINTS: usize = 1 << 16;
 
 /// Points that an octant of a leaf needs before their spacing means anything.
 const MIN_SURFACE_POINTS: usize = 16;
+/// How many times as far apart points lie at most in one part of an octant as in another, as far as is told.
+const MAX_SPACING_RATIO: f64 = 64.0;
 
 thread_local! {
     static SAMPLER: RefCell<Sampler> = RefCell::new(Sampler::new());
@@ -29,10 +31,14 @@ pub(super) struct Draft {
     pub keys: Range<usize>,
     /// Points of its own.
     pub num_points: u32,
-    /// Distance of neighbours where samples of each octant are, world units; 0 of a leaf's where there are few points.
+    /// The least distance of neighbours in each octant, world units; 0 of a leaf's where there are few points.
     pub octant_spacing: [f64; 8],
-    /// How far apart its points lie where a sample is.
+    /// See [`super::Node::spacing_step`].
+    pub spacing_step: f64,
+    /// How far apart all points in the cube lie.
     apart: Apart,
+    /// The octants of a leaf.
+    pub octants: Vec<Octant>,
     /// Most of its points in a cell of its grid.
     pub crowd: u32,
     /// Spacing of its samples in cells of its grid, 1 or more; 0 of a leaf.
@@ -144,13 +150,20 @@ impl Builder<'_> {
         let bits = frame.bits_below(level);
         let Spacing { share, crowd } = spacing(part.keys, bits);
         let edge = self.root.edge(level);
-        let (octant_spacing, octants) = leaf_spacing(part.keys, bits, edge);
+        let mut octants = octants(part.keys, part.first, bits, edge);
+        let mut octant_spacing = [0.0; 8];
+        for (number, octant) in &octants {
+            octant_spacing[*number] = octant.spacing;
+        }
+        let octants: Vec<Octant> = octants.drain(..).map(|(_, octant)| octant).collect();
         let draft = Draft {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
             num_points: part.keys.len() as u32,
             octant_spacing,
-            apart: Apart { mean: share * edge, ..octants },
+            spacing_step: 1.0,
+            apart: Apart::of_leaf(share * edge, &octants),
+            octants,
             crowd,
             sample_cells: 0.0,
             children: Vec::new(),
@@ -193,7 +206,7 @@ impl Builder<'_> {
             part.levels[at] = level as u8;
             part.keys[at].color = sample.color();
         }
-        let octant_spacing = octant_spacing(level, &below);
+        let (octant_spacing, spacing_step) = spacing_below(level, &below);
         let apart = Apart::of(below.iter().map(|(child, _)| (child.keys.len(), child.apart)));
         let mut children: Vec<Draft> = below.into_iter().map(|(child, _)| child).collect();
         for (child, taken) in children.iter_mut().zip(sampled.num_taken) {
@@ -208,7 +221,9 @@ impl Builder<'_> {
             keys: part.range(),
             num_points: sampled.samples.len() as u32,
             octant_spacing,
+            spacing_step,
             apart,
+            octants: Vec::new(),
             crowd: 1,
             sample_cells,
             children,
@@ -217,87 +232,98 @@ impl Builder<'_> {
     }
 }
 
-/// How far apart the points of a cube lie where one of its samples is. Samples are spread over the cube's surface, so each
-/// part of it counts by its area, which its points take up together: n · a² where n points lie a apart.
+/// Points of a leaf that lie in one octant of its cube.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Octant {
+    /// Number of the key behind its last.
+    pub end: usize,
+    /// Mean distance of neighbours, world units; 0 where points are too few to tell of a surface.
+    pub spacing: f64,
+}
+
+/// How far apart the points of a cube lie, world units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Apart {
-    /// The area, and the sum of distances that it counts with; 0 where no part has points enough to tell of a surface.
-    area: f64,
-    weighted: f64,
+    /// In the octants of leaves that tell of a surface, from the least to the most; `None` where none does.
+    surfaces: Option<(f64, f64)>,
     /// The mean of all points.
     mean: f64,
 }
 
 impl Apart {
-    /// A part with `num` points that lie `spacing` apart.
-    fn add(&mut self, num: usize, spacing: f64) {
-        let area = num as f64 * spacing * spacing;
-        self.area += area;
-        self.weighted += area * spacing;
+    fn of_leaf(mean: f64, octants: &[Octant]) -> Self {
+        let surfaces = octants.iter().map(|octant| octant.spacing).filter(|&spacing| spacing > 0.0);
+        Self { surfaces: surfaces.map(|spacing| (spacing, spacing)).reduce(hull), mean }
     }
 
     /// Of parts and their numbers of points.
     fn of(parts: impl Iterator<Item = (usize, Self)>) -> Self {
-        let (mut all, mut num) = (Self::default(), 0);
+        let (mut surfaces, mut sum, mut num) = (None, 0.0, 0);
         for (part_num, part) in parts {
-            all.area += part.area;
-            all.weighted += part.weighted;
-            all.mean += part.mean * part_num as f64;
+            surfaces = surfaces.into_iter().chain(part.surfaces).reduce(hull);
+            sum += part.mean * part_num as f64;
             num += part_num;
         }
-        Self { mean: all.mean / num as f64, ..all }
-    }
-
-    fn spacing(&self) -> f64 {
-        if self.area > 0.0 { self.weighted / self.area } else { self.mean }
+        Self { surfaces, mean: sum / num as f64 }
     }
 }
 
-/// Mean distance of neighbours in each octant of a leaf, from the codes of its points, in order, and what they tell of it.
-fn leaf_spacing(keys: &[Key], bits: u32, edge: f64) -> ([f64; 8], Apart) {
-    let (mut octants, mut apart) = ([0.0; 8], Apart::default());
+/// From the lesser least to the greater most.
+fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// The octants of a leaf that have points, and their numbers, from the codes of its points, in order.
+fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octant)> {
     if bits < 3 || edge == 0.0 {
-        return (octants, apart);
+        return Vec::new();
     }
     let bits = bits - 3;
-    for part in keys.chunk_by(|a, b| a.code >> bits == b.code >> bits) {
+    let mut end = first;
+    let parts = keys.chunk_by(|a, b| a.code >> bits == b.code >> bits);
+    let octant = |part: &[Key]| {
+        end += part.len();
         // A few points tell nothing of a surface.
-        if part.len() >= MIN_SURFACE_POINTS {
-            let spacing = spacing(part, bits).share * 0.5 * edge;
-            octants[(part[0].code >> bits & 7) as usize] = spacing;
-            apart.add(part.len(), spacing);
-        }
-    }
-    (octants, apart)
+        let is_surface = part.len() >= MIN_SURFACE_POINTS;
+        let spacing = if is_surface { spacing(part, bits).share * 0.5 * edge } else { 0.0 };
+        ((part[0].code >> bits & 7) as usize, Octant { end, spacing })
+    };
+    parts.map(octant).collect()
 }
 
-/// Distance of neighbours where samples of each part are; a node at `level` has at most one in each octant.
-fn octant_spacing(level: u32, below: &[(Draft, Offer)]) -> [f64; 8] {
-    let mut octants = [0.0; 8];
+/// Of an inner node: the least distance of neighbours in each octant, and the step from there to the most in any; a node at
+/// `level` has at most one part in each octant.
+fn spacing_below(level: u32, below: &[(Draft, Offer)]) -> ([f64; 8], f64) {
+    let (mut octants, mut ratio) = ([0.0; 8], 1.0f64);
     for (part, _) in below {
-        octants[octant_of(level, part.cube.level, part.cube.number)] = part.apart.spacing();
+        let Apart { surfaces, mean } = part.apart;
+        let (least, most) = surfaces.unwrap_or((mean, mean));
+        let least = least.max(most / MAX_SPACING_RATIO);
+        octants[octant_of(level, part.cube.level, part.cube.number)] = least;
+        if least > 0.0 {
+            ratio = ratio.max(most / least);
+        }
     }
-    octants
+    (octants, ratio.cbrt())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Apart;
+    use super::{Apart, Octant};
 
     #[test]
-    fn parts_count_by_their_area() {
-        let part = |num: usize, spacing: f64| {
-            let mut part = Apart { mean: spacing, ..Apart::default() };
-            part.add(num, spacing);
-            (num, part)
+    fn surfaces_span_from_the_least_to_the_most_distance() {
+        let leaf = |mean: f64, spacings: &[f64]| {
+            let octants = spacings.iter().map(|&spacing| Octant { end: 0, spacing });
+            Apart::of_leaf(mean, &octants.collect::<Vec<_>>())
         };
-        let spacing = |parts: &[(usize, Apart)]| Apart::of(parts.iter().copied()).spacing();
-        // As much surface with points 1 apart as with points 10 apart: samples are as often in the one as in the other.
-        assert!((spacing(&[part(10_000, 1.0), part(100, 10.0)]) - 5.5).abs() < 1e-9);
-        assert!((spacing(&[part(500, 2.0), part(70, 2.0)]) - 2.0).abs() < 1e-9);
+        let dense = leaf(1.5, &[1.0, 2.0, 0.0]);
+        let sparse = leaf(10.0, &[10.0]);
         // Points too few to tell of a surface count only where there are no others.
-        let lone = Apart { mean: 50.0, ..Apart::default() };
-        assert!((spacing(&[part(10_000, 1.0), (1, lone)]) - 1.0).abs() < 1e-9);
-        assert!((spacing(&[(3, lone), (1, Apart { mean: 10.0, ..lone })]) - 40.0).abs() < 1e-9);
+        let lone = leaf(50.0, &[0.0, 0.0]);
+        assert_eq!((dense.surfaces, lone.surfaces), (Some((1.0, 2.0)), None));
+        let all = Apart::of([(300, dense), (100, sparse), (4, lone)].into_iter());
+        assert_eq!(all.surfaces, Some((1.0, 10.0)));
+        assert!((Apart::of([(3, lone), (1, leaf(10.0, &[]))].into_iter()).mean - 40.0).abs() < 1e-9);
     }
 }
