@@ -12,7 +12,7 @@ mod holes;
 mod scene;
 
 use glam::DVec3;
-use holes::{Drawer, Drawn, Holes, Judged, RINGS_DEG, left_eye, settings, sphere, unreduced};
+use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};
 use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::progress::Progress;
 use scanwalk::render::CloudBuffers;
@@ -66,7 +66,7 @@ fn holes_from(
     let whole = is_open.then(|| draw(&unreduced(&settings(presets, &[]).expect("settings")), 1.0));
     let of_frame = |&(set, lod_scale): &(&str, f32)| {
         let drawn = draw(&of(set), lod_scale);
-        holes::holes(&view, &drawn, whole.as_ref())
+        holes::holes(&view, &drawn, whole.as_ref(), OUTLINE_PX)
     };
     frames.iter().map(of_frame).collect()
 }
@@ -165,19 +165,19 @@ fn a_hole_is_counted_in_its_ring() {
     let center = (height / 2 * width + width / 2) as usize;
     for (at, want) in [(0, 4), (center, 0)] {
         let drawn = with_hole(at);
-        let holes = holes::holes(&view, &drawn, Some(&whole));
+        let holes = holes::holes(&view, &drawn, Some(&whole), OUTLINE_PX);
         let empty = holes.rings.map(|ring| ring.empty);
         assert_eq!((empty[want], empty.iter().sum::<u64>()), (1, 1), "{empty:?}");
         let num_judged = |holes: &Holes| holes.rings.iter().map(|ring| ring.judged).sum::<u64>();
         assert_eq!((num_judged(&holes), holes.outline), (u64::from(width * height), Judged::default()));
         // What is empty in both is no hole; around it lies an outline.
-        let beside_itself = holes::holes(&view, &drawn, Some(&drawn));
+        let beside_itself = holes::holes(&view, &drawn, Some(&drawn), OUTLINE_PX);
         assert!(beside_itself.rings.iter().all(|ring| ring.empty == 0));
         let outline = if at == 0 { 4 * 4 - 1 } else { 7 * 7 - 1 };
         assert_eq!(beside_itself.outline, Judged { empty: 0, judged: outline });
         assert_eq!(num_judged(&beside_itself), u64::from(width * height) - 1 - outline);
         // An outline that is narrower shows there.
-        let narrow = holes::holes(&view, &with_hole(at + 1), Some(&drawn));
+        let narrow = holes::holes(&view, &with_hole(at + 1), Some(&drawn), OUTLINE_PX);
         assert_eq!(narrow.outline, Judged { empty: 1, judged: outline });
     }
     assert!(unreduced(&config).lod.threshold_px.iter().all(|&px| px < 1.0));

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
 /// How near to what is empty a filled pixel belongs to an outline: dilation takes a point as far beyond the surface, with or
 /// without level of detail.
-const OUTLINE_PX: usize = scanwalk::layout::DILATE_REACH_PX as usize;
+pub const OUTLINE_PX: usize = scanwalk::layout::DILATE_REACH_PX as usize;
 /// No point has this color.
 const EMPTY_RGB: [u8; 3] = [255, 0, 255];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -91,17 +91,17 @@ impl Drawn {
     }
 
     /// The picture, in which what is empty and no hole is black.
-    pub fn marked(&self, whole: Option<&Self>) -> Vec<[u8; 3]> {
-        let is_hole = |pixel: usize| whole.is_none_or(|whole| whole.is_inside(pixel));
+    pub fn marked(&self, whole: Option<&Self>, outline_px: usize) -> Vec<[u8; 3]> {
+        let is_hole = |pixel: usize| whole.is_none_or(|whole| whole.is_inside(pixel, outline_px));
         let color =
             |pixel: usize| if self.is_empty(pixel) && !is_hole(pixel) { [0; 3] } else { self.rgb[pixel] };
         (0..self.rgb.len()).map(color).collect()
     }
 
     /// True if all pixels as near as an outline is wide show something.
-    fn is_inside(&self, pixel: usize) -> bool {
+    fn is_inside(&self, pixel: usize, outline_px: usize) -> bool {
         let [width, height] = self.size_px.map(|size| size as usize);
-        let around = |at: usize, size: usize| at.saturating_sub(OUTLINE_PX)..size.min(at + OUTLINE_PX + 1);
+        let around = |at: usize, size: usize| at.saturating_sub(outline_px)..size.min(at + outline_px + 1);
         let (mut rows, columns) = (around(pixel / width, height), around(pixel % width, width));
         rows.all(|y| columns.clone().all(|x| !self.is_empty(y * width + x)))
     }
@@ -192,8 +192,8 @@ pub struct Holes {
     pub outline: Judged,
 }
 
-/// Holes of a frame, beside the frame that draws every point, if there is one.
-pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>) -> Holes {
+/// Holes of a frame, beside the frame that draws every point, if there is one, whose outlines are so wide.
+pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>, outline_px: usize) -> Holes {
     let eye = &view.eyes[0];
     let (fov, gaze) = (eye.fov, eye.gaze_in_view.normalize());
     let cosines = RINGS_DEG.map(|deg| deg.to_radians().cos());
@@ -205,7 +205,7 @@ pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>) -> Holes {
         let up = fov.up + (fov.down - fov.up) * share(pixel / width, height);
         let along = DVec3::new(right, up, -1.0).normalize().dot(gaze);
         let number = cosines.iter().position(|&cos| along >= cos).unwrap_or(RINGS_DEG.len() - 1);
-        let is_inside = whole.is_none_or(|whole| whole.is_inside(pixel));
+        let is_inside = whole.is_none_or(|whole| whole.is_inside(pixel, outline_px));
         let part = if is_inside { &mut holes.rings[number] } else { &mut holes.outline };
         part.judged += 1;
         part.empty += u64::from(drawn.is_empty(pixel));

@@ -1,6 +1,6 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
-use super::holes::{self, Drawer, Drawn, RINGS_DEG, left_eye, settings, sphere, unreduced};
+use super::holes::{self, Drawer, Drawn, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};
 use super::scene::{SOURCES, Source};
 use anyhow::{Context, Result};
 use glam::DVec3;
@@ -43,6 +43,9 @@ pub struct Holes {
     /// Share of the width and height that an eye's image would have
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, requires = "holes")]
     share: f64,
+    /// Pixels from what is empty without level of detail within which a filled one belongs to an outline
+    #[arg(long, value_name = "PX", default_value_t = OUTLINE_PX, requires = "holes")]
+    outline_px: usize,
     /// More settings, KEY=VALUE
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "holes")]
     sets: Vec<String>,
@@ -120,9 +123,10 @@ impl Holes {
             config.fovea.smooth = smooth;
             for &lod_scale in &self.lod_scale {
                 let drawn = drawer.draw(&config, view, lod_scale)?;
+                let holes = holes::holes(view, &drawn, whole.as_ref(), self.outline_px);
                 let names = format!("{names},{smooth},{lod_scale}");
-                kept.row(&names, num_points, &drawn, &holes::holes(view, &drawn, whole.as_ref()))?;
-                kept.picture(&names, &drawn, whole.as_ref())?;
+                kept.row(&names, num_points, &drawn, &holes)?;
+                kept.picture(&names, &drawn.marked(whole.as_ref(), self.outline_px), drawn.size_px)?;
             }
         }
         Ok(())
@@ -157,10 +161,9 @@ impl Kept<'_> {
         Ok(self.csv.flush()?)
     }
 
-    fn picture(&self, names: &str, drawn: &Drawn, whole: Option<&Drawn>) -> Result<()> {
+    fn picture(&self, names: &str, rgb: &[[u8; 3]], size_px: [u32; 2]) -> Result<()> {
         let Some(folder) = self.pictures else { return Ok(()) };
-        let path = folder.join(format!("{}.png", names.replace([',', ' '], "-")));
-        save(&path, drawn.size_px, &drawn.marked(whole))
+        save(&folder.join(format!("{}.png", names.replace([',', ' '], "-"))), size_px, rgb)
     }
 }
 
