@@ -45,7 +45,7 @@ fn las_bytes(points: &[DVec3], format: u8, compressed: bool, scale: f64, mark: M
             return_number: 1,
             number_of_returns: 1,
             gps_time: point_format.has_gps_time.then_some(0.0),
-            color: point_format.has_color.then(|| Color::new(60_000, 30_000, 20_000 + i as u16 % 999)),
+            color: point_format.has_color.then(|| Color::new(60_000, 30_000, 20_000 + 20 * (i as u16 % 999))),
             ..Point::default()
         };
         mark(&mut point, i);
