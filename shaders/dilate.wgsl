@@ -3,11 +3,10 @@
 // others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
 //
 // In two passes through workgroup memory: rows first, each pixel with what reaches it, then columns over what the rows
-// found. What lies in a pixel reaches as far as its depth's last bits say, and as its ring's kernel at least. Depths come
-// first. Where they say that a tile is one surface without gaps, or that none of its pixels takes anything, it is written
-// as it is; else colours are blended in those rows that a pixel takes from. Sums are integers, so their order does not show. Neighbours are made at once, eight in a row and
-// four in a column, since they share taps. Rows of workgroup memory have odd lengths, so that the threads' taps lie in
-// different banks. A thread keeps its own four pixels' depths and colours.
+// found. What lies in a pixel reaches as far as its depth's last bits say, and as its ring's kernel at least. A tile that is
+// one surface without gaps, or empty, is written as it is. Sums are integers, so their order does not show. Neighbours are
+// made at once, eight in a row and four in a column, since they share taps. Rows of workgroup memory have odd lengths, so
+// that the threads' taps lie in different banks. A thread keeps its own four pixels' depths and colours.
 
 const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;
@@ -31,8 +30,6 @@ var<workgroup> tile_depth: array<u32, TILE_STRIDE * NUM_ROWS>;
 var<workgroup> tile_color: array<u32, TILE_STRIDE * NUM_ROWS>;
 /// Not 0 if a pixel of the tile may have something to take: it is neither one surface without gaps, nor empty.
 var<workgroup> varies: atomic<u32>;
-/// Of each eight columns: a bit a row in which a pixel takes from row windows.
-var<workgroup> taken: array<atomic<u32>, NUM_RUNS>;
 /// Nearest depth of each pixel's row window.
 var<workgroup> row_nearest: array<u32, ROW_STRIDE * NUM_ROWS>;
 /// Sums of that surface's colours times weights, 16 bits each: r | b≪16, g | weights≪16.
@@ -139,13 +136,6 @@ fn keep_color(at: u32, color: u32) {
     tile_color[at] = (color & 0xffffffu) | 0x01000000u;
 }
 
-// Depths that the row windows of eight pixels reach, from `i` on in the tile.
-fn row_depths(i: u32) -> Row {
-    return Row(tile_depth[i], tile_depth[i + 1u], tile_depth[i + 2u], tile_depth[i + 3u], tile_depth[i + 4u],
-        tile_depth[i + 5u], tile_depth[i + 6u], tile_depth[i + 7u], tile_depth[i + 8u], tile_depth[i + 9u],
-        tile_depth[i + 10u], tile_depth[i + 11u], tile_depth[i + 12u], tile_depth[i + 13u]);
-}
-
 fn first_run(v: Row) -> Run {
     return Run(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9]);
 }
@@ -154,40 +144,26 @@ fn last_run(v: Row) -> Run {
     return Run(v[4], v[5], v[6], v[7], v[8], v[9], v[10], v[11], v[12], v[13]);
 }
 
-// Keeps the nearest depths of the row windows of four pixels, the first of which goes to `to`.
-fn keep_nearest(to: u32, depth: Run) {
-    let nearest = nearest_of(within_reach(taps(depth)));
-    row_nearest[to] = nearest.x;
-    row_nearest[to + 1u] = nearest.y;
-    row_nearest[to + 2u] = nearest.z;
-    row_nearest[to + 3u] = nearest.w;
-}
-
-// Finds the nearest depths of the row windows of eight pixels, the first of which lies at column + reach, row of the tile.
-fn search_rows(column: u32, row: u32) {
-    let depth = row_depths(row * TILE_STRIDE + column);
-    let to = row * ROW_STRIDE + column;
-    keep_nearest(to, first_run(depth));
-    keep_nearest(to + 4u, last_run(depth));
-}
-
-// Sums up the row windows of four pixels, the first of which goes to `to`.
+// Finds the nearest depths of the row windows of four pixels, the first of which goes to `to`, and sums them up.
 fn sum_row(to: u32, depth: Run, color: Run) {
     let d = within_reach(taps(depth));
-    let end = surface_end(vec4(row_nearest[to], row_nearest[to + 1u], row_nearest[to + 2u], row_nearest[to + 3u]));
+    let nearest = nearest_of(d);
+    let end = surface_end(nearest);
     let c = taps(color);
     let rb = weigh(end, d, c, Part(0u, 0x00ff00ffu));
     let gw = weigh(end, d, c, Part(8u, 0x00ff00ffu));
-    row_sums[to] = vec2(rb.x, gw.x);
-    row_sums[to + 1u] = vec2(rb.y, gw.y);
-    row_sums[to + 2u] = vec2(rb.z, gw.z);
-    row_sums[to + 3u] = vec2(rb.w, gw.w);
+    for (var i = 0u; i < 4u; i += 1u) {
+        row_nearest[to + i] = nearest[i];
+        row_sums[to + i] = vec2(rb[i], gw[i]);
+    }
 }
 
-// Sums up the row windows of eight pixels, as `search_rows`.
+// Those of eight pixels, the first of which lies at column + reach, row of the tile.
 fn sum_rows(column: u32, row: u32) {
     let i = row * TILE_STRIDE + column;
-    let depth = row_depths(i);
+    let depth = Row(tile_depth[i], tile_depth[i + 1u], tile_depth[i + 2u], tile_depth[i + 3u], tile_depth[i + 4u],
+        tile_depth[i + 5u], tile_depth[i + 6u], tile_depth[i + 7u], tile_depth[i + 8u], tile_depth[i + 9u],
+        tile_depth[i + 10u], tile_depth[i + 11u], tile_depth[i + 12u], tile_depth[i + 13u]);
     let color = Row(tile_color[i], tile_color[i + 1u], tile_color[i + 2u], tile_color[i + 3u], tile_color[i + 4u],
         tile_color[i + 5u], tile_color[i + 6u], tile_color[i + 7u], tile_color[i + 8u], tile_color[i + 9u],
         tile_color[i + 10u], tile_color[i + 11u], tile_color[i + 12u], tile_color[i + 13u]);
@@ -259,8 +235,18 @@ fn main(
     var depth = own;
     var color = vec4<u32>(load_color(a, own.x), load_color(b, own.y), load_color(c, own.z), load_color(d, own.w));
     if atomicLoad(&varies) != 0u {
+        keep_color(at, color.x);
+        keep_color(at + TILE_STRIDE, color.y);
+        keep_color(at + 2u * TILE_STRIDE, color.z);
+        keep_color(at + 3u * TILE_STRIDE, color.w);
+        for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
+            let place = place_around(i);
+            let at = place.y * TILE_STRIDE + place.x;
+            keep_color(at, load_color(corner + place, tile_depth[at]));
+        }
+        workgroupBarrier();
         for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
-            search_rows(8u * (i / NUM_ROWS), i % NUM_ROWS);
+            sum_rows(8u * (i / NUM_ROWS), i % NUM_ROWS);
         }
         workgroupBarrier();
         let i = row * ROW_STRIDE + column;
@@ -270,37 +256,8 @@ fn main(
         // An empty pixel that finds nothing stays too.
         let stays = (own <= end) | (nearest == vec4<u32>(EMPTY_DEPTH));
         if !all(stays) {
-            atomicOr(&taken[column / 8u], ((1u << (4u + 2u * DILATE_REACH_PX)) - 1u) << row);
-        }
-        workgroupBarrier();
-        var rows_taken = 0u;
-        for (var run = 0u; run < NUM_RUNS; run += 1u) {
-            rows_taken |= atomicLoad(&taken[run]);
-        }
-        if rows_taken != 0u {
-            keep_color(at, color.x);
-            keep_color(at + TILE_STRIDE, color.y);
-            keep_color(at + 2u * TILE_STRIDE, color.z);
-            keep_color(at + 3u * TILE_STRIDE, color.w);
-            for (var i = thread; i < NUM_AROUND; i += NUM_THREADS) {
-                let place = place_around(i);
-                if ((rows_taken >> place.y) & 1u) != 0u {
-                    let at = place.y * TILE_STRIDE + place.x;
-                    keep_color(at, load_color(corner + place, tile_depth[at]));
-                }
-            }
-            workgroupBarrier();
-            for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
-                let run = i / NUM_ROWS;
-                if ((atomicLoad(&taken[run]) >> (i % NUM_ROWS)) & 1u) != 0u {
-                    sum_rows(8u * run, i % NUM_ROWS);
-                }
-            }
-            workgroupBarrier();
-            if !all(stays) {
-                depth = select(nearest & vec4<u32>(~REACH_MASK), own, stays);
-                color = select(blend_columns(i, end, around), color, stays);
-            }
+            depth = select(nearest & vec4<u32>(~REACH_MASK), own, stays);
+            color = select(blend_columns(i, end, around), color, stays);
         }
     }
     into_image(a, depth.x, color.x, hides(tile));
