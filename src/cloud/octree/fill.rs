@@ -70,7 +70,8 @@ impl Plan {
             }
             generation = next;
         }
-        plan.octants.sort_unstable_by_key(|octant| octant.end);
+        plan.octants.sort_unstable_by_key(|octant| octant.keys.start);
+        debug_assert!(follow(&plan.octants, num_points), "every key is in one octant");
         Ok(plan)
     }
 
@@ -149,6 +150,13 @@ pub(super) fn fill(
     Ok(octree)
 }
 
+/// True if octants have all keys, one after the other.
+fn follow(octants: &[Octant], num_keys: usize) -> bool {
+    let starts = octants.iter().map(|octant| octant.keys.start).chain([num_keys]);
+    let ends = [0].into_iter().chain(octants.iter().map(|octant| octant.keys.end));
+    starts.eq(ends)
+}
+
 /// Consecutive nodes with about [`RUN_POINTS`].
 fn runs(nodes: &[Node]) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
@@ -194,14 +202,14 @@ impl Slot<'_> {
         let [hi, mid, lo, colors, filtered_colors] = self.0;
         // An inner node that has taken every point below has no children either: its points stand for themselves.
         let is_own = node.children.is_empty();
-        let mut octants = &octants[octants.partition_point(|octant| octant.end <= keys.start)..];
+        let mut octants = &octants[octants.partition_point(|octant| octant.keys.end <= keys.start)..];
         for (at, number) in owned(source.levels, keys, node.level as u8).enumerate() {
             let key = &source.keys[number];
             let point = key.point as usize;
             let cells = cells.quantize(source.index.position(point));
             [hi[at], mid[at], lo[at]] = planes(cells);
             if node.spacing_step > 1.0 {
-                octants = &octants[octants.iter().take_while(|octant| octant.end <= number).count()..];
+                octants = &octants[octants.iter().take_while(|octant| octant.keys.end <= number).count()..];
                 let spacing = octants.first().map_or(0.0, |octant| octant.spacing);
                 hi[at] |= node.spacing_exponent(octant(cells), spacing) << SPACING_EXPONENT_SHIFT;
             }

@@ -97,8 +97,9 @@ impl Node {
         self.edge / f64::from(1u32 << GRID_BITS)
     }
 
-    /// The exponent n of a point in an octant whose neighbours lie `spacing` world units apart; 0 if that is not known. The
-    /// step above is taken from 0.3 steps on: too near a size leaves gaps, too far only blurs.
+    /// The exponent n of a point in an octant whose neighbours lie `spacing` world units apart; 0 if that is not known.
+    /// Between two steps the upper one is taken from 0.3 of the way on: a point drawn too small leaves gaps, one drawn too
+    /// large only blurs.
     fn spacing_exponent(&self, octant: usize, spacing: f64) -> u32 {
         let step = f64::from(self.spacing_step);
         let least = f64::from(self.octant_spacing[octant]) * self.edge;

@@ -37,7 +37,7 @@ pub(super) struct Draft {
     pub spacing_step: f64,
     /// How far apart all points in the cube lie.
     apart: Apart,
-    /// The octants of a leaf.
+    /// Octants of leaves: its own, or those of parts that are no nodes, since all their points were taken.
     pub octants: Vec<Octant>,
     /// Most of its points in a cell of its grid.
     pub crowd: u32,
@@ -150,12 +150,12 @@ impl Builder<'_> {
         let bits = frame.bits_below(level);
         let Spacing { share, crowd } = spacing(part.keys, bits);
         let edge = self.root.edge(level);
-        let mut octants = octants(part.keys, part.first, bits, edge);
+        let octants = octants(part.keys, part.first, bits, edge);
         let mut octant_spacing = [0.0; 8];
         for (number, octant) in &octants {
             octant_spacing[*number] = octant.spacing;
         }
-        let octants: Vec<Octant> = octants.drain(..).map(|(_, octant)| octant).collect();
+        let octants: Vec<Octant> = octants.into_iter().map(|(_, octant)| octant).collect();
         let draft = Draft {
             cube: frame.cube(part.keys[0].code, level),
             keys: part.range(),
@@ -213,7 +213,8 @@ impl Builder<'_> {
             child.num_points -= taken;
         }
         // What was taken whole and has nothing below is no node any more.
-        children.retain(|child| child.num_points > 0 || !child.children.is_empty());
+        let is_node = |child: &Draft| child.num_points > 0 || !child.children.is_empty();
+        let (children, taken): (Vec<Draft>, Vec<Draft>) = children.into_iter().partition(is_node);
         // On a surface, half as many points lie √2 times as far apart.
         let sample_cells = (sampled.num_spread as f64 / sampled.samples.len() as f64).sqrt();
         let draft = Draft {
@@ -223,7 +224,7 @@ impl Builder<'_> {
             octant_spacing,
             spacing_step,
             apart,
-            octants: Vec::new(),
+            octants: taken.into_iter().flat_map(|child| child.octants).collect(),
             crowd: 1,
             sample_cells,
             children,
@@ -233,10 +234,10 @@ impl Builder<'_> {
 }
 
 /// Points of a leaf that lie in one octant of its cube.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Octant {
-    /// Number of the key behind its last.
-    pub end: usize,
+    /// Numbers of their keys.
+    pub keys: Range<usize>,
     /// Mean distance of neighbours, world units; 0 where points are too few to tell of a surface.
     pub spacing: f64,
 }
@@ -275,18 +276,20 @@ fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 
 /// The octants of a leaf that have points, and their numbers, from the codes of its points, in order.
 fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octant)> {
+    // All in one place.
     if bits < 3 || edge == 0.0 {
-        return Vec::new();
+        return vec![(0, Octant { keys: first..first + keys.len(), spacing: 0.0 })];
     }
     let bits = bits - 3;
     let mut end = first;
     let parts = keys.chunk_by(|a, b| a.code >> bits == b.code >> bits);
     let octant = |part: &[Key]| {
+        let start = end;
         end += part.len();
         // A few points tell nothing of a surface.
         let is_surface = part.len() >= MIN_SURFACE_POINTS;
         let spacing = if is_surface { spacing(part, bits).share * 0.5 * edge } else { 0.0 };
-        ((part[0].code >> bits & 7) as usize, Octant { end, spacing })
+        ((part[0].code >> bits & 7) as usize, Octant { keys: start..end, spacing })
     };
     parts.map(octant).collect()
 }
@@ -314,7 +317,7 @@ mod tests {
     #[test]
     fn surfaces_span_from_the_least_to_the_most_distance() {
         let leaf = |mean: f64, spacings: &[f64]| {
-            let octants = spacings.iter().map(|&spacing| Octant { end: 0, spacing });
+            let octants = spacings.iter().map(|&spacing| Octant { keys: 0..0, spacing });
             Apart::of_leaf(mean, &octants.collect::<Vec<_>>())
         };
         let dense = leaf(1.5, &[1.0, 2.0, 0.0]);
