@@ -279,7 +279,7 @@ fn a_pipe_and_a_link_are_written_through() {
 /// Outputs of an earlier run, which the next may replace.
 const OLD: [(&str, &[u8]); 5] = [
     ("old.png", b"\x89PNG\r\n\x1a\n and so on"),
-    ("old.npy", b"\x93NUMPY and so on"),
+    ("old.npy", b"\x93NUMPY\x01\0v\0{'descr': '<f4', 'fortran_order': False, 'shape': (4, 3), }"),
     ("old.json", b"{\"gpu_bytes\": 7}"),
     ("old.csv", b"# scanwalk frame log, version 0.0.9"),
     ("old.html", b"<!DOCTYPE html><meta name=\"generator\" content=\"scanwalk 0.0.9\">"),

@@ -74,7 +74,7 @@ impl OutputKind {
     fn marks(self) -> &'static [&'static [u8]] {
         match self {
             Self::Picture => &[b"\x89PNG\r\n\x1a\n"],
-            Self::Depth => &[b"\x93NUMPY"],
+            Self::Depth => &[b"{'descr': '<f4', 'fortran_order': False, 'shape': ("],
             Self::Metrics => &[b"\"gpu_bytes\": "],
             Self::FrameLog => &[b"# scanwalk frame log"],
             Self::Page => &[b"content=\"scanwalk ", b"# The papers' tables"],

@@ -209,7 +209,10 @@ fn up(scan: &Scan) -> Option<UpAxis> {
 /// How large the scan is in metres, along the files' axes; of coordinates on the earth along those that are drawn.
 fn size_m(scan: &Scan) -> Option<DVec3> {
     let size = scan.bounds().size() * scan.unit_m?;
-    Some(if up(scan) == Some(UpAxis::Z) { size } else { DVec3::new(size.x, size.z, size.y) })
+    Some(match up(scan) {
+        Some(UpAxis::Y | UpAxis::MinusY) => DVec3::new(size.x, size.z, size.y),
+        Some(UpAxis::Z) | None => size,
+    })
 }
 
 fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&'static str, String); 3] {

@@ -96,6 +96,31 @@ fn tiny_things_are_magnified_and_single_points_seen() {
     }
 }
 
+/// What scanners see in any room: dust, reflections, somebody who walks by. Single points, thin in the air and thick.
+#[test]
+fn points_in_the_air_of_a_room_put_nobody_out_of_it() {
+    for (x, y, height) in [(4.0, 6.0, 2.7), (6.0, 4.0, 2.7), (12.0, 9.0, 3.5)] {
+        let ceiling = floor(x, y).into_iter().map(|p| p + DVec3::Z * height);
+        let room: Vec<DVec3> = floor(x, y).into_iter().chain(walls(x, y, height)).chain(ceiling).collect();
+        for share in [0.001, 0.003, 0.01, 0.03] {
+            let num = (share * room.len() as f64) as usize;
+            // A sequence of three dimensions that fills a box evenly.
+            let at = |i: usize, step: f64| (i as f64 * step).fract();
+            let in_air = (0..num).map(|i| {
+                let [u, v, w] =
+                    [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|step| at(i + 7, step));
+                DVec3::new((u - 0.5) * x, (v - 0.5) * y, w * height)
+            });
+            let scene = scene(UTM, room.iter().copied().chain(in_air));
+            let Start { floor_in_world, .. } = start(&scene, 1.0);
+            let what = format!("{x} x {y}, {share} in the air: {}", floor_in_world - UTM);
+            let inside = scene.bounds.grown(-0.5);
+            assert!(inside.contains(floor_in_world + DVec3::Z), "{what}");
+            assert!((floor_in_world.z - UTM.z).abs() < 0.2, "{what}");
+        }
+    }
+}
+
 #[test]
 fn a_room_is_seen_from_its_floor() {
     let table = || square(500).map(|[u, v]| DVec3::new(u - 0.5, v - 0.5, 0.75));

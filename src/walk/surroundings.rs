@@ -16,6 +16,9 @@ const COARSER: [f64; 2] = [1.0, 3.0];
 const MIN_CELL_POINTS: usize = 3;
 /// What lies lower than so large a part of a cell's points is the floor: single points may be below.
 const FLOOR_SHARE: f64 = 0.05;
+/// Reflections and dust hang in the air of any scan: so large a part of a mean cell's points is in nobody's way, and of
+/// those in a direction no wall.
+const AIR_SHARE: f64 = 0.05;
 /// Heights above the floor between which a body would bump into things, and how much room it needs to each side.
 const BODY_M: [f64; 2] = [0.4, 1.9];
 const BODY_RADIUS_M: f64 = 0.5;
@@ -88,6 +91,8 @@ struct Plan {
     points: Vec<DVec3>,
     /// Heights of the points of each cell, ascending.
     heights: Vec<Vec<f64>>,
+    /// So many points of a cell may hang in the air.
+    max_in_air: usize,
 }
 
 impl Plan {
@@ -117,12 +122,15 @@ impl Plan {
             num_cells,
             points,
             heights: vec![Vec::new(); num_cells[0] * num_cells[1]],
+            max_in_air: 0,
         };
         for p in plan.points.iter().filter(|p| p.cmpge(DVec3::ZERO).all() && p.cmple(size).all()) {
             let [x, y] = plan.cell(p.truncate());
             plan.heights[x + y * num_cells[0]].push(p.z);
         }
         plan.heights.iter_mut().for_each(|heights| heights.sort_unstable_by(f64::total_cmp));
+        let num_filled = plan.heights.iter().filter(|heights| !heights.is_empty()).count();
+        plan.max_in_air = (AIR_SHARE * plan.points.len() as f64 / num_filled.max(1) as f64) as usize;
         Some(plan)
     }
 
@@ -174,19 +182,23 @@ impl Plan {
     /// True if nothing is in a body's way up to a distance.
     fn has_room(&self, at: DVec2, floor: f64, radius: f64) -> bool {
         let in_the_way = |height: f64| (floor + BODY_M[0]..floor + BODY_M[1]).contains(&height);
-        self.within(at, radius)
-            .all(|[x, y]| !self.heights[x + y * self.num_cells[0]].iter().any(|&height| in_the_way(height)))
+        let num_in_the_way = |[x, y]: [usize; 2]| {
+            let heights = &self.heights[x + y * self.num_cells[0]];
+            heights.iter().filter(|&&height| in_the_way(height)).count()
+        };
+        self.within(at, radius).all(|cell| num_in_the_way(cell) <= self.max_in_air)
     }
 
     /// How far away walls are that stand all around, further away than arm's length; `None` if they do not.
     fn walls(&self, at: DVec2, floor: f64) -> Option<f64> {
-        let mut nearest = [f64::INFINITY; NUM_DIRECTIONS];
+        let mut distances = vec![Vec::new(); NUM_DIRECTIONS];
         for p in self.points.iter().filter(|p| (floor + WALL_M[0]..floor + WALL_M[1]).contains(&p.z)) {
             let to = p.truncate() - at;
             let turn = to.y.atan2(to.x) / std::f64::consts::TAU + 0.5;
             let direction = ((turn * NUM_DIRECTIONS as f64) as usize).min(NUM_DIRECTIONS - 1);
-            nearest[direction] = nearest[direction].min(to.length());
+            distances[direction].push(to.length());
         }
+        let mut nearest = distances.into_iter().map(nearest_wall).collect::<Vec<f64>>();
         let walls = nearest.iter().filter(|&&distance| distance.is_finite() && distance > ARMS_LENGTH_M);
         if (walls.count() as f64) < ENCLOSED * NUM_DIRECTIONS as f64 {
             return None;
@@ -222,6 +234,16 @@ impl Plan {
             .fold((0, 0), |(num, known), cell| (num + 1, known + usize::from(self.floor(cell).is_some())));
         2 * known >= num && self.level_share(at, floor, GROUND_M, LEVEL_M) >= GROUND_SHARE
     }
+}
+
+/// How far away the wall is that points at these distances are of, but for some in the air before it; infinite where none
+/// are.
+fn nearest_wall(mut distances: Vec<f64>) -> f64 {
+    let in_air = (AIR_SHARE * distances.len() as f64) as usize;
+    if distances.is_empty() {
+        return f64::INFINITY;
+    }
+    *distances.select_nth_unstable_by(in_air, f64::total_cmp).1
 }
 
 /// Between which heights all lie but strays.

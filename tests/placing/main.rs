@@ -131,6 +131,20 @@ fn errors(scan: &Scan, height: f64) -> (f64, f64) {
     (distance.fold(0.0, f64::max), heights.fold(0.0, f64::max))
 }
 
+/// Longitude, latitude and height in metres: along the same axes as the file's size beside them.
+#[test]
+fn info_gives_the_size_of_a_scan_on_the_earth_in_the_order_of_its_axes() {
+    let tower = tower_on_earth(8.0, 47.0, 500.0);
+    let degrees = Las::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), tower);
+    let (_folder, path) = save("a.las", &degrees.with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).bytes());
+    let info =
+        std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
+    let text = String::from_utf8(info.stdout).unwrap();
+    let size =
+        text.lines().find(|line| line.trim_start().starts_with("size")).unwrap_or_else(|| panic!("{text}"));
+    assert!(size.contains("(20.0 x 20.0 x 6.0 m)"), "{size}");
+}
+
 #[test]
 fn units_are_stated_by_code_or_by_the_user() {
     let tile = Las::new(DVec3::splat(0.001), DVec3::new(984_000.0, 200_000.0, 0.0), {
