@@ -162,13 +162,15 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| u16::from(a.abs_diff(b)) <= UNSEEN)
 }
 
-/// Decides about files of which each has a single color, or nearly. Where these differ, they tell the files apart and
-/// stay; otherwise they tell nothing. Greys are what exporters fill in.
+/// Decides about files of which each has a single color, or nearly. Where these differ, or other files have colors of many
+/// kinds, they tell the files apart and stay; otherwise they tell nothing. Greys are what exporters fill in.
 pub(super) fn settle(scan: &mut Scan) {
     let is_grey = |[r, g, b]: [u8; 3]| are_alike([r, g, b], [g, b, r]);
     let colors = scan.files.iter().filter_map(|file| file.blank.map(|blank| blank.shown()));
     let single: Vec<[u8; 3]> = colors.filter(|&color| !is_grey(color)).collect();
-    let do_differ = single.iter().any(|&color| !are_alike(color, single[0]));
+    let is_colored = |file: &ScanFile| file.blank.is_none() && file.color.white().is_some();
+    let do_differ =
+        single.iter().any(|&color| !are_alike(color, single[0])) || scan.files.iter().any(is_colored);
     for file in &mut scan.files {
         let Some(blank) = file.blank else { continue };
         if do_differ && !is_grey(blank.shown()) {

@@ -113,6 +113,24 @@ fn single_colors_stay_where_they_tell_files_apart() {
     }
 }
 
+/// A red mark beside a scan in color stays red; a white one is as good as none.
+#[test]
+fn a_single_color_stays_beside_files_in_color() {
+    let colored: Vec<[u16; 3]> = (0..2000).map(|i| [i % 256, i / 8, 90]).collect();
+    for (color, stays) in [([255, 0, 0], true), ([255; 3], false)] {
+        let file = |mut rgb: Vec<[u16; 3]>| {
+            let Choice { color, blank, .. } = choose(&Stats::EMPTY, &mut rgb, None);
+            let points = Points { xyz: vec![[0; 3]; 2000], rgb, ..Points::default() };
+            ScanFile { blank, color, points, ..ScanFile::default() }
+        };
+        let mut scan =
+            Scan { files: vec![file(colored.clone()), file(vec![color; 2000])], ..Scan::default() };
+        settle(&mut scan);
+        let is_drawn = scan.files[1].blank.is_none() && scan.files[1].points.rgb == vec![color; 2000];
+        assert_eq!((is_drawn, scan.files[0].blank), (stays, None), "{color:?}");
+    }
+}
+
 #[test]
 fn the_bits_of_a_few_colors_are_their_own() {
     let source = |blank: [u16; 3], other: [u16; 3]| {
