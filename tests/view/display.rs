@@ -1,40 +1,20 @@
 //! Display servers that keep silent, as a session that hangs does: it takes connections and says nothing.
 
+use crate::program::Program;
 use crate::scene::Scene;
 use crate::screen::{Screen, wait_for};
-use std::io::Read;
 use std::os::unix::net::UnixListener;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// A run of the program beside a silent compositor; ended if the test fails.
-struct Run(Child);
-
-impl Run {
-    /// `args` of the program, in a folder that holds the compositor's socket; on an X server, if there is one.
-    fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
-        command.args(args).current_dir(folder).stderr(Stdio::piped()).env_remove("DISPLAY");
-        command.env("WAYLAND_DISPLAY", "wayland-0").env("XDG_RUNTIME_DIR", folder);
-        command.envs(display.map(|name| ("DISPLAY", name)));
-        Self(command.spawn().expect("the program starts"))
-    }
-
-    /// Exit code, and what it said.
-    fn end(mut self) -> (Option<i32>, String) {
-        let status = wait_for("the end", 60.0, || self.0.try_wait().expect("a child of ours"));
-        let mut said = String::new();
-        self.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
-        (status.code(), said)
-    }
-}
-
-impl Drop for Run {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
+/// `args` of the program, in a folder that holds a silent compositor's socket; on an X server, if there is one.
+fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Program {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    command.args(args).current_dir(folder).stderr(Stdio::piped()).env_remove("DISPLAY");
+    command.env("WAYLAND_DISPLAY", "wayland-0").env("XDG_RUNTIME_DIR", folder);
+    command.envs(display.map(|name| ("DISPLAY", name)));
+    Program::start(&mut command)
 }
 
 /// Nobody waits for it: neither the window nor a library that looks for GPUs or a clipboard, and least of all whoever asks
@@ -47,7 +27,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     let scan = Scene::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
     let view = ["view", &scan, "--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"];
 
-    let run = Run::start(folder.path(), &view, Some(&screen.display));
+    let run = start(folder.path(), &view, Some(&screen.display));
     let window = wait_for("the window on X11", 60.0, || {
         let found = screen.try_xdotool(&["search", "--onlyvisible", "--name", "scanwalk"])?;
         found.lines().next().map(str::to_string)
@@ -59,12 +39,12 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     screen.ask_to_close(&window);
     assert_eq!(run.end(), (Some(0), String::new()));
 
-    let (code, said) = Run::start(folder.path(), &view, None).end();
+    let (code, said) = start(folder.path(), &view, None).end();
     assert!(code == Some(1) && said.lines().count() == 1, "{said}");
     assert!(said.contains("wayland-0, where a compositor listens, but does not answer"), "{said}");
 
     // While it waits for the compositor; it would end by itself with a failure.
-    let run = Run::start(folder.path(), &view, None);
+    let run = start(folder.path(), &view, None);
     std::thread::sleep(Duration::from_millis(700));
     let id = run.0.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
@@ -72,7 +52,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     assert!(code == Some(0) && said.contains("stopping"), "{code:?}: {said}");
 
     let render = ["render", &scan, "-o", "picture.png", "--size", "64x48"];
-    assert_eq!(Run::start(folder.path(), &render, None).end(), (Some(0), String::new()));
+    assert_eq!(start(folder.path(), &render, None).end(), (Some(0), String::new()));
 }
 
 /// What winit says of an X server that is not there begins with a place in its source.

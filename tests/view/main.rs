@@ -10,6 +10,7 @@ mod screen;
 mod display;
 mod headset;
 mod offscreen;
+mod program;
 mod scene;
 mod tiers;
 mod window;

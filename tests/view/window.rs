@@ -1,13 +1,13 @@
 //! With a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
 
+use crate::program::Program;
 use crate::scene::Scene;
 use crate::screen::{Picture, Screen, wait_for};
 use crate::xr_support::Lab;
 use scanwalk::timing::{self, Phase};
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 
@@ -56,21 +56,11 @@ fn still(screen: &Screen, window: &str, log: &Path) -> Picture {
     })
 }
 
-/// Ends the program if the test fails.
-struct Viewer(Child);
-
-impl Drop for Viewer {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 #[test]
 fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
     let screen = Screen::start();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut viewer = start(&screen, folder.path());
+    let viewer = start(&screen, folder.path());
     let window = window(&screen);
     let start = wait_lit(&screen, &window);
     start.keep("view-start");
@@ -100,14 +90,13 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
     });
     small.keep("view-resized");
     screen.ask_to_close(&window);
-    let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
-    assert_eq!(status.code(), Some(0));
+    assert_eq!(viewer.end().0, Some(0));
 }
 
 /// The program on the courtyard with small eyes; its screenshots come into `folder`.
-fn start(screen: &Screen, folder: &Path) -> Viewer {
+fn start(screen: &Screen, folder: &Path) -> Program {
     let mut command = command(screen, folder, &Scene::get().courtyard, "on");
-    Viewer(command.env_remove("WAYLAND_DISPLAY").spawn().expect("view starts"))
+    Program::start(command.env_remove("WAYLAND_DISPLAY"))
 }
 
 fn command(screen: &Screen, folder: &Path, scan: &Path, when: &str) -> Command {
@@ -138,14 +127,11 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
         let mut command = command(&screen, folder.path(), &Scene::get().courtyard, when);
         command.env("WAYLAND_DISPLAY", name).env_remove("XDG_RUNTIME_DIR").stderr(Stdio::piped());
         command.envs(runtime_dir.map(|folder| ("XDG_RUNTIME_DIR", folder)));
-        let mut viewer = Viewer(command.spawn().expect("view starts"));
+        let viewer = Program::start(&mut command);
         let window = window(&screen);
         wait_lit(&screen, &window);
         screen.ask_to_close(&window);
-        let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
-        let mut said = String::new();
-        viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
-        assert_eq!((status.code(), said.as_str()), (Some(0), ""), "--window {when}, {name}");
+        assert_eq!(viewer.end(), (Some(0), String::new()), "--window {when}, {name}");
     }
 }
 
@@ -160,14 +146,12 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
     let start = |when, limit: &[&str]| {
         let mut command = command(&screen, folder.path(), &broken, when);
         command.args(limit).env_remove("WAYLAND_DISPLAY").stderr(Stdio::piped());
-        Viewer(command.spawn().expect("view starts"))
+        Program::start(&mut command)
     };
-    let assert_failed = |mut viewer: Viewer| {
-        let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
-        let mut said = String::new();
-        viewer.0.stderr.take().expect("piped").read_to_string(&mut said).expect("text");
+    let assert_failed = |viewer: Program| {
+        let (code, said) = viewer.end();
         assert!(said.lines().last().is_some_and(|reason| reason.contains("broken.las")), "{said}");
-        assert_eq!(status.code(), Some(1));
+        assert_eq!(code, Some(1));
     };
     // The card's heading, which nothing else is of the color of.
     let written = |picture: &Picture| {
@@ -221,7 +205,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let log = folder.path().join("frames.csv");
     let mut command = command(&screen, folder.path(), &Scene::get().courtyard, "on");
     command.arg("--log").arg(&log).env_remove("WAYLAND_DISPLAY");
-    let mut viewer = Viewer(command.spawn().expect("view starts"));
+    let viewer = Program::start(&mut command);
     let window = window(&screen);
     wait_lit(&screen, &window);
     // Without the panel, which changes by itself, and once the octree is there.
@@ -256,8 +240,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     screen.xdotool(&["key", "o"]);
     wait_for("no overlay", 60.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
     screen.ask_to_close(&window);
-    let status = wait_for("the end", 60.0, || viewer.0.try_wait().expect("a child of ours"));
-    assert_eq!(status.code(), Some(0));
+    assert_eq!(viewer.end().0, Some(0));
 }
 
 #[test]

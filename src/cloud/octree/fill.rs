@@ -202,6 +202,7 @@ impl Slot<'_> {
         let [hi, mid, lo, colors, filtered_colors] = self.0;
         // An inner node that has taken every point below has no children either: its points stand for themselves.
         let is_own = node.children.is_empty();
+        let bounds = node.exponent_bounds();
         let mut octants = &octants[octants.partition_point(|octant| octant.keys.end <= keys.start)..];
         for (at, number) in owned(source.levels, keys, node.level as u8).enumerate() {
             let key = &source.keys[number];
@@ -211,7 +212,7 @@ impl Slot<'_> {
             if node.spacing_step > 1.0 {
                 octants = &octants[octants.iter().take_while(|octant| octant.keys.end <= number).count()..];
                 let spacing = octants.first().map_or(0.0, |octant| octant.spacing);
-                hi[at] |= node.spacing_exponent(octant(cells), spacing) << SPACING_EXPONENT_SHIFT;
+                hi[at] |= node.spacing_exponent(bounds, octant(cells), spacing) << SPACING_EXPONENT_SHIFT;
             }
             colors[at] = if is_own { key.color } else { source.index.color(point) };
             filtered_colors[at] = key.color;

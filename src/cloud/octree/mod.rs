@@ -97,14 +97,18 @@ impl Node {
         self.edge / f64::from(1u32 << GRID_BITS)
     }
 
-    /// The exponent n of a point in an octant whose neighbours lie `spacing` world units apart; 0 if that is not known.
-    /// Between two steps the upper one is taken from 0.3 of the way on: a point drawn too small leaves gaps, one drawn too
-    /// large only blurs.
-    fn spacing_exponent(&self, octant: usize, spacing: f64) -> u32 {
+    /// How many times as far apart as in its octant a point's neighbours must lie for its exponent to be 1, 2 and 3. Between
+    /// two steps the upper one is taken from 0.3 of the way on: a point drawn too small leaves gaps, one drawn too large
+    /// only blurs.
+    fn exponent_bounds(&self) -> [f64; 3] {
         let step = f64::from(self.spacing_step);
+        [0, 1, 2].map(|exponent| step.powf(0.3) * step.powi(exponent))
+    }
+
+    /// The exponent of a point in an octant whose neighbours lie `spacing` world units apart; 0 if that is not known.
+    fn spacing_exponent(&self, bounds: [f64; 3], octant: usize, spacing: f64) -> u32 {
         let least = f64::from(self.octant_spacing[octant]) * self.edge;
-        let bound = |exponent: i32| least * step.powf(0.3) * step.powi(exponent);
-        (0..3).filter(|&exponent| spacing > bound(exponent)).count() as u32
+        bounds.iter().filter(|&bound| spacing > least * bound).count() as u32
     }
 
     /// Octant of this node's cube that a node below lies in.
