@@ -90,6 +90,35 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     assert!(refused(&missing, &ReadOptions::default()).contains("missing.las: "));
 }
 
+/// Files that end too early, or hold a row that is none: what is left is shown, unless all of it is asked for.
+#[test]
+fn what_is_not_whole_is_refused_when_told_to_be_strict() {
+    let tile = tile();
+    let rows = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    let (whole_ply, cut_ply) = (format!("{rows}0 0 0\n1 0 0\n0 1 0\n"), format!("{rows}0 0 0\n1 0 0\n"));
+    let bad_row = format!("{rows}0 0 0\n1 zero 0\n0 1 0\n");
+    let (_folder, paths) = folder(&[
+        ("whole.las", &tile),
+        ("whole.ply", whole_ply.as_bytes()),
+        ("cut.las", &tile[..tile.len() - 10]),
+        ("cut.ply", cut_ply.as_bytes()),
+        ("row.ply", bad_row.as_bytes()),
+    ]);
+    let strictly = |paths: &[PathBuf]| {
+        let scan = read(paths, &STRICT, &Stop::default());
+        scan.map(|scan| scan.num_points()).map_err(|error| error.to_string())
+    };
+    let [las, ply, parts @ ..] = &paths[..] else { panic!("{paths:?}") };
+    assert_eq!(strictly(&[las.clone(), ply.clone()]), Ok(8));
+    for ((whole, part), num_points) in [las, ply, ply].into_iter().zip(parts).zip([9, 5, 5]) {
+        let both = [whole.clone(), part.clone()];
+        let scan = read_all(&both).unwrap();
+        assert_eq!((scan.num_points(), scan.warnings.len()), (num_points, 1), "{:?}", scan.warnings);
+        let refused = strictly(&both).unwrap_err();
+        assert!(refused.contains(&part.display().to_string()) && refused.contains("--strict"), "{refused}");
+    }
+}
+
 #[test]
 fn the_commands_refuse_when_told_to_be_strict() {
     let tile = tile();

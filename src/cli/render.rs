@@ -18,7 +18,7 @@ pub struct RenderArgs {
     /// LAS, LAZ or PLY files; several are one scan
     #[arg(required = true, value_name = "SCAN")]
     pub scans: Vec<PathBuf>,
-    /// Refuse all files if one cannot be read, instead of showing the others [default: cloud.strict]
+    /// Refuse all files if one cannot be read to its end, instead of showing the rest [default: cloud.strict]
     #[arg(long)]
     pub strict: bool,
     /// The picture; with --stereo OUT.left.png and OUT.right.png; - for stdout

@@ -122,7 +122,7 @@ pub struct CloudConfig {
     pub order: Order,
     /// Axis of the files that points up.
     pub up: Up,
-    /// Whether a file that cannot be read is an error although others can.
+    /// Whether a file that cannot be read, or of which a part cannot, is an error although the rest can.
     pub strict: bool,
     /// Unit of the files' lengths.
     pub unit: Unit,

@@ -119,6 +119,18 @@ pub enum ScanError {
         /// Why, and what to do.
         reason: String,
     },
+    /// A part could not be read, and all is asked for.
+    #[error(
+        "{path}: {loss}; --strict (cloud.strict) refuses files that cannot be read to their end: get it again, or show \
+         what is left of it without",
+        path = path.display()
+    )]
+    Incomplete {
+        /// The file.
+        path: PathBuf,
+        /// What is missing, as a sentence whose subject is the file.
+        loss: String,
+    },
     /// The points do not fit into memory.
     #[error(
         "{path}: no memory for {num_points} points: \

@@ -177,7 +177,7 @@ pub struct ReadOptions {
     pub vertical_unit: Unit,
     /// Which files lie on the earth.
     pub project: Project,
-    /// Whether a file that cannot be read is an error although others can.
+    /// Whether a file that cannot be read, or of which a part cannot, is an error although the rest can.
     pub strict: bool,
     /// Points that are withheld, which means deleted, are read too.
     pub show_withheld: bool,
@@ -286,7 +286,9 @@ struct Columns {
     stats: Stats,
     /// The largest that a color can be, where the reader knows it.
     white: Option<u16>,
-    /// What was odd, as sentences whose subject is the file.
+    /// What the file has or announces and could not be read, as sentences whose subject is the file.
+    losses: Vec<String>,
+    /// What else was odd, likewise.
     warnings: Vec<String>,
 }
 
@@ -299,6 +301,7 @@ impl Default for Columns {
             triangles: Vec::new(),
             stats: Stats::EMPTY,
             white: None,
+            losses: Vec::new(),
             warnings: Vec::new(),
         }
     }

@@ -15,12 +15,13 @@ use std::path::{Path, PathBuf};
 /// Reads files as one scan with z up and one scale on all axes, in the order given; shows its progress, and ends soon
 /// after the job is told to stop.
 ///
-/// Files of which only a part can be read give that part and a warning in [`Scan::warnings`]; so do files of which
-/// nothing can be read, if others can and `options` are not strict. All headers are checked before the first point
-/// is read. One file is open at a time.
+/// Unless `options` are strict, a file of which only a part can be read gives that part and a warning in
+/// [`Scan::warnings`], and a file of which nothing can be read a warning, if others can. All headers are checked before
+/// the first point is read. One file is open at a time.
 ///
 /// # Errors
-/// The first file of which nothing can be read, with the reason and what to do; [`ScanError::Stopped`].
+/// The first file of which nothing can be read, or not all if `options` are strict, with the reason and what to do;
+/// [`ScanError::Stopped`].
 pub fn read(paths: &[PathBuf], options: &ReadOptions, job: impl Into<Job>) -> Result<Scan, ScanError> {
     Ok(read_with_headers(paths, options, job)?.0)
 }
@@ -54,6 +55,11 @@ pub(super) fn read_with_headers(
         let columns = open(path).and_then(|reader| {
             let columns = reader.read(options, &progress)?;
             within_reach(path, &columns)?;
+            if options.strict
+                && let Some(loss) = columns.losses.first()
+            {
+                return Err(ScanError::Incomplete { path: path.clone(), loss: loss.clone() });
+            }
             Ok((reader.header().clone(), columns))
         });
         if let Some((header, columns)) = failures.sort(columns)? {
@@ -114,7 +120,7 @@ fn add(scan: &mut Scan, header: &Header, mut columns: Columns, show_withheld: bo
     let stats = columns.stats;
     let Choice { color, blank, sentences: of_colors } =
         color::choose(&stats, &mut columns.points.rgb, columns.white);
-    let sentences = header.warnings.iter().chain(&columns.warnings).chain(&of_colors);
+    let sentences = header.warnings.iter().chain(&columns.losses).chain(&columns.warnings).chain(&of_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     let num_withheld = columns.points.num_withheld;
     if num_withheld > 0 && !show_withheld {

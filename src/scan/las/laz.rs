@@ -189,7 +189,7 @@ impl Laz {
             if let Some(problem) = problem {
                 let num_points = points.num_read(show_withheld);
                 columns
-                    .warnings
+                    .losses
                     .push(format!("could be decompressed up to point {num_points} only: {problem}"));
                 break;
             }
@@ -313,11 +313,11 @@ fn report(
         return Err(ScanError::Compression { path: source.path().to_owned(), reason });
     }
     let named = damaged.iter().take(MOST_NAMED);
-    columns.warnings.extend(named.map(|chunk| format!("{}; it is left out", chunk.sentence(num_chunks))));
+    columns.losses.extend(named.map(|chunk| format!("{}; it is left out", chunk.sentence(num_chunks))));
     let more = damaged.len().saturating_sub(MOST_NAMED);
     if more > 0 {
         let (more, are) = (counted(more, "more chunk"), agreeing(more, "is", "are"));
-        columns.warnings.push(format!("{more} {are} damaged and left out"));
+        columns.losses.push(format!("{more} {are} damaged and left out"));
     }
     Ok(())
 }

@@ -111,7 +111,7 @@ impl Reader for LasFile {
         }
         if num_points < announced {
             let end = source.len();
-            columns.warnings.push(format!(
+            columns.losses.push(format!(
                 "announces {}, but only {num_points} could be read (the file has {end} bytes)",
                 counted(announced, "point")
             ));

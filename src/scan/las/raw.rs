@@ -126,7 +126,7 @@ fn join(source: &Source, mut points: Points, ends: Vec<BlockEnd>) -> Result<Colu
             if num_read == 0 {
                 return Err(ScanError::io(source.path(), None, error));
             }
-            columns.warnings.push(format!("could be read up to point {num_read} only: {error}"));
+            columns.losses.push(format!("could be read up to point {num_read} only: {error}"));
         }
         if !end.whole {
             break;

@@ -45,14 +45,16 @@ pub(super) struct Body<S> {
     /// Rows of text that could not be read; the first, as the end of a sentence.
     pub num_bad_rows: u64,
     pub first_bad_row: Option<String>,
-    /// What was odd, as sentences whose subject is the file.
+    /// What could not be read, as sentences whose subject is the file.
+    pub losses: Vec<String>,
+    /// What else was odd, likewise.
     pub warnings: Vec<String>,
 }
 
 impl<S: Sink> Body<S> {
     /// Nothing yet.
     pub fn new(sink: S) -> Self {
-        Self { sink, num_bad_rows: 0, first_bad_row: None, warnings: Vec::new() }
+        Self { sink, num_bad_rows: 0, first_bad_row: None, losses: Vec::new(), warnings: Vec::new() }
     }
 
     /// Takes note that reading ended at byte `at`: by an error, or because the file ends.
@@ -63,7 +65,7 @@ impl<S: Sink> Body<S> {
         match error {
             Some(error) if self.sink.num_points() == 0 => Err(ScanError::io(source.path(), Some(at), error)),
             Some(error) => {
-                self.warnings.push(format!("could not be read to its end, from byte {at} on: {error}"));
+                self.losses.push(format!("could not be read to its end, from byte {at} on: {error}"));
                 Ok(())
             }
             // That points or faces are missing is said when they are counted.

@@ -50,7 +50,7 @@ pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color)
     let triangles = rows.faces.triangles;
     let Rows { xyz, rgb, intensity, normals, .. } = rows;
     let points = Points { xyz, rgb, intensity, normals, ..Points::default() };
-    (Columns { lattice: how.grid.lattice, points, triangles, stats, white, warnings: Vec::new() }, loss)
+    (Columns { lattice: how.grid.lattice, points, triangles, stats, white, ..Columns::default() }, loss)
 }
 
 /// The largest that a color can be, where the file or its format says so.

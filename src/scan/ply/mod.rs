@@ -146,19 +146,20 @@ impl Reader for PlyFile {
         rows.reserve(found.num_kept).map_err(memory)?;
         let mut body = Body::new(rows);
         self.pass(plans, plans.len(), &mut body, progress)?;
-        let mut warnings = std::mem::take(&mut body.warnings);
+        let (mut losses, mut warnings) =
+            (std::mem::take(&mut body.losses), std::mem::take(&mut body.warnings));
         let num_faces = body.sink.faces.num_faces;
-        warnings.extend(self.cut_off(body.sink.num_points(), num_faces));
-        let (bad_rows, left_out) = (bad_rows(&body), body.sink.left_out);
+        losses.extend(self.cut_off(body.sink.num_points(), num_faces));
+        losses.extend(bad_rows(&body));
+        let left_out = body.sink.left_out;
         let (columns, loss) = columns::columns(body.sink, &how, &found, of_faces);
         if columns.points.xyz.is_empty() {
             // None can be held, or the file changed since the survey.
             return Err(self.no_points(None, left_out.far));
         }
-        warnings.extend(bad_rows);
         warnings.extend(sentences(left_out, loss, meaning.has.is_splat));
         warnings.extend(sentence.map(str::to_owned));
-        Ok(Columns { warnings, ..columns })
+        Ok(Columns { losses, warnings, ..columns })
     }
 }
 
