@@ -3,6 +3,7 @@
 use scanwalk::config::{Config, Dilate, FrameConfig, Quality};
 use scanwalk::gpu::Atomics;
 use scanwalk::look::Look;
+use scanwalk::method::{Access, Method};
 
 /// Hardware points take seconds a frame above this many points, so there they stay out.
 pub const MAX_HARDWARE_POINTS: u64 = 16_000_000;
@@ -72,8 +73,8 @@ pub struct Ratio {
 use Part::{Color, Depth, Frame, Geometry};
 
 /// All of them, in the order in which they are run.
-pub fn heats() -> [Heat; 4] {
-    [eyes(), tiers(), octree(), parts()]
+pub fn heats() -> [Heat; 5] {
+    [eyes(), tiers(), octree(), parts(), access()]
 }
 
 /// Both eyes in one dispatch a stage, and in two; high-quality shading; hardware points.
@@ -152,6 +153,28 @@ fn parts() -> Heat {
     let ratios = without.map(|(to, _)| Ratio { of: "whole", to, parts: &[Frame] }).to_vec();
     let entries = [("whole", whole)].into_iter().chain(without).map(entry).collect();
     Heat { name: "parts", alike: vec![], max_points: 16_000_000, entries, same: vec![], ratios }
+}
+
+/// How shaders reach memory: early-z's look by an atomic load and by a plain one, every index checked and none.
+fn access() -> Heat {
+    let looks = |plain_looks| {
+        let access = Access { plain_looks, ..Access::default() };
+        Look { method: Method::EarlyZ, access, ..closest() }
+    };
+    let checks = |checked| Look { access: Access { checked, ..Access::default() }, ..whole() };
+    let entries = vec![
+        ("early-z-atomic-flat", Entry::Compute(flat(looks(false)))),
+        ("early-z-plain-flat", Entry::Compute(flat(looks(true)))),
+        ("early-z-atomic-lod", Entry::Compute(layered(looks(false)))),
+        ("early-z-plain-lod", Entry::Compute(layered(looks(true)))),
+        ("whole-lod-checked", Entry::Compute(layered(checks(true)))),
+        ("whole-lod-trusted", Entry::Compute(layered(checks(false)))),
+        ("whole-flat-checked", Entry::Compute(flat(checks(true)))),
+        ("whole-flat-trusted", Entry::Compute(flat(checks(false)))),
+    ];
+    let pairs: Vec<_> = entries.chunks_exact(2).map(|pair| [pair[1].0, pair[0].0]).collect();
+    let ratios = pairs.iter().map(|&[of, to]| Ratio { of, to, parts: &[Geometry, Frame] }).collect();
+    Heat { name: "access", alike: vec![], max_points: 16_000_000, entries, same: pairs, ratios }
 }
 
 fn flat(look: Look) -> Plan {

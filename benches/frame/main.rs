@@ -34,7 +34,7 @@ struct Args {
     /// Millions of points, one scan each
     #[arg(long, alias = "sizes", value_name = "M,M,…", value_delimiter = ',', default_value = "1,4,16,64")]
     points: Vec<f64>,
-    /// Only heats whose name contains this: eyes, tiers, octree, parts
+    /// Only heats whose name contains this: eyes, tiers, octree, parts, access
     #[arg(long, value_name = "NAME", default_value = "")]
     heat: String,
     #[command(flatten)]
