@@ -136,8 +136,9 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         })
         .collect();
 
+    let guarded_px = layout::guarded(size_px);
     let num_groups =
-        [[tile_list.len() as u32, 1], [0, 1].map(|axis| size_px[axis].div_ceil(DIRECT_TILE_PX[axis]))];
+        [[tile_list.len() as u32, 1], [0, 1].map(|axis| guarded_px[axis].div_ceil(DIRECT_TILE_PX[axis]))];
     let mut timer = Timer::new(gpu, NAMES.len(), 8);
     let mut samples = Vec::new();
     for run in 0..WARM_UP_RUNS + num_runs {
