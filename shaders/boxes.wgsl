@@ -92,6 +92,10 @@ fn batch_box(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
         return NO_EDGE;
     }
     let batch = visible[number];
+    // A box, however many slices.
+    if slice_of(batch) != 0u {
+        return NO_EDGE;
+    }
     let low = batch.offset - vec3<f32>(batch.head_cell) * batch.cell;
     return box_vertex(vertex, low, CELLS * batch.cell, palette((batch.flags & 3u) - 1u));
 }

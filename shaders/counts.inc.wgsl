@@ -10,21 +10,24 @@ fn add_count(kind: u32, amount: u32) {
     atomicAdd(&count_bins[this_group % COUNT_BINS][kind], amount);
 }
 
-// A point, disc or triangle is done: it was drawn if it has asked.
-fn count_point() {
-    if has_asked {
-        add_count(0u, 1u);
-        has_asked = false;
-    }
+// Whether the point at hand has asked; then the next one is at hand.
+fn take_asked() -> bool {
+    let asked = has_asked;
+    has_asked = false;
+    return asked;
 }
 
-// Threads that draw a triangle together count it once.
-fn count_once(is_first: bool) {
-    has_asked = has_asked || is_first;
-    if is_first {
-        count_point();
-    }
+// A point, disc or triangle is done: it was drawn if it has asked.
+fn count_point() {
+    count_once(take_asked());
+}
+
+// What threads draw together is counted by one of them.
+fn count_once(is_drawn: bool) {
     has_asked = false;
+    if is_drawn {
+        add_count(0u, 1u);
+    }
 }
 
 // An atomic, or a write, for a pixel.

@@ -54,13 +54,12 @@ fn planes_needed(edge_px: f32) -> u32 {
     return select(3u, 2u, edge_px < PRECISION_THRESHOLD_PX * 1024.0);
 }
 
-// False if no point of a box is to close more than its ring's kernel does, though the box's edge is drawn so large: see
-// `open_px`, in which the edge counts at most twice. `far` is the distance of its farthest corner over its least depth.
-fn may_be_wide(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spacing: f32) -> bool {
+// The widest square in each ring that a point of a box is to close whose edge is drawn so large: see `open_px`, in which the
+// edge counts at most twice. `far` is the distance of its farthest corner over its least depth.
+fn widest_open_px(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spacing: f32) -> vec3<f32> {
     let stretch = min(far, 1.0 / eye.widest_cos);
     let undivided_px = min(vec3<f32>(2.0 * edge_px), view.undivided_px);
-    let across_px = max(vec3<f32>(widest * edge_px), SAMPLES_COVER * sample_spacing * undivided_px);
-    return any(stretch * across_px > (1.0 - SLACK) * view.fill_reach_px);
+    return stretch * max(vec3<f32>(widest * edge_px), SAMPLES_COVER * sample_spacing * undivided_px);
 }
 
 // Radians that the tolerance spans in the outer ring.
@@ -142,10 +141,22 @@ fn own_colors(node: Node) -> vec2<u32> {
 
 // Workgroups that draw a batch of triangles: more than one where one of them may cover many pixels. The longest side
 // says how many.
-fn num_slices_of(batch: Batch, eye: EyeUniform, depth: f32) -> u32 {
+fn num_slices_of_triangles(batch: Batch, eye: EyeUniform, depth: f32) -> u32 {
     let side_px = length_of(batch.interval >> 8u) * eye.pixels_per_radian / depth;
     let num_pixels = min(side_px * side_px, f32(eye.width) * f32(eye.height));
     return u32(clamp(num_pixels / f32(SLICE_PIXELS), 1.0, f32(MAX_SLICES)));
+}
+
+// Workgroups that draw a batch of points: more than one where points cover many pixels.
+fn num_slices_of_points(num_points: u32, open_px: vec3<f32>) -> u32 {
+    let radius = radius_of(max(open_px.x, max(open_px.y, open_px.z)));
+    if radius == 0.0 {
+        return 1u;
+    }
+    let side = 2.0 * radius + 1.0;
+    let num_turns = (num_points + POINTS_PER_LOAD - 1u) / POINTS_PER_LOAD;
+    let most = POINTS_PER_LOAD * ((num_turns + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE);
+    return u32(clamp(f32(num_points) * (side * side) / f32(SLICE_PIXELS), 1.0, f32(most)));
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -190,13 +201,16 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             planes = max(planes, planes_needed(edge_px));
         }
         if DISCS && (node.flags & NODE_TRIANGLES) != 0u {
-            num_slices = max(num_slices, num_slices_of(batch, view.eyes[eye], depth));
+            num_slices = max(num_slices, num_slices_of_triangles(batch, view.eyes[eye], depth));
         }
         let corner = abs(center - view.eyes[eye].eye_in_head) + half_edge;
         let far = sqrt(corner.x * corner.x + corner.y * corner.y + corner.z * corner.z) / depth;
-        if may_be_wide(view.eyes[eye], edge_px, far, widest, sample_spacing) {
+        let open_px = widest_open_px(view.eyes[eye], edge_px, far, widest, sample_spacing);
+        // False if no point is to close more than its ring's kernel does.
+        if any(open_px > (1.0 - SLACK) * view.fill_reach_px) {
             flags |= VISIBLE_FILL;
         }
+        num_slices = max(num_slices, num_slices_of_points(batch.num_points, open_px));
     }
     if DISCS && (node.flags & NODE_DISCS) != 0u {
         flags |= VISIBLE_FILL | VISIBLE_DISCS;
@@ -217,8 +231,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     if num_slices > 1u {
-        let num_taken = min(atomicAdd(&counters.num_extra, num_slices - 1u), MAX_EXTRA_SLICES);
-        num_slices = 1u + min(num_slices - 1u, MAX_EXTRA_SLICES - num_taken);
+        let room = min(MAX_EXTRA_SLICES, arrayLength(&visible) - arrayLength(&batches));
+        let num_taken = min(atomicAdd(&counters.num_extra, num_slices - 1u), room);
+        num_slices = 1u + min(num_slices - 1u, room - num_taken);
     }
     let slot = atomicAdd(&counters.num_visible, num_slices);
     atomicAdd(&counters.num_points, batch.num_points);

@@ -101,6 +101,15 @@ struct DilateUniform {
     reserved: vec2<u32>,
 }
 
+// Which slice of its batch this is, of how many.
+fn slice_of(batch: VisibleBatch) -> u32 {
+    return (batch.flags >> SLICE_SHIFT) & (MAX_SLICES - 1u);
+}
+
+fn num_slices_of(batch: VisibleBatch) -> u32 {
+    return ((batch.flags >> NUM_SLICES_SHIFT) & (MAX_SLICES - 1u)) + 1u;
+}
+
 // The size of an eye's image with its guard band.
 fn guarded(size_px: vec2<u32>) -> vec2<u32> {
     return size_px + 2u * GUARD_PX;

@@ -1,4 +1,6 @@
-// The loop of the geometry stages: a workgroup a visible batch, each point read once and put into both eyes' pixels.
+// The loop of the geometry stages: a workgroup a visible batch, each point read once and put into both eyes' pixels. A batch
+// of wide points comes in slices, a workgroup each. Each draws its share of the parts: a turn of every thread, or, where there
+// are more slices than that, one point of such a turn.
 //
 // A stage adds its targets from binding 5 on, and what it does with a point in a pixel of an eye, 0 or 1:
 //   fn put(eye: u32, pixel: u32, w: f32, id: u32)
@@ -44,37 +46,6 @@ fn open_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing:
     let apart_px = batch.sample_spacing * edge_px * stretch;
     let samples_px = min(SAMPLES_COVER * apart_px, max(FILL_OVERLAP * apart_px, view.fill_reach_px.z));
     return max(cover_px(spacing * px_per_unit * stretch, of_ring(ring, view.fill_reach_px)), samples_px);
-}
-
-// The narrowest kernel of dilation that closes a square, 1 to 3.
-fn reach_of(open_px: f32) -> u32 {
-    return 1u + select(0u, 1u, open_px > view.fill_reach_px.x) + select(0u, 1u, open_px > view.fill_reach_px.y);
-}
-
-// How far a disc reaches round its own pixel, for what the widest kernel leaves open.
-fn radius_of(open_px: f32) -> f32 {
-    return ceil(clamp(0.5 * (open_px - view.fill_reach_px.z), 0.0, f32(MAX_FILL_RADIUS)));
-}
-
-// A point as a disc of pixels round its own, which may lie outside the image.
-fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, radius_px: f32) {
-    let radius = i32(radius_px);
-    let width = i32(view.eyes[eye].width);
-    let size = vec2<f32>(f32(width), f32(view.eyes[eye].height));
-    // None where the whole disc lies outside.
-    let center_px = at - view.eyes[eye].first_px;
-    let center = vec2<i32>(center_px);
-    let first = vec2<i32>(clamp(center_px - radius_px, vec2<f32>(0.0), size));
-    let last = vec2<i32>(clamp(center_px + radius_px, vec2<f32>(-1.0), size - 1.0));
-    for (var y = first.y; y <= last.y; y += 1) {
-        for (var x = first.x; x <= last.x; x += 1) {
-            let d = vec2<i32>(x, y) - center;
-            if d.x * d.x + d.y * d.y <= radius * (radius + 1) {
-                put(eye, u32(y * width + x), w, id);
-            }
-        }
-    }
-    count_point();
 }
 
 fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
@@ -126,23 +97,39 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let num_turns = (batch.num_points + POINTS_PER_TURN - 1u) / POINTS_PER_TURN;
+    // All threads of the workgroup stay until the last turn then.
+    let is_wide = FILL && (batch.flags & VISIBLE_FILL) != 0u;
+    let num_slices = num_slices_of(batch);
+    let num_whole = (num_turns + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE;
+    let parts_per_turn = select(1u, POINTS_PER_TURN, num_slices > num_whole);
 
-    for (var first = 0u; first < num_turns; first += WORKGROUP_SIZE) {
-        let turn = first + thread;
-        if !CONVERGED && turn >= num_turns {
+    for (var part = slice_of(batch); part < parts_per_turn * num_whole; part += num_slices) {
+        let own_turn = part / parts_per_turn * WORKGROUP_SIZE + thread;
+        if !CONVERGED && !is_wide && own_turn >= num_turns {
             break;
         }
-        let points = points_of(batch, turn);
+        let turn = min(own_turn, num_turns - 1u);
+        var points = points_of(batch, turn);
+        points.exists = points.exists & vec4<bool>(own_turn < num_turns);
+        if parts_per_turn > 1u {
+            points.exists = points.exists & (vec4<u32>(0u, 1u, 2u, 3u) == vec4<u32>(part % parts_per_turn));
+        }
         var spacing = vec4<f32>(0.0);
-        if FILL && (batch.flags & VISIBLE_FILL) != 0u {
+        if is_wide {
             let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
             spacing = spacings(batch, points.load, turn, points.octant, edge);
         }
         if sees(0u, batch) {
             draw(0u, batch, points, spacing);
+            if is_wide {
+                put_waiting(0u);
+            }
         }
         if NUM_EYES == 2u && sees(1u, batch) {
             draw(1u, batch, points, spacing);
+            if is_wide {
+                put_waiting(1u);
+            }
         }
     }
 }

@@ -139,8 +139,8 @@ fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
 }
 
 fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {
-    let slice = (batch.flags >> SLICE_SHIFT) & (MAX_SLICES - 1u);
-    let num_slices = ((batch.flags >> NUM_SLICES_SHIFT) & (MAX_SLICES - 1u)) + 1u;
+    let slice = slice_of(batch);
+    let num_slices = num_slices_of(batch);
     let own = triangle_of(eye, batch, number);
     let num_own = num_pixels_of(own);
     if !CONVERGED && num_own <= OWN_PIXELS {

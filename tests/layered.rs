@@ -8,7 +8,7 @@ use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
-use scanwalk::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
+use scanwalk::layout::{DRAWN_WHOLE, Detail, MAX_SLICES, SLICE_SHIFT, VISIBLE_FILL, ViewUniform};
 use scanwalk::look::{Look, RINGS_REACH_PX};
 use scanwalk::progress::Progress;
 use scanwalk::scan::Scan;
@@ -77,7 +77,11 @@ fn layered_frames_equal_their_twin_in_every_tier() {
         {
             let look = Look { quality, dilate, ..hqs(detail) };
             let want = twin::frame(&scene, &view, &look, None);
-            assert!(want.visible.len() > 20 && want.visible.len() < scene.batches.len(), "some are culled");
+            let num_visible =
+                want.visible.iter().filter(|v| v.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0).count();
+            assert!(num_visible > 20 && num_visible < scene.batches.len(), "some are culled");
+            let is_sliced = num_visible < want.visible.len();
+            assert_eq!(is_sliced, name == "fill", "wide points have several workgroups");
             if name == "fade" {
                 assert!(want.states.iter().any(|&s| s != 0 && s != DRAWN_WHOLE), "some nodes are fading");
             }

@@ -451,16 +451,17 @@ fn large_triangles_are_drawn_by_many_workgroups() {
 /// More slices than there is room for: some batches get fewer workgroups, and nothing is lost.
 #[test]
 fn slices_end_where_room_does() {
+    const NUM_SLIVERS: u32 = 6000;
     let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [2000, 2000]);
     // Slivers as long as the image is wide: few pixels, and nobody knows before they are drawn.
     let at = |x: f64, z: f64| (DVec3::new(x, 4.0, z) * 1e4).round().to_array().map(|v| v as i32);
     let sliver = |i: u32| {
-        let z = f64::from(i) * 3e-3 - 3.7;
-        [at(-3.9, z), at(3.9, z), at(3.9, z + 2e-3)]
+        let z = f64::from(i) * 1.2e-3 - 3.6;
+        [at(-3.9, z), at(3.9, z), at(3.9, z + 1e-3)]
     };
-    let corners: Vec<[i32; 3]> = (0..2500).flat_map(sliver).collect();
+    let corners: Vec<[i32; 3]> = (0..NUM_SLIVERS).flat_map(sliver).collect();
     let mut scan = scan_of(&corners, 1e-4, OFFSET);
-    scan.files[0].triangles = (0..2500).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    scan.files[0].triangles = (0..NUM_SLIVERS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let spt = spt_of(&scan, false);
     let want = twin::frame(&Scene::sequential(&spt), &view, &closest(1.0), None);
     let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();

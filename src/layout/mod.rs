@@ -50,7 +50,7 @@ pub const FADE_END: f32 = 1.189_207_1;
 /// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
 pub const SURFACE_TOLERANCE: f32 = 1.01;
 /// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
-pub const MAX_FILL_RADIUS: u32 = 15;
+pub const MAX_FILL_RADIUS: u32 = 63;
 /// How much wider than the points' mean distance the disc is at most that `fill` draws: it must reach over the diagonal,
 /// and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
@@ -65,12 +65,12 @@ pub const SAMPLES_COVER: f32 = 2.24;
 pub const PROTECTED_POINTS: u32 = 255;
 /// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
 pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
-/// Pixels for which a batch of triangles gets a workgroup more: as many a thread as there are threads.
+/// Pixels for which a batch gets a workgroup more: as many a thread as there are threads.
 pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
-/// Workgroups of a batch of triangles at most.
+/// Workgroups of a batch at most.
 pub const MAX_SLICES: u32 = 256;
-/// Workgroups beyond the first of all batches of a chunk's triangles, at most: room in its list.
-pub const MAX_EXTRA_SLICES: u32 = 4096;
+/// Workgroups beyond the first of all batches of a chunk, at most: room in its list.
+pub const MAX_EXTRA_SLICES: u32 = 16_384;
 /// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::cloud::spt::Scale`].
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
@@ -316,7 +316,7 @@ pub struct VisibleBatch {
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
     /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
-    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`]; of triangles from [`SLICE_SHIFT`] on which slice of the batch, and from
+    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
     /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
     pub flags: u32,
     /// [`Node::spacing`].

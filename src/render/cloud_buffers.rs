@@ -75,6 +75,14 @@ pub(super) struct Chunk {
     pub(super) shapes: wgpu::Buffer,
 }
 
+impl Chunk {
+    /// Batches and slices that its list of visible ones holds at most.
+    pub(super) fn num_slots(&self) -> u32 {
+        // No more than workgroups of a dispatch.
+        (self.visible.size() / size_of::<VisibleBatch>() as u64) as u32
+    }
+}
+
 impl CloudBuffers {
     /// Sends a flat cloud to the GPU; `chunk_limit` caps the bytes of a plane in one chunk (0: what the GPU
     /// allows). Meant for a thread of its own: it shares the queue with the frame thread piece by piece.
@@ -375,9 +383,9 @@ fn chunk_ranges(cloud: &Cloud, limit: u64, max_batches: usize) -> Vec<Range<usiz
     ranges
 }
 
-/// Room for slices of triangles, which only a sequential point tree has.
+/// Room for slices of batches, which have some only where points may be wide: in trees.
 fn num_extra_slices(beside: Option<Beside>) -> usize {
-    if beside == Some(Beside::Shapes) { MAX_EXTRA_SLICES as usize } else { 0 }
+    if beside.is_some() { MAX_EXTRA_SLICES as usize } else { 0 }
 }
 
 /// Makes buffers and counts their bytes.

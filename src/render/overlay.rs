@@ -2,7 +2,7 @@
 //! are, and a frame without an overlay costs what it did. With one the GPU has more to do after the frame's stages,
 //! which the frame log does not count: it tells what the headset's picture costs.
 
-use super::cloud_buffers::CloudBuffers;
+use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::groups;
 use super::renderer::Renderer;
 use super::shaders;
@@ -141,7 +141,7 @@ impl Overlays {
         // Chunks to draw, and the instances of each.
         let instances: Vec<u32> = match overlay {
             Overlay::Nodes => vec![cloud.num_nodes],
-            Overlay::Precision => cloud.chunks.iter().map(|chunk| chunk.num_batches).collect(),
+            Overlay::Precision => cloud.chunks.iter().map(Chunk::num_slots).collect(),
             _ => vec![1],
         };
         let draws = [0, 1].map(|eye| {

@@ -27,15 +27,17 @@ const CHOICE: Shared = |variant| match variant.discs {
 const SIZES: Shared = shared!("sizes");
 /// The rings round the gaze.
 const RINGS: Shared = shared!("rings");
-/// The geometry stages' loop over them, and over triangles where there may be some.
-const LOOP: Shared = |variant| match variant.discs {
-    false => concat!(
-        include_str!("../../shaders/loop.inc.wgsl"),
-        include_str!("../../shaders/no_triangles.inc.wgsl")
-    ),
-    true => {
-        concat!(include_str!("../../shaders/loop.inc.wgsl"), include_str!("../../shaders/triangles.inc.wgsl"))
-    }
+/// The geometry stages' loop over them.
+const LOOP: Shared = shared!("loop");
+/// Points wider than a pixel, where there may be some.
+const WIDE: Shared = |variant| match variant.fill {
+    false => include_str!("../../shaders/no_wide.inc.wgsl"),
+    true => include_str!("../../shaders/wide.inc.wgsl"),
+};
+/// Triangles, where there may be some.
+const TRIANGLES: Shared = |variant| match variant.discs {
+    false => include_str!("../../shaders/no_triangles.inc.wgsl"),
+    true => include_str!("../../shaders/triangles.inc.wgsl"),
 };
 /// Hardware's own points are not counted.
 const NO_COUNTS: Shared = shared!("no_counts");
@@ -76,6 +78,8 @@ const COLORS: Shared = |variant| match variant.discs {
     false => include_str!("../../shaders/node_colors.inc.wgsl"),
     true => include_str!("../../shaders/disc_colors.inc.wgsl"),
 };
+/// How far points reach.
+const FILL: Shared = shared!("fill");
 /// The walk over the pixels of a tile.
 const SURFACE: Shared = shared!("surface");
 /// Ids to colors.
@@ -118,12 +122,16 @@ macro_rules! shader {
 pub const SHADERS: [Shader; 29] = [
     shader!("clear", &[]),
     shader!("lod", &[SIZES]),
-    shader!("cull", &[SIZES, STEPS]),
-    shader!("depth", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK]),
-    shader!("depth32", "depth", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, DEPTHS, LOOK_DEPTHS]),
-    shader!("ids", &[POINTS, CHOICE, RINGS, LOOP, COUNTS]),
-    shader!("color", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
-    shader!("color32", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
+    shader!("cull", &[SIZES, STEPS, FILL]),
+    shader!("depth", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK]),
+    shader!(
+        "depth32",
+        "depth",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, DEPTHS, LOOK_DEPTHS]
+    ),
+    shader!("ids", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS]),
+    shader!("color", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS]),
+    shader!("color32", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS]),
     shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
     shader!("blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE]),
     shader!("dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE]),
@@ -132,27 +140,55 @@ pub const SHADERS: [Shader; 29] = [
     shader!("depth-image", &[]),
     shader!("overlay", &[RINGS, DILATION, SRGB, OVERLAY]),
     shader!("boxes", &[RINGS, DILATION, SRGB, OVERLAY]),
-    shader!("just-set", "methods/just_set", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
-    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, LOOP, COUNTS]),
-    shader!("exchange-loop", "methods/exchange_loop", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
-    shader!("atomic-min", "methods/atomic_min", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS]),
-    shader!("reduce", "methods/reduce", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP]),
+    shader!(
+        "just-set",
+        "methods/just_set",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS]
+    ),
+    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS]),
+    shader!(
+        "exchange-loop",
+        "methods/exchange_loop",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS]
+    ),
+    shader!(
+        "atomic-min",
+        "methods/atomic_min",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS]
+    ),
+    shader!(
+        "reduce",
+        "methods/reduce",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP]
+    ),
     shader!(
         "reduce-emulated",
         "methods/reduce",
-        &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
     ),
-    shader!("dedup", "methods/dedup", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP]),
+    shader!(
+        "dedup",
+        "methods/dedup",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP]
+    ),
     shader!(
         "dedup-emulated",
         "methods/dedup",
-        &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
     ),
-    shader!("fixed40", "methods/fixed40", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, KEYS, COLORS, FIXED40]),
+    shader!(
+        "fixed40",
+        "methods/fixed40",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, COLORS, FIXED40]
+    ),
     shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
     shader!("point-list", "methods/point_list", &[POINTS, CHOICE, NO_COUNTS]),
     shader!("shade-points", "methods/shade_points", &[TILES, SURFACE, CHUNK_COLORS]),
-    shader!("color-pairs", "methods/color_pairs", &[POINTS, CHOICE, RINGS, LOOP, COUNTS, SUMS, COLORS]),
+    shader!(
+        "color-pairs",
+        "methods/color_pairs",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS]
+    ),
 ];
 
 /// The WGSL of shader `name`, as the driver gets it.

@@ -1,13 +1,14 @@
 //! Twin of `cull`: frustum, precision, and the head in each batch's cells.
 
+use super::points::radius;
 use super::sizes::nearest_depth;
 use super::tolerance;
 use crate::cloud::spt::Scale;
 use crate::layout::{
     Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES,
     MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node, POINTS_COVER,
-    PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
-    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, VISIBLE_DISCS,
+    VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch, WORKGROUP_SIZE,
 };
 
 /// Half as many cells as a box edge has.
@@ -46,8 +47,19 @@ pub fn cull(
     batches.iter().enumerate().filter_map(one).flat_map(slices).collect()
 }
 
+/// Workgroups that draw a batch of points.
+fn num_slices_of_points(view: &ViewUniform, num_points: u32, open_px: [f32; 3]) -> u32 {
+    let radius = radius(view, open_px.into_iter().fold(0.0, f32::max));
+    if radius == 0.0 {
+        return 1;
+    }
+    let side = 2.0 * radius + 1.0;
+    let most = POINTS_PER_LOAD * num_points.div_ceil(POINTS_PER_LOAD).div_ceil(WORKGROUP_SIZE);
+    (num_points as f32 * (side * side) / SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
+}
+
 /// Workgroups that draw a batch of triangles.
-fn num_slices(view: &ViewUniform, batch: &Batch, eye: &EyeUniform, depth: f32) -> u32 {
+fn num_slices_of_triangles(view: &ViewUniform, batch: &Batch, eye: &EyeUniform, depth: f32) -> u32 {
     let scale = Scale { base: view.step_base };
     let side_px = scale.length((batch.interval >> 8) as u8) * eye.pixels_per_radian / depth;
     let num_pixels = (side_px * side_px).min(eye.width as f32 * eye.height as f32);
@@ -118,13 +130,19 @@ fn cull_batch(
             planes = planes.max(planes_needed(edge_px));
         }
         if node.flags & NODE_TRIANGLES != 0 {
-            slices = slices.max(num_slices(view, batch, eye, depth));
+            slices = slices.max(num_slices_of_triangles(view, batch, eye, depth));
         }
         let corner = axes(&|i| (center[i] - eye.eye_in_head[i]).abs() + half_edge[i]);
         let far = (corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2]).sqrt() / depth;
-        if may_be_wide(view, eye, edge_px, far, widest, sample_spacing) {
+        let open_px = widest_open_px(view, eye, edge_px, far, widest, sample_spacing);
+        if open_px
+            .iter()
+            .zip(view.fill_reach_px)
+            .any(|(&open_px, reach_px)| open_px > (1.0 - SLACK) * reach_px)
+        {
             flags |= VISIBLE_FILL;
         }
+        slices = slices.max(num_slices_of_points(view, batch.num_points, open_px));
     }
     if node.flags & NODE_DISCS != 0 {
         flags |= VISIBLE_FILL | VISIBLE_DISCS;
@@ -226,19 +244,18 @@ fn planes_needed(edge_px: f32) -> u32 {
     }
 }
 
-fn may_be_wide(
+fn widest_open_px(
     view: &ViewUniform,
     eye: &EyeUniform,
     edge_px: f32,
     far: f32,
     widest: f32,
     sample_spacing: f32,
-) -> bool {
+) -> [f32; 3] {
     let stretch = far.min(1.0 / eye.widest_cos);
-    (0..3).any(|ring| {
-        let undivided_px = (2.0 * edge_px).min(view.undivided_px[ring]);
-        let across_px = (widest * edge_px).max(SAMPLES_COVER * sample_spacing * undivided_px);
-        stretch * across_px > (1.0 - SLACK) * view.fill_reach_px[ring]
+    view.undivided_px.map(|undivided_px| {
+        let undivided_px = (2.0 * edge_px).min(undivided_px);
+        stretch * (widest * edge_px).max(SAMPLES_COVER * sample_spacing * undivided_px)
     })
 }
 

@@ -41,11 +41,12 @@ pub fn points(
     put: &mut dyn FnMut(Put),
 ) {
     for batch in visible {
+        // One slice for all of them.
+        if batch.flags >> SLICE_SHIFT & (MAX_SLICES - 1) != 0 {
+            continue;
+        }
         if let Some(shapes) = shapes.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {
-            // One slice for all of them.
-            if batch.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0 {
-                triangles(view, num_eyes, batch, planes, shapes, put);
-            }
+            triangles(view, num_eyes, batch, planes, shapes, put);
             continue;
         }
         for i in 0..batch.num_points {
@@ -112,7 +113,7 @@ fn reach(view: &ViewUniform, open_px: f32) -> u32 {
 }
 
 /// How far a disc reaches round its own pixel.
-fn radius(view: &ViewUniform, open_px: f32) -> f32 {
+pub(super) fn radius(view: &ViewUniform, open_px: f32) -> f32 {
     (0.5 * (open_px - view.fill_reach_px[2])).clamp(0.0, MAX_FILL_RADIUS as f32).ceil()
 }
 
