@@ -5,10 +5,12 @@
 //! picture shows, how fast one flies and how far ramps of colors reach goes by the scene alone, found once, here.
 
 mod cluster;
+mod fog;
 mod nearest;
 mod parts;
 #[cfg(test)]
 mod random;
+mod rays;
 mod scattered;
 
 pub(crate) use cluster::find;
