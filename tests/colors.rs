@@ -299,3 +299,54 @@ fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
         assert_eq!((scan.files[0].blank, scan.warnings.len()), (None, 0), "{white}: {:?}", scan.warnings);
     }
 }
+
+#[test]
+fn colors_that_are_nearly_black_are_said_to_be_and_stay() {
+    for white in [255.0, 1023.0, 4095.0, 65535.0] {
+        for (percent, is_said) in [(99, true), (95, true), (91, true), (85, false), (50, false)] {
+            // So few bright ones among dark ones of 16 bits are wild values among those of 10.
+            if white > 60_000.0 && percent > 94 {
+                continue;
+            }
+            // Up to 3 of 255 levels.
+            let dark = |at: usize| channels(at).map(|c| c * 2.9 / 255.0);
+            let color = |at: usize| if at * 37 % 100 < percent { dark(at) } else { channels(at) };
+            let scan = scan(|at| color(at).map(|c| (c * white).round() as u16));
+            let said =
+                scan.warnings.iter().any(|w| w.contains("nearly black") && w.contains("frame.background"));
+            assert_eq!(said, is_said, "{white} {percent}: {:?}", scan.warnings);
+            assert_eq!(num_off(&scan, color), 0, "{white} {percent}");
+        }
+    }
+}
+
+#[test]
+fn tiles_of_8_bit_intensities_are_as_bright_as_those_of_16() {
+    let folder = tempfile::tempdir().unwrap();
+    let tile = |name: &str, white: f64| {
+        let mut text = format!("ply\nformat ascii 1.0\nelement vertex {NUM_POINTS}\nproperty float x\n");
+        text += "property float y\nproperty float z\nproperty ushort intensity\nend_header\n";
+        for at in 0..NUM_POINTS {
+            let value = (channels(at)[0] * white).round();
+            text += &format!("{} {} {} {value}\n", at % 50, at / 50, at % 7);
+        }
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let both = |white: f64| {
+        let paths = [tile("a.ply", 65535.0), tile("b.ply", white)];
+        read(&paths, &ReadOptions::default(), &Stop::default()).unwrap()
+    };
+    let brightest = |scan: &Scan, file: usize| {
+        let greens = (0..NUM_POINTS).map(|at| scan.files[file].color(at).to_le_bytes()[1]);
+        greens.max().unwrap()
+    };
+    let scan = both(255.0);
+    assert!(brightest(&scan, 0).abs_diff(brightest(&scan, 1)) <= 2);
+    let said = "b.ply: has intensities of 8 bits, other files of 16";
+    assert!(scan.warnings.iter().any(|warning| warning.contains(said)), "{:?}", scan.warnings);
+    // What is only dim stays.
+    let scan = both(2000.0);
+    assert!(brightest(&scan, 1) < 60 && brightest(&scan, 0) > 200 && scan.warnings.is_empty());
+}

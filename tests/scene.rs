@@ -182,6 +182,27 @@ fn strays_beside_a_scene_neither_widen_nor_lift_it() {
 }
 
 #[test]
+fn strays_on_one_ray_do_not_count() {
+    let files = Files::new();
+    for (num, share) in [(3_000, 0.049), (40_000, 0.15)] {
+        let scene = building(num, 30.0);
+        let truth = Bounds::around(&scene);
+        let num_strays = (share * num as f64) as usize;
+        let ray = DVec3::new(0.8, -0.55, 0.1).normalize();
+        let stray = |i: usize| DVec3::new(4.0, 9.0, 1.7) + ray * 3000.0 * (i as f64 * 0.618_034).fract();
+        let points: Vec<DVec3> =
+            scene.into_iter().chain((0..num_strays).map(stray)).map(|p| UTM + p).collect();
+        let path = files.save("ray.las", &las_bytes(&points, 2, false, 0.001, |_, _| ()));
+        let found = read(std::slice::from_ref(&path)).scene.bounds;
+        let most = truth.grown(0.4 * truth.edge());
+        let what = format!("{num} {share}: {found:.1?}");
+        assert!(most.contains(found.min - UTM) && most.contains(found.max - UTM), "{what}");
+        let text = String::from_utf8(scanwalk(&["info", path.to_str().unwrap()]).stdout).unwrap();
+        assert!(text.contains("scene from"), "{text}");
+    }
+}
+
+#[test]
 fn small_scans_are_seen_whole() {
     let files = Files::new();
     for (name, points) in [

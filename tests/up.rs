@@ -146,3 +146,41 @@ fn a_maps_coordinates_along_x_and_z_mean_y_is_up() {
         assert_eq!((scan.bounds(), scan.warnings.len()), (scan.bounds_in_file(), 0), "{:?}", scan.warnings);
     }
 }
+
+/// Points of houses on their ground, with y up; beside them a remark.
+fn houses(remark: &str) -> Vec<u8> {
+    let num = 3000;
+    let mut text = format!("ply\nformat ascii 1.0\ncomment {remark}\nelement vertex {num}\n");
+    text += "property float x\nproperty float y\nproperty float z\nend_header\n";
+    for at in 0..num {
+        let [u, v] = [0.754_877_666, 0.569_840_291].map(|step| (f64::from(at) * step).fract());
+        let [x, y, z] = match at % 4 {
+            0 | 2 => [60.0 * u, 0.0, 40.0 * v],
+            1 => [20.0 + 10.0 * u, 8.0, 10.0 + 10.0 * v],
+            _ => [20.0 + 10.0 * u, 8.0 * v, 20.0],
+        };
+        text += &format!("{x} {y} {z}\n");
+    }
+    text.into_bytes()
+}
+
+#[test]
+fn points_that_may_lie_on_their_side_are_not_turned_but_it_is_said() {
+    let warnings = |remark, up| {
+        let scan = read_bytes("houses.ply", &houses(remark), &ReadOptions { up, ..ReadOptions::default() });
+        let is_turned = scan.bounds().size() != scan.bounds_in_file().size();
+        (is_turned, scan.warnings)
+    };
+    let (is_turned, said) = warnings("by hand", Up::Auto);
+    let end = "lie on their side, --set cloud.up=y stands them upright";
+    assert!(!is_turned && matches!(&said[..], [one] if one.ends_with(end)), "{said:?}");
+    // Whoever has said what is up needs no hint.
+    for (remark, up) in [("by hand", Up::Z), ("by hand", Up::Y), ("Vertical axis: z", Up::Auto)] {
+        let (_, said) = warnings(remark, up);
+        assert!(said.is_empty(), "{remark} {up:?}: {said:?}");
+    }
+    let (_folder, path) = save("houses.ply", &houses("by hand"));
+    let info =
+        std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
+    assert!(String::from_utf8_lossy(&info.stdout).contains(end));
+}

@@ -1,15 +1,21 @@
 //! From columns to colours: which column a file is coloured by, and the ramp for those without colour.
 
-use super::distribution::{Distribution, LESSER_WHITES};
+use super::distribution::{Distribution, LESSER_WHITES, peak_of};
+use super::intensity;
 use super::merged::{self, Parts};
 use super::stats::Stats;
 use super::white::White;
 use super::{Blank, ColorSource, ScanFile};
 use crate::space::Bounds;
+use crate::words::grouped;
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
-/// Part of the values that may lie beyond each end of a ramp: single outliers must not flatten the rest.
+/// Up to this part of white nobody sees a color before black, and the part of the points that have such colors where that
+/// is said.
+const NEARLY_BLACK: u16 = 64;
+const DARK_PART: f64 = 0.9;
+/// Part of the heights that may lie beyond each end of their ramp: single outliers must not flatten the rest.
 const TAIL: f64 = 0.01;
 /// Heights looked at, evenly over the scan, to find the ends of the ramp.
 const MOST_HEIGHTS: usize = 1 << 20;
@@ -64,7 +70,24 @@ pub(super) fn choose(stats: &Stats, rgb: &mut [[u16; 3]], known: Option<u16>) ->
         }
         _ => make_one(rgb, known),
     };
+    let mut sentences = sentences;
+    sentences.extend(color.white().and_then(|white| nearly_black(rgb, blank, white)));
     Choice { color, blank, sentences }
+}
+
+/// What is to be said of colors of which nearly all are so dark that nobody sees them.
+fn nearly_black(rgb: &[[u16; 3]], blank: Option<Blank>, white: u16) -> Option<String> {
+    let darkest = white / NEARLY_BLACK;
+    let is_dark = |rgb: &&[u16; 3]| peak_of(rgb) <= darkest && !blank.is_some_and(|blank| blank.is(**rgb));
+    let num_dark = rgb.par_iter().filter(is_dark).count();
+    let (num, all) = (grouped(num_dark), grouped(rgb.len()));
+    // A single point is no scene.
+    (num_dark > 1 && num_dark as f64 >= DARK_PART * rgb.len() as f64).then(|| {
+        format!(
+            "has colors that are nearly black, up to {darkest} of {white}, at {num} of {all} points: hardly seen before \
+             black; --set 'frame.background=[128,128,128]' sets them off"
+        )
+    })
 }
 
 /// Makes colors of several whites those of the greatest, one after the other, and says so.
@@ -130,59 +153,16 @@ impl ColorSource {
     }
 }
 
-/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighbouring tiles match.
-pub(super) fn share_ranges(files: &mut [ScanFile], scene: &Bounds) {
-    let intensity = intensity_range(files, scene);
+/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighbouring tiles match. A
+/// sentence where some need others.
+pub(super) fn share_ranges(files: &mut [ScanFile], scene: &Bounds) -> Option<String> {
     let height = height_range(files, scene);
-    for file in files {
-        match &mut file.color {
-            ColorSource::Intensity { low, high } => (*low, *high) = intensity,
-            ColorSource::Height { low, high } => (*low, *high) = height,
-            _ => {}
+    for file in files.iter_mut() {
+        if let ColorSource::Height { low, high } = &mut file.color {
+            (*low, *high) = height;
         }
     }
-}
-
-fn intensity_range(files: &[ScanFile], scene: &Bounds) -> (f64, f64) {
-    let files = files.iter().filter(|file| matches!(file.color, ColorSource::Intensity { .. }));
-    let mut histogram = vec![0u64; 1 << 16];
-    for file in files {
-        let blocks = file.points.intensity.par_chunks(1 << 20).zip(file.points.xyz.par_chunks(1 << 20));
-        let counts = blocks.map(|(block, xyz)| {
-            let mut counts = vec![0u64; 1 << 16];
-            let mut count = |value: u16| counts[usize::from(value)] += 1;
-            if scene.contains(file.bounds.min) && scene.contains(file.bounds.max) {
-                block.iter().for_each(|&value| count(value));
-            } else {
-                let inside = |xyz: &[i32; 3]| scene.contains(file.lattice.p_in_world(*xyz));
-                block.iter().zip(xyz).filter(|(_, xyz)| inside(xyz)).for_each(|(&value, _)| count(value));
-            }
-            counts
-        });
-        let counts = counts.reduce_with(|mut sum, block| {
-            sum.iter_mut().zip(block).for_each(|(sum, count)| *sum += count);
-            sum
-        });
-        histogram.iter_mut().zip(counts.unwrap_or_default()).for_each(|(sum, count)| *sum += count);
-    }
-    let tail = (histogram.iter().sum::<u64>() as f64 * TAIL) as u64;
-    let robust =
-        (beyond(histogram.iter().enumerate(), tail), beyond(histogram.iter().enumerate().rev(), tail));
-    if robust.0 < robust.1 {
-        return robust;
-    }
-    // Nearly all values are equal: let the few others show.
-    (beyond(histogram.iter().enumerate(), 0), beyond(histogram.iter().enumerate().rev(), 0))
-}
-
-/// The first value that has more than `tail` values before and at it.
-fn beyond<'a>(histogram: impl Iterator<Item = (usize, &'a u64)>, tail: u64) -> f64 {
-    let mut sum = 0;
-    let mut found = histogram.skip_while(|(_, count)| {
-        sum += **count;
-        sum <= tail
-    });
-    found.next().map_or(0.0, |(value, _)| value as f64)
+    intensity::share_range(files, scene)
 }
 
 fn height_range(files: &[ScanFile], scene: &Bounds) -> (f64, f64) {
@@ -326,26 +306,6 @@ mod tests {
         assert_eq!(files[1].color, ColorSource::Height { low: 0.0, high: 4.0 });
         assert_eq!([files[0].color(0), files[0].color(1)], [RAMP[0], RAMP[255]]);
         assert_eq!([files[1].color(0), files[1].color(1)], [RAMP[0], RAMP[255]]);
-    }
-
-    #[test]
-    fn outliers_do_not_set_the_ends_and_tiles_share_them() {
-        let intensity = |from: u16| (0..1000).map(|i| if i == 0 { 60_000 } else { from + i % 100 }).collect();
-        let tile = |from| {
-            file(Points {
-                xyz: vec![[0; 3]; 1000],
-                rgb: vec![],
-                intensity: intensity(from),
-                ..Points::default()
-            })
-        };
-        let mut files = [tile(100), tile(300)];
-        share_ranges(&mut files, &EVERYWHERE);
-        assert_eq!(files[0].color, files[1].color);
-        let ColorSource::Intensity { low, high } = files[0].color else { panic!("{:?}", files[0].color) };
-        assert!((100.0..110.0).contains(&low) && (390.0..400.0).contains(&high), "{low} {high}");
-        // Without the robust ends the outlier would decide.
-        assert_eq!(files[0].points.intensity.iter().max(), Some(&60_000));
     }
 
     #[test]

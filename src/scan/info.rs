@@ -254,7 +254,7 @@ fn color_words(file: &ScanFile) -> String {
         ColorSource::Rgb12 => "12 bits (next to nothing exceeds 4095)",
         ColorSource::Rgb16 => "16 bits",
         ColorSource::Intensity { low, high } => {
-            return format!("{none}; shown by intensity, {low} to {high}");
+            return format!("{none}; shown by intensity, {low:.0} to {high:.0}");
         }
         ColorSource::Height { low, high } => {
             return format!("{none}; shown by height, {low:.2} to {high:.2}");

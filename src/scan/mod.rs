@@ -13,6 +13,7 @@ mod far;
 mod guard;
 pub mod info;
 mod inputs;
+mod intensity;
 mod las;
 mod marks;
 mod merged;

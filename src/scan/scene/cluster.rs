@@ -1,11 +1,14 @@
 //! Which of many positions are the scene, and which are strays.
 //!
-//! Three steps. Strays that are **scattered** all around are left out (`scattered.rs`). The **core** is the smallest
-//! block that still holds most of the others: whatever is denser than the rest, wherever it lies. Then it **grows** outwards for as long as there is no empty space that is large against what
-//! has been gathered. Not density decides there but emptiness: a terrestrial scan thins out with the square of the
-//! distance, yet each ring of it begins where the one before ends, and a tower, a strip, a wood do the same.
+//! Strays that are **scattered** all around are left out (`scattered.rs`). The **core** is the smallest block that still
+//! holds most of the others: whatever is denser than the rest, wherever it lies. Then it **grows** outwards for as long
+//! as there is no empty space that is large against what has been gathered. Not density decides there but emptiness: a
+//! terrestrial scan thins out with the square of the distance, yet each ring of it begins where the one before ends, and
+//! a tower, a strip, a wood do the same. What grows so along few **rays** only does not count (`rays.rs`).
 //! Positions that many points share count once: a scanner writes zeros for what it did not see.
 
+use super::fog::is_fog;
+use super::rays;
 use super::scattered::gathered;
 use crate::space::Bounds;
 use glam::DVec3;
@@ -23,7 +26,8 @@ const BRIDGES: [(f64, f64); 3] = [(0.05, 0.0), (0.25, 1e-4), (2.0, 1e-3)];
 const BRIDGE_OF_FEW: f64 = 20.0;
 /// If nothing lies further away than so many edges, nothing is astray.
 const FAR: f64 = 1.0;
-/// Empty space that is bridged to reach something that is built like what has been gathered: a second building.
+/// Empty space that is bridged to reach something that is built like what has been gathered: a second building, and no
+/// fog.
 const TWIN_GAP: f64 = 20.0;
 /// Share of the positions that such a thing has at least, and its edge against that of what has been gathered.
 const TWIN_SHARE: f64 = 0.02;
@@ -37,30 +41,32 @@ const GRID: usize = 4;
 pub(crate) fn find(mut positions: Vec<DVec3>) -> Option<Bounds> {
     distinct(&mut positions);
     let all = Bounds::around(&positions);
-    let mut core = core(&positions)?;
-    if is_all(&core, &all) {
+    if is_all(&core(&positions)?, &all) {
         return Some(all);
     }
-    let gathered = gathered(&positions);
-    if gathered.len() < positions.len() {
-        positions = gathered;
-        core = self::core(&positions)?;
-    }
-    let num = positions.len() as f64;
+    let scene = rays::without(&gathered(&positions), |positions| grown(positions).unwrap_or_default());
+    Some(if is_all(&scene, &all) { all } else { scene })
+}
+
+/// The core of positions and what follows without large empty space.
+fn grown(all: &[DVec3]) -> Option<Bounds> {
+    let core = core(all)?;
+    let num = all.len() as f64;
     let limit = core.grown(REACH * core.edge());
-    positions.retain(|&p| !core.contains(p) && limit.contains(p));
+    let mut positions: Vec<DVec3> =
+        all.iter().copied().filter(|&p| !core.contains(p) && limit.contains(p)).collect();
     let mut scene = core;
     let mut bridges = BRIDGES;
     bridges[0].0 = bridges[0].0.max(BRIDGE_OF_FEW / num);
     while let Some(more) = bridges
         .iter()
         .find_map(|&(gap, share)| beyond(&positions, &scene, gap, share * num))
-        .or_else(|| twin(&positions, &scene, num))
+        .or_else(|| twin(&positions, &scene, all))
     {
         scene = scene.union(more);
         positions.retain(|&p| !scene.contains(p));
     }
-    Some(if is_all(&scene, &all) { all } else { scene })
+    Some(scene)
 }
 
 /// True if nothing lies far from what has been gathered.
@@ -97,16 +103,27 @@ fn beyond(positions: &[DVec3], scene: &Bounds, gap: f64, needed: f64) -> Option<
     (num > 0 && f64::from(num) >= needed).then_some(bounds)
 }
 
+/// True of what is higher above a scene than beside it, or lower: no building is, but clouds are.
+fn hangs(p: DVec3, scene: &Bounds) -> bool {
+    let gap = (scene.min - p).max(p - scene.max).max(DVec3::ZERO);
+    gap.z > gap.truncate().length()
+}
+
 /// Box of what lies further away, but is built like the scene.
-fn twin(positions: &[DVec3], scene: &Bounds, num: f64) -> Option<Bounds> {
+fn twin(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bounds> {
     let edge = scene.edge();
     let around = scene.grown(TWIN_GAP * edge);
-    let around: Vec<DVec3> = positions.iter().copied().filter(|&p| around.contains(p)).collect();
-    if (around.len() as f64) < TWIN_SHARE * num {
+    let is_around = |p: &DVec3| around.contains(*p) && !hangs(*p, scene);
+    let around: Vec<DVec3> = positions.iter().copied().filter(is_around).collect();
+    if (around.len() as f64) < TWIN_SHARE * all.len() as f64 {
         return None;
     }
     let twin = densest(&around, 0.5 * around.len() as f64)?;
-    (TWIN_EDGE[0] * edge..=TWIN_EDGE[1] * edge).contains(&twin.edge()).then_some(twin)
+    let inside =
+        |bounds: &Bounds| -> Vec<DVec3> { all.iter().copied().filter(|&p| bounds.contains(p)).collect() };
+    let is_alike = (TWIN_EDGE[0] * edge..=TWIN_EDGE[1] * edge).contains(&twin.edge())
+        && (!is_fog(&inside(&twin)) || is_fog(&inside(scene)));
+    is_alike.then_some(twin)
 }
 
 /// The box of the densest block with at least `needed` positions: again and again the half that has them.

@@ -123,6 +123,31 @@ fn strays_of_any_kind_share_number_and_place_do_not_count() {
 }
 
 #[test]
+fn a_layer_above_or_a_fog_beside_a_scene_does_not_count_where_a_building_does() {
+    type Place = fn(DVec3, f64) -> DVec3;
+    let places: [(&str, Place); 4] = [
+        ("a layer above", |p, far| p.with_z(0.01 * p.z + far)),
+        ("a layer below", |p, far| p.with_z(0.01 * p.z - far)),
+        ("a fog", |p, far| 0.5 * p + DVec3::X * far),
+        ("a wide fog", |p, far| p + DVec3::new(1.0, 0.8, 0.1) * far),
+    ];
+    for (what, at) in places {
+        for num in [3_000, 50_000] {
+            for far in [4.0, 8.0, 16.0, 50.0, 166.0] {
+                let random = &mut Random(num as u64);
+                let mut positions: Vec<DVec3> = (0..num * 82 / 100).map(|_| building(random)).collect();
+                let scene = Bounds::around(&positions);
+                positions.extend((0..num * 18 / 100).map(|_| at(0.5 * random.in_cube(), far)));
+                assert_found(&scene, find(positions), &format!("{what} of {num} {far} away"));
+            }
+        }
+    }
+    let random = &mut Random(7);
+    let two = (0..3_000).map(|i| building(random) + DVec3::X * if i % 100 < 18 { 16.0 } else { 0.0 });
+    assert_whole(two.collect(), "a building beside");
+}
+
+#[test]
 fn a_splat_with_floaters() {
     for (share, far) in [(0.03, 2e3), (0.1, 500.0), (0.2, 100.0)] {
         let random = &mut Random(3);

@@ -5,10 +5,12 @@
 //! picture shows, how fast one flies and how far ramps of colors reach goes by the scene alone, found once, here.
 
 mod cluster;
+mod fog;
 mod nearest;
 mod parts;
 #[cfg(test)]
 mod random;
+mod rays;
 mod scattered;
 
 pub(crate) use cluster::find;
@@ -96,9 +98,9 @@ impl Scan {
     #[must_use]
     pub(super) fn with_scene(mut self) -> Self {
         let (scene, warnings) = Scene::of(&self);
-        color::share_ranges(&mut self.files, &scene.bounds);
+        let of_ranges = color::share_ranges(&mut self.files, &scene.bounds);
         self.scene = scene;
-        self.warnings.extend(warnings);
+        self.warnings.extend(warnings.into_iter().chain(of_ranges));
         self
     }
 }

@@ -4,6 +4,7 @@
 //! together. A guess must be certain: a scan that is turned wrongly is worse than one that somebody has to turn.
 
 mod header;
+mod lying;
 mod surface;
 
 pub(super) use header::stated;
@@ -116,16 +117,35 @@ pub(super) fn of_files(
             None => open.push(at),
         }
     }
-    if let Some((first, evidence)) = together(open.iter().map(|&at| vote(&files[at]))) {
+    let votes: Vec<Vote> = open.iter().map(|&at| vote(&files[at])).collect();
+    if let Some((first, evidence)) = together(votes.iter().copied()) {
         open.iter().for_each(|&at| ups[at] = evidence.up);
-        let path = files[open[first]].path.display();
-        let subject = match open.len() - 1 {
-            0 => format!("{path}:"),
-            more => format!("{path} and {}:", counted(more, "more file")),
-        };
-        sentences.push(sentence(subject, evidence));
+        sentences.push(sentence(subject(&files[open[first]], open.len()), evidence));
+    } else if !votes.contains(&Vote::Against) {
+        sentences.extend(lying(open.iter().map(|&at| &files[at])));
     }
     (ups, sentences)
+}
+
+/// "a.ply and 3 more files:".
+fn subject(first: &ScanFile, num: usize) -> String {
+    let path = first.path.display();
+    match num - 1 {
+        0 => format!("{path}:"),
+        more => format!("{path} and {}:", counted(more, "more file")),
+    }
+}
+
+/// A sentence about files that look as if they lay on their side, although nothing proves it.
+fn lying<'a>(files: impl Iterator<Item = &'a ScanFile>) -> Option<String> {
+    let found: Vec<(&ScanFile, UpAxis)> =
+        files.filter_map(|file| Some((file, lying::likely_up(file)?))).collect();
+    let &(first, up) = found.first()?;
+    let (subject, up) = (subject(first, found.len()), up.name());
+    Some(format!(
+        "{subject} half of the points are in the plane y = 0, the others on one side of it: if they lie on their side, \
+         --set cloud.up={up} stands them upright"
+    ))
 }
 
 /// What the votes of parts of one model come to, and the first that has it.
