@@ -147,10 +147,9 @@ fn num_slices_of_triangles(batch: Batch, eye: EyeUniform, depth: f32) -> u32 {
     return u32(clamp(num_pixels / f32(SLICE_PIXELS), 1.0, f32(MAX_SLICES)));
 }
 
-// Workgroups that draw a batch of points: more than one where points cover many pixels.
-fn num_slices_of_points(num_points: u32, open_px: vec3<f32>) -> u32 {
-    let radius = radius_of(max(open_px.x, max(open_px.y, open_px.z)));
-    if radius == 0.0 {
+// Workgroups that draw a batch of points: more than one where points cover many pixels. A software driver has no use for more.
+fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
+    if radius == 0.0 || !TOGETHER {
         return 1u;
     }
     let side = 2.0 * radius + 1.0;
@@ -202,6 +201,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         if DISCS && (node.flags & NODE_TRIANGLES) != 0u {
             num_slices = max(num_slices, num_slices_of_triangles(batch, view.eyes[eye], depth));
+            continue;
+        }
+        if DISCS && (node.flags & NODE_DISCS) != 0u {
+            flags |= VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS;
+            continue;
         }
         let corner = abs(center - view.eyes[eye].eye_in_head) + half_edge;
         let far = sqrt(corner.x * corner.x + corner.y * corner.y + corner.z * corner.z) / depth;
@@ -210,10 +214,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         if any(open_px > (1.0 - SLACK) * view.fill_reach_px) {
             flags |= VISIBLE_FILL;
         }
-        num_slices = max(num_slices, num_slices_of_points(batch.num_points, open_px));
-    }
-    if DISCS && (node.flags & NODE_DISCS) != 0u {
-        flags |= VISIBLE_FILL | VISIBLE_DISCS;
+        let radius = radius_of((1.0 + SLACK) * max(open_px.x, max(open_px.y, open_px.z)));
+        if radius > f32(OWN_FILL_RADIUS) {
+            flags |= VISIBLE_WIDE;
+        }
+        num_slices = max(num_slices, num_slices_of_points(batch.num_points, radius));
     }
     if DISCS && (node.flags & NODE_TRIANGLES) != 0u {
         flags |= VISIBLE_TRIANGLES;

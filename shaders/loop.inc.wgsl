@@ -98,7 +98,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let num_turns = (batch.num_points + POINTS_PER_TURN - 1u) / POINTS_PER_TURN;
     // All threads of the workgroup stay until the last turn then.
-    let is_wide = FILL && (batch.flags & VISIBLE_FILL) != 0u;
+    let is_wide = FILL && TOGETHER && (batch.flags & VISIBLE_WIDE) != 0u;
     let num_slices = num_slices_of(batch);
     let num_whole = (num_turns + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE;
     let parts_per_turn = select(1u, POINTS_PER_TURN, num_slices > num_whole);
@@ -115,7 +115,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             points.exists = points.exists & (vec4<u32>(0u, 1u, 2u, 3u) == vec4<u32>(part % parts_per_turn));
         }
         var spacing = vec4<f32>(0.0);
-        if is_wide {
+        if FILL && (batch.flags & VISIBLE_FILL) != 0u {
             let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
             spacing = spacings(batch, points.load, turn, points.octant, edge);
         }

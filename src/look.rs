@@ -55,6 +55,7 @@ impl Look {
         let access = Access {
             plain_looks: config.gpu.early_z_load == EarlyZLoad::Plain,
             checked: config.gpu.bounds_checks || Access::default().checked,
+            ..Access::default()
         };
         Self {
             method: frame.method,

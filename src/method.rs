@@ -14,12 +14,15 @@ pub struct Access {
     pub plain_looks: bool,
     /// Shaders check every index.
     pub checked: bool,
+    /// All threads of a workgroup draw wide points together. `None`: unless the device is software, which runs them in
+    /// turns and pays dearly for their waiting for each other.
+    pub together: Option<bool>,
 }
 
 impl Default for Access {
     /// Atomic loads; checks in debug builds, and so in tests.
     fn default() -> Self {
-        Self { plain_looks: false, checked: cfg!(debug_assertions) }
+        Self { plain_looks: false, checked: cfg!(debug_assertions), together: None }
     }
 }
 

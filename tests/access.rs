@@ -1,12 +1,14 @@
-//! How shaders reach memory changes no bit of the picture: early-z's look by a plain load, and shaders without checks.
+//! How shaders reach memory changes no bit of the picture: early-z's look by a plain load, shaders without checks, and wide
+//! points that threads draw together or alone.
 
 mod support;
 
 use scanwalk::cloud::octree::build_octree;
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
+use scanwalk::gpu::readback;
 use scanwalk::gpu::stage::Bindings;
-use scanwalk::layout::{Detail, Variant};
+use scanwalk::layout::{Counts, Detail, Variant};
 use scanwalk::look::{Look, RINGS_REACH_PX};
 use scanwalk::method::{Access, Method};
 use scanwalk::progress::Progress;
@@ -16,7 +18,7 @@ use scanwalk::twin::{self, Scene};
 use support::{Canvas, gpu, made_up, stereo};
 
 #[test]
-fn plain_looks_and_unchecked_shaders_draw_the_twins_picture() {
+fn all_ways_to_memory_draw_the_twins_picture() {
     let octree = build_octree(&made_up(Kind::Terrestrial, 60_000), &Progress::hidden(), &mut |_, _| ());
     let octree = octree.expect("an octree");
     let place = synth::viewpoints(Kind::Terrestrial)[1];
@@ -30,17 +32,44 @@ fn plain_looks_and_unchecked_shaders_draw_the_twins_picture() {
             "the comparison can fail: the eyes see different pictures"
         );
         for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
-            for (plain_looks, checked) in [(true, true), (false, false), (true, false)] {
+            for (plain_looks, checked, together) in
+                [(true, true, true), (false, false, true), (true, false, false), (false, true, true)]
+            {
                 if atomics > gpu().atomics() {
                     continue;
                 }
-                let access = Access { plain_looks, checked };
+                let access = Access { plain_looks, checked, together: Some(together) };
                 let drawn = Canvas::layered(&octree, &view, Look { access, ..look }, atomics, 0).draw(&view);
                 assert!(drawn.pixels == want.pixels, "{quality:?} {atomics:?} {access:?}: pixels");
                 assert!(drawn.images == want.images, "{quality:?} {atomics:?} {access:?}: images");
             }
         }
     }
+}
+
+/// What is asked for and drawn is counted alike, whoever draws it: `bench` tells it.
+#[test]
+fn wide_points_are_counted_once_whoever_draws_them() {
+    let octree = build_octree(&made_up(Kind::Terrestrial, 60_000), &Progress::hidden(), &mut |_, _| ());
+    let octree = octree.expect("an octree");
+    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    let view = stereo(place.eye, place.target, [303, 255]);
+    let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
+    // Without a look every pixel is asked for, in any order.
+    let look = Look { method: Method::AtomicMin, detail, ..Look::default() };
+    let counts = |together| {
+        let access = Access { together: Some(together), ..Access::default() };
+        let mut canvas = Canvas::counting(&octree, &view, Look { access, ..look });
+        let drawn = canvas.draw(&view);
+        assert!(drawn.times.visible_batches > 0);
+        let buffer = canvas.renderer.counts().expect("a renderer that counts");
+        let bins = readback::read_buffer(&canvas.gpu, buffer).expect("counts");
+        let bins: Vec<Counts> = bytemuck::pod_collect_to_vec(&bins);
+        bins.iter().fold((0, 0), |(drawn, asked), bin| (drawn + bin.num_drawn, asked + bin.num_asked))
+    };
+    let alone = counts(false);
+    assert_eq!(counts(true), alone);
+    assert!(alone.1 > 20 * alone.0, "discs are wide: {alone:?}");
 }
 
 /// Where many points meet in few pixels, what a look sees is out of date most often.

@@ -8,8 +8,9 @@ use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::cloud::{Cloud, Order, build};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
-use scanwalk::layout::{DRAWN_WHOLE, Detail, MAX_SLICES, SLICE_SHIFT, VISIBLE_FILL, ViewUniform};
+use scanwalk::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
 use scanwalk::look::{Look, RINGS_REACH_PX};
+use scanwalk::method::Access;
 use scanwalk::progress::Progress;
 use scanwalk::scan::Scan;
 use scanwalk::space::{Eye, Fov, Pose, View};
@@ -75,10 +76,11 @@ fn layered_frames_equal_their_twin_in_every_tier() {
         for (quality, dilate) in
             [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
         {
-            let look = Look { quality, dilate, ..hqs(detail) };
+            // As a GPU draws.
+            let access = Access { together: Some(true), ..Access::default() };
+            let look = Look { quality, dilate, access, ..hqs(detail) };
             let want = twin::frame(&scene, &view, &look, None);
-            let num_visible =
-                want.visible.iter().filter(|v| v.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0).count();
+            let num_visible = want.visible.iter().filter(|batch| batch.is_first_slice()).count();
             assert!(num_visible > 20 && num_visible < scene.batches.len(), "some are culled");
             let is_sliced = num_visible < want.visible.len();
             assert_eq!(is_sliced, name == "fill", "wide points have several workgroups");

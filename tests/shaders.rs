@@ -58,6 +58,7 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
                             converged,
                             early_z,
                             plain_looks,
+                            together: !plain_looks,
                             fixed40,
                             counts: num_eyes == 1 && !plain_looks,
                         };

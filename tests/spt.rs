@@ -10,6 +10,7 @@ use scanwalk::cloud::spt::{self, SequentialCloud};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::layout::{Detail, ViewUniform};
 use scanwalk::look::{Look, RINGS_REACH_PX};
+use scanwalk::method::Access;
 use scanwalk::progress::Progress;
 use scanwalk::scan::Scan;
 use scanwalk::space::View;
@@ -39,7 +40,9 @@ fn frames_equal_their_twin_in_every_tier() {
         (Quality::Hqs, Dilate::Off, 0.5),
         (Quality::Hqs, Dilate::Rings, 2.0),
     ] {
-        let look = Look { quality, dilate, ..hqs(discs(error_px)) };
+        // As a GPU draws.
+        let access = Access { together: Some(true), ..Access::default() };
+        let look = Look { quality, dilate, access, ..hqs(discs(error_px)) };
         let want = twin::frame(&scene, &view, &look, None);
         assert!(want.visible.len() > 10 && want.visible.len() < scene.batches.len(), "some are culled");
         for tier in tiers() {

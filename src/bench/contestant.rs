@@ -169,7 +169,7 @@ impl Counter {
             let count: u32 = bytemuck::pod_read_unaligned(&counters[number * stride..number * stride + 4]);
             let batches: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&readback::read_buffer(gpu, list)?);
             num_batches += renderer.num_batches(number);
-            for batch in batches.iter().take(count as usize) {
+            for batch in batches.iter().take(count as usize).filter(|batch| batch.is_first_slice()) {
                 let words = 4 * num_passes * u64::from(batch.num_points);
                 planes += words * u64::from(batch.flags & 3);
                 shapes += if batch.flags & VISIBLE_DISCS == 0 { 0 } else { words };

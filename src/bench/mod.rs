@@ -130,7 +130,7 @@ pub fn run(options: &BenchOptions, config: &Config, stop: &Stop) -> Result<Bench
 
 /// As many points as the papers had, as memory holds, or as a software driver can draw in time.
 fn default_points(gpu: &Gpu) -> u64 {
-    if gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu {
+    if gpu.is_software() {
         return SOFTWARE_POINTS;
     }
     available_bytes()

@@ -61,7 +61,7 @@ fn gpu(config: &Config) -> Vec<Check> {
         }
     };
     let name = format!("{} ({})", gpu.name(), gpu.driver());
-    let software = gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+    let software = gpu.is_software();
     let kind = if software {
         Check::bad(
             "gpu",

@@ -108,6 +108,12 @@ pub(crate) fn instance_flags() -> wgpu::InstanceFlags {
 }
 
 impl Gpu {
+    /// True if a program on the CPU draws.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
+    }
+
     /// True if shaders can count in f64.
     #[must_use]
     pub fn has_f64(&self) -> bool {

@@ -26,6 +26,8 @@ pub const VISIBLE_FILL: u32 = 64;
 pub const VISIBLE_DISCS: u32 = 128;
 /// [`VisibleBatch::flags`]: points are corners of triangles.
 pub const VISIBLE_TRIANGLES: u32 = 256;
+/// [`VisibleBatch::flags`]: some points may be discs that reach farther than [`super::OWN_FILL_RADIUS`].
+pub const VISIBLE_WIDE: u32 = 512;
 /// [`VisibleBatch::flags`]: the place of a slice's number, 8 bits.
 pub const SLICE_SHIFT: u32 = 16;
 /// [`VisibleBatch::flags`]: the place of the number of slices less one, 8 bits.

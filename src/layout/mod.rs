@@ -8,7 +8,7 @@ mod view;
 
 pub use flags::{
     KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
-    NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES,
+    NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use prelude::{Sums, Variant, prelude};
@@ -51,6 +51,8 @@ pub const FADE_END: f32 = 1.189_207_1;
 pub const SURFACE_TOLERANCE: f32 = 1.01;
 /// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
 pub const MAX_FILL_RADIUS: u32 = 63;
+/// How far the disc of a point reaches that a thread draws alone; all threads of a workgroup draw larger ones together.
+pub const OWN_FILL_RADIUS: u32 = 1;
 /// How much wider than the points' mean distance the disc is at most that `fill` draws: it must reach over the diagonal,
 /// and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
@@ -334,6 +336,14 @@ pub struct VisibleBatch {
     pub spacing_step: f32,
     /// [`Node::sample_spacing`]; of the root's samples that are drawn.
     pub sample_spacing: f32,
+}
+
+impl VisibleBatch {
+    /// True for one of the slices of a batch, and for a batch that has no others.
+    #[must_use]
+    pub fn is_first_slice(&self) -> bool {
+        self.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0
+    }
 }
 
 /// Dispatch arguments of `depth` and the frame's counters, written by `cull`.

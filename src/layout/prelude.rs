@@ -5,10 +5,10 @@ use super::{
     DRAWN_WHOLE, EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP, FIXED40_RANGES, GUARD_PX,
     HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS, IMAGE_PITCH_PX, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH,
     MAX_EXTRA_SLICES, MAX_FILL_RADIUS, MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES,
-    NODE_WHOLE, NUM_SLICES_SHIFT, PLANE_BITS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
-    PROTECTED_POINTS, REACH_MASK, SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, SPACING_EXPONENT_SHIFT,
-    STEP_SHIFT, SURFACE_TOLERANCE, TILE_HIDES, TILE_PX, TRIANGLE_SLACK_PX, VISIBLE_DISCS, VISIBLE_FILL,
-    VISIBLE_TRIANGLES, WORKGROUP_SIZE, fixed40_firsts,
+    NODE_WHOLE, NUM_SLICES_SHIFT, OWN_FILL_RADIUS, PLANE_BITS, POINTS_COVER, POINTS_PER_LOAD,
+    PRECISION_THRESHOLD_PX, PROTECTED_POINTS, REACH_MASK, SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT,
+    SPACING_EXPONENT_SHIFT, STEP_SHIFT, SURFACE_TOLERANCE, TILE_HIDES, TILE_PX, TRIANGLE_SLACK_PX,
+    VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, WORKGROUP_SIZE, fixed40_firsts,
 };
 
 /// How a pixel's colors are added up. All forms give the same sums.
@@ -33,6 +33,8 @@ pub struct Variant {
     pub num_eyes: u32,
     /// Points may be larger than a pixel.
     pub fill: bool,
+    /// All threads of a workgroup draw wide points together.
+    pub together: bool,
     /// Points may be discs of a sequential point tree, and are not samples of an octree's nodes.
     pub discs: bool,
     /// How a pixel's colors are added up.
@@ -60,6 +62,7 @@ impl Variant {
         Self {
             num_eyes,
             fill: false,
+            together: true,
             discs: false,
             sums: Sums::Packed,
             keys: true,
@@ -76,7 +79,8 @@ impl Variant {
 /// WGSL text of every constant of the layout; put in front of each shader.
 #[must_use]
 pub fn prelude(variant: Variant) -> String {
-    let Variant { num_eyes, fill, discs, sums, keys, basic, converged, early_z, fixed40, .. } = variant;
+    let Variant { num_eyes, fill, together, discs, sums, keys, basic, converged, early_z, fixed40, .. } =
+        variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
     // Not every GPU knows f64: only those hear of it who use it.
@@ -85,6 +89,7 @@ pub fn prelude(variant: Variant) -> String {
         "{ranges}\
          const NUM_EYES: u32 = {num_eyes}u;\n\
          const FILL: bool = {fill};\n\
+         const TOGETHER: bool = {together};\n\
          const DISCS: bool = {discs};\n\
          const SUMS: u32 = {sums}u;\n\
          const KEYS: bool = {keys};\n\
@@ -116,6 +121,7 @@ pub fn prelude(variant: Variant) -> String {
          const FADE_BEGIN: f32 = {FADE_BEGIN:?};\n\
          const FADE_END: f32 = {FADE_END:?};\n\
          const MAX_FILL_RADIUS: u32 = {MAX_FILL_RADIUS}u;\n\
+         const OWN_FILL_RADIUS: u32 = {OWN_FILL_RADIUS}u;\n\
          const FILL_OVERLAP: f32 = {FILL_OVERLAP:?};\n\
          const POINTS_COVER: f32 = {POINTS_COVER:?};\n\
          const SAMPLES_COVER: f32 = {SAMPLES_COVER:?};\n\
@@ -125,6 +131,7 @@ pub fn prelude(variant: Variant) -> String {
          const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
          const VISIBLE_DISCS: u32 = {VISIBLE_DISCS}u;\n\
          const VISIBLE_TRIANGLES: u32 = {VISIBLE_TRIANGLES}u;\n\
+         const VISIBLE_WIDE: u32 = {VISIBLE_WIDE}u;\n\
          const TRIANGLE_SLACK_PX: f32 = {TRIANGLE_SLACK_PX:?};\n\
          const SLICE_PIXELS: u32 = {SLICE_PIXELS}u;\n\
          const MAX_SLICES: u32 = {MAX_SLICES}u;\n\

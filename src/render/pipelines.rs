@@ -87,6 +87,7 @@ impl Pipelines {
             keys,
             basic: method.is_basic(),
             plain_looks: access.plain_looks,
+            together: access.together.unwrap_or(!gpu.is_software()),
             fixed40: method == Method::Fixed40,
             counts,
             ..Variant::eyes(num_eyes)

@@ -30,9 +30,14 @@ const RINGS: Shared = shared!("rings");
 /// The geometry stages' loop over them.
 const LOOP: Shared = shared!("loop");
 /// Points wider than a pixel, where there may be some.
-const WIDE: Shared = |variant| match variant.fill {
-    false => include_str!("../../shaders/no_wide.inc.wgsl"),
-    true => include_str!("../../shaders/wide.inc.wgsl"),
+const WIDE: Shared = |variant| match (variant.fill, variant.together) {
+    (false, _) => include_str!("../../shaders/no_wide.inc.wgsl"),
+    (true, false) => {
+        concat!(include_str!("../../shaders/wide.inc.wgsl"), include_str!("../../shaders/alone.inc.wgsl"))
+    }
+    (true, true) => {
+        concat!(include_str!("../../shaders/wide.inc.wgsl"), include_str!("../../shaders/together.inc.wgsl"))
+    }
 };
 /// Triangles, where there may be some.
 const TRIANGLES: Shared = |variant| match variant.discs {

@@ -6,9 +6,10 @@ use super::tolerance;
 use crate::cloud::spt::Scale;
 use crate::layout::{
     Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES,
-    MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node, POINTS_COVER,
-    POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, VISIBLE_DISCS,
-    VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch, WORKGROUP_SIZE,
+    MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node,
+    OWN_FILL_RADIUS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS,
+    SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch,
+    WORKGROUP_SIZE,
 };
 
 /// Half as many cells as a box edge has.
@@ -47,9 +48,8 @@ pub fn cull(
     batches.iter().enumerate().filter_map(one).flat_map(slices).collect()
 }
 
-/// Workgroups that draw a batch of points.
-fn num_slices_of_points(view: &ViewUniform, num_points: u32, open_px: [f32; 3]) -> u32 {
-    let radius = radius(view, open_px.into_iter().fold(0.0, f32::max));
+/// Workgroups that draw a batch of points, if threads draw wide ones together.
+fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     if radius == 0.0 {
         return 1;
     }
@@ -131,6 +131,11 @@ fn cull_batch(
         }
         if node.flags & NODE_TRIANGLES != 0 {
             slices = slices.max(num_slices_of_triangles(view, batch, eye, depth));
+            continue;
+        }
+        if node.flags & NODE_DISCS != 0 {
+            flags |= VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS;
+            continue;
         }
         let corner = axes(&|i| (center[i] - eye.eye_in_head[i]).abs() + half_edge[i]);
         let far = (corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2]).sqrt() / depth;
@@ -142,10 +147,11 @@ fn cull_batch(
         {
             flags |= VISIBLE_FILL;
         }
-        slices = slices.max(num_slices_of_points(view, batch.num_points, open_px));
-    }
-    if node.flags & NODE_DISCS != 0 {
-        flags |= VISIBLE_FILL | VISIBLE_DISCS;
+        let radius = radius(view, (1.0 + SLACK) * open_px.into_iter().fold(0.0, f32::max));
+        if radius > OWN_FILL_RADIUS as f32 {
+            flags |= VISIBLE_WIDE;
+        }
+        slices = slices.max(num_slices_of_points(batch.num_points, radius));
     }
     if node.flags & NODE_TRIANGLES != 0 {
         flags |= VISIBLE_TRIANGLES;

@@ -6,9 +6,9 @@ use super::tolerance;
 use super::triangles::{Mixture, triangles};
 use crate::cloud::spt::Scale;
 use crate::layout::{
-    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, LOD_FADE, MAX_FILL_RADIUS, MAX_SLICES,
-    PLANE_BITS, POINTS_COVER, REACH_MASK, SAMPLES_COVER, SLICE_SHIFT, SPACING_EXPONENT_SHIFT, VISIBLE_DISCS,
-    VISIBLE_FILL, VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, LOD_FADE, MAX_FILL_RADIUS, PLANE_BITS,
+    POINTS_COVER, REACH_MASK, SAMPLES_COVER, SPACING_EXPONENT_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
+    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
 };
 
 /// Cells that a box edge has.
@@ -42,7 +42,7 @@ pub fn points(
 ) {
     for batch in visible {
         // One slice for all of them.
-        if batch.flags >> SLICE_SHIFT & (MAX_SLICES - 1) != 0 {
+        if !batch.is_first_slice() {
             continue;
         }
         if let Some(shapes) = shapes.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {

@@ -145,6 +145,21 @@ impl Canvas {
         canvas
     }
 
+    /// The same, by a renderer that counts.
+    pub fn counting(octree: &Octree, view: &View, look: Look) -> Self {
+        let mut canvas = Self::layered(octree, view, look, gpu().atomics(), 0);
+        let setup = Setup {
+            sizes_px: sizes(view),
+            color_format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            depth_format: None,
+            atomics: gpu().atomics(),
+        };
+        let cloud = canvas.renderer.take_cloud().expect("a cloud");
+        canvas.renderer = Renderer::counting(&canvas.gpu, setup, look).expect("renderer");
+        canvas.renderer.set_cloud(cloud).expect("room");
+        canvas
+    }
+
     /// For a view, with a sequential point tree.
     pub fn sequential(
         spt: &SequentialCloud,
