@@ -15,7 +15,7 @@ pub(super) fn of(file: &ScanFile, header: &Header, options: &ReadOptions) -> Axe
         Project::Degrees => Axes::Geographic(Angle::Degree),
         Project::Geocentric => Axes::Geocentric,
         Project::Auto => {
-            let stated = header.axes.filter(|&axes| is_on_earth(file, axes));
+            let stated = header.axes.and_then(|axes| on_earth(file, header, axes));
             // Whoever states a unit of length says that there are lengths.
             let may_be = |axes: &Axes| *axes == Axes::Geocentric || options.unit.metres().is_none();
             let evident = || evident_axes(file, header.is_on_fixed_grid).filter(may_be);
@@ -24,16 +24,29 @@ pub(super) fn of(file: &ScanFile, header: &Header, options: &ReadOptions) -> Axe
     }
 }
 
-/// True if a file's points can be where a coordinate system on the earth says: some files name one that is not theirs.
-fn is_on_earth(file: &ScanFile, axes: Axes) -> bool {
+/// Degrees that nobody stores a scan in steps of: 111 m.
+const NO_STEP_DEG: f64 = 1e-3;
+
+/// The axes of a file whose coordinate system has these, if its points can be there: some files name one that is not theirs.
+/// Latitude comes first where longitude cannot.
+fn on_earth(file: &ScanFile, header: &Header, axes: Axes) -> Option<Axes> {
     let middle = median(samples(file).collect());
     match axes {
-        Axes::Planar => false,
-        Axes::Geographic(angle) => {
+        Axes::Planar => None,
+        Axes::Geographic(angle) | Axes::LatitudeFirst(angle) => {
             let turn = std::f64::consts::TAU / angle.radians();
-            middle.x.abs() <= turn && middle.y.abs() <= 0.25 * turn
+            let step = file.lattice.scale.abs();
+            if header.is_on_fixed_grid && step.x.min(step.y) >= NO_STEP_DEG * turn / 360.0 {
+                return None;
+            }
+            let are =
+                |longitude: f64, latitude: f64| longitude.abs() <= turn && latitude.abs() <= 0.25 * turn;
+            let is_swapped = || are(middle.y, middle.x).then_some(Axes::LatitudeFirst(angle));
+            are(middle.x, middle.y).then_some(Axes::Geographic(angle)).or_else(is_swapped)
         }
-        Axes::Geocentric => (-20e3..100e3).contains(&Geodetic::of_geocentric(middle).height_m),
+        Axes::Geocentric => {
+            (-20e3..100e3).contains(&Geodetic::of_geocentric(middle).height_m).then_some(Axes::Geocentric)
+        }
     }
 }
 
@@ -42,7 +55,16 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
     let Bounds { min, max } = file.bounds;
     let (size, middle) = (file.bounds.size(), file.bounds.center());
     let across = size.x.max(size.y);
-    let in_range = min.x >= -180.0 && max.x <= 180.0 && min.y >= -90.0 && max.y <= 90.0;
+    // Longitudes go to 180, or on to 360.
+    let are = |longitude: [f64; 2], latitude: [f64; 2]| {
+        longitude[0] >= -180.0 && longitude[1] <= 360.0 && latitude[0] >= -90.0 && latitude[1] <= 90.0
+    };
+    let (x, y) = ([min.x, max.x], [min.y, max.y]);
+    let in_order = match (are(x, y), are(y, x)) {
+        (true, _) => Some(Axes::Geographic(Angle::Degree)),
+        (false, true) => Some(Axes::LatitudeFirst(Angle::Degree)),
+        (false, false) => None,
+    };
     let has_extent = size.x > 0.0 && size.y > 0.0;
     // A degree is 111 km: what is degrees across looks like a needle, far from zero for its thickness. A grid of whole
     // steps in metres has not got the decimals that degrees need, or has them for heights too.
@@ -59,8 +81,8 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
         && (needle >= 3.0 || size.z == 0.0 && is_far);
     // Nor threads to a ten thousandth.
     let is_thread = across < 1.0 && is_far && needle >= 10_000.0 && step_across <= 1.1e-7;
-    if in_range && has_extent && (is_needle && has_decimals || is_degrees_grid || is_thread) {
-        return Some(Axes::Geographic(Angle::Degree));
+    if in_order.is_some() && has_extent && (is_needle && has_decimals || is_degrees_grid || is_thread) {
+        return in_order;
     }
     // No survey has heights of 20 km, and by chance the middle may be as far from zero as the ground is, but not all else.
     let is_on_ground = |&p: &DVec3| (-1000.0..9000.0).contains(&Geodetic::of_geocentric(p).height_m);

@@ -9,7 +9,7 @@ use super::ply::grid::Grid;
 use super::up::{self, UpAxis};
 use super::{Header, Lattice, Marks, ReadOptions, Scan, ScanFile, axes, far, unit};
 use crate::space::Bounds;
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 /// Units that differ by less are one: a foot and a US survey foot are, for what can be seen.
@@ -50,6 +50,8 @@ pub enum WorldFromFile {
     Geographic {
         /// Unit of x and y.
         angle: Angle,
+        /// x is the latitude, y the longitude.
+        latitude_first: bool,
         /// Metres a unit of z.
         height_m: f64,
         /// The world's axes.
@@ -86,12 +88,13 @@ impl WorldFromFile {
     }
 
     /// A direction along the file's axes as one along the world's. Longitude, latitude and height are directions east,
-    /// north and up already.
+    /// north and up.
     #[must_use]
     pub fn direction_in_world(&self, direction_in_file: DVec3) -> DVec3 {
         match self {
             Self::Axes { up, .. } => up.in_world(direction_in_file),
-            Self::Geographic { .. } => direction_in_file,
+            Self::Geographic { latitude_first: false, .. } => direction_in_file,
+            Self::Geographic { latitude_first: true, .. } => direction_in_file.yxz(),
             Self::Geocentric { frame, .. } => frame.direction_in_local(direction_in_file),
         }
     }
@@ -99,7 +102,8 @@ impl WorldFromFile {
     fn axes(&self) -> Axes {
         match self {
             Self::Axes { .. } => Axes::Planar,
-            Self::Geographic { angle, .. } => Axes::Geographic(*angle),
+            Self::Geographic { angle, latitude_first: false, .. } => Axes::Geographic(*angle),
+            Self::Geographic { angle, latitude_first: true, .. } => Axes::LatitudeFirst(*angle),
             Self::Geocentric { .. } => Axes::Geocentric,
         }
     }
@@ -116,8 +120,12 @@ impl WorldFromFile {
 impl Axes {
     /// Metres from the earth's centre, of coordinates on the earth.
     fn geocentric(self, p_in_file: DVec3, unit_m: f64) -> DVec3 {
-        let Self::Geographic(angle) = self else { return p_in_file * unit_m };
-        let (longitude, latitude) = (p_in_file.x * angle.radians(), p_in_file.y * angle.radians());
+        let (angle, longitude, latitude) = match self {
+            Self::Planar | Self::Geocentric => return p_in_file * unit_m,
+            Self::Geographic(angle) => (angle, p_in_file.x, p_in_file.y),
+            Self::LatitudeFirst(angle) => (angle, p_in_file.y, p_in_file.x),
+        };
+        let [longitude, latitude] = [longitude, latitude].map(|value| value * angle.radians());
         Geodetic { longitude, latitude, height_m: p_in_file.z * unit_m }.geocentric()
     }
 }
@@ -142,7 +150,10 @@ pub(super) fn place(scan: &mut Scan, headers: &[Header], options: &ReadOptions) 
                 let [across_scale, height_scale] = units[at].planar(scan.unit_m);
                 WorldFromFile::Axes { up: ups[at], across_scale, height_scale }
             }
-            Axes::Geographic(angle) => WorldFromFile::Geographic { angle, height_m: scale, frame },
+            Axes::Geographic(angle) | Axes::LatitudeFirst(angle) => {
+                let latitude_first = axes[at] == Axes::LatitudeFirst(angle);
+                WorldFromFile::Geographic { angle, latitude_first, height_m: scale, frame }
+            }
             Axes::Geocentric => WorldFromFile::Geocentric { unit_m: scale, frame },
         };
         match axes[at] {
@@ -192,7 +203,7 @@ impl Units {
     fn scale(&self, axes: Axes) -> f64 {
         match axes {
             Axes::Planar => 1.0,
-            Axes::Geographic(_) => self.up_m.unwrap_or(1.0),
+            Axes::Geographic(_) | Axes::LatitudeFirst(_) => self.up_m.unwrap_or(1.0),
             Axes::Geocentric => self.across_m.unwrap_or(1.0),
         }
     }
@@ -309,11 +320,15 @@ fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geo
     let is_projected = |file: &ScanFile| !matches!(file.world_from_file, WorldFromFile::Axes { .. });
     if let Some((file, header)) = all().find(|(file, _)| is_projected(file)) {
         let what = match file.world_from_file {
+            WorldFromFile::Geographic { latitude_first: true, .. } => "in angles, the latitude first",
             WorldFromFile::Geographic { angle: Angle::Degree, .. } => "in degrees",
             WorldFromFile::Geographic { .. } => "in angles",
             _ => "from the earth's centre",
         };
-        let is_as_stated = header.axes == Some(file.world_from_file.axes());
+        let is_as_stated = match (header.axes, file.world_from_file) {
+            (Some(Axes::Geographic(stated)), WorldFromFile::Geographic { angle, .. }) => stated == angle,
+            (stated, world_from_file) => stated == Some(world_from_file.axes()),
+        };
         let how = match header.axes {
             _ if options.project != Project::Auto || is_as_stated => "has its coordinates",
             None => "names no coordinate system, but has its coordinates",

@@ -1,6 +1,6 @@
 //! What is drawn where a file's system, its coordinates and the user's units contradict each other.
 
-use crate::{Las, errors, geocentric, tower, tower_on_earth};
+use crate::{Las, errors, geocentric, tower, tower_on_earth, world};
 use glam::DVec3;
 use scanwalk::scan::{Project, ReadOptions, Unit, WorldFromFile};
 
@@ -91,4 +91,50 @@ fn angles_and_lengths_of_every_number_are_drawn_in_metres() {
         let size = scan.bounds().size() * unit_m;
         assert!((size - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 5e-3, "{number}: {size}");
     }
+}
+
+/// Systems name the latitude first, and some programs write it so. Where |y| is beyond 90 there is no other reading.
+#[test]
+fn latitude_comes_first_where_longitude_cannot() {
+    let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
+    let steps = DVec3::new(1e-9, 1e-9, 1e-3);
+    for longitude in [151.21, -122.42, 179.0] {
+        let in_order = tower_on_earth(longitude, -33.86, 50.0);
+        let swapped: Vec<DVec3> = in_order.iter().map(|p| DVec3::new(p.y, p.x, p.z)).collect();
+        for (stated, how) in
+            [(&keys[..], "has its coordinates in angles, the latitude first"), (&[], "names no")]
+        {
+            let las = Las::new(steps, swapped[0], swapped.clone()).with_keys(stated);
+            let scan = las.read(&ReadOptions::default());
+            let want = Las::new(steps, in_order[0], in_order.clone())
+                .with_keys(stated)
+                .read(&ReadOptions::default());
+            let differ =
+                world(&scan).iter().zip(world(&want)).map(|(a, b)| (*a - b).length()).fold(0.0, f64::max);
+            assert!(differ < 5e-3, "{longitude}: {differ} m");
+            let [warning] = &scan.warnings[..] else { panic!("{:?}", scan.warnings) };
+            assert!(warning.contains(how) && warning.contains("latitude first"), "{warning}");
+            assert!(!want.warnings[0].contains("latitude first"), "{:?}", want.warnings);
+            for (p_in_file, p) in swapped.iter().zip(world(&scan)) {
+                assert!((scan.files[0].world_from_file.p_in_world(*p_in_file) - p).length() < 2e-3);
+            }
+        }
+    }
+    // Either may be meant here: then it is as the program's own files have it.
+    let swapped: Vec<DVec3> = tower_on_earth(47.0, 8.0, 500.0);
+    let scan = Las::new(steps, swapped[0], swapped).with_keys(&keys).read(&ReadOptions::default());
+    assert!(!scan.warnings[0].contains("latitude first"), "{:?}", scan.warnings);
+}
+
+#[test]
+fn longitudes_may_go_on_to_360_and_no_scan_has_steps_of_a_hundred_metres() {
+    let east = tower_on_earth(254.8, 40.0, 1500.0);
+    let scan = Las::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::default());
+    assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }), "{:?}", scan.warnings);
+    // A hall whose file names the system of a receiver.
+    let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
+    let scan = Las::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect()).with_keys(&keys);
+    let scan = scan.read(&ReadOptions::default());
+    assert_eq!(scan.bounds(), scan.bounds_in_file());
+    assert!(scan.warnings[0].contains("its points are not there"), "{:?}", scan.warnings);
 }

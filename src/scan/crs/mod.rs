@@ -20,6 +20,8 @@ pub enum Axes {
     Planar,
     /// Longitude, latitude and a height.
     Geographic(Angle),
+    /// Latitude, longitude and a height. No system here says so; some files have it.
+    LatitudeFirst(Angle),
     /// Lengths from the earth's centre: to longitude 0 on the equator, to 90 degrees east, to the north pole.
     Geocentric,
 }
@@ -103,7 +105,7 @@ impl Crs {
         // name.
         let counts_more = |axes: &Axes| match axes {
             Axes::Geocentric => true,
-            Axes::Geographic(_) => self.lacks_angle,
+            Axes::Geographic(_) | Axes::LatitudeFirst(_) => self.lacks_angle,
             Axes::Planar => false,
         };
         let axes = system.axes.filter(counts_more).or(self.axes);
