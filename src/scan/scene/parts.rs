@@ -5,7 +5,7 @@ use crate::space::Bounds;
 use crate::words::counted;
 
 /// Files lie far apart if more than so many edges of the larger are between them.
-const FAR: f64 = 100.0;
+const FAR: f64 = 20.0;
 
 /// Files that lie together, and the box of their scenes.
 struct Part {
@@ -99,10 +99,12 @@ mod tests {
     fn what_is_far_from_all_is_another_part() {
         assert_eq!(files(&[cube(0.0, 20.0), cube(5e5, 20.0), cube(30.0, 20.0)]), [vec![0, 2], vec![1]]);
         // Two buildings are no mistake, and neither is a small object beside a large one.
-        assert_eq!(files(&[cube(0.0, 20.0), cube(320.0, 20.0)]), [[0, 1]]);
-        assert_eq!(files(&[cube(0.0, 0.0), cube(900.0, 20.0)]), [[0, 1]]);
+        assert_eq!(files(&[cube(0.0, 20.0), cube(200.0, 20.0)]), [[0, 1]]);
+        assert_eq!(files(&[cube(0.0, 0.0), cube(200.0, 20.0)]), [[0, 1]]);
+        // From where both were seen, each would be a speck.
+        assert_eq!(files(&[cube(0.0, 20.0), cube(700.0, 20.0)]), [[0], [1]]);
         // A row of tiles, far apart only until those between have come.
-        let row: Vec<Bounds> = [0, 150, 100, 50].map(|at| cube(f64::from(at), 0.9)).into();
+        let row: Vec<Bounds> = [0, 30, 20, 10].map(|at| cube(f64::from(at), 0.9)).into();
         assert_eq!(files(&row), [[0, 1, 2, 3]]);
         assert_eq!(files(&[cube(3.0, 0.0), cube(3.0, 0.0)]), [[0, 1]]);
     }
