@@ -188,6 +188,17 @@ fn colors_are_scaled_by_their_type() {
     let words =
         first("ushort diffuse_red, ushort diffuse_green, ushort diffuse_blue", "0 0 0 257 514 65535\n");
     assert_eq!(words, ([257, 514, 65535], ColorSource::Rgb16, 0xff_02_01));
+    for names in [
+        ["scalar_R", "scalar_G", "scalar_B"],
+        ["scalar_Rf", "scalar_Gf", "scalar_Bf"],
+        ["vertex_red", "vertex_green", "vertex_blue"],
+        ["color_r", "color_g", "color_b"],
+        ["colorR", "colorG", "colorB"],
+        ["ambient_red", "ambient_green", "ambient_blue"],
+    ] {
+        let [r, g, b] = names.map(|name| format!("uchar {name}"));
+        assert_eq!(first(&format!("{r}, {g}, {b}"), "0 0 0 1 2 255\n"), bytes, "{names:?}");
+    }
     let floats = first("float red, float green, float blue", "0 0 0 0.5 0 1\n");
     assert_eq!(floats, ([32768, 0, 65535], ColorSource::Rgb16, 0xff_00_80));
     let doubles = first("double RED, double Green, double Blue", "0 0 0 0.004 0 0\n");

@@ -15,11 +15,19 @@ pub(super) const NUM_SLOTS: usize = 12;
 const PLACE: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 /// Names of red, green and blue; the first three that there are count.
-const RGB: [[&str; 3]; 4] = [
+const RGB: [[&str; 3]; 12] = [
     ["red", "green", "blue"],
     ["r", "g", "b"],
     ["diffuse_red", "diffuse_green", "diffuse_blue"],
     ["scalar_red", "scalar_green", "scalar_blue"],
+    ["scalar_r", "scalar_g", "scalar_b"],
+    ["scalar_rf", "scalar_gf", "scalar_bf"],
+    ["vertex_red", "vertex_green", "vertex_blue"],
+    ["color_red", "color_green", "color_blue"],
+    ["color_r", "color_g", "color_b"],
+    ["colorr", "colorg", "colorb"],
+    ["rf", "gf", "bf"],
+    ["ambient_red", "ambient_green", "ambient_blue"],
 ];
 /// Colors of Gaussian splats: the constant term of spherical harmonics.
 const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
@@ -29,7 +37,7 @@ const LISTED_RGB: [&str; 8] =
 /// Names of a color in one value of 32 bits.
 const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
 /// Names of intensity, the likeliest first; and parts of names that only an intensity has.
-const INTENSITY: [&str; 13] = [
+const INTENSITY: [&str; 15] = [
     "intensity",
     "scalar_intensity",
     "reflectance",
@@ -41,10 +49,12 @@ const INTENSITY: [&str; 13] = [
     "scalar_scalar_field",
     "gray",
     "grey",
+    "grayvalue",
+    "greyvalue",
     "luminance",
     "scalar_gray",
 ];
-const INTENSITY_PARTS: [&str; 4] = ["intensity", "reflect", "amplitude", "remission"];
+const INTENSITY_PARTS: [&str; 4] = ["intensit", "reflect", "amplitude", "remission"];
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
 /// Boxes of the chunks of a compressed splat: positions, then colors, which older files do not have.
