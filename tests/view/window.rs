@@ -234,7 +234,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
         let differing = pair[0].1.iter().zip(&pair[1].1).filter(|(a, b)| a != b).count();
         assert!((100..pair[0].1.len() / 2).contains(&differing), "{differing} differ");
     }
-    wait_for("the notice", 4.0, || (screen.picture(&window).num_different(&before) > 1000).then_some(()));
+    wait_for("the notice", 60.0, || (screen.picture(&window).num_different(&before) > 1000).then_some(()));
     screen.picture(&window).keep("screenshot-notice");
     // After the last comes none.
     screen.xdotool(&["key", "o"]);
