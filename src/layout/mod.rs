@@ -50,7 +50,7 @@ pub const FADE_END: f32 = 1.189_207_1;
 /// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
 pub const SURFACE_TOLERANCE: f32 = 1.01;
 /// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
-pub const MAX_FILL_RADIUS: u32 = 63;
+pub const MAX_FILL_RADIUS: u32 = 31;
 /// How far the disc of a point reaches that a thread draws alone; all threads of a workgroup draw larger ones together.
 pub const OWN_FILL_RADIUS: u32 = 1;
 /// How much wider than the points' mean distance the disc is at most that `fill` draws: it must reach over the diagonal,
