@@ -171,7 +171,7 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
 /// The eyes of the picture.
 ///
 /// # Errors
-/// Eye and target at one place, or a field of view or a size that shows nothing.
+/// Eye and target at one place, an upward direction of no length, or a field of view or a size that shows nothing.
 pub fn view(options: &ShotOptions, scene: &Scene, near_m: f64) -> anyhow::Result<View> {
     let [width, height] = options.size_px;
     anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
@@ -188,6 +188,7 @@ pub fn view(options: &ShotOptions, scene: &Scene, near_m: f64) -> anyhow::Result
         vec![Lens { sideways: 0.0, fov }]
     };
     let up = options.up.unwrap_or(DVec3::Z);
+    anyhow::ensure!(up != DVec3::ZERO, "--up 0,0,0 is no direction: give one, for example 0,0,1");
     let center = match (options.eye, options.target) {
         (None, target) => {
             let orientation = Pose::look_at(FROM, DVec3::ZERO, up).orientation;
@@ -386,5 +387,31 @@ mod tests {
         // A scan in metres as it is changes nothing.
         let same = options.in_world(&Scan::default());
         assert_eq!((same.eye, same.up, same.ipd), (options.eye, options.up, options.ipd));
+    }
+
+    #[test]
+    fn cameras_without_a_direction_are_refused() {
+        let eye = Some(DVec3::ONE);
+        let options = |target, up| ShotOptions {
+            scans: Vec::new(),
+            out: Vec::new(),
+            eye,
+            target,
+            up,
+            fov: ShotFov::Vertical(60.0),
+            size_px: [1, 1],
+            stereo: false,
+            ipd: 0.063,
+            depth: Vec::new(),
+            metrics: None,
+        };
+        let error = |target, up| {
+            view(&options(target, up), &Scene::default(), 0.05).err().map(|error| error.to_string())
+        };
+        assert_eq!(error(Some(DVec3::ZERO), Some(DVec3::X)), None);
+        assert!(error(eye, None).is_some_and(|error| error.contains("same place")));
+        assert!(
+            error(Some(DVec3::ZERO), Some(DVec3::ZERO)).is_some_and(|error| error.contains("--up 0,0,0"))
+        );
     }
 }

@@ -71,6 +71,11 @@ impl Files {
                 let (path, other) = (path.clone(), other.to_path_buf());
                 return Err(OutputError::Twice { option, path, other_option, other });
             }
+            if let Some(Err(source)) = place.goal().map(std::fs::symlink_metadata)
+                && source.kind() == io::ErrorKind::InvalidFilename
+            {
+                return Err(OutputError::Locked { option, path: path.clone(), source });
+            }
             if !self.forced && place.goal().is_some_and(|goal| !kind.may_replace(&goal)) {
                 return Err(OutputError::Exists { option, path: path.clone(), kind: *kind });
             }

@@ -173,6 +173,15 @@ fn endings_say_what_is_written() {
 }
 
 #[test]
+fn a_name_that_no_file_can_have_is_not_there_already() {
+    let lab = Lab::new();
+    let mut files = Files::default();
+    files.writes("-o", &lab.path(&format!("{}.png", "x".repeat(300))), OutputKind::Picture);
+    let error = files.check(&Partials::default()).unwrap_err().to_string();
+    assert!(!error.contains("already") && error.contains("too long"), "{error}");
+}
+
+#[test]
 fn what_has_the_name_is_replaced_only_if_it_is_of_the_kind() {
     use OutputKind::*;
     let lab = Lab::new();
