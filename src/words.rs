@@ -14,6 +14,14 @@ pub(crate) fn agreeing<'a>(count: impl Display, one: &'a str, many: &'a str) -> 
     if count.to_string() == "1" { one } else { many }
 }
 
+/// So many files, at least one, by the first: "a.las", "a.las and 3 more files".
+pub(crate) fn files(first: impl Display, num: usize) -> String {
+    match num {
+        ..=1 => first.to_string(),
+        _ => format!("{first} and {}", counted(num - 1, "more file")),
+    }
+}
+
 /// 1234567 as 1,234,567.
 pub(crate) fn grouped(count: usize) -> String {
     grouped_by(count as u64, ',')

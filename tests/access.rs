@@ -3,7 +3,7 @@
 
 mod support;
 
-use scanwalk::cloud::octree::build_octree;
+use scanwalk::cloud::octree::{Octree, build_octree};
 use scanwalk::config::{Dilate, Quality};
 use scanwalk::gpu::Atomics;
 use scanwalk::gpu::readback;
@@ -17,10 +17,14 @@ use scanwalk::synth::{self, Kind};
 use scanwalk::twin::{self, Scene};
 use support::{Canvas, gpu, made_up, stereo};
 
+fn courtyard(num_points: u64) -> Octree {
+    let scan = made_up(Kind::Terrestrial, num_points);
+    build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+}
+
 #[test]
 fn all_ways_to_memory_draw_the_twins_picture() {
-    let octree = build_octree(&made_up(Kind::Terrestrial, 60_000), &Progress::hidden(), &mut |_, _| ());
-    let octree = octree.expect("an octree");
+    let octree = courtyard(60_000);
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view = stereo(place.eye, place.target, [203, 155]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
@@ -50,8 +54,7 @@ fn all_ways_to_memory_draw_the_twins_picture() {
 /// What is asked for and drawn is counted alike, whoever draws it: `bench` tells it.
 #[test]
 fn wide_points_are_counted_once_whoever_draws_them() {
-    let octree = build_octree(&made_up(Kind::Terrestrial, 60_000), &Progress::hidden(), &mut |_, _| ());
-    let octree = octree.expect("an octree");
+    let octree = courtyard(60_000);
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view = stereo(place.eye, place.target, [303, 255]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
@@ -75,8 +78,7 @@ fn wide_points_are_counted_once_whoever_draws_them() {
 /// Where many points meet in few pixels, what a look sees is out of date most often.
 #[test]
 fn plain_looks_lose_no_point_where_points_crowd() {
-    let octree = build_octree(&made_up(Kind::Terrestrial, 200_000), &Progress::hidden(), &mut |_, _| ());
-    let octree = octree.expect("an octree");
+    let octree = courtyard(200_000);
     let place = synth::viewpoints(Kind::Terrestrial)[0];
     let view = stereo(place.eye, place.target, [23, 17]);
     // All of them, thirty layers thick.

@@ -318,7 +318,7 @@ pub struct VisibleBatch {
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
     /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
-    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
+    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`], [`VISIBLE_WIDE`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
     /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
     pub flags: u32,
     /// [`Node::spacing`].

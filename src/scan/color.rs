@@ -59,7 +59,7 @@ pub(super) fn choose(stats: &Stats, rgb: &mut [[u16; 3]], known: Option<u16>) ->
     let colors = Distribution::of(rgb);
     let white = White::known_or_of(known, &colors);
     let blank = Blank::of(&colors, white, rgb, stats.intensity_min < stats.intensity_max);
-    let (color, sentences) = match blank {
+    let (color, mut sentences) = match blank {
         Some(blank) if blank.is_all() => (without_rgb(stats), Vec::new()),
         Some(blank) if !blank.is_black() => {
             // The few that have a color tell their white themselves.
@@ -70,7 +70,6 @@ pub(super) fn choose(stats: &Stats, rgb: &mut [[u16; 3]], known: Option<u16>) ->
         }
         _ => make_one(rgb, known),
     };
-    let mut sentences = sentences;
     sentences.extend(color.white().and_then(|white| nearly_black(rgb, blank, white)));
     Choice { color, blank, sentences }
 }

@@ -5,7 +5,7 @@
 
 use super::{ColorSource, ScanFile};
 use crate::space::Bounds;
-use crate::words::{agreeing, counted};
+use crate::words::{self, agreeing};
 use rayon::prelude::*;
 
 /// Part of the values that may lie beyond each end of a ramp: single outliers must not flatten the rest.
@@ -33,17 +33,12 @@ pub(super) fn share_range(files: &mut [ScanFile], scene: &Bounds) -> Option<Stri
     }
     let of_8: Vec<&ScanFile> =
         files.iter().zip(&times).filter(|(_, times)| **times > 1).map(|(file, _)| file).collect();
-    let first = of_8.first()?.path.display();
-    let more = of_8.len() - 1;
-    let subject = if more == 0 {
-        format!("{first}: has")
-    } else {
-        format!("{first} and {}: have", counted(more, "more file"))
-    };
+    let num = of_8.len();
+    let (subject, have) = (words::files(of_8.first()?.path.display(), num), agreeing(num, "has", "have"));
     Some(format!(
-        "{subject} intensities of 8 bits, other files of 16; {} drawn by {} own white, 255 as bright as 65535 there",
-        agreeing(of_8.len(), "it is", "they are"),
-        agreeing(of_8.len(), "its", "their"),
+        "{subject}: {have} intensities of 8 bits, other files of 16; {} drawn by {} own white, 255 as bright as 65535 there",
+        agreeing(num, "it is", "they are"),
+        agreeing(num, "its", "their"),
     ))
 }
 

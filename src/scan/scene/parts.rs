@@ -2,7 +2,7 @@
 
 use crate::scan::Scan;
 use crate::space::Bounds;
-use crate::words::counted;
+use crate::words;
 
 /// Files lie far apart if more than so many edges of the larger are between them.
 const FAR: f64 = 20.0;
@@ -22,14 +22,9 @@ impl Part {
         self.files.iter().map(|&file| scan.files[file].points.xyz.len()).sum()
     }
 
-    /// "a.las and 3 more files".
     fn name(&self, scan: &Scan) -> String {
         let first = self.files.first().map(|&file| scan.files[file].path.display().to_string());
-        let first = first.unwrap_or_default();
-        match self.files.len() {
-            ..=1 => first,
-            num => format!("{first} and {}", counted(num - 1, "more file")),
-        }
+        words::files(first.unwrap_or_default(), self.files.len())
     }
 }
 

@@ -1,4 +1,6 @@
-//! Numbers that tests of scenes draw at random.
+//! Numbers that tests of scenes draw at random, and points of scenes.
+
+use glam::DVec3;
 
 /// Numbers that look random, the same in every run: splitmix64.
 pub(super) struct Random(pub u64);
@@ -11,4 +13,24 @@ impl Random {
         let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
     }
+}
+
+/// A floor, four walls and a ceiling, 1 by 1 by 0.5.
+pub(super) fn room(random: &mut Random) -> DVec3 {
+    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
+    let height = 0.5 * (v + 0.5);
+    match (6.0 * random.next()) as u32 {
+        0 => DVec3::new(u, v, 0.0),
+        1 => DVec3::new(u, v, 0.5),
+        2 => DVec3::new(u, -0.5, height),
+        3 => DVec3::new(u, 0.5, height),
+        4 => DVec3::new(-0.5, u, height),
+        _ => DVec3::new(0.5, u, height),
+    }
+}
+
+/// Hills from above.
+pub(super) fn aerial(random: &mut Random) -> DVec3 {
+    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
+    DVec3::new(u, v, 0.02 * ((9.0 * u).sin() + (7.0 * v).cos()))
 }

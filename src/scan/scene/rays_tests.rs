@@ -1,32 +1,12 @@
 //! Strays on few rays from scenes of every kind, and scans without strays that reach far in one direction.
 
 use super::super::cluster::find;
-use super::super::random::Random;
+use super::super::random::{Random, aerial, room};
 use crate::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 type Scene = (&'static str, fn(&mut Random) -> DVec3);
-
-/// A floor, four walls and a ceiling, 1 by 1 by 0.5.
-fn room(random: &mut Random) -> DVec3 {
-    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
-    let height = 0.5 * (v + 0.5);
-    match (6.0 * random.next()) as u32 {
-        0 => DVec3::new(u, v, 0.0),
-        1 => DVec3::new(u, v, 0.5),
-        2 => DVec3::new(u, -0.5, height),
-        3 => DVec3::new(u, 0.5, height),
-        4 => DVec3::new(-0.5, u, height),
-        _ => DVec3::new(0.5, u, height),
-    }
-}
-
-/// Hills from above.
-fn aerial(random: &mut Random) -> DVec3 {
-    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
-    DVec3::new(u, v, 0.02 * ((9.0 * u).sin() + (7.0 * v).cos()))
-}
 
 /// As many points a degree of elevation, seen from one place above flat ground.
 fn terrestrial(random: &mut Random) -> DVec3 {

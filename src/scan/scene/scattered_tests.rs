@@ -1,7 +1,7 @@
 //! Halos of strays round scenes of every kind: ratio of sizes, share, number of points, shape; and scans without strays.
 
 use super::super::cluster::find;
-use super::super::random::Random;
+use super::super::random::{Random, aerial, room};
 use crate::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -15,20 +15,6 @@ impl Random {
     }
 }
 
-/// A floor, four walls and a ceiling, 1 by 1 by 0.5.
-fn room(random: &mut Random) -> DVec3 {
-    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
-    let height = 0.5 * (v + 0.5);
-    match (6.0 * random.next()) as u32 {
-        0 => DVec3::new(u, v, 0.0),
-        1 => DVec3::new(u, v, 0.5),
-        2 => DVec3::new(u, -0.5, height),
-        3 => DVec3::new(u, 0.5, height),
-        4 => DVec3::new(-0.5, u, height),
-        _ => DVec3::new(0.5, u, height),
-    }
-}
-
 /// A floor with a slender tower.
 fn tower(random: &mut Random) -> DVec3 {
     let turn = TAU * random.next();
@@ -36,12 +22,6 @@ fn tower(random: &mut Random) -> DVec3 {
         part if part < 0.67 => DVec3::new(random.next() - 0.5, random.next() - 0.5, 0.0),
         _ => DVec3::new(0.1 * turn.cos(), 0.1 * turn.sin(), 0.3 * random.next()),
     }
-}
-
-/// Hills from above.
-fn aerial(random: &mut Random) -> DVec3 {
-    let [u, v] = [random.next() - 0.5, random.next() - 0.5];
-    DVec3::new(u, v, 0.02 * ((9.0 * u).sin() + (7.0 * v).cos()))
 }
 
 /// Two hundred times as long as wide.

@@ -10,7 +10,7 @@ mod surface;
 pub(super) use header::stated;
 
 use super::{Axes, Header, ScanFile};
-use crate::words::counted;
+use crate::words;
 use glam::DVec3;
 use surface::Vote;
 
@@ -101,7 +101,7 @@ pub(super) fn of_files(
     let mut sentences = Vec::new();
     let sentence = |subject: String, evidence: Evidence| {
         let Evidence { up, why } = evidence;
-        format!("{subject} {} is taken for up, since {why} (cloud.up=z leaves it)", up.name())
+        format!("{subject}: {} is taken for up, since {why} (cloud.up=z leaves it)", up.name())
     };
     let mut open = Vec::new();
     for (at, header) in headers.iter().enumerate().filter(|(at, _)| axes[*at] == Axes::Planar) {
@@ -109,8 +109,7 @@ pub(super) fn of_files(
             Some(evidence) => {
                 ups[at] = evidence.up;
                 let is_turned = evidence.up != UpAxis::Z;
-                sentences
-                    .extend(is_turned.then(|| sentence(format!("{}:", header.path.display()), evidence)));
+                sentences.extend(is_turned.then(|| sentence(header.path.display().to_string(), evidence)));
             }
             // Surveys have z up.
             None if header.is_on_fixed_grid => {}
@@ -120,20 +119,11 @@ pub(super) fn of_files(
     let votes: Vec<Vote> = open.iter().map(|&at| vote(&files[at])).collect();
     if let Some((first, evidence)) = together(votes.iter().copied()) {
         open.iter().for_each(|&at| ups[at] = evidence.up);
-        sentences.push(sentence(subject(&files[open[first]], open.len()), evidence));
+        sentences.push(sentence(words::files(files[open[first]].path.display(), open.len()), evidence));
     } else if !votes.contains(&Vote::Against) {
         sentences.extend(lying(open.iter().map(|&at| &files[at])));
     }
     (ups, sentences)
-}
-
-/// "a.ply and 3 more files:".
-fn subject(first: &ScanFile, num: usize) -> String {
-    let path = first.path.display();
-    match num - 1 {
-        0 => format!("{path}:"),
-        more => format!("{path} and {}:", counted(more, "more file")),
-    }
 }
 
 /// A sentence about files that look as if they lay on their side, although nothing proves it.
@@ -141,9 +131,9 @@ fn lying<'a>(files: impl Iterator<Item = &'a ScanFile>) -> Option<String> {
     let found: Vec<(&ScanFile, UpAxis)> =
         files.filter_map(|file| Some((file, lying::likely_up(file)?))).collect();
     let &(first, up) = found.first()?;
-    let (subject, up) = (subject(first, found.len()), up.name());
+    let (subject, up) = (words::files(first.path.display(), found.len()), up.name());
     Some(format!(
-        "{subject} half of the points are in the plane y = 0, the others on one side of it: if they lie on their side, \
+        "{subject}: half of the points are in the plane y = 0, the others on one side of it: if they lie on their side, \
          --set cloud.up={up} stands them upright"
     ))
 }
