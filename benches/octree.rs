@@ -8,15 +8,15 @@
 mod steps;
 
 use anyhow::{Context, Result};
+use base::output::{Output, OutputKind};
+use base::percentile::Sorted;
+use base::progress::{Progress, Stop};
+use cloud::morton::Grid;
+use cloud::octree::{Octree, build_octree};
+use cloud::{Order, build};
+use lab::synth::{self, Kind, SynthOptions};
+use points::{self, ReadOptions, Scan};
 use rayon::prelude::*;
-use scanwalk::cloud::morton::Grid;
-use scanwalk::cloud::octree::{Octree, build_octree};
-use scanwalk::cloud::{Order, build};
-use scanwalk::output::{Output, OutputKind};
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, ReadOptions, Scan};
-use scanwalk::synth::{self, Kind, SynthOptions};
-use scanwalk::timing::percentile::Sorted;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -53,7 +53,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
 
 fn read(path: &Path) -> Result<Scan> {
     let paths: [PathBuf; 1] = [path.to_owned()];
-    Ok(scan::read(&paths, &ReadOptions::default(), &Stop::default())?)
+    Ok(points::read(&paths, &ReadOptions::default(), &Stop::default())?)
 }
 
 /// Points, seconds, seconds of all cores together, rates, peak memory; seconds of the named step alone. Where

@@ -1,5 +1,5 @@
 // cull: which batches of the nodes that `lod` chose does either eye see, at which precision, and where are they
-// in head space? One thread a batch. [2022 §3.2, 3.3]; frame.md sections 2 to 4.
+// in head space? One thread a batch. [2022 §3.2, 3.3]; docs/FRAME.md §2 to §4.
 
 struct Counters {
     num_visible: atomic<u32>,

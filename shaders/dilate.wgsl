@@ -1,6 +1,6 @@
 // dilate: closes the gaps between points of one surface, on the way to the image. A pixel that lies farther than the nearest
 // surface of its window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
-// others stay as they are. One eye a dispatch, a tile a workgroup; frame.md section 6.
+// others stay as they are. One eye a dispatch, a tile a workgroup; docs/FRAME.md §6.
 //
 // In two passes through workgroup memory: rows first, each pixel with what reaches it, then columns over what the rows
 // found. What lies in a pixel reaches as far as its depth's last bits say, and as its ring's kernel at least. A tile that is

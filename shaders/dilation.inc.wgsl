@@ -1,4 +1,4 @@
-// The rule of dilation (frame.md section 6), which `dilate` applies by rows and columns. Resources of one eye.
+// The rule of dilation (docs/FRAME.md §6), which `dilate` applies by rows and columns. Resources of one eye.
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<uniform> dilate: DilateUniform;

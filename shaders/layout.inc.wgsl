@@ -1,4 +1,4 @@
-// Structs shared with the host: src/layout.rs, which documents every field. Offsets are compared by a test.
+// Structs shared with the host: crates/render/src/layout, which documents every field. Offsets are compared by a test.
 
 struct Batch {
     min_hi: vec3<f32>,

@@ -1,5 +1,5 @@
 // lod: which nodes are large enough, in either eye, for where the eye looks, and how much of each is drawn?
-// One thread a node. [2022 §3.7]; frame.md section 4.
+// One thread a node. [2022 §3.7]; docs/FRAME.md §4.
 //
 // Size and ring are judged by the cube's nearest point and by its sphere, so a node is never judged smaller or
 // further out than a node within it: what is drawn is a tree. Nearest is what has the least depth, as in cull's

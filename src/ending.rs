@@ -1,7 +1,7 @@
 //! Why work of several threads ends: a failure of one has the others stop, so the first failure is the reason, and what
 //! follows from it is none.
 
-use crate::progress::Stop;
+use base::progress::Stop;
 use std::sync::{Mutex, PoisonError};
 
 /// The reason for an end that several threads may have, shared by them.

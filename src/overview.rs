@@ -4,9 +4,9 @@
 //! plane asks for a distance that is linear in the scene's extremes, and the least distance that suits all of them is
 //! found without search, for any field of view, also of two eyes.
 
-use crate::scan::Scene;
-use crate::space::{Fov, View};
+use base::space::{Fov, View};
 use glam::{DQuat, DVec2, DVec3};
+use points::Scene;
 
 /// Part of the field of view that the silhouette fills, across or down, whichever it reaches first.
 const FILL: f64 = 0.9;
@@ -183,7 +183,7 @@ fn left_over(ranges: &[Range], seen: &[DVec3], axis: usize, from: DVec2) -> [f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::{Bounds, Eye, Pose};
+    use base::space::{Bounds, Eye, Pose};
     use proptest::prelude::*;
 
     fn scene(samples: Vec<DVec3>) -> Scene {

@@ -1,27 +1,26 @@
 //! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
 //! point falls on.
 
-use crate::cloud;
-use crate::cloud::octree::build_octree;
-use crate::cloud::spt::build_spt;
 use crate::config::{Config, LodMethod};
-use crate::gpu::{Gpu, readback};
-use crate::look::Look;
-use crate::output::{Output, OutputError, OutputFile};
 use crate::overview::{self, Lens};
-use crate::progress::{Progress, Stop};
-use crate::render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
-use crate::scan::{self, Scan, Scene};
-use crate::space::{Eye, Fov, Pose, View};
-use crate::timing::STAGES;
-use crate::timing::percentile::Sorted;
-use crate::twin::resolve::{Pixel, depth_of};
+use crate::resolve;
 use anyhow::Context;
+use base::output::{Output, OutputError, OutputFile};
+use base::percentile::Sorted;
+use base::progress::{Progress, Stop};
+use base::space::{Eye, Fov, Pose, View};
+use cloud::octree::build_octree;
+use cloud::spt::build_spt;
 use glam::DVec3;
+use lab::twin::resolve::{Pixel, depth_of};
+use points::{self, Scan, Scene};
+use render::gpu::{Gpu, readback};
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
+use timing::STAGES;
 
 /// Frames drawn to measure one; the first warms up.
 const MEASURED_FRAMES: usize = 6;
@@ -102,7 +101,7 @@ impl ShotFov {
 pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
     let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
     let load_began = Instant::now();
-    let scan = scan::read(&options.scans, &config.cloud.read_options(), stop)?;
+    let scan = points::read(&options.scans, &resolve::read(config), stop)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
@@ -143,7 +142,7 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
 /// The scan on the GPU, as the settings want it, and its scene.
 fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Scene)> {
     let num_points = scan.num_points() as u64;
-    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let chunk_limit = resolve::chunk_limit(config);
     let sending = || Progress::new("sending", "bytes", 16 * num_points, stop);
     if config.lod.enabled && config.lod.method == LodMethod::Spt {
         // Points are counted twice, discs once.
@@ -235,9 +234,9 @@ impl Shot {
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
-        let atomics = tier(gpu, config)?;
+        let atomics = tier(gpu, config.gpu.tier, &resolve::look(config))?;
         let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
-        let renderer = Renderer::new(gpu, setup, Look::of(config))?;
+        let renderer = Renderer::new(gpu, setup, resolve::look(config))?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, images })
     }
 
@@ -359,7 +358,7 @@ fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> a
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scan::{ScanFile, UpAxis, WorldFromFile};
+    use points::{ScanFile, UpAxis, WorldFromFile};
 
     #[test]
     fn places_are_those_of_the_file_and_eyes_are_apart_in_metres() {

@@ -3,31 +3,32 @@
 //! Three threads: the loader reads the scan and sends it to the GPU; the frame thread draws ([`crate::walk`]);
 //! the main thread runs the window, if there is one.
 
-use crate::cloud::octree::build_octree;
-use crate::cloud::spt::build_spt;
-use crate::cloud::{self, BuildError};
 use crate::config::{Config, LodMethod};
 use crate::desktop::{self, Display};
 use crate::ending::Ending;
-use crate::gpu::Gpu;
-use crate::output::Output;
-use crate::progress::{Count, Job, Progress, Stop};
-use crate::render::{CloudBuffers, CloudUpload, UploadError};
-use crate::scan::{self, ScanError};
-use crate::timing::RunFacts;
-use crate::timing::log::FrameLog;
+use crate::resolve;
 use crate::walk::link::{self, WalkEnd};
-use crate::walk::pose_path::PosePath;
 use crate::walk::simulated::SimulatedHeadset;
 use crate::walk::start::start;
-use crate::walk::{Headset, Loaded, Walk};
-use crate::words::{self, counted};
-use crate::xr;
+use crate::walk::{Loaded, Walk};
 use anyhow::Context;
+use base::output::Output;
+use base::progress::{Count, Job, Progress, Stop};
+use base::words::{self, counted};
+use cloud::octree::build_octree;
+use cloud::spt::build_spt;
+use cloud::{self, BuildError};
+use points::{self, ScanError};
+use render::gpu::Gpu;
+use render::{CloudBuffers, CloudUpload, UploadError};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 use std::time::Duration;
+use timing::RunFacts;
+use timing::log::FrameLog;
+use timing::pose_path::PosePath;
+use xr::Headset;
 
 /// Use of something that may be absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -184,7 +185,7 @@ fn open_display(wish: Wish, stop: &Stop) -> anyhow::Result<Option<Display>> {
 /// The headset that was wished for, and the GPU that it lives on.
 fn open_headset(wish: Wish, config: &Config) -> anyhow::Result<(Arc<Gpu>, Box<dyn Headset>)> {
     if wish != Wish::Off {
-        match xr::open(config) {
+        match xr::open(&resolve::headset(config)) {
             Ok((gpu, headset)) => return Ok((gpu, Box::new(headset))),
             Err(missing) if wish == Wish::On => return Err(missing).context("--headset require"),
             Err(missing) => eprintln!("scanwalk: no headset, so a simulated one is used: {missing}"),
@@ -227,7 +228,7 @@ fn load(
 ) -> anyhow::Result<()> {
     let watching = link.clone();
     let job = Job::observed(stop, move |count| watching.set_doing(Some(Arc::clone(count))));
-    let scan = scan::read(&options.scans, &config.cloud.read_options(), &job)?;
+    let scan = points::read(&options.scans, &resolve::read(config), &job)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
@@ -236,7 +237,7 @@ fn load(
         load.facts = scan_facts(&scan);
         load.warnings.clone_from(&scan.warnings);
     });
-    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let chunk_limit = resolve::chunk_limit(config);
     let num_points = scan.num_points() as u64;
     let sorting = Progress::new("sorting", "points", num_points, &job);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
@@ -267,14 +268,14 @@ fn load(
 /// Builds the scan's octree or point tree, and puts it in the flat cloud's place; its bytes. `None`: the flat cloud stays,
 /// because the walk ended meanwhile, or because there is none, for which the user is told the reason.
 fn detailed(
-    scan: scan::Scan,
+    scan: points::Scan,
     config: &Config,
     gpu: &Gpu,
     link: &WalkEnd,
     job: &Job,
     shelf: &Shelf,
 ) -> anyhow::Result<Option<u64>> {
-    let chunk_limit = u64::from(config.gpu.chunk_mib) << 20;
+    let chunk_limit = resolve::chunk_limit(config);
     let detailed = match config.lod.method {
         LodMethod::Octree => layered(gpu, scan, chunk_limit, job),
         LodMethod::Spt => sequential(gpu, scan, chunk_limit, config.lod.cull_backfaces, job),
@@ -328,7 +329,7 @@ fn has_stopped(error: &anyhow::Error) -> bool {
 const PASSES: &str = "points in several passes";
 
 /// Builds the octree of a scan and sends its nodes to the GPU as they come.
-fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, job: &Job) -> anyhow::Result<CloudBuffers> {
+fn layered(gpu: &Gpu, scan: points::Scan, chunk_limit: u64, job: &Job) -> anyhow::Result<CloudBuffers> {
     // Points are counted twice as the octree is built, and once as they are sent.
     let building = Progress::new("building the octree", PASSES, 3 * scan.num_points() as u64, job);
     let sending = Progress::silent(job.stop());
@@ -345,7 +346,7 @@ fn layered(gpu: &Gpu, scan: scan::Scan, chunk_limit: u64, job: &Job) -> anyhow::
 /// Builds the sequential point tree of a scan and sends it to the GPU.
 fn sequential(
     gpu: &Gpu,
-    scan: scan::Scan,
+    scan: points::Scan,
     chunk_limit: u64,
     cull_backfaces: bool,
     job: &Job,
@@ -361,7 +362,7 @@ fn sequential(
 }
 
 /// What the window's panel says of the scan.
-fn scan_facts(scan: &scan::Scan) -> Vec<(String, String)> {
+fn scan_facts(scan: &points::Scan) -> Vec<(String, String)> {
     let size = scan.bounds_in_file().size();
     let mut facts = vec![("points".to_string(), words::grouped(scan.num_points()))];
     facts.push(("size".into(), format!("{:.2} × {:.2} × {:.2}", size.x, size.y, size.z)));
@@ -456,12 +457,13 @@ mod tests {
             let mut config = Config::default();
             config.lod.method = method;
             let xyz: Vec<[i32; 3]> = (0..3000).map(|i| [i * 37 % 1000, i * 91 % 1000, i / 30]).collect();
-            let points = scan::Points { rgb: vec![[100; 3]; xyz.len()], xyz, ..Default::default() };
-            let file = scan::ScanFile { points, ..Default::default() };
+            let points = points::Points { rgb: vec![[100; 3]; xyz.len()], xyz, ..Default::default() };
+            let file = points::ScanFile { points, ..Default::default() };
             let lattice = file.lattice;
             let positions = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
-            let bounds = positions.fold(crate::space::Bounds::EMPTY, crate::space::Bounds::with);
-            let scan = scan::Scan { files: vec![scan::ScanFile { bounds, ..file }], ..Default::default() };
+            let bounds = positions.fold(base::space::Bounds::EMPTY, base::space::Bounds::with);
+            let scan =
+                points::Scan { files: vec![points::ScanFile { bounds, ..file }], ..Default::default() };
             let (link, _commands, viewer) = link::link();
             let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
             let seen = Arc::clone(&counts);

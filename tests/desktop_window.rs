@@ -5,12 +5,10 @@
 //! main thread): this program again, with a role in the environment.
 
 mod desktop_support;
-#[path = "support/xwd.rs"]
-mod xwd;
 
 use desktop_support::child::{ROLE, Window};
-use desktop_support::screen::{Picture, Screen, wait_for};
 use desktop_support::walk::{self, EYE_PX, QUARTERS};
+use kit::screen::{Picture, Screen, wait_for};
 
 const CASES: &[(&str, fn())] = &[
     ("the_mirror_shows_exact_colors_and_keeps_its_shape", the_mirror_shows_exact_colors_and_keeps_its_shape),

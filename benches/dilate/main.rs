@@ -8,11 +8,11 @@ mod timed;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use scanwalk::gpu::stage::Stage;
-use scanwalk::gpu::timer::Timer;
-use scanwalk::gpu::{Gpu, readback};
-use scanwalk::layout::{self, DilateUniform, ResolveUniform, Variant};
-use scanwalk::render::{shaders, tiles};
+use render::gpu::stage::Stage;
+use render::gpu::timer::Timer;
+use render::gpu::{Gpu, readback};
+use render::layout::{self, DilateUniform, ResolveUniform, Variant};
+use render::{shaders, tiles};
 use std::io::{self, Write};
 use timed::{Spread, Timed};
 use wgpu::BufferUsages;

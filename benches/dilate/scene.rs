@@ -1,8 +1,8 @@
 //! What is dilated: a bright disc before a dark wall, as far too few points show them.
 
+use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
-use scanwalk::layout::{Detail, EMPTY_DEPTH, ViewUniform};
-use scanwalk::space::{Bounds, Eye, Fov, Pose, Split, View};
+use render::layout::{Detail, EMPTY_DEPTH, ViewUniform};
 
 /// Depth bits and colour of each pixel. Of the disc and of the wall, `empty_percent` of the pixels are missing, and
 /// where the disc has gaps the wall shows through.

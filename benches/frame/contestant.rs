@@ -3,17 +3,17 @@
 use crate::heat::{Entry, Plan};
 use crate::scene::Scene;
 use anyhow::{Context, Result};
-use scanwalk::bench::point_list::{self, PointList};
-use scanwalk::cloud::Cloud;
-use scanwalk::gpu::Gpu;
-use scanwalk::look::Look;
-use scanwalk::progress::Progress;
-use scanwalk::render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
-use scanwalk::space::View;
-use scanwalk::timing::STAGES;
-use scanwalk::twin::resolve::Pixel;
+use base::progress::Progress;
+use base::space::View;
+use cloud::Cloud;
+use lab::bench::point_list::{self, PointList};
+use lab::twin::resolve::Pixel;
+use render::Look;
+use render::gpu::Gpu;
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
 use std::sync::Arc;
 use std::time::Instant;
+use timing::STAGES;
 
 /// sRGB, as headsets have it.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;

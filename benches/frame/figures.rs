@@ -3,8 +3,8 @@
 use crate::contestant::Sample;
 use crate::heat::{Part, Ratio};
 use crate::timed::Spread;
-use scanwalk::timing::STAGES;
 use std::io::{self, Write};
+use timing::STAGES;
 
 /// All samples of one heat from one viewpoint.
 pub struct Figures {

@@ -1,9 +1,11 @@
 //! Which ways to draw take turns, and what is told of them.
 
-use scanwalk::config::{Config, Dilate, FrameConfig, Quality};
-use scanwalk::gpu::Atomics;
-use scanwalk::look::Look;
-use scanwalk::method::{Access, Method};
+use render::Look;
+use render::gpu::Atomics;
+use render::options::{Dilate, Quality};
+use render::{Access, Method};
+use scanwalk::config::{Config, FrameConfig};
+use scanwalk::resolve;
 
 /// Hardware points take seconds a frame above this many points, so there they stay out.
 pub const MAX_HARDWARE_POINTS: u64 = 16_000_000;
@@ -196,12 +198,12 @@ fn hqs(fade: bool) -> Look {
         FrameConfig { quality: Quality::Hqs, dilate: Dilate::Off, fill: false, ..FrameConfig::default() };
     let mut config = Config { frame, ..Config::default() };
     config.lod.fade = fade;
-    Look::of(&config)
+    resolve::look(&config)
 }
 
 /// The frame as the program draws it unless told otherwise.
 fn whole() -> Look {
-    Look::of(&Config::default())
+    resolve::look(&Config::default())
 }
 
 /// All of it but larger points.

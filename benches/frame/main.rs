@@ -14,12 +14,12 @@ mod scene;
 mod timed;
 
 use anyhow::{Context, Result};
+use base::space::View;
 use clap::Parser;
 use contestant::Contestant;
 use figures::{Figures, print_growth};
 use heat::{Entry, Heat, MAX_HARDWARE_POINTS};
-use scanwalk::gpu::Gpu;
-use scanwalk::space::View;
+use render::gpu::Gpu;
 use scene::Scene;
 use std::io::{self, Write};
 use std::sync::Arc;

@@ -1,14 +1,14 @@
 //! The made-up scan that is looked at, and from where.
 
 use anyhow::Result;
+use base::output::{Output, OutputKind};
+use base::progress::{Progress, Stop};
+use base::space::{Eye, Fov, Pose, View};
+use cloud::octree::{Octree, build_octree};
+use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use scanwalk::cloud::octree::{Octree, build_octree};
-use scanwalk::cloud::{self, Cloud, Order};
-use scanwalk::output::{Output, OutputKind};
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, ReadOptions};
-use scanwalk::space::{Eye, Fov, Pose, View};
-use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use points::{self, ReadOptions};
 
 /// The whole, and a place inside from which culling matters.
 const VIEWPOINTS: [&str; 2] = ["overview", "hall"];
@@ -38,7 +38,7 @@ impl Scene {
         let stop = Stop::default();
         let output = Output::new(&out, OutputKind::Scan)?;
         synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
-        let scan = scan::read(&[out], &ReadOptions::default(), &stop)?;
+        let scan = points::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
         Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
     }

@@ -4,15 +4,17 @@ use super::picture::{Picture, only_eye};
 use super::scene::Scene;
 use super::supersample::{self, FACTOR};
 use anyhow::{Context, Result};
-use scanwalk::bench::point_list::{self, PointList};
-use scanwalk::cloud::Cloud;
-use scanwalk::config::{Config, Dilate, FrameConfig, Precision, Quality};
-use scanwalk::gpu::{Gpu, readback};
-use scanwalk::look::Look;
-use scanwalk::progress::Progress;
-use scanwalk::render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
-use scanwalk::space::View;
-use scanwalk::twin::resolve::depth_of;
+use base::progress::Progress;
+use base::space::View;
+use cloud::Cloud;
+use lab::bench::point_list::{self, PointList};
+use lab::twin::resolve::depth_of;
+use render::Look;
+use render::gpu::{Gpu, readback};
+use render::options::{Dilate, Precision, Quality, Tier};
+use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
+use scanwalk::config::{Config, FrameConfig};
+use scanwalk::resolve;
 use std::sync::Arc;
 
 /// What nothing looks like, in the truth and for all contestants.
@@ -46,7 +48,7 @@ pub const CONTESTANTS: [(&str, Make); 9] = [
     }),
     // The frame as the program draws it unless told otherwise.
     ("lod-hqs-fade-fill-rings", |gpu, scene, size_px| {
-        layered(gpu, scene, size_px, Look::of(&Config::default()))
+        layered(gpu, scene, size_px, resolve::look(&Config::default()))
     }),
 ];
 
@@ -57,7 +59,7 @@ fn hqs(switch_on: &dyn Fn(&mut Config)) -> Look {
     config.frame.quality = Quality::Hqs;
     (config.frame.dilate, config.frame.fill, config.lod.fade) = (Dilate::Off, false, false);
     switch_on(&mut config);
-    Look::of(&config)
+    resolve::look(&config)
 }
 
 fn flat(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
@@ -103,7 +105,7 @@ struct Compute {
 
 impl Compute {
     fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
-        let atomics = render::tier(gpu, &Config::default())?;
+        let atomics = render::tier(gpu, Tier::Auto, &Look::default())?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, look)?;
         renderer.set_cloud(cloud)?;

@@ -2,8 +2,8 @@
 
 use super::metrics::{Holes, largest_patch_change, mean_change, mean_own_change, psnr_db, ssim, within_ring};
 use super::picture::{Picture, only_eye};
-use scanwalk::space::View;
-use scanwalk::timing::percentile::Sorted;
+use base::percentile::Sorted;
+use base::space::View;
 use std::io::{self, Write};
 
 /// Radius of the centre ring, degrees from the gaze.

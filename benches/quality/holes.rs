@@ -2,20 +2,20 @@
 //! presets and steps of the governor.
 
 use anyhow::{Context, Result};
+use base::space::{Bounds, Eye, Fov, Pose, View};
 use glam::DVec3;
+use points::{ColorSource, Lattice, Points, Scan, ScanFile};
+use render::gpu::{Gpu, readback};
+use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
 use scanwalk::config::{self, Config};
-use scanwalk::gpu::{Gpu, readback};
-use scanwalk::look::Look;
-use scanwalk::render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
-use scanwalk::scan::{ColorSource, Lattice, Points, Scan, ScanFile};
-use scanwalk::space::{Bounds, Eye, Fov, Pose, View};
+use scanwalk::resolve;
 use std::sync::Arc;
 
 /// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
 pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
 /// How near to what is empty a filled pixel belongs to an outline: dilation takes a point as far beyond the surface, with or
 /// without level of detail.
-pub const OUTLINE_PX: usize = scanwalk::layout::DILATE_REACH_PX as usize;
+pub const OUTLINE_PX: usize = render::layout::DILATE_REACH_PX as usize;
 /// No point has this color.
 const EMPTY_RGB: [u8; 3] = [255, 0, 255];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -121,9 +121,9 @@ impl Drawer {
     /// # Errors
     /// If the size does not fit the GPU.
     pub fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, config: &Config, size_px: [u32; 2]) -> Result<Self> {
-        let atomics = render::tier(gpu, config)?;
+        let atomics = render::tier(gpu, config.gpu.tier, &resolve::look(config))?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
-        let mut renderer = Renderer::new(gpu, setup, Look::of(config))?;
+        let mut renderer = Renderer::new(gpu, setup, resolve::look(config))?;
         renderer.set_cloud(cloud)?;
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let image = gpu.texture("image", size_px, FORMAT, usage);
@@ -140,7 +140,7 @@ impl Drawer {
     /// # Errors
     /// If the device is lost.
     pub fn draw(&mut self, config: &Config, view: &View, lod_scale: f32) -> Result<Drawn> {
-        self.renderer.set_look(Look::of(config))?;
+        self.renderer.set_look(resolve::look(config))?;
         self.renderer.set_lod_scale(lod_scale);
         let color = &self.image.create_view(&wgpu::TextureViewDescriptor::default());
         self.frame += 1;

@@ -14,14 +14,14 @@ mod scene;
 mod supersample;
 
 use anyhow::{Context, Result};
+use base::space::View;
 use clap::Parser;
 use contestant::{CONTESTANTS, Contestant, Truth};
 use figures::{Figures, Motion, Recording, Table};
 use holes_table::Holes;
+use lab::synth::Viewpoint;
 use picture::Picture;
-use scanwalk::gpu::Gpu;
-use scanwalk::space::View;
-use scanwalk::synth::Viewpoint;
+use render::gpu::Gpu;
 use scene::{SOURCES, Scene, Source};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

@@ -2,7 +2,7 @@
 //! display gets. `docs/bench/quality/README.md` says what each number means to a person.
 
 use super::picture::Picture;
-use scanwalk::space::Eye;
+use base::space::Eye;
 
 /// Peak signal-to-noise ratio in dB over the pixels that `counts` tells, all three channels alike; infinite for
 /// equal pictures, NaN where nothing counts.

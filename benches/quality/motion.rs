@@ -2,8 +2,8 @@
 //! of the walk only level of detail would notice.
 
 use super::picture::{only_eye, seen_from};
+use base::space::{Pose, View};
 use glam::{DQuat, DVec3};
-use scanwalk::space::{Pose, View};
 
 /// Largest turn of the trembling head about each of two axes.
 pub const TREMOR_DEG: f64 = 0.1;

@@ -1,6 +1,6 @@
 //! A drawn eye, on the CPU.
 
-use scanwalk::space::{Eye, Pose, View};
+use base::space::{Eye, Pose, View};
 
 /// What an eye sees. Pixels row by row, the top left first.
 #[derive(Clone, Debug, PartialEq)]

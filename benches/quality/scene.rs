@@ -1,14 +1,14 @@
 //! The scans that are looked at, and from where.
 
 use anyhow::{Context, Result};
+use base::output::{Output, OutputKind};
+use base::progress::{Progress, Stop};
+use base::space::{Eye, Fov, Pose, View};
+use cloud::octree::{Octree, build_octree};
+use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use scanwalk::cloud::octree::{Octree, build_octree};
-use scanwalk::cloud::{self, Cloud, Order};
-use scanwalk::output::{Output, OutputKind};
-use scanwalk::progress::{Progress, Stop};
-use scanwalk::scan::{self, ReadOptions, Scan};
-use scanwalk::space::{Eye, Fov, Pose, View};
-use scanwalk::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use points::{self, ReadOptions, Scan};
 use std::path::PathBuf;
 
 /// Angle of an eye's image from the axis to each of its edges, in degrees.
@@ -137,7 +137,7 @@ fn made(kind: Kind, points: u64) -> Result<Scan> {
     let out = folder.path().join("scan.las");
     let output = Output::new(&out, OutputKind::Scan)?;
     synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, &Stop::default())?;
-    Ok(scan::read(&[out], &ReadOptions::default(), &Stop::default())?)
+    Ok(points::read(&[out], &ReadOptions::default(), &Stop::default())?)
 }
 
 fn data_folder() -> Option<PathBuf> {
@@ -146,7 +146,7 @@ fn data_folder() -> Option<PathBuf> {
 
 fn room() -> Result<Scan> {
     let folder = data_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
-    Ok(scan::read(&[folder.join(ROOM)], &ReadOptions::default(), &Stop::default())?)
+    Ok(points::read(&[folder.join(ROOM)], &ReadOptions::default(), &Stop::default())?)
 }
 
 /// Every so many-th point in the file's order.

@@ -2,7 +2,7 @@
 //! (so that it fits wherever the picture itself does), then averaged.
 
 use super::picture::{Picture, only_eye};
-use scanwalk::space::{Eye, Fov, View};
+use base::space::{Eye, Fov, View};
 
 /// Samples a pixel, an axis; and parts of the field of view, an axis.
 pub const FACTOR: u32 = 4;

@@ -1,9 +1,9 @@
 //! What benchmarks share that time the GPU: arguments, the device, the file of samples, medians.
 
 use anyhow::{Context, Result, ensure};
+use base::percentile::Sorted;
 use clap::Args;
-use scanwalk::gpu::Gpu;
-use scanwalk::timing::percentile::Sorted;
+use render::gpu::Gpu;
 use std::fmt;
 use std::fs::File;
 use std::io::BufWriter;

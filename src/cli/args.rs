@@ -1,8 +1,8 @@
 //! Arguments of the smaller commands.
 
 use super::parse;
-use crate::synth;
 use clap::{Args, ValueEnum};
+use lab::synth;
 use std::path::PathBuf;
 
 /// Say what is in the files.

@@ -3,12 +3,19 @@
 use super::exit::Usage;
 use super::report::bench_document;
 use super::{BenchArgs, BenchTable};
-use crate::bench::{self, BenchOptions, Table};
 use crate::config::Config;
-use crate::output::{OutputKind, Outputs};
-use crate::progress::Stop;
-use crate::report::BenchResults;
+use crate::resolve;
+use crate::walk::start::start;
+use base::output::{OutputKind, Outputs};
+use base::progress::Stop;
+use glam::DVec3;
+use lab::bench::{self, BenchOptions, Table};
+use lab::report::BenchResults;
+use points::Scene;
 use std::io::{self, Write};
+
+/// The eye above the floor, metres.
+const EYE_HEIGHT_M: f64 = 1.7;
 
 /// Measures, writes the page if one is wanted, prints the results.
 pub(super) fn run(
@@ -32,13 +39,18 @@ pub(super) fn run(
     }
     let options = BenchOptions {
         scan: args.scan.clone(),
+        read: resolve::read(config),
+        eyes,
+        adapter: config.gpu.adapter.clone(),
+        chunk_limit: resolve::chunk_limit(config),
+        headset_look: resolve::look(&Config::default()),
         tables,
         points: args.points.iter().map(|millions| (1e6 * millions).round() as u64).collect(),
         methods: args.method.clone(),
         num_runs: args.runs,
         size_px: args.size,
     };
-    let results = bench::run(&options, config, stop)?;
+    let results = bench::run(&options, stop)?;
     if let Some((output, out)) = outputs.take_one(OutputKind::Page).zip(args.out.as_ref()) {
         output.write(bench_document(&results, out).as_bytes())?;
     }
@@ -51,6 +63,12 @@ pub(super) fn run(
         write!(stdout, "{results}")?;
     }
     Ok(())
+}
+
+/// Where somebody stands who sees all of a scene, and where a walk begins.
+fn eyes(scene: &Scene, unit_m: f64) -> [DVec3; 2] {
+    let start = start(scene, unit_m);
+    [start.overview.0, start.floor_in_world].map(|floor| floor + DVec3::Z * EYE_HEIGHT_M * start.units_per_m)
 }
 
 /// A row a line. Names hold neither commas nor quotes, except those of the papers' GPUs and scans.

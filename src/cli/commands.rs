@@ -5,12 +5,12 @@ use super::{
     report,
 };
 use crate::config::{self, Config, ConfigError};
-use crate::output::{OutputKind, Outputs, Partials};
-use crate::progress::Stop;
-use crate::scan;
+use crate::resolve;
 use crate::shot::{self, ShotFov, ShotOptions};
-use crate::synth::{self, SynthOptions};
 use crate::view::{self, ViewOptions, Wish};
+use base::output::{OutputKind, Outputs, Partials};
+use base::progress::Stop;
+use lab::synth::{self, SynthOptions};
 
 /// Runs the command that was asked for.
 pub(super) fn run(cli: &Cli, partials: &Partials, stop: &Stop) -> anyhow::Result<()> {
@@ -19,7 +19,7 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &Stop) -> anyhow::Result
     match &cli.command {
         Command::View(args) => view(args, outputs, &config, stop),
         Command::Render(args) => render(args, outputs, &config, stop),
-        Command::Info(args) => scan::info::print(&args.scans, args.json, &config.cloud.read_options(), stop),
+        Command::Info(args) => points::info::print(&args.scans, args.json, &resolve::read(&config), stop),
         Command::Synth(args) => synth(args, outputs, stop),
         Command::Report(args) => report::run(args, outputs),
         Command::Doctor(args) => doctor::run(&config, args.json, stop),

@@ -2,9 +2,8 @@
 
 use crate::config::Config;
 use crate::desktop::{self, Server};
-use crate::gpu::{Atomics, Gpu};
-use crate::progress::Stop;
-use crate::xr;
+use base::progress::Stop;
+use render::gpu::{Atomics, Gpu};
 use serde::Serialize;
 use std::io::{self, Write};
 

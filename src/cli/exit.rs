@@ -1,10 +1,10 @@
 //! How the program ends: errors as one line for people, exit codes, signals; and what it says meanwhile.
 
 use crate::config::ConfigError;
-use crate::output::{OutputError, Partials};
-use crate::progress::Stop;
-use crate::synth::SynthError;
 use anyhow::Error;
+use base::output::{OutputError, Partials};
+use base::progress::Stop;
+use lab::synth::SynthError;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;

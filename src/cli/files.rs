@@ -1,7 +1,7 @@
 //! What each command reads and writes: all of it is declared here, before the command begins.
 
 use super::{Cli, Command, Usage};
-use crate::output::{Files, OutputKind, Outputs, Partials};
+use base::output::{Files, OutputKind, Outputs, Partials};
 use std::path::{Path, PathBuf};
 
 /// Checks the files of the command that was asked for; gives what it may write.

@@ -20,7 +20,7 @@ pub use exit::Usage;
 pub use render::{Lod, RenderArgs};
 pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
 
-use crate::output::Partials;
+use base::output::Partials;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;

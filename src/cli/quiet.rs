@@ -6,8 +6,6 @@
 //! keeps silent. Each of them documents a variable of the environment that turns this off, and has no other way; each reads
 //! it when it is loaded. What the user has set stays, and `-vv` lets the loaders speak.
 
-#![allow(unsafe_code, reason = "the environment is set before there are threads")]
-
 use std::env;
 use std::ffi::OsStr;
 
@@ -17,8 +15,7 @@ const VERBOSE: u8 = 2;
 /// To be called first in the program: variables of the environment may be set while it has one thread.
 pub(super) fn libraries(verbose: u8) {
     for (name, value) in wanted(verbose, |name| env::var_os(name).is_some_and(|value| !value.is_empty())) {
-        // SAFETY: `cli::main` is the program's first act, so no other thread can read the environment meanwhile.
-        unsafe { env::set_var(OsStr::new(name), OsStr::new(value)) };
+        raw::environment::set(OsStr::new(name), OsStr::new(value));
     }
 }
 

@@ -1,11 +1,12 @@
 //! Arguments of `scanwalk render`.
 
 use super::parse;
-use crate::cloud::Order;
-use crate::config::{Config, Dilate, LodMethod, Precision, Quality};
-use crate::method::Method;
+use crate::config::{Config, LodMethod};
 use clap::{Args, ValueEnum};
+use cloud::Order;
 use glam::DVec3;
+use render::Method;
+use render::options::{Dilate, Precision, Quality};
 use std::path::PathBuf;
 
 /// The preset of pictures unless another is asked for.

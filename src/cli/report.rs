@@ -1,12 +1,12 @@
 //! `scanwalk report`: what measurements say, as text on stdout, and as a page if one is wanted.
 
 use super::{ReportArgs, Usage};
-use crate::output::{Output, OutputKind, Outputs};
-use crate::report::{BenchResults, Comparison, Summary, bench_markdown, bench_page, walk_page, worst_poses};
-use crate::timing::{self, FrameLogFile};
 use anyhow::Context;
+use base::output::{Output, OutputKind, Outputs};
+use lab::report::{BenchResults, Comparison, Summary, bench_markdown, bench_page, walk_page, worst_poses};
 use std::io::{self, Write};
 use std::path::Path;
+use timing::{self, FrameLogFile};
 
 /// Reads what is named, writes the files that are wanted, prints the text.
 pub(super) fn run(args: &ReportArgs, mut outputs: Outputs) -> anyhow::Result<()> {

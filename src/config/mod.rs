@@ -13,9 +13,10 @@ pub use assign::Place;
 pub use load::{ConfigError, load};
 pub use presets::{PRESETS, Preset};
 
-use crate::cloud::Order;
-use crate::method::Method;
-use crate::scan::{Project, ReadOptions, Unit, Up};
+use cloud::Order;
+use points::{Project, Unit, Up};
+use render::Method;
+use render::options::{Dilate, EarlyZLoad, Overlay, Precision, Quality, Tier};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set.
@@ -88,32 +89,6 @@ pub struct GpuConfig {
     pub bounds_checks: bool,
 }
 
-/// How early-z loads the pixel that it looks at, before it asks for it by an atomic operation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EarlyZLoad {
-    /// By an atomic load, which a GPU may take past its first cache.
-    #[default]
-    Atomic,
-    /// By a plain load, as the papers do: what it sees may be out of date, which costs an atomic operation and no more.
-    Plain,
-}
-
-/// What the stages ask of the GPU's atomics (frame.md section 7). Each tier draws the same picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Tier {
-    /// The best that the GPU has.
-    #[default]
-    Auto,
-    /// 64-bit minimum and addition.
-    Int64,
-    /// 64-bit minimum; sums by 32-bit additions.
-    Int64Minmax,
-    /// 32-bit minimum and addition.
-    Int32,
-}
-
 /// `[cloud]`
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -132,15 +107,6 @@ pub struct CloudConfig {
     pub project: Project,
     /// Draw points that files say are withheld.
     pub show_withheld: bool,
-}
-
-impl CloudConfig {
-    /// How files are read.
-    #[must_use]
-    pub fn read_options(&self) -> ReadOptions {
-        let Self { up, unit, vertical_unit, project, strict, show_withheld, .. } = *self;
-        ReadOptions { up, unit, vertical_unit, project, strict, show_withheld }
-    }
 }
 
 /// `[frame]`
@@ -181,40 +147,7 @@ impl Default for FrameConfig {
     }
 }
 
-/// What a pixel shows of the points in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Quality {
-    /// The nearest point's color.
-    #[default]
-    Closest,
-    /// High-quality shading: the blend of the nearest points.
-    Hqs,
-}
-
-impl Quality {
-    /// As the configuration and the frame log write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Closest => "closest",
-            Self::Hqs => "hqs",
-        }
-    }
-}
-
-/// How gaps between points are filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Dilate {
-    /// Not at all.
-    #[default]
-    Off,
-    /// By kernels that grow with the angle from the gaze.
-    Rings,
-}
-
-/// `[fovea]`: one fovea, in degrees from the gaze, for level of detail and dilation (frame.md section 4).
+/// `[fovea]`: one fovea, in degrees from the gaze, for level of detail and dilation (docs/FRAME.md §4).
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FoveaConfig {
@@ -266,7 +199,7 @@ impl Default for LodConfig {
             method: LodMethod::Octree,
             threshold_px: [100.0, 200.0, 300.0],
             fade: true,
-            error_px: 1.0,
+            error_px: render::DEFAULT_ERROR_PX,
             cull_backfaces: false,
         }
     }
@@ -286,17 +219,6 @@ impl Default for GovernorConfig {
     fn default() -> Self {
         Self { enabled: true, budget: 0.8 }
     }
-}
-
-/// Coordinate bits read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Precision {
-    /// 10, 20 or 30 bits by the batch's projected size.
-    #[default]
-    Auto,
-    /// All 30 bits.
-    Full,
 }
 
 /// `[headset]`
@@ -400,49 +322,4 @@ pub enum Mirror {
     Right,
     /// Side by side.
     Both,
-}
-
-/// What the window draws over the mirror, to see how a frame comes about. The headset never shows it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Overlay {
-    /// Nothing.
-    #[default]
-    None,
-    /// The rings round the gaze.
-    Rings,
-    /// The cubes of the nodes that are drawn, by level.
-    Nodes,
-    /// How many points a pixel blends.
-    Overdraw,
-    /// How far away a pixel's surface is.
-    Depth,
-    /// The boxes of visible batches, by the bits that are read of their points.
-    Precision,
-}
-
-impl Overlay {
-    /// All, in the order that the user steps through them.
-    pub const ALL: [Self; 6] =
-        [Self::None, Self::Rings, Self::Nodes, Self::Overdraw, Self::Depth, Self::Precision];
-
-    /// As the configuration and the names of screenshots write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Rings => "rings",
-            Self::Nodes => "nodes",
-            Self::Overdraw => "overdraw",
-            Self::Depth => "depth",
-            Self::Precision => "precision",
-        }
-    }
-
-    /// The one after it; after the last comes the first.
-    #[must_use]
-    pub fn next(self) -> Self {
-        let at = Self::ALL.iter().position(|&overlay| overlay == self).unwrap_or(0);
-        Self::ALL[(at + 1) % Self::ALL.len()]
-    }
 }

@@ -2,8 +2,9 @@
 //! go in, at most one command comes out of each.
 
 use super::keys::{self, Action, Input};
-use crate::config::{Mirror, Overlay, WindowConfig};
+use crate::config::{Mirror, WindowConfig};
 use crate::walk::link::Command;
+use render::options::Overlay;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
 

@@ -1,9 +1,9 @@
 //! The last seconds of frames: what the panel's plot and figures are made of.
 
-use crate::timing::percentile::Sorted;
-use crate::timing::{FrameRow, Phase};
+use base::percentile::Sorted;
 use std::collections::VecDeque;
 use std::time::Instant;
+use timing::{FrameRow, Phase};
 
 /// Seconds of frames kept.
 pub(super) const HISTORY_S: f64 = 5.0;

@@ -56,9 +56,9 @@ mod window;
 pub use server::{Server, is_named, server};
 
 use crate::config::Config;
-use crate::gpu::Gpu;
-use crate::progress::Stop;
 use crate::walk::link::ViewerEnd;
+use base::progress::Stop;
+use render::gpu::Gpu;
 use std::sync::Arc;
 use winit::event_loop::EventLoop;
 

@@ -2,8 +2,8 @@
 
 use super::numbers;
 use super::style::{self, BAD, FAINT, GOOD};
-use crate::progress::Done;
 use crate::walk::link::LoadState;
+use base::progress::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};
 

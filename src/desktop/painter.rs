@@ -2,8 +2,8 @@
 
 use super::mirror::MirrorPipeline;
 use crate::config;
-use crate::gpu::Gpu;
 use crate::walk::link::MirrorImages;
+use render::gpu::Gpu;
 
 /// Where nothing else is drawn: near black, a little bluish, so that an empty window is not a black hole.
 const EMPTY: [f64; 3] = [18.0 / 255.0, 20.0 / 255.0, 24.0 / 255.0];

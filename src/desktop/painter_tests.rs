@@ -4,12 +4,13 @@ use super::controls::{Controls, View};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
 use super::{WindowFacts, help, keys, notice, panel, style};
-use crate::config::{Mirror, Overlay, WindowConfig};
-use crate::gpu::Gpu;
-use crate::progress::Done;
-use crate::timing::FrameRow;
+use crate::config::{Mirror, WindowConfig};
 use crate::walk::link::{LoadState, MirrorImages};
+use base::progress::Done;
+use render::gpu::Gpu;
+use render::options::Overlay;
 use std::time::Instant;
+use timing::FrameRow;
 use wgpu::TextureFormat;
 
 /// A grey ramp of every 8-bit value, 16 × 16, and its negative for the other eye.

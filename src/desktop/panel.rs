@@ -4,11 +4,12 @@ use super::controls::{SPEED_LIMIT, View};
 use super::history::{History, Spread};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
 use super::{WindowFacts, numbers, plot};
-use crate::config::{Mirror, Overlay, Quality};
-use crate::timing::{FrameRow, STAGES};
+use crate::config::Mirror;
 use crate::walk::link::{Command, LoadState};
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use render::options::{Overlay, Quality};
 use std::time::Instant;
+use timing::{FrameRow, STAGES};
 
 /// Width of what is in the panel, points.
 const WIDTH: f32 = 264.0;

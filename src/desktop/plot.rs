@@ -2,9 +2,9 @@
 
 use super::history::{HISTORY_S, History};
 use super::style::{BAD, FAINT, STAGE_COLORS};
-use crate::timing::STAGES;
 use egui::{Color32, Stroke, Ui};
 use egui_plot::{AxisHints, FilledArea, GridMark, HLine, LineStyle, Plot, PlotUi, Points};
+use timing::STAGES;
 
 /// Height in points.
 const HEIGHT: f32 = 116.0;
@@ -117,8 +117,8 @@ fn grid_step(top_ms: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::desktop::history::tests::row;
-    use crate::timing::FrameRow;
     use std::time::Instant;
+    use timing::FrameRow;
 
     #[test]
     fn stages_stand_on_each_other_and_absent_times_count_nothing() {

@@ -6,7 +6,7 @@
 //! - Configuring waits for the GPU, under the queue lock; so a resize does it at most ten times a second.
 
 use super::DesktopError;
-use crate::gpu::Gpu;
+use render::gpu::Gpu;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

@@ -3,7 +3,7 @@
 //! container that inherited its name) is found before.
 
 use super::DesktopError;
-use crate::progress::Stop;
+use base::progress::Stop;
 use std::env;
 use std::io;
 use std::sync::mpsc::{RecvTimeoutError, channel};

@@ -1,7 +1,7 @@
 //! Colours and measures of everything that egui draws: dark, small, calm.
 
-use crate::timing::STAGES;
 use egui::{Color32, CornerRadius, FontFamily, FontId, Frame, Margin, RichText, Stroke, TextStyle, vec2};
+use timing::STAGES;
 
 /// Ordinary text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(222, 226, 232);

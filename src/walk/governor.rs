@@ -10,7 +10,7 @@
 //! picture is still good, and stays until the load is another. Only trying tells: how much a rung saves is not known
 //! before.
 //!
-//! What counts are frames of the walk: see [`crate::timing::Phase`].
+//! What counts are frames of the walk: see [`timing::Phase`].
 //!
 //! Pure arithmetic on times that others measured; it allocates when made and when a walk begins, never in between.
 
@@ -19,9 +19,9 @@ mod ladder;
 pub use ladder::Settings;
 
 use crate::config::Config;
-use crate::timing::Phase;
 use ladder::{NEW_LOAD, Rung, good_rung, ladder, later};
 use std::fmt;
+use timing::Phase;
 
 /// Frames that are looked back on.
 const WINDOW: usize = 9;
@@ -126,7 +126,7 @@ pub struct Governor {
 }
 
 impl Governor {
-    /// At the top of the ladder: what [`crate::look::Look::of`] the configuration says.
+    /// At the top of the ladder: what [`crate::resolve::look`] the configuration says.
     #[must_use]
     pub fn new(config: &Config) -> Self {
         Self {

@@ -2,12 +2,12 @@
 //! rows that nobody takes are dropped, commands queue up, the mirror's textures change hands only at start
 //! and when their size changes.
 
-use crate::config::Overlay;
-use crate::progress::{Count, Done};
-use crate::timing::FrameRow;
+use base::progress::{Count, Done};
+use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use timing::FrameRow;
 
 /// What the user asks of the walk from the desktop.
 #[derive(Clone, Copy, Debug, PartialEq)]

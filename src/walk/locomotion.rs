@@ -1,11 +1,12 @@
 //! Getting about: where the stage (the headset's play space) stands in the world, and how sticks, keys and mouse
 //! move it. Pure arithmetic in f64; the frame thread calls it once a frame.
 
-use super::{ControllerInput, StageEye, link::Command};
+use super::link::Command;
 use crate::config::LocomotionConfig;
-use crate::space::{Eye, Pose, View};
+use base::space::{Eye, Pose, View};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
+use xr::{ControllerInput, StageEye};
 
 /// Stick deflection below this is noise.
 const DEAD_ZONE: f32 = 0.15;
@@ -199,7 +200,7 @@ pub fn head_of(eyes: &[StageEye; 2]) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::Fov;
+    use base::space::Fov;
 
     fn start() -> Start {
         Start {

@@ -1,9 +1,9 @@
 //! Masks of the pixels that the lenses hide, made on a thread of their own: an image of millions of pixels takes
 //! longer than a frame. Until a mask is there, nothing is hidden.
 
-use super::hidden_area::HiddenArea;
-use crate::space::Fov;
+use base::space::Fov;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use xr::hidden_area::HiddenArea;
 
 /// What a mask is for: fields of view and sizes of both eyes' images.
 type For = ([Fov; 2], [[u32; 2]; 2]);

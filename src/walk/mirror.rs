@@ -2,9 +2,9 @@
 //! them, else copies. Overlays go over copies only.
 
 use super::link::{MirrorImages, WalkEnd};
-use crate::config::Overlay;
-use crate::gpu::Gpu;
-use crate::render::{Overlays, Renderer};
+use render::gpu::Gpu;
+use render::options::Overlay;
+use render::{Overlays, Renderer};
 
 /// What the window shows of the frames.
 #[derive(Debug)]

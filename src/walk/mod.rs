@@ -1,16 +1,14 @@
 //! The walk: one thread draws a frame after the other for a headset, real or simulated.
 //!
 //! The loop reads as the frame's contents list; what differs between an OpenXR runtime and the simulated
-//! headset stands behind [`Headset`].
+//! headset stands behind [`xr::Headset`].
 
 pub mod governor;
-pub mod hidden_area;
 pub mod link;
 pub mod locomotion;
 mod masks;
 mod mirror;
 mod part;
-pub mod pose_path;
 mod run;
 mod screenshot;
 pub mod simulated;
@@ -20,106 +18,3 @@ mod tube;
 mod waiting;
 
 pub use run::{Loaded, Walk, WalkSummary};
-
-use crate::space::{Fov, Pose};
-use glam::DVec3;
-use hidden_area::HiddenArea;
-use std::time::Duration;
-
-/// What the headset wants next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Beat {
-    /// Draw a frame (or, with `should_render` false, only keep the runtime's rhythm).
-    Frame {
-        /// Predicted display time, nanoseconds of the headset's clock.
-        predicted_display_ns: i64,
-        /// Nanoseconds between two displays.
-        period_ns: i64,
-        /// False: nobody would see it.
-        should_render: bool,
-    },
-    /// No session runs just now; ask again.
-    Idle,
-    /// The session is over: the user or the runtime ended it. The reason, for people.
-    Ended(&'static str),
-}
-
-/// An eye as the headset reports it, in stage space (metres, y up).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StageEye {
-    /// Pose of the eye in the stage.
-    pub stage_from_view: Pose,
-    /// Its field of view.
-    pub fov: Fov,
-    /// Where it looks, in view space, unit length; `None`: nobody tracks it.
-    pub gaze_in_view: Option<DVec3>,
-}
-
-/// Controller input of one frame; the simulated headset leaves it at rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ControllerInput {
-    /// Left stick, x right, y forward, each −1 to 1.
-    pub left_stick: [f32; 2],
-    /// Right stick, same.
-    pub right_stick: [f32; 2],
-    /// Reset pressed in this frame (an edge, not a level).
-    pub reset: bool,
-}
-
-/// The images of one frame, left then right; the frame fills both kinds.
-#[derive(Clone, Debug)]
-pub struct EyeImages {
-    /// What the eyes see.
-    pub color: [wgpu::Texture; 2],
-    /// How far away it is, where the headset takes that: as large as `color`, to be rendered to. A pixel holds
-    /// near ÷ depth, where depth is the linear one (w) and near that of the settings (`frame.near_m`), both in
-    /// one unit: 1 at the near plane, 0 infinitely far away and where nothing is.
-    pub depth: Option<[wgpu::Texture; 2]>,
-}
-
-/// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
-/// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
-pub trait Headset: Send {
-    /// For the log: "Monado(XRT) 25.0.0", "simulated".
-    fn runtime(&self) -> String;
-    /// Width, height of each eye's image, left then right.
-    fn eye_sizes(&self) -> [[u32; 2]; 2];
-    /// Displays a second.
-    fn refresh_hz(&self) -> f64;
-    /// Texture format of the images.
-    fn image_format(&self) -> wgpu::TextureFormat;
-    /// Texture format of the depth images; `None`: the headset takes none, and [`EyeImages::depth`] is `None`.
-    fn depth_format(&self) -> Option<wgpu::TextureFormat> {
-        None
-    }
-    /// What the lenses hide, left then right, when that is new: with the first frame, and after a change. `None`
-    /// for ever if the headset does not tell, or is not to be asked.
-    fn hidden_area(&mut self) -> Option<[HiddenArea; 2]> {
-        None
-    }
-    /// True for the simulated one: its images outlast `submit`, so the mirror needs no copy, and the mouse may
-    /// pitch its head, which would make people sick in a real one.
-    fn is_simulated(&self) -> bool {
-        false
-    }
-    /// From the next `submit` on, only so many pixels of each image are drawn, from the top left corner, and the
-    /// display stretches them over the whole view. At first it is all of them.
-    fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
-    /// Handles events, then blocks until the next frame should begin.
-    fn wait(&mut self) -> anyhow::Result<Beat>;
-    /// Controllers, as of now.
-    fn input(&mut self) -> anyhow::Result<ControllerInput>;
-    /// The eyes' images to draw into; valid until `submit`.
-    fn acquire(&mut self) -> anyhow::Result<EyeImages>;
-    /// The eyes at the frame's predicted display time. Called as late as possible.
-    fn locate(&mut self) -> anyhow::Result<[StageEye; 2]>;
-    /// Hands the recorded commands to the GPU and the images to the display. `None`: nothing was drawn
-    /// (`should_render` was false, `acquire` and `locate` not called).
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()>;
-    /// Asks the runtime to end the session; `wait` then returns [`Beat::Ended`] in time.
-    fn request_exit(&mut self);
-    /// How long an idle loop should sleep before it asks again.
-    fn idle_pause(&self) -> Duration {
-        Duration::from_millis(20)
-    }
-}

@@ -1,8 +1,8 @@
 //! A part of a scene that is so long and thin that who saw all of it would see a line: a corridor, a road, a strip.
 
-use crate::scan::Scene;
-use crate::space::Bounds;
+use base::space::Bounds;
 use glam::{DVec2, DVec3};
+use points::Scene;
 use std::borrow::Cow;
 
 /// Cells of the floor plan along each side of a square around the scene.

@@ -5,22 +5,22 @@ use super::link::{Command, WalkEnd};
 use super::locomotion::{Locomotion, Start, head_of};
 use super::masks::Masks;
 use super::mirror::Mirror;
-use super::pose_path::PosePath;
 use super::screenshot::Screenshots;
 use super::waiting::Waiting;
-use super::{Beat, Headset, StageEye};
 use crate::config::Config;
-use crate::gpu::Gpu;
-use crate::look::Look;
-use crate::progress::Stop;
-use crate::render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
-use crate::space::{Pose, View};
-use crate::timing::log::FrameLog;
-use crate::timing::{FrameRow, Phase, STAGES};
+use crate::resolve;
+use base::progress::Stop;
+use base::space::{Pose, View};
+use render::gpu::Gpu;
+use render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::time::{Duration, Instant};
+use timing::log::FrameLog;
+use timing::pose_path::PosePath;
+use timing::{FrameRow, Phase, STAGES};
+use xr::{Beat, Headset, StageEye};
 
 /// Rows that wait for their GPU times; a frame's times come back a few frames late.
 const MAX_PENDING_ROWS: usize = 32;
@@ -163,11 +163,11 @@ impl Frames {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
             depth_format: headset.depth_format(),
-            atomics: tier(&walk.gpu, walk.config)?,
+            atomics: tier(&walk.gpu, walk.config.gpu.tier, &resolve::look(walk.config))?,
         };
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
-        let renderer = Renderer::new(&walk.gpu, setup, Look::of(walk.config))?;
+        let renderer = Renderer::new(&walk.gpu, setup, resolve::look(walk.config))?;
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
         Ok(Self {
             renderer,

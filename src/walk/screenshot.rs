@@ -3,10 +3,10 @@
 
 use super::link::WalkEnd;
 use super::mirror::{Mirror, copy};
-use crate::config::Overlay;
-use crate::gpu::Gpu;
-use crate::output::{Output, OutputKind};
 use crate::shot::write_png;
+use base::output::{Output, OutputKind};
+use render::gpu::Gpu;
+use render::options::Overlay;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;

@@ -1,16 +1,16 @@
 //! The headset that stands in where there is none: the same stereo path with eye distance, field of view,
 //! resolution and refresh rate from the configuration.
 
-use super::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 use crate::config::SimulatedConfig;
-use crate::gpu::Gpu;
-use crate::render::IMAGE_USAGES;
-use crate::space::{Fov, Pose};
 use anyhow::Context;
+use base::space::{Fov, Pose};
 use glam::{DQuat, DVec3};
+use render::IMAGE_USAGES;
+use render::gpu::Gpu;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use xr::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;

@@ -5,9 +5,9 @@ use super::part::part;
 use super::surroundings::{Standing, standing};
 use super::tube;
 use crate::overview::{self, Lens};
-use crate::scan::Scene;
-use crate::space::{Bounds, Fov, Pose};
+use base::space::{Bounds, Fov, Pose};
 use glam::DVec3;
+use points::Scene;
 
 /// A scene whose middle half of points, along each axis but twice as wide, spans more metres than this is a landscape:
 /// look at it from its edge, from above.

@@ -2,9 +2,9 @@
 //! than arm's length; an open place has its ground on all sides. What has neither is an object, to be seen from
 //! outside. Size tells little: a statue may be larger than a room.
 
-use crate::scan::Scene;
-use crate::space::Bounds;
+use base::space::Bounds;
 use glam::{DVec2, DVec3};
+use points::Scene;
 
 /// Cells along the longer side of the floor plan, at most, their least edge, metres, and the points of a mean one.
 const MAX_CELLS: f64 = 64.0;

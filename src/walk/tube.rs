@@ -1,8 +1,8 @@
 //! A tunnel as round as a tube: its floor is no room's, being level nowhere, and still one stands in it. From outside the
 //! same surface is a pipe; but who scans a pipe has the ground below it, and one that is closed has ends.
 
-use crate::scan::Scene;
 use glam::{DVec2, DVec3};
+use points::Scene;
 
 /// Radius of a tube that one can stand in at least, metres, and its length in radii.
 const LEAST_RADIUS_M: f64 = 1.2;

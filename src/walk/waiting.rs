@@ -1,13 +1,13 @@
 //! While there is no scan: how far the loader is, shown in the room before the viewer.
 
-use super::StageEye;
 use super::link::WalkEnd;
 use super::locomotion::head_of;
-use crate::gpu::QueueGuard;
-use crate::progress::Done;
-use crate::render::Renderer;
-use crate::space::{Eye, Pose};
+use base::progress::Done;
+use base::space::{Eye, Pose};
 use glam::DVec3;
+use render::Renderer;
+use render::gpu::QueueGuard;
+use xr::StageEye;
 
 /// How far before the viewer it stands, metres.
 const AWAY_M: f64 = 2.0;

@@ -1,6 +1,6 @@
 //! The window's program as a child process, its lines, and the validation layer that watches it.
 
-use super::screen::{Picture, Pixel, Screen, wait_for};
+use kit::screen::{Picture, Pixel, Screen, wait_for};
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};

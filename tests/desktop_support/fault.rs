@@ -1,7 +1,7 @@
 //! A mistake on purpose: proves that the validation layer watches, synchronisation included.
 
 use ash::vk;
-use scanwalk::gpu::Gpu;
+use render::gpu::Gpu;
 
 /// Fills a buffer twice in one command buffer with no barrier between: a write-after-write hazard, which the
 /// layer reports while it is recorded; nothing is submitted.

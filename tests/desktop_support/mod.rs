@@ -2,5 +2,4 @@
 
 pub mod child;
 pub mod fault;
-pub mod screen;
 pub mod walk;

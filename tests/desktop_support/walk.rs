@@ -2,14 +2,14 @@
 //! into the mirror images at 30 Hz, offers rows, and prints the commands that come.
 
 use super::fault;
+use base::progress::{Job, Progress, Stop};
+use render::gpu::Gpu;
 use scanwalk::config::Config;
 use scanwalk::desktop::{Display, WindowFacts};
-use scanwalk::gpu::Gpu;
-use scanwalk::progress::{Job, Progress, Stop};
-use scanwalk::timing::{FrameRow, Phase};
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use timing::{FrameRow, Phase};
 
 /// Pixels of an eye's image.
 pub const EYE_PX: [u32; 2] = [480, 540];

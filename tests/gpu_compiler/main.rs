@@ -7,8 +7,8 @@
 mod radv;
 mod wgsl;
 
-use scanwalk::layout::{Sums, Variant};
-use scanwalk::render::shaders::{SHADERS, source};
+use render::layout::{Sums, Variant};
+use render::shaders::{SHADERS, source};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use crate::program::Program;
 use crate::scene::Scene;
-use crate::screen::{Screen, wait_for};
+use kit::screen::{Screen, wait_for};
 use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -2,9 +2,9 @@
 //! silent, and the walk ends cleanly whoever ends it.
 
 use crate::scene::{EYE_DISTANCE, Scene};
-use crate::xr_support::poses::{Packet, RemoteEye, RemotePose};
-use crate::xr_support::screen::Image;
-use crate::xr_support::{Compositor, Finished, Lab};
+use kit::xr::poses::{Packet, RemoteEye, RemotePose};
+use kit::xr::screen::Image;
+use kit::xr::{Compositor, Finished, Lab};
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -190,8 +190,8 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
         Some("EXITING"),
         "the runtime agreed to the end: {states:?}"
     );
-    let log = scanwalk::timing::read(&log).expect("a frame log");
-    let text = scanwalk::report::Summary::of(&log).to_string();
+    let log = timing::read(&log).expect("a frame log");
+    let text = lab::report::Summary::of(&log).to_string();
     assert!(text.contains("Monado"), "{text}");
     let rows = std::fs::read_to_string(scene.file("frames.csv")).expect("the log");
     let with_scan = rows.lines().filter(|l| !l.starts_with(['#', 'f'])).filter(|l| {

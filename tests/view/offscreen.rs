@@ -1,7 +1,6 @@
 //! Without headset and window: limits, logs, failures, and the way a signal ends it.
 
 use crate::scene::Scene;
-use scanwalk::timing;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;

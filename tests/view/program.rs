@@ -1,6 +1,6 @@
 //! A run of the program, ended if the test fails.
 
-use crate::screen::wait_for;
+use kit::screen::wait_for;
 use std::io::Read;
 use std::process::{Child, Command};
 

@@ -1,10 +1,10 @@
 //! What the walks look at: a made-up courtyard, and a red ball close before the viewer.
 
+use base::output::{Output, OutputKind};
+use base::progress::Stop;
+use base::space::Pose;
 use glam::DVec3;
-use scanwalk::output::{Output, OutputKind};
-use scanwalk::progress::Stop;
-use scanwalk::space::Pose;
-use scanwalk::synth::{self, Kind, SynthOptions};
+use lab::synth::{self, Kind, SynthOptions};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 

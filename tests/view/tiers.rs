@@ -2,9 +2,9 @@
 //! validation, has nothing to say.
 
 use crate::scene::Scene;
-use crate::xr_support::Runtime;
-use scanwalk::config::Quality;
-use scanwalk::method::Method;
+use kit::xr::Runtime;
+use render::Method;
+use render::options::Quality;
 use std::path::Path;
 
 /// Options of pictures that go through different shaders.

@@ -2,12 +2,12 @@
 
 use crate::program::Program;
 use crate::scene::Scene;
-use crate::screen::{Picture, Screen, wait_for};
-use crate::xr_support::Lab;
-use scanwalk::timing::{self, Phase};
+use kit::screen::{Picture, Screen, wait_for};
+use kit::xr::Lab;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use timing::{self, Phase};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 

@@ -2,7 +2,7 @@
 //! the user looks.
 
 use crate::probe::{Job, last};
-use crate::support::{Finished, Lab};
+use kit::xr::{Finished, Lab};
 
 /// What was submitted for each eye: the image's size, and if there was depth its size and minDepth, maxDepth, nearZ,
 /// farZ, as the API layer between us and the runtime saw it.
@@ -106,7 +106,7 @@ fn gaze(done: &Finished) -> [Option<glam::DVec3>; 2] {
 #[test]
 fn the_gaze_arrives_where_eyes_are_tracked() {
     let Some(lab) = Lab::enter() else { return };
-    let run = |runtime: crate::support::Runtime| {
+    let run = |runtime: kit::xr::Runtime| {
         let done = Job { exit_after: 30, ..Job::default() }.run(&runtime);
         done.assert_ok();
         done.assert_valid();

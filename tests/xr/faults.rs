@@ -1,7 +1,7 @@
 //! What goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
 
 use crate::probe::{JOB, Job, PROBE_ARGS, last, this_program};
-use crate::support::{Finished, Lab};
+use kit::xr::{Finished, Lab};
 use std::os::unix::fs::PermissionsExt;
 
 /// Runs the probe without an end of its own.

@@ -4,9 +4,6 @@
 //! this very binary again with the test [`probe::probe`] alone, which opens the headset and reports what it
 //! gets, a JSON object a line.
 
-#[path = "../support/xr/mod.rs"]
-mod support;
-
 mod extras;
 mod faults;
 mod picture;
@@ -14,5 +11,3 @@ mod probe;
 mod session;
 mod tracking;
 mod validation;
-#[path = "../support/xwd.rs"]
-mod xwd;

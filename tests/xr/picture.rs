@@ -1,9 +1,9 @@
 //! What the compositor shows is what was submitted, each eye on its own side.
 
 use crate::probe::Job;
-use crate::support::poses::Packet;
-use crate::support::screen::{Difference, Image};
-use crate::support::{Compositor, Lab};
+use kit::xr::poses::Packet;
+use kit::xr::screen::{Difference, Image};
+use kit::xr::{Compositor, Lab};
 use std::time::{Duration, Instant};
 
 /// Pixels of an eye on the virtual screen, which shows both side by side.

@@ -1,15 +1,15 @@
 //! The program that the tests run inside the runtime: a frame loop as the walk has it, with a test pattern.
 
-use crate::support::{Finished, Running, Runtime};
+use kit::xr::{Finished, Running, Runtime};
+use render::gpu::Gpu;
 use scanwalk::config::Config;
-use scanwalk::gpu::Gpu;
-use scanwalk::walk::hidden_area::HiddenArea;
-use scanwalk::walk::{Beat, EyeImages, Headset, StageEye};
-use scanwalk::xr::{self, XrHeadset};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use xr::hidden_area::HiddenArea;
+use xr::{self, XrHeadset};
+use xr::{Beat, EyeImages, Headset, StageEye};
 
 /// Carries the [`Job`] to the child.
 pub const JOB: &str = "SCANWALK_XR_PROBE";
@@ -103,7 +103,7 @@ fn probe() {
         config.frame.near_m = job.near_m;
     }
     (config.headset.depth_layer, config.headset.visibility_mask) = (!job.plain, !job.plain);
-    let (gpu, headset) = match xr::open(&config) {
+    let (gpu, headset) = match xr::open(&scanwalk::resolve::headset(&config)) {
         Ok(opened) => opened,
         Err(missing) => return report(&json!({ "missing": missing.to_string() })),
     };

@@ -1,7 +1,7 @@
 //! Sessions that go well.
 
 use crate::probe::{Job, frame, last};
-use crate::support::{Compositor, Device, Lab};
+use kit::xr::{Compositor, Device, Lab};
 
 #[test]
 fn frames_flow_in_focus_until_we_ask_to_leave() {

@@ -1,9 +1,9 @@
 //! Poses, fields of view, sticks and buttons arrive as the device has them.
 
 use crate::probe::{Frame, Job, frame};
-use crate::support::poses::{Packet, Remote, RemoteEye, RemoteHand, RemotePose};
-use crate::support::{Lab, Running};
 use glam::{DQuat, DVec3};
+use kit::xr::poses::{Packet, Remote, RemoteEye, RemoteHand, RemotePose};
+use kit::xr::{Lab, Running};
 
 /// Sends a state and waits for a frame that shows it.
 fn settle(run: &mut Running, remote: &mut Remote, packet: &Packet, shown: impl Fn(&Frame) -> bool) -> Frame {

@@ -1,9 +1,9 @@
 //! The validation layers are on and find mistakes: the negative controls of `assert_valid`.
 
 use crate::probe::Job;
-use crate::support::Lab;
+use kit::xr::Lab;
 use openxr as xr;
-use scanwalk::gpu::Gpu;
+use render::gpu::Gpu;
 
 /// A buffer of no bytes, which Vulkan forbids.
 #[allow(unsafe_code)] // The mistake is the point: wgpu would not make it.

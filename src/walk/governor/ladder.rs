@@ -1,8 +1,9 @@
 //! The governor's ladder: what there is to trade, from what was asked for down to the cheapest, and what was learnt of
 //! each rung.
 
-use crate::config::{Config, Quality};
-use crate::look::Look;
+use crate::config::Config;
+use crate::resolve;
+use render::options::Quality;
 
 /// LOD scales of the ladder below 1: a fourth fewer points each, where points lie on surfaces.
 const LOD_SCALES: [f32; 8] = [1.15, 1.32, 1.51, 1.73, 1.99, 2.28, 2.62, 3.0];
@@ -12,7 +13,7 @@ pub(super) const RESOLUTION_SCALES: [f32; 5] = [0.92, 0.84, 0.76, 0.68, 0.6];
 const MOST_SAVED_BY_CLOSEST: f32 = 2.0;
 /// The coarsest level of detail whose picture is still sharp: points of a node then lie `threshold_px` / 128 × this apart,
 /// 1.6, 3.1 and 4.7 pixels in the three rings, half of what dilation by rings reaches over or little more
-/// ([`crate::look::RINGS_REACH_PX`]); beyond, discs close the gaps, and blur.
+/// ([`render::RINGS_REACH_PX`]); beyond, discs close the gaps, and blur.
 const GOOD_LOD_SCALE: f32 = 1.99;
 
 /// Frames with room before a step up: half a second at 90 Hz.
@@ -99,7 +100,7 @@ pub(super) fn later(patience: u32) -> u32 {
 /// What there is to trade, dearest first. Only what was asked for if the governor is off. `has_detail`: the cloud that is
 /// shown can be drawn with fewer points.
 pub(super) fn ladder(config: &Config, has_detail: bool) -> Vec<Rung> {
-    let mut now = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality: Look::of(config).quality };
+    let mut now = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality: resolve::look(config).quality };
     let mut ladder = vec![Rung::new(now)];
     if !config.governor.enabled {
         return ladder;

@@ -3,9 +3,9 @@
 
 use super::ladder::RESOLUTION_SCALES;
 use super::*;
-use crate::config::Quality;
-use crate::look::Look;
-use crate::method::Method;
+use crate::resolve;
+use render::Method;
+use render::options::Quality;
 use std::collections::VecDeque;
 
 const PERIOD_MS: f32 = 1000.0 / 90.0;
@@ -443,7 +443,7 @@ fn the_top_is_what_is_drawn_and_no_rung_is_dearer() {
         for asked in [Quality::Closest, Quality::Hqs] {
             let mut config = Config::default();
             (config.frame.method, config.frame.quality) = (method, asked);
-            let drawn = Look::of(&config).quality;
+            let drawn = resolve::look(&config).quality;
             let mut run = calm(Governor::new(&config));
             assert_eq!(run.governor.settings().quality, drawn, "{method:?}, {asked:?}");
             run.under(Load::of(10.0), 500);

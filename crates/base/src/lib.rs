@@ -1,0 +1,9 @@
+//! What every room uses and no room owns: spaces, long work and its progress, words, random numbers, percentiles, and the
+//! files that are written.
+
+pub mod output;
+pub mod percentile;
+pub mod progress;
+pub mod random;
+pub mod space;
+pub mod words;

@@ -1,0 +1,258 @@
+//! Scan to cloud: order, cut into batches, quantise; every step on all cores.
+
+use super::index::Index;
+use super::quantize::{Cells, planes};
+use super::{Batch, Cloud, GROUP_POINTS, Order, morton};
+use crate::format::{BATCH_POINTS, POINTS_PER_LOAD};
+use base::progress::Progress;
+use base::space::{Bounds, Split};
+use glam::DVec3;
+use points::{FARTHEST, Scan, Scene};
+use rayon::prelude::*;
+
+/// Why no cloud came of a scan.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum BuildError {
+    /// Nothing to draw.
+    #[error("the scan holds no points")]
+    Empty,
+    /// Points have 32-bit ids, two each.
+    #[error(
+        "the scan has {0} points; more than 2 147 000 000 do not fit one cloud: open fewer files at once"
+    )]
+    TooMany(usize),
+    /// As [`BuildError::TooMany`], of a point tree.
+    #[error(
+        "the scan has {0} points; a sequential point tree holds 1 000 000 000: open fewer files at once, or use the octree"
+    )]
+    TooManyDiscs(usize),
+    /// As [`BuildError::TooManyDiscs`], of one with triangles.
+    #[error(
+        "the scan's {num_points} points and {num_triangles} triangles do not fit one sequential point tree: open fewer files at once, or use the octree"
+    )]
+    TooManyTriangles {
+        /// Points of the scan.
+        num_points: usize,
+        /// Its triangles.
+        num_triangles: usize,
+    },
+    /// Coordinates beyond what f32 spans.
+    #[error("the scan's box is {0} units wide: its coordinates or its scale are broken")]
+    TooWide(String),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Stopped,
+}
+
+/// Ids of 32 bits, two for each point, and room for the gaps between batches.
+const MAX_POINTS: usize = 2_147_000_000;
+/// Largest box edge: that of points which are read.
+const MAX_EDGE: f64 = 2.0 * FARTHEST;
+
+/// Orders the points of a scan, cuts them into batches and quantises them.
+///
+/// Peak memory above the scan: 16 B a point to sort, 16 B for the planes.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
+    build_in_batches(scan, order, BATCH_POINTS, progress)
+}
+
+/// The same in batches of so many points, a multiple of [`POINTS_PER_LOAD`] and at most [`BATCH_POINTS`]: to measure what
+/// small ones cost.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build_in_batches(
+    scan: &Scan,
+    order: Order,
+    batch_points: u32,
+    progress: &Progress,
+) -> Result<Cloud, BuildError> {
+    debug_assert!(batch_points.is_multiple_of(POINTS_PER_LOAD) && batch_points <= BATCH_POINTS);
+    let Checked { num_points, bounds, scene } = check(scan)?;
+    let index = Index::new(scan);
+    let has_strays = !scene.bounds.contains(bounds.min) || !scene.bounds.contains(bounds.max);
+    let sorted = match order {
+        Order::Original if !has_strays => None,
+        Order::Original => {
+            Some(parted(&index, &scene.bounds, (0..num_points as u32).into_par_iter().map(|i| (0, i))))
+        }
+        Order::Morton => Some(sort(&index, &bounds, &scene.bounds)),
+        Order::Shuffled => Some(parted(&index, &scene.bounds, shuffled(num_points).into_par_iter())),
+        Order::ShuffledMorton => Some(shuffled_groups(sort(&index, &bounds, &scene.bounds))),
+    };
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
+
+    // No batch holds points of the scene and strays: its box would be too large for the former's precision.
+    let num_near = sorted.as_ref().map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
+    let cut = Cut { size: batch_points as usize, num_near, num_points };
+    let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
+    let batches = cut
+        .batches(&mut hi)
+        .zip(cut.batches(&mut mid))
+        .zip(cut.batches(&mut lo))
+        .zip(cut.batches(&mut colors))
+        .enumerate()
+        .map_init(Vec::new, |positions, (number, (((hi, mid), lo), colors))| {
+            let Piece { first, first_point, count } = cut.piece(number);
+            if progress.stopped() {
+                return Batch { first_point: 0, num_points: 0, min: DVec3::ZERO, cell: [0.0; 3] };
+            }
+            positions.clear();
+            let mut bounds = Bounds::EMPTY;
+            for (i, color) in colors.iter_mut().take(count).enumerate() {
+                let (p, c) = index.point(source(first + i));
+                bounds = bounds.with(p);
+                positions.push(p);
+                *color = c;
+            }
+            let cells = Cells::covering(&bounds);
+            for (i, p) in positions.iter().enumerate() {
+                [hi[i], mid[i], lo[i]] = planes(cells.quantize(*p));
+            }
+            progress.add(count as u64);
+            Batch {
+                first_point: first_point as u32,
+                num_points: count as u32,
+                min: cells.min,
+                cell: cells.cell,
+            }
+        })
+        .collect();
+    if progress.stopped() {
+        return Err(BuildError::Stopped);
+    }
+    let (split, planes) = (Split::of(&scene.bounds, &bounds), [hi, mid, lo]);
+    Ok(Cloud { split, bounds, scene, batches, planes, colors, num_points: num_points as u64 })
+}
+
+/// What is known of a scan that can become a cloud.
+pub(super) struct Checked {
+    pub num_points: usize,
+    pub bounds: Bounds,
+    pub scene: Scene,
+}
+
+/// Tells whether a scan can become a cloud, and finds its scene if nobody has.
+pub(super) fn check(scan: &Scan) -> Result<Checked, BuildError> {
+    let (num_points, bounds) = (scan.num_points(), scan.bounds());
+    if num_points == 0 {
+        return Err(BuildError::Empty);
+    }
+    if num_points > MAX_POINTS {
+        return Err(BuildError::TooMany(num_points));
+    }
+    let edge = bounds.size().max_element();
+    if !edge.is_finite() || edge > MAX_EDGE {
+        return Err(BuildError::TooWide(format!("{edge:e}")));
+    }
+    let scene = if scan.scene.is_empty() { Scene::of(scan).0 } else { scan.scene.clone() };
+    Ok(Checked { num_points, bounds, scene })
+}
+
+/// (0 or [`FAR`], point): in the order given, but strays last.
+fn parted(
+    index: &Index,
+    scene: &Bounds,
+    in_order: impl ParallelIterator<Item = (u64, u32)>,
+) -> Vec<(u64, u32)> {
+    let place = |(_, i): (u64, u32)| (if scene.contains(index.position(i as usize)) { 0 } else { FAR }, i);
+    let (mut near, far): (Vec<_>, Vec<_>) = in_order.map(place).partition(|key| key.0 == 0);
+    near.extend(far);
+    near
+}
+
+/// A number that looks random, another for each `i`: splitmix64.
+fn scrambled(i: usize) -> u64 {
+    let z = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ z >> 31
+}
+
+/// (Random number, place) in ascending order.
+fn shuffled(count: usize) -> Vec<(u64, u32)> {
+    let mut keys: Vec<(u64, u32)> = (0..count).into_par_iter().map(|i| (scrambled(i), i as u32)).collect();
+    keys.par_sort_unstable();
+    keys
+}
+
+/// What is sorted, in groups that come at random; the last, which may be smaller, stays last, and behind it the strays.
+fn shuffled_groups(sorted: Vec<(u64, u32)>) -> Vec<(u64, u32)> {
+    let num_near = sorted.partition_point(|key| key.0 < FAR);
+    let (whole, rest) = sorted.split_at(num_near / GROUP_POINTS * GROUP_POINTS);
+    let order = shuffled(whole.len() / GROUP_POINTS);
+    let groups = order.par_iter().flat_map_iter(|&(_, group)| {
+        let first = group as usize * GROUP_POINTS;
+        whole[first..first + GROUP_POINTS].iter().copied()
+    });
+    let mut all: Vec<(u64, u32)> = groups.collect();
+    all.extend_from_slice(rest);
+    all
+}
+
+/// How ordered points are cut into batches: those of the scene, then, from the next load on, the strays.
+#[derive(Clone, Copy)]
+struct Cut {
+    /// Points of a batch.
+    size: usize,
+    num_near: usize,
+    num_points: usize,
+}
+
+/// A batch's points: the first in the order, its place in the planes, how many.
+struct Piece {
+    first: usize,
+    first_point: usize,
+    count: usize,
+}
+
+impl Cut {
+    /// Where strays begin in the planes.
+    fn far(self) -> usize {
+        self.num_near.next_multiple_of(POINTS_PER_LOAD as usize)
+    }
+
+    /// Length of the planes.
+    fn padded(self) -> usize {
+        self.far() + (self.num_points - self.num_near).next_multiple_of(POINTS_PER_LOAD as usize)
+    }
+
+    /// A plane's parts, a batch each.
+    fn batches(self, plane: &mut [u32]) -> impl IndexedParallelIterator<Item = &mut [u32]> {
+        let (near, far) = plane.split_at_mut(self.far());
+        near.par_chunks_mut(self.size).chain(far.par_chunks_mut(self.size))
+    }
+
+    fn piece(self, number: usize) -> Piece {
+        let num_near_batches = self.num_near.div_ceil(self.size);
+        if number < num_near_batches {
+            let first = number * self.size;
+            return Piece { first, first_point: first, count: self.size.min(self.num_near - first) };
+        }
+        let within = (number - num_near_batches) * self.size;
+        let first = self.num_near + within;
+        Piece { first, first_point: self.far() + within, count: self.size.min(self.num_points - first) }
+    }
+}
+
+/// Added to the codes of strays, which have a grid of their own: so they do not cost the scene its precision.
+pub(super) const FAR: u64 = 1 << (3 * morton::BITS);
+
+/// (Morton code, point) in ascending order, strays last; equal codes keep the files' order.
+pub(super) fn sort(index: &Index, bounds: &Bounds, scene: &Bounds) -> Vec<(u64, u32)> {
+    let (near, far) = (morton::Grid::new(scene), morton::Grid::new(bounds));
+    let code = |p| if scene.contains(p) { near.code(p) } else { FAR | far.code(p) };
+    let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
+        .into_par_iter()
+        .with_min_len(1 << 14)
+        .map(|i| (code(index.position(i as usize)), i))
+        .collect();
+    keys.par_sort_unstable();
+    keys
+}

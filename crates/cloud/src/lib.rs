@@ -1,0 +1,68 @@
+//! Pure CPU: points to Morton-ordered batches of quantised planes, ready for the GPU. Names no GPU API.
+
+mod build;
+pub mod format;
+mod index;
+pub mod morton;
+pub mod octree;
+pub mod quantize;
+pub mod spt;
+
+pub use build::{BuildError, build, build_in_batches};
+
+use base::space::{Bounds, Split};
+use glam::DVec3;
+use points::Scene;
+
+/// Order of the points in a cloud.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Order {
+    /// As the files have them.
+    Original,
+    /// By Morton code of 21 bits an axis; equal codes keep the file's order.
+    #[default]
+    Morton,
+    /// At random, always the same way.
+    Shuffled,
+    /// By Morton code within groups of [`GROUP_POINTS`], which come at random.
+    ShuffledMorton,
+}
+
+/// Points of a group of [`Order::ShuffledMorton`] [2021 §4].
+pub const GROUP_POINTS: usize = 128;
+
+/// A run of consecutive points and the box that they are quantised in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Batch {
+    /// First point in the planes; a multiple of [`crate::format::POINTS_PER_LOAD`].
+    pub first_point: u32,
+    /// Points; at most [`crate::format::BATCH_POINTS`].
+    pub num_points: u32,
+    /// Box minimum, world space.
+    pub min: DVec3,
+    /// Edge of a 30-bit cell an axis, world units; 12 bits of mantissa, 0 on a flat axis.
+    pub cell: [f32; 3],
+}
+
+/// A cloud as the GPU wants it.
+#[derive(Clone, Debug)]
+pub struct Cloud {
+    /// How world positions become the GPU's pairs of f32.
+    pub split: Split,
+    /// True box of the points, world space.
+    pub bounds: Bounds,
+    /// The scan's.
+    pub scene: Scene,
+    /// In plane order.
+    pub batches: Vec<Batch>,
+    /// Coordinate planes: bits 20–29, 10–19, 0–9; each x | y≪10 | z≪20. Gaps between batches (to keep
+    /// 128-bit loads aligned) hold zeros.
+    pub planes: [Vec<u32>; 3],
+    /// r | g≪8 | b≪16 | 255≪24, sRGB as stored.
+    pub colors: Vec<u32>,
+    /// Points, gaps not counted.
+    pub num_points: u64,
+}

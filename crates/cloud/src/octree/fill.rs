@@ -1,0 +1,239 @@
+//! From a tree of drafts to nodes, batches and planes.
+
+use super::keys::{Cube, Key, Root};
+use super::tree::{Draft, Octant};
+use super::{GRID_BITS, Node, Octree};
+use crate::format::{BATCH_POINTS, COORDINATE_BITS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
+use crate::index::Index;
+use crate::quantize::{Cells, planes};
+use crate::{Batch, BuildError, Cloud};
+use base::progress::Progress;
+use base::space::{Bounds, Split};
+use points::Scene;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Points that are put in place before they are announced, about.
+const RUN_POINTS: usize = 1 << 20;
+/// Keys looked through at once for those of a level.
+const BLOCK_KEYS: usize = 64;
+
+/// Where the points come from.
+pub(super) struct Source<'a> {
+    pub index: &'a Index<'a>,
+    /// Sorted, with filtered colours.
+    pub keys: &'a [Key],
+    /// Level of the node that owns each key.
+    pub levels: &'a [u8],
+}
+
+/// Where every node's points will be.
+pub(super) struct Plan {
+    bounds: Bounds,
+    scene: Scene,
+    nodes: Vec<Node>,
+    batches: Vec<Batch>,
+    /// Keys and cells of each node.
+    origins: Vec<(Range<usize>, Cells)>,
+    /// Of all leaves, in the keys' order.
+    octants: Vec<Octant>,
+}
+
+impl Plan {
+    /// Lays the nodes out breadth first.
+    pub fn new(root: &Root, bounds: Bounds, scene: Scene, draft: Draft) -> Result<Self, BuildError> {
+        let num_points = draft.keys.len();
+        let mut plan = Self {
+            bounds,
+            scene,
+            nodes: Vec::new(),
+            batches: Vec::new(),
+            origins: Vec::new(),
+            octants: Vec::new(),
+        };
+        let mut end = 0u64;
+        let mut generation = vec![(None, draft)];
+        while !generation.is_empty() {
+            let first_child = plan.nodes.len() + generation.len();
+            let mut next = Vec::new();
+            for (parent, draft) in generation {
+                let number = plan.nodes.len() as u32;
+                let children = first_child + next.len()..first_child + next.len() + draft.children.len();
+                let node = node(root, &draft, parent, children, end as u32);
+                end += u64::from(draft.num_points.next_multiple_of(POINTS_PER_LOAD));
+                if end > u64::from(u32::MAX / 2) {
+                    return Err(BuildError::TooMany(num_points));
+                }
+                plan.push(node, draft.cube, draft.keys.clone(), root);
+                plan.octants.extend(draft.octants);
+                next.extend(draft.children.into_iter().map(|child| (Some(number), child)));
+            }
+            generation = next;
+        }
+        plan.octants.sort_unstable_by_key(|octant| octant.keys.start);
+        debug_assert!(follow(&plan.octants, num_points), "every key is in one octant");
+        Ok(plan)
+    }
+
+    /// Adds a node and its batches, all of about the same size.
+    fn push(&mut self, mut node: Node, cube: Cube, keys: Range<usize>, root: &Root) {
+        let cells = root.cells(cube);
+        let first_batch = self.batches.len() as u32;
+        let num_batches = node.num_points.div_ceil(BATCH_POINTS).max(1);
+        let size = node.num_points.div_ceil(num_batches).next_multiple_of(POINTS_PER_LOAD);
+        let mut done = 0;
+        while done < node.num_points {
+            let num_points = size.min(node.num_points - done);
+            let first_point = node.first_point + done;
+            self.batches.push(Batch { first_point, num_points, min: cells.min, cell: cells.cell });
+            done += num_points;
+        }
+        node.batches = first_batch..self.batches.len() as u32;
+        self.nodes.push(node);
+        self.origins.push((keys, cells));
+    }
+}
+
+fn node(root: &Root, draft: &Draft, parent: Option<u32>, children: Range<usize>, first_point: u32) -> Node {
+    let Cube { level, number } = draft.cube;
+    let edge = root.edge(level);
+    Node {
+        level,
+        cube: number,
+        min: root.min(draft.cube),
+        edge,
+        parent,
+        children: children.start as u32..children.end as u32,
+        batches: 0..0,
+        first_point,
+        num_points: draft.num_points,
+        num_points_within: draft.keys.len() as u32,
+        octant_spacing: draft.octant_spacing.map(|s| if edge > 0.0 { (s / edge) as f32 } else { 0.0 }),
+        spacing_step: draft.spacing_step as f32,
+        crowd: draft.crowd,
+        sample_spacing: (draft.sample_cells / f64::from(1u32 << GRID_BITS)) as f32,
+    }
+}
+
+/// Puts all points in their places, run after run of nodes.
+pub(super) fn fill(
+    source: &Source,
+    plan: Plan,
+    progress: &Progress,
+    ready: &mut dyn FnMut(&Octree, Range<usize>),
+) -> Result<Octree, BuildError> {
+    let Plan { bounds, scene, nodes, batches, origins, octants } = plan;
+    // At least one node, since there is at least one point.
+    let size = nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(POINTS_PER_LOAD));
+    let plane = || vec![0u32; size as usize];
+    let planes = [plane(), plane(), plane()];
+    let num_points = source.keys.len() as u64;
+    let split = Split::of(&scene.bounds, &bounds);
+    let cloud = Cloud { split, bounds, scene, batches, planes, colors: plane(), num_points };
+    let mut octree = Octree { cloud, filtered_colors: plane(), nodes };
+    for run in runs(&octree.nodes) {
+        let Octree { cloud, filtered_colors, nodes } = &mut octree;
+        let slots = slots(cloud, filtered_colors, &nodes[run.clone()]);
+        slots.into_par_iter().zip(&nodes[run.clone()]).zip(&origins[run.clone()]).for_each(
+            |((slot, node), (keys, cells))| {
+                if !progress.stopped() {
+                    slot.fill(source, &octants, node, keys.clone(), cells);
+                    progress.add(u64::from(node.num_points));
+                }
+            },
+        );
+        if progress.stopped() {
+            return Err(BuildError::Stopped);
+        }
+        ready(&octree, run);
+    }
+    Ok(octree)
+}
+
+/// True if octants have all keys, one after the other.
+fn follow(octants: &[Octant], num_keys: usize) -> bool {
+    let starts = octants.iter().map(|octant| octant.keys.start).chain([num_keys]);
+    let ends = [0].into_iter().chain(octants.iter().map(|octant| octant.keys.end));
+    starts.eq(ends)
+}
+
+/// Consecutive nodes with about [`RUN_POINTS`].
+fn runs(nodes: &[Node]) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let (mut first, mut num_points) = (0, 0);
+    for (number, node) in nodes.iter().enumerate() {
+        num_points += node.num_points as usize;
+        if num_points >= RUN_POINTS || number + 1 == nodes.len() {
+            runs.push(first..number + 1);
+            (first, num_points) = (number + 1, 0);
+        }
+    }
+    runs
+}
+
+/// A node's share of the planes: three of coordinates, own colours, filtered colours.
+struct Slot<'p>([&'p mut [u32]; 5]);
+
+/// The shares of consecutive nodes.
+fn slots<'p>(cloud: &'p mut Cloud, filtered_colors: &'p mut [u32], nodes: &[Node]) -> Vec<Slot<'p>> {
+    let [hi, mid, lo] = &mut cloud.planes;
+    let mut rest = [&mut hi[..], &mut mid[..], &mut lo[..], &mut cloud.colors[..], filtered_colors];
+    let mut done = 0;
+    let mut slots = Vec::with_capacity(nodes.len());
+    for node in nodes {
+        let (first, count) = (node.first_point as usize, node.num_points as usize);
+        let gap = first - done;
+        done = first + count;
+        let mut later = [const { None }; 5];
+        let own = std::array::from_fn(|i| {
+            let (own, after) = std::mem::take(&mut rest[i])[gap..].split_at_mut(count);
+            later[i] = Some(after);
+            own
+        });
+        rest = later.map(Option::unwrap_or_default);
+        slots.push(Slot(own));
+    }
+    slots
+}
+
+impl Slot<'_> {
+    /// `octants`: of all leaves.
+    fn fill(self, source: &Source, octants: &[Octant], node: &Node, keys: Range<usize>, cells: &Cells) {
+        let [hi, mid, lo, colors, filtered_colors] = self.0;
+        // An inner node that has taken every point below has no children either: its points stand for themselves.
+        let is_own = node.children.is_empty();
+        let bounds = node.exponent_bounds();
+        let mut octants = &octants[octants.partition_point(|octant| octant.keys.end <= keys.start)..];
+        for (at, number) in owned(source.levels, keys, node.level as u8).enumerate() {
+            let key = &source.keys[number];
+            let point = key.point as usize;
+            let cells = cells.quantize(source.index.position(point));
+            [hi[at], mid[at], lo[at]] = planes(cells);
+            if node.spacing_step > 1.0 {
+                octants = &octants[octants.iter().take_while(|octant| octant.keys.end <= number).count()..];
+                let spacing = octants.first().map_or(0.0, |octant| octant.spacing);
+                hi[at] |= node.spacing_exponent(bounds, octant(cells), spacing) << SPACING_EXPONENT_SHIFT;
+            }
+            colors[at] = if is_own { key.color } else { source.index.color(point) };
+            filtered_colors[at] = key.color;
+        }
+    }
+}
+
+/// The octant of its node's cube that a cell lies in.
+fn octant(cells: [u32; 3]) -> usize {
+    let [x, y, z] = cells.map(|cell| (cell >> (COORDINATE_BITS - 1)) as usize);
+    x | y << 1 | z << 2
+}
+
+/// Keys of a range that a node of `level` owns. Most of an inner node's range belongs to nodes below it, so
+/// blocks without any are passed over.
+fn owned(levels: &[u8], range: Range<usize>, level: u8) -> impl Iterator<Item = usize> {
+    let first = range.start;
+    levels[range].chunks(BLOCK_KEYS).enumerate().filter(move |(_, block)| block.contains(&level)).flat_map(
+        move |(number, block)| {
+            let start = first + number * BLOCK_KEYS;
+            (start..).zip(block).filter(move |(_, l)| **l == level).map(|(key, _)| key)
+        },
+    )
+}

@@ -1,0 +1,175 @@
+//! What files know of their points' surfaces: normals with a side, and the triangles of meshes [SPT §3.8].
+//!
+//! A triangle is drawn where its longest side is longer than the tolerance. There, discs of its corners are not
+//! needed: the *floor* of a point is the longest side of the smallest triangle at it (0 if there is none), that of a
+//! disc the least floor of the points below it, and a disc is drawn only where the tolerance has reached its floor.
+//!
+//! Nothing is lost: where a triangle is not drawn, the tolerance has reached its longest side, which no floor above
+//! its corners exceeds, so that none of their discs is suppressed. Nor is much drawn twice: below a disc's floor all
+//! triangles at all of its points are drawn. The tolerance differs from place to place, which `first_step` allows
+//! for.
+
+use super::neighbors::OVERLAP;
+use super::steps::Scale;
+use super::tree::{Leaf, NO_SIDE, PointTree, rounded_up};
+use super::{Sorted, normals};
+use glam::{DVec3, Vec3};
+use points::{Scan, ScanFile};
+
+/// Discs at corners reach over the triangles there, but over none that is longer than the smallest by this factor:
+/// where the smallest has just vanished, that would be many pixels. Of longer triangles, a gap as wide as the error
+/// allowed may show between their corners, once they are as small as that.
+const MAX_SIDE_RATIO: f32 = 2.0;
+
+/// A triangle of a mesh, not degenerate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Numbers of the nodes of its corners, which are leaves; counter-clockwise where it is seen from.
+    pub corners: [u32; 3],
+    /// Its longest side, world units.
+    pub side: f32,
+}
+
+/// What a file says of a triangle.
+struct Face {
+    /// Running numbers of points, as in [`super::Index`].
+    corners: [u32; 3],
+    /// As long as twice its area.
+    normal: DVec3,
+    /// Longest side, world units.
+    side: f32,
+}
+
+/// What the triangles at a point tell of it.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Sum of their normals, each as long as twice the area.
+    normal: DVec3,
+    /// Longest sides of the smallest and of the largest.
+    sides: [f32; 2],
+}
+
+/// True if the scan has triangles.
+pub(super) fn is_mesh(scan: &Scan) -> bool {
+    scan.files.iter().any(|file| !file.triangles.is_empty())
+}
+
+/// All triangles that are not degenerate.
+fn faces(scan: &Scan) -> impl Iterator<Item = Face> + '_ {
+    let firsts = scan.files.iter().scan(0, |next: &mut usize, file| {
+        let first = *next;
+        *next += file.points.xyz.len();
+        Some(first as u32)
+    });
+    scan.files.iter().zip(firsts).flat_map(|(file, first)| {
+        file.triangles.iter().filter_map(move |&corners| face(file, first, corners))
+    })
+}
+
+/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line. The lattice
+/// tells exactly.
+fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
+    let xyz = |corner: u32| file.points.xyz.get(corner as usize).map(|p| p.map(i64::from));
+    let (a, b, c) = (xyz(corners[0])?, xyz(corners[1])?, xyz(corners[2])?);
+    let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+    let turn = |i: usize, j: usize| i128::from(u[i]) * i128::from(v[j]) - i128::from(u[j]) * i128::from(v[i]);
+    if [turn(1, 2), turn(2, 0), turn(0, 1)] == [0; 3] {
+        return None;
+    }
+    let [u, v] = [u, v].map(|d| file.lattice.scale * DVec3::from_array(d.map(|v| v as f64)));
+    let side = u.length().max(v.length()).max((v - u).length());
+    Some(Face { corners: corners.map(|c| first + c), normal: u.cross(v), side: rounded_up(side) })
+}
+
+/// Puts into the leaves what files know better than neighbours tell: normals, sides if `with_sides`, and how far
+/// the triangles at a point reach.
+pub(super) fn inform(leaves: &mut [Leaf], sorted: &Sorted, scan: &Scan, with_sides: bool) {
+    let corners = corners(scan);
+    for (leaf, key) in leaves.iter_mut().zip(&sorted.keys) {
+        let corner = corners.get(key.1 as usize);
+        let of_triangles = corner.map_or(DVec3::ZERO, |corner| corner.normal);
+        let of_file = sorted.index.normal(key.1 as usize).and_then(direction);
+        let known = of_file.or_else(|| of_triangles.try_normalize());
+        if let Some(normal) = known {
+            leaf.normal = normals::pack(normal);
+            leaf.spread = if with_sides { 0.0 } else { NO_SIDE };
+        }
+        if let Some(&Corner { sides: [shortest, longest], .. }) =
+            corner.filter(|corner| corner.sides[1] > 0.0)
+        {
+            leaf.diameter = OVERLAP * longest.min(MAX_SIDE_RATIO * shortest);
+        }
+    }
+}
+
+/// Of each point; empty if there is no triangle. Memory: 32 B a point.
+fn corners(scan: &Scan) -> Vec<Corner> {
+    if !is_mesh(scan) {
+        return Vec::new();
+    }
+    let nothing = Corner { normal: DVec3::ZERO, sides: [f32::INFINITY, 0.0] };
+    let mut corners = vec![nothing; scan.num_points()];
+    for face in faces(scan) {
+        for corner in face.corners {
+            let Corner { normal, sides: [shortest, longest] } = &mut corners[corner as usize];
+            *normal += face.normal;
+            (*shortest, *longest) = (shortest.min(face.side), longest.max(face.side));
+        }
+    }
+    corners
+}
+
+/// The triangles between a tree's leaves, in the files' order. Memory: 4 B a point meanwhile, 16 B a triangle.
+pub(super) fn triangles(scan: &Scan, sorted: &Sorted, tree: &PointTree) -> Vec<Triangle> {
+    if !is_mesh(scan) {
+        return Vec::new();
+    }
+    // Leaves stand in the tree as points do among the keys.
+    let leaves = (0..).zip(&tree.nodes).filter(|(_, node)| node.num_points == 1);
+    let mut node_of = vec![0; sorted.keys.len()];
+    for (key, (node, _)) in sorted.keys.iter().zip(leaves) {
+        node_of[key.1 as usize] = node;
+    }
+    let of_face =
+        |face: Face| Triangle { corners: face.corners.map(|c| node_of[c as usize]), side: face.side };
+    faces(scan).map(of_face).collect()
+}
+
+/// The floor of each node as a step, 0 for those with a point below that no triangle stands for; empty if there is no
+/// triangle.
+pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
+    if tree.triangles.is_empty() {
+        return Vec::new();
+    }
+    let mut floors = vec![u8::MAX; tree.nodes.len()];
+    for triangle in &tree.triangles {
+        let step = scale.step(triangle.side);
+        for corner in triangle.corners {
+            let floor = &mut floors[corner as usize];
+            *floor = step.min(*floor);
+        }
+    }
+    for number in 0..tree.nodes.len() {
+        if tree.nodes[number].num_points == 1 && floors[number] == u8::MAX {
+            floors[number] = 0;
+        }
+        // Children come before their parents.
+        if let Some(parent) = tree.parent(number) {
+            floors[parent] = floors[parent].min(floors[number]);
+        }
+    }
+    floors
+}
+
+/// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
+/// grow on the way from the disc's centre to any of its points, which are within `radius`. And a step less: GPUs find
+/// corners and discs where different grids of cells put them.
+pub(super) fn first_step(scale: &Scale, floor: u8, radius: f64, max_slope: f64) -> u8 {
+    let length = f64::from(scale.length(floor)) - max_slope * radius;
+    scale.step_below(length.max(0.0) as f32).saturating_sub(1)
+}
+
+/// A file's normal; `None` if it is none, NaN or 0 say.
+fn direction(normal: [f32; 3]) -> Option<DVec3> {
+    Vec3::from_array(normal).as_dvec3().try_normalize()
+}

@@ -1,0 +1,285 @@
+//! The tree of discs: down by bisection, up by averaging [SPT §3.1].
+
+use super::cubes::Cube;
+use super::error::{self, Disc};
+use super::mesh::Triangle;
+use super::{Sorted, normals};
+use base::progress::Progress;
+use base::space::Bounds;
+use glam::DVec3;
+use points::Scene;
+use rayon::prelude::*;
+
+/// Subtrees with at most as many points are built by one thread.
+const PART_POINTS: usize = 1 << 14;
+/// Lattice steps along the longest edge of the cloud.
+const LATTICE_STEPS: f64 = u32::MAX as f64;
+
+/// Spread of a normal without a side, which may as well point the other way, radians.
+pub(super) const NO_SIDE: f32 = std::f32::consts::PI;
+
+/// What is known of a point beside its place and color.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Leaf {
+    /// [`normals::pack`]ed.
+    pub normal: u32,
+    /// Of its disc, world units.
+    pub diameter: f32,
+    /// 0, or [`NO_SIDE`].
+    pub spread: f32,
+}
+
+/// A disc: a point, or what stands for several from afar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Mean of its points' positions, on the tree's lattice; see [`PointTree::position`].
+    pub position: [u32; 3],
+    /// Mean of its points' normals, packed ([`normals::pack`]).
+    pub normal: u32,
+    /// Mean of its points' colors: r | g≪8 | b≪16 | 255≪24.
+    pub color: u32,
+    /// Of the disc, and of a sphere round its centre that holds the children's spheres, world units.
+    pub diameter: f32,
+    /// How far the disc is from what it stands for, world units: 0 for a point, else not less than any child's.
+    pub error: f32,
+    /// Largest angle between its normal and those of its points, at most, radians; π if one of these has no side.
+    pub spread: f32,
+    /// Points that it stands for; 1 for a leaf.
+    pub num_points: u32,
+    /// Its parent's number less its own; 0 for the root.
+    pub up: u32,
+}
+
+/// A tree of discs over all points of a scan.
+#[derive(Clone, Debug)]
+pub struct PointTree {
+    /// Children before their parents, a subtree in one run, in Morton order; the root is the last.
+    pub nodes: Vec<Node>,
+    /// True box of the points, world space.
+    pub bounds: Bounds,
+    /// The scan's.
+    pub scene: Scene,
+    /// A step of the lattice that positions lie on, world units: the longest edge, 2³² times cut, which is finer
+    /// than any batch's cells.
+    pub step: f64,
+    /// Of meshes, those that are not degenerate.
+    pub triangles: Vec<Triangle>,
+}
+
+impl PointTree {
+    /// Centre of a node, world space.
+    #[must_use]
+    pub fn position(&self, number: usize) -> DVec3 {
+        self.bounds.min + self.offset(&self.nodes[number])
+    }
+
+    /// Number of a node's parent; `None` for the root.
+    #[must_use]
+    pub fn parent(&self, number: usize) -> Option<usize> {
+        match self.nodes[number].up {
+            0 => None,
+            up => Some(number + up as usize),
+        }
+    }
+
+    /// Centre of a node, relative to the box's smallest corner.
+    fn offset(&self, node: &Node) -> DVec3 {
+        DVec3::from_array(node.position.map(f64::from)) * self.step
+    }
+
+    fn disc(&self, node: &Node) -> Disc {
+        let (center, normal) = (self.offset(node), normals::unpack(node.normal));
+        Disc { center, normal, radius: 0.5 * f64::from(node.diameter) }
+    }
+}
+
+/// What parents must know exactly of a subtree.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Of positions, relative to the box's smallest corner.
+    position: DVec3,
+    rgb: [u64; 3],
+}
+
+/// A subtree whose place in the list is still open.
+struct Part {
+    nodes: Vec<Node>,
+    sums: Sums,
+}
+
+/// The tree over sorted points, at least one. Worthless if `progress` says stop.
+pub(super) fn build(
+    sorted: &Sorted,
+    leaves: &[Leaf],
+    bounds: Bounds,
+    scene: Scene,
+    progress: &Progress,
+) -> PointTree {
+    let step = bounds.size().max_element() / LATTICE_STEPS;
+    // The scene comes last: each part begins as a copy of this.
+    let tree = PointTree { nodes: Vec::new(), bounds, scene: Scene::default(), step, triangles: Vec::new() };
+    let mut cubes = Vec::new();
+    let root = Cube::root(&sorted.keys);
+    small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
+    let of_cube = |cube: &Cube| {
+        if progress.stopped() {
+            return Part { nodes: Vec::new(), sums: Sums::default() };
+        }
+        let mut builder = Builder { sorted, leaves, tree: PointTree { ..tree.clone() }, parts: None };
+        let sums = builder.subtree(cube);
+        progress.add(cube.keys.len() as u64);
+        Part { nodes: builder.tree.nodes, sums }
+    };
+    let parts: Vec<Part> = cubes.par_iter().map(of_cube).collect();
+    if progress.stopped() {
+        return tree;
+    }
+    let num_nodes = parts.iter().map(|part| part.nodes.len() + 1).sum();
+    let nodes = Vec::with_capacity(num_nodes);
+    let tree = PointTree { nodes, scene, ..tree };
+    let mut builder = Builder { sorted, leaves, tree, parts: Some(parts.into_iter()) };
+    builder.subtree(&root);
+    builder.tree
+}
+
+/// The largest subtrees of at most [`PART_POINTS`], in order; also such as nothing divides.
+fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
+    let octants = if cube.keys.len() <= PART_POINTS { Vec::new() } else { cube.octants(&sorted.keys) };
+    if octants.is_empty() {
+        return each(cube.clone());
+    }
+    octants.iter().for_each(|octant| small_cubes(sorted, octant, each));
+}
+
+/// The next f32, so that a sphere still holds all that it held.
+pub(super) fn rounded_up(length: f64) -> f32 {
+    let rounded = length as f32;
+    if f64::from(rounded) < length { rounded.next_up() } else { rounded }
+}
+
+struct Builder<'a> {
+    sorted: &'a Sorted<'a>,
+    leaves: &'a [Leaf],
+    tree: PointTree,
+    /// The small subtrees, if these are built already.
+    parts: Option<std::vec::IntoIter<Part>>,
+}
+
+impl Builder<'_> {
+    /// Appends the nodes of a subtree, its root last.
+    fn subtree(&mut self, cube: &Cube) -> Sums {
+        let keys = &self.sorted.keys;
+        let octants = cube.octants(keys);
+        if (cube.keys.len() <= PART_POINTS || octants.is_empty())
+            && let Some(parts) = &mut self.parts
+        {
+            // As many as `small_cubes` counted, in its order.
+            let part = parts.next().unwrap_or(Part { nodes: Vec::new(), sums: Sums::default() });
+            self.tree.nodes.extend_from_slice(&part.nodes);
+            return part.sums;
+        }
+        if cube.keys.len() == 1 {
+            return self.leaf(cube.keys.start);
+        }
+        let mut sums = Sums::default();
+        let mut children = Vec::with_capacity(8);
+        let mut add = |builder: &mut Self, of_child: Sums| {
+            children.push(builder.tree.nodes.len() - 1);
+            sums.position += of_child.position;
+            sums.rgb = std::array::from_fn(|c| sums.rgb[c] + of_child.rgb[c]);
+        };
+        for octant in &octants {
+            let of_child = self.subtree(octant);
+            add(self, of_child);
+        }
+        if octants.is_empty() {
+            // Points that no code tells apart are all children of one node.
+            for key in cube.keys.clone() {
+                let of_child = self.leaf(key);
+                add(self, of_child);
+            }
+        }
+        self.inner(&children, &sums, cube.keys.len());
+        sums
+    }
+
+    fn leaf(&mut self, key: usize) -> Sums {
+        let (p_in_world, color) = self.sorted.index.point(self.sorted.keys[key].1 as usize);
+        let Leaf { normal, diameter, spread } = self.leaves[key];
+        let offset = p_in_world - self.tree.bounds.min;
+        let position = self.on_lattice(offset);
+        let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
+        self.tree.nodes.push(node);
+        Sums { position: offset, rgb: [0, 8, 16].map(|shift| u64::from(color >> shift & 255)) }
+    }
+
+    /// Appends the node that stands for all these.
+    fn inner(&mut self, children: &[usize], sums: &Sums, num_points: usize) {
+        let position = self.on_lattice(sums.position / num_points as f64);
+        let (normal, spread) = self.mean_normal(children);
+        let count = num_points as u64;
+        let [r, g, b] = sums.rgb.map(|sum| ((sum + count / 2) / count) as u32);
+        let color = r | g << 8 | b << 16 | 255 << 24;
+        let node = Node {
+            position,
+            normal: normals::pack(normal),
+            color,
+            diameter: 0.0,
+            error: 0.0,
+            spread,
+            num_points: num_points as u32,
+            up: 0,
+        };
+        let tree = &self.tree;
+        let discs: Vec<Disc> = children.iter().map(|&child| tree.disc(&tree.nodes[child])).collect();
+        let mut disc = tree.disc(&node);
+        disc.radius = error::bounding_radius(disc.center, &discs);
+        let colors = children.iter().map(|&child| tree.nodes[child].color);
+        let own = if error::is_colorful(color, colors) {
+            2.0 * disc.radius
+        } else {
+            error::geometric(&disc, &discs)
+        };
+        let below = children.iter().map(|&child| tree.nodes[child].error).fold(0.0, f32::max);
+        let diameter = rounded_up(2.0 * disc.radius);
+        let node = Node { diameter, error: (own as f32).max(below), ..node };
+        let number = self.tree.nodes.len();
+        self.tree.nodes.push(node);
+        for &child in children {
+            self.tree.nodes[child].up = (number - child) as u32;
+        }
+    }
+
+    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Those
+    /// without a side are first turned into the hemisphere of those before them.
+    fn mean_normal(&self, children: &[usize]) -> (DVec3, f32) {
+        let turned = |normal: DVec3, node: &Node, to: DVec3| {
+            if node.spread < NO_SIDE || normal.dot(to) >= 0.0 { normal } else { -normal }
+        };
+        let of_children = || {
+            children.iter().map(|&child| {
+                let node = &self.tree.nodes[child];
+                (normals::unpack(node.normal), node)
+            })
+        };
+        let mut sum = DVec3::ZERO;
+        for (normal, node) in of_children() {
+            sum += f64::from(node.num_points) * turned(normal, node, sum);
+        }
+        let Some(mean) = sum.try_normalize() else {
+            // They cancel out: no direction is better than another, and none is far enough from the opposite.
+            return (DVec3::Z, NO_SIDE);
+        };
+        let angle = |(normal, node): (DVec3, &Node)| {
+            let cos = turned(normal, node, mean).dot(mean).clamp(-1.0, 1.0);
+            (libm::acos(cos) as f32 + node.spread).min(NO_SIDE)
+        };
+        (mean, of_children().map(angle).fold(0.0, f32::max))
+    }
+
+    fn on_lattice(&self, offset: DVec3) -> [u32; 3] {
+        // Casts from float saturate; without extent there is one place.
+        let axis = |v: f64| if self.tree.step > 0.0 { (v / self.tree.step).round() as u32 } else { 0 };
+        offset.to_array().map(axis)
+    }
+}

@@ -1,0 +1,295 @@
+//! What several tests share: clouds made of nothing, and a frame drawn on the GPU and read back.
+
+use cloud::octree::Octree;
+use cloud::spt::{SequentialCloud, build_spt};
+use cloud::{Cloud, Order, build};
+use glam::{DQuat, DVec3};
+use render::gpu::{Atomics, Gpu, readback};
+use render::options::Quality;
+
+use base::output::{Output, OutputKind};
+use base::progress::{Progress, Stop};
+use base::space::{Bounds, Eye, Fov, Pose, View};
+use lab::synth::{self, Kind, SynthOptions};
+use lab::twin::Frame;
+use lab::twin::resolve::{EMPTY, Pixel};
+use points::{self, ColorSource, Lattice, Points, ReadOptions, Scan, ScanFile};
+use render::Look;
+use render::layout::{CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
+use std::sync::{Arc, OnceLock};
+
+/// The GPU, opened once a test program.
+pub fn gpu() -> Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| Arc::new(Gpu::open(None).expect("tests need a Vulkan driver: run scripts/test")))
+        .clone()
+}
+
+/// splitmix64: reproducible numbers without a dependency.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// A courtyard as a scanner sees it, made up: 600 000 points.
+pub fn courtyard() -> Scan {
+    made_up(Kind::Terrestrial, 600_000)
+}
+
+/// So many points of a kind.
+pub fn made_up(kind: Kind, points: u64) -> Scan {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("made-up.las");
+    let output = Output::new(&out, OutputKind::Scan).expect("a folder");
+    synth::write(&SynthOptions { kind, out: output, points, seed: 7 }, &Stop::default()).expect("a file");
+    points::read(&[out], &ReadOptions::default(), &Stop::default()).expect("a scan")
+}
+
+/// Points in a box of `edge` world units, in steps of a millimetre.
+pub fn random_points(count: usize, edge: f64, seed: u64) -> Vec<[i32; 3]> {
+    let mut random = Random(seed);
+    let mut axis = || (random.unit() * edge * 1000.0) as i32;
+    (0..count).map(|_| [axis(), axis(), axis()]).collect()
+}
+
+/// A scan of lattice points; the colour of point i is made from i.
+pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
+    let lattice = Lattice { scale: DVec3::splat(scale), offset };
+    let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
+    let rgb =
+        (0..xyz.len()).map(|i| [i as u16 & 255, (i >> 8) as u16 & 255, (i >> 16) as u16 & 255]).collect();
+    let points = Points { xyz: xyz.to_vec(), rgb, intensity: vec![], ..Points::default() };
+    let file = ScanFile {
+        path: "made-up".into(),
+        format: "made up".into(),
+        lattice,
+        points,
+        color: ColorSource::Rgb8,
+        bounds,
+        ..ScanFile::default()
+    };
+    Scan { files: vec![file], ..Scan::default() }
+}
+
+pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cloud {
+    build(&scan_of(xyz, scale, offset), order, &Progress::hidden()).expect("a cloud")
+}
+
+/// `closest`, one pixel a point, background (1, 2, 3).
+pub fn plain(full_precision: bool) -> Look {
+    let detail = Detail { forced_planes: if full_precision { 3 } else { 0 }, ..Detail::default() };
+    Look { background: [1, 2, 3], detail, ..Look::default() }
+}
+
+/// A frame, read back; entries an eye where it is of pixels.
+pub struct Drawn {
+    pub keys: Vec<Vec<u64>>,
+    pub depth: Vec<Vec<u32>>,
+    pub wide: Vec<Vec<[u32; 4]>>,
+    pub surface: Vec<Vec<Pixel>>,
+    pub pixels: Vec<Vec<Pixel>>,
+    pub images: Vec<Vec<u32>>,
+    pub times: FrameTimes,
+    /// Of the first chunk, in batch order.
+    pub visible: Vec<VisibleBatch>,
+    pub states: Vec<u32>,
+}
+
+/// A renderer with images of its own.
+pub struct Canvas {
+    pub gpu: Arc<Gpu>,
+    pub renderer: Renderer,
+    images: Vec<wgpu::Texture>,
+    frame: u64,
+}
+
+impl Canvas {
+    pub fn new(sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
+        Self::on(gpu(), sizes_px, look, atomics)
+    }
+
+    /// On another device.
+    pub fn on(gpu: Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
+        let color_format = wgpu::TextureFormat::Rgba8UnormSrgb;
+        let setup = Setup { sizes_px: sizes_px.to_vec(), color_format, depth_format: None, atomics };
+        let renderer = Renderer::new(&gpu, setup, look).expect("renderer");
+        let images = sizes_px.iter().map(|&s| image(&gpu, s, color_format)).collect();
+        Self { gpu, renderer, images, frame: 0 }
+    }
+
+    /// For a view, with a flat cloud.
+    pub fn flat(cloud: &Cloud, view: &View, look: Look, chunk_limit: u64) -> Self {
+        let mut canvas = Self::new(&sizes(view), look, gpu().atomics());
+        let buffers = CloudBuffers::upload(&canvas.gpu, cloud, chunk_limit, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        canvas
+    }
+
+    /// For a view, with a layered cloud.
+    pub fn layered(octree: &Octree, view: &View, look: Look, atomics: Atomics, chunk_limit: u64) -> Self {
+        let mut canvas = Self::new(&sizes(view), look, atomics);
+        let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        canvas
+    }
+
+    /// The same, by a renderer that counts.
+    pub fn counting(octree: &Octree, view: &View, look: Look) -> Self {
+        let mut canvas = Self::layered(octree, view, look, gpu().atomics(), 0);
+        let setup = Setup {
+            sizes_px: sizes(view),
+            color_format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            depth_format: None,
+            atomics: gpu().atomics(),
+        };
+        let cloud = canvas.renderer.take_cloud().expect("a cloud");
+        canvas.renderer = Renderer::counting(&canvas.gpu, setup, look).expect("renderer");
+        canvas.renderer.set_cloud(cloud).expect("room");
+        canvas
+    }
+
+    /// For a view, with a sequential point tree.
+    pub fn sequential(
+        spt: &SequentialCloud,
+        view: &View,
+        look: Look,
+        atomics: Atomics,
+        chunk_limit: u64,
+    ) -> Self {
+        let mut canvas = Self::new(&sizes(view), look, atomics);
+        let buffers = CloudBuffers::upload_sequential(&canvas.gpu, spt, chunk_limit, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        canvas
+    }
+
+    /// Draws a frame and reads everything back.
+    pub fn draw(&mut self, view: &View) -> Drawn {
+        let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
+        let eyes: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.renderer.record(&mut encoder, self.frame, &eyes);
+        self.frame += 1;
+        {
+            let queue = self.gpu.queue.lock();
+            self.renderer.set_view(&queue, view);
+            queue.submit([encoder.finish()]);
+        }
+        self.renderer.submitted();
+        let gpu = &self.gpu;
+        let read = |b: &wgpu::Buffer| readback::read_buffer(gpu, b).expect("readback");
+        let image = |t| bytemuck::pod_collect_to_vec(&readback::read_texture(gpu, t).expect("image"));
+        let (visible, counters, states) = self.renderer.cull_results();
+        let counters: CullCounters =
+            bytemuck::pod_read_unaligned(&read(counters)[..size_of::<CullCounters>()]);
+        let mut visible: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&read(visible[0]));
+        visible.truncate(counters.num_visible as usize);
+        visible.sort_by_key(|v| (v.batch, v.flags));
+        let targets = self.renderer.targets();
+        // As the twin has it: no color where nothing is.
+        let of_twin = |[depth, color]: Pixel| if depth == EMPTY_DEPTH { EMPTY } else { [depth, color] };
+        let finished = (0..view.eyes.len()).map(|eye| {
+            let pixels = self.renderer.read_pixels(eye).expect("readback");
+            pixels.into_iter().map(of_twin).collect()
+        });
+        Drawn {
+            keys: of_eyes(targets, &targets.keys, &read),
+            depth: of_eyes(targets, &targets.depth, &read),
+            wide: if targets.has_wide() { of_eyes(targets, &targets.wide, &read) } else { vec![] },
+            surface: of_eyes(targets, &targets.surface, &read),
+            pixels: finished.collect(),
+            images: self.images.iter().map(image).collect(),
+            states: bytemuck::pod_collect_to_vec(&read(states.expect("a cloud"))),
+            visible,
+            times: self.renderer.collect_times().expect("the frame is done: everything was read back"),
+        }
+    }
+}
+
+/// Both eyes' pixels of a target, without their guard bands.
+fn of_eyes<T: bytemuck::Pod>(
+    targets: &Targets,
+    pair: &[wgpu::Buffer; 2],
+    read: &dyn Fn(&wgpu::Buffer) -> Vec<u8>,
+) -> Vec<Vec<T>> {
+    targets.drawn_px.iter().zip(pair).map(|(&size, buffer)| of_eye(&read(buffer), size)).collect()
+}
+
+fn of_eye<T: bytemuck::Pod>(bytes: &[u8], size_px: [u32; 2]) -> Vec<T> {
+    without_guard(&bytemuck::pod_collect_to_vec::<u8, T>(bytes), size_px)
+}
+
+pub fn sizes(view: &View) -> Vec<[u32; 2]> {
+    view.eyes.iter().map(|e| e.size_px).collect()
+}
+
+/// Draws one frame of a flat cloud, [`plain`].
+pub fn draw(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
+    Canvas::flat(cloud, view, plain(full_precision), chunk_limit).draw(view)
+}
+
+pub fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
+    gpu.texture("image", size_px, format, usage)
+}
+
+/// A stereo view with asymmetric, canted eyes.
+pub fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
+    let head = Pose::look_at(eye, target, DVec3::Z);
+    let side = |sign: f64| {
+        let cant = Pose {
+            position: DVec3::X * sign * 0.0315,
+            orientation: DQuat::from_rotation_y(-sign * 5f64.to_radians()),
+        };
+        let (outer, inner) = (1.1, 0.8);
+        let fov = if sign < 0.0 {
+            Fov { left: -outer, right: inner, up: 1.0, down: -1.2 }
+        } else {
+            Fov { left: -inner, right: outer, up: 1.0, down: -1.2 }
+        };
+        Eye { world_from_view: head.then(&cant), fov, size_px, gaze_in_view: Eye::AHEAD }
+    };
+    View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
+}
+
+pub fn spt_of(scan: &Scan, cull_backfaces: bool) -> SequentialCloud {
+    build_spt(scan, cull_backfaces, &Progress::hidden()).expect("a point tree")
+}
+
+/// Discs that may be wrong by so many pixels.
+pub fn discs(error_px: f32) -> Detail {
+    Detail { error_px: Some(error_px), fill_reach_px: Some([1.0; 3]), ..Detail::default() }
+}
+
+pub fn hqs(detail: Detail) -> Look {
+    Look { quality: Quality::Hqs, background: [1, 2, 3], detail, ..Look::default() }
+}
+
+pub fn tiers() -> Vec<Atomics> {
+    let all = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
+    all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
+}
+
+/// What of a frame differs from the twin's.
+pub fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
+    if drawn.visible != want.visible {
+        return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));
+    }
+    for eye in 0..want.pixels.len() {
+        let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
+        if differing > 0 || drawn.images[eye] != want.images[eye] {
+            return Some(format!("eye {eye}: {differing} pixels"));
+        }
+    }
+    None
+}

@@ -1,0 +1,10 @@
+//! The test kit: what several test programs share. Nothing of it is in the program.
+#![allow(missing_docs, reason = "tests are its only readers, and stand beside it")]
+
+pub mod damage;
+pub mod frames;
+pub mod las_files;
+pub mod real_scans;
+pub mod screen;
+pub mod xr;
+pub mod xwd;

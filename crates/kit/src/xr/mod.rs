@@ -1,0 +1,429 @@
+//! Runs programs against a real OpenXR runtime without a headset (`scripts/headless-runtime`), steers its
+//! device and reads what its compositor shows.
+//!
+//! ```text
+//! let Some(lab) = Lab::enter() else { return };
+//! let mut run = lab.runtime().compositor(Compositor::Xcb).validate().start(program, &["view", …]);
+//! run.remote().send(&Packet::default());
+//! let shown = run.screen();
+//! let done = run.finish();
+//! ```
+//!
+
+pub mod poses;
+pub mod screen;
+
+use std::fs::{self, File, TryLockError};
+use std::io::{BufRead, BufReader, Read};
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Exit code of the script if the runtime cannot be fetched.
+const NOT_PREPARED: i32 = 98;
+
+/// The checkout.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A folder that outlives a run of the tests.
+fn target_tmp() -> PathBuf {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    let folder = target.join("tmp");
+    std::fs::create_dir_all(&folder).expect("a folder in target");
+    folder
+}
+
+fn script() -> PathBuf {
+    root().join("scripts/headless-runtime")
+}
+
+/// Runtimes at a time on a machine: they share its cores and want a steady beat, but wait for that most of the time.
+const PLACES: usize = 2;
+
+/// The right to run a runtime: a place in the laboratory.
+pub struct Lab {
+    _place: File,
+}
+
+impl Lab {
+    /// Prepares the runtime and waits for its turn. `None`: it cannot be had here, which is printed, unless
+    /// `SCANWALK_REQUIRE_XR` is set: then it is a failure.
+    pub fn enter() -> Option<Self> {
+        if !is_prepared() {
+            return None;
+        }
+        let folder = target_tmp();
+        let place = |number| File::create(folder.join(format!("xr-{number}.lock"))).expect("target/tmp");
+        let is_free = |place: &File| match place.try_lock() {
+            Ok(()) => true,
+            Err(TryLockError::WouldBlock) => false,
+            Err(TryLockError::Error(error)) => panic!("a lock file cannot be locked: {error}"),
+        };
+        loop {
+            if let Some(place) = (0..PLACES).map(place).find(is_free) {
+                return Some(Self { _place: place });
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// A runtime that shows nothing, with the remote device.
+    pub fn runtime(&self) -> Runtime {
+        Runtime::default()
+    }
+}
+
+/// Whether the runtime can be had here.
+fn is_prepared() -> bool {
+    static PREPARED: OnceLock<Result<(), String>> = OnceLock::new();
+    let prepared = PREPARED.get_or_init(|| {
+        let output = Command::new(script()).arg("prepare").output().map_err(|e| e.to_string())?;
+        let said = String::from_utf8_lossy(&output.stderr).trim().to_string();
+        assert!(output.status.success() || output.status.code() == Some(NOT_PREPARED), "{said}");
+        if output.status.success() { Ok(()) } else { Err(said) }
+    });
+    if let Err(reason) = prepared {
+        assert!(std::env::var_os("SCANWALK_REQUIRE_XR").is_none(), "no OpenXR runtime: {reason}");
+        eprintln!("skipped: no OpenXR runtime for tests: {reason}");
+    }
+    prepared.is_ok()
+}
+
+/// Where the compositor shows its images.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Compositor {
+    /// Nowhere; 320 × 240 an eye, 20 Hz.
+    Null,
+    /// On a virtual screen of 1920 × 1080: 960 × 1080 an eye, unscaled and undistorted.
+    Xcb,
+    /// There is none, and no runtime.
+    None,
+}
+
+/// What plays the headset.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Device {
+    /// Poses and buttons as sent by [`poses::Remote`].
+    Remote,
+    /// A head that sways by 5 cm, no hands.
+    Simulated,
+}
+
+/// How to run a program.
+#[derive(Clone)]
+pub struct Runtime {
+    variables: Vec<(String, String)>,
+    timeout_s: u32,
+    validate: bool,
+}
+
+impl Default for Runtime {
+    fn default() -> Self {
+        Self { variables: Vec::new(), timeout_s: 60, validate: false }
+    }
+}
+
+impl Runtime {
+    /// Its Vulkan driver and layers alone, for programs that open no headset: these wait for no turn. `None` as for
+    /// [`Lab::enter`].
+    pub fn drivers() -> Option<Self> {
+        is_prepared().then(|| Self::default().compositor(Compositor::None))
+    }
+
+    /// Sets an environment variable for the runtime and the program.
+    pub fn variable(mut self, name: &str, value: impl Into<String>) -> Self {
+        self.variables.push((name.to_string(), value.into()));
+        self
+    }
+
+    pub fn compositor(self, compositor: Compositor) -> Self {
+        let name = match compositor {
+            Compositor::Null => "null",
+            Compositor::Xcb => "xcb",
+            Compositor::None => "none",
+        };
+        self.variable("XR_COMPOSITOR", name)
+    }
+
+    pub fn device(self, device: Device) -> Self {
+        self.variable("XR_DEVICE", if device == Device::Remote { "remote" } else { "simulated" })
+    }
+
+    /// OpenXR validation and Vulkan validation, with synchronisation validation; see [`Finished::assert_valid`].
+    pub fn validate(mut self) -> Self {
+        self.validate = true;
+        self.variable("XR_VALIDATE", "1").variable("VK_LAYER_VALIDATE_SYNC", "1")
+    }
+
+    /// Makes something go wrong; `what` as in `tests/faultlayer`.
+    pub fn fault(self, what: &str) -> Self {
+        let layers = fault_layer();
+        self.variable("XRFAULT", what)
+            .variable("XR_API_LAYER_PATH", layers.to_str().expect("a UTF-8 path"))
+            .variable("XR_ENABLE_API_LAYERS", "XR_APILAYER_TEST_fault")
+    }
+
+    /// Seconds until the program is stopped.
+    pub fn timeout_s(mut self, seconds: u32) -> Self {
+        self.timeout_s = seconds;
+        self
+    }
+
+    /// Starts the runtime and in it the program.
+    pub fn start(&self, program: &Path, args: &[&str]) -> Running {
+        // Under /tmp: the path of the runtime's socket must be short.
+        let folder = tempfile::Builder::new().prefix("xr").tempdir_in("/tmp").expect("a temporary folder");
+        let port = free_port();
+        let mut child = Command::new(script())
+            .arg("run")
+            .arg(program)
+            .args(args)
+            .env("XR_RUN", folder.path())
+            .env("XR_REMOTE_PORT", port.to_string())
+            .env("XR_TIMEOUT", self.timeout_s.to_string())
+            .envs(self.variables.iter().map(|(name, value)| (name, value)))
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("scripts/headless-runtime starts");
+        let (sender, lines) = channel();
+        let stdout = child.stdout.take().expect("piped");
+        std::thread::spawn(move || {
+            for line in BufReader::new(stdout).lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        let mut stderr = child.stderr.take().expect("piped");
+        let stderr = std::thread::spawn(move || {
+            let mut text = Vec::new();
+            let _ = stderr.read_to_end(&mut text);
+            String::from_utf8_lossy(&text).into_owned()
+        });
+        Running {
+            child,
+            port,
+            lines,
+            seen: Vec::new(),
+            stderr: Some(stderr),
+            folder: Some(folder),
+            validate: self.validate,
+            deadline: Instant::now() + Duration::from_secs(u64::from(self.timeout_s) + 30),
+        }
+    }
+
+    /// Starts a program and waits for its end.
+    pub fn run(&self, program: &Path, args: &[&str]) -> Finished {
+        self.start(program, args).finish()
+    }
+}
+
+/// A port that nobody listens on now.
+fn free_port() -> u16 {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    listener.local_addr().expect("a bound address").port()
+}
+
+/// Builds the fault layer; the folder of its manifest.
+fn fault_layer() -> &'static Path {
+    static LAYERS: OnceLock<PathBuf> = OnceLock::new();
+    LAYERS.get_or_init(|| {
+        let root = root().join("tests/faultlayer/Cargo.toml");
+        let target = target_tmp().join("faultlayer");
+        let built = Command::new(env!("CARGO"))
+            .args(["build", "--quiet", "--locked", "--manifest-path"])
+            .arg(root)
+            .arg("--target-dir")
+            .arg(&target)
+            .env_remove("CARGO_BUILD_TARGET")
+            .output()
+            .expect("cargo starts");
+        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+        let library = target.join("debug/libfaultlayer.so");
+        let manifest = serde_json::json!({
+            "file_format_version": "1.0.0",
+            "api_layer": {
+                "name": "XR_APILAYER_TEST_fault",
+                "library_path": library,
+                "api_version": "1.0",
+                "implementation_version": "1",
+                "description": "makes things go wrong",
+            },
+        });
+        fs::write(target.join("faultlayer.json"), manifest.to_string()).expect("the manifest can be written");
+        target
+    })
+}
+
+/// A program that runs in a runtime. Dropping it stops both.
+pub struct Running {
+    child: Child,
+    port: u16,
+    lines: Receiver<String>,
+    seen: Vec<String>,
+    stderr: Option<JoinHandle<String>>,
+    folder: Option<tempfile::TempDir>,
+    validate: bool,
+    deadline: Instant,
+}
+
+impl Running {
+    /// Folder of the runtime's sockets and logs; the program sees it as `XR_RUN`.
+    pub fn folder(&self) -> &Path {
+        self.folder.as_ref().expect("kept until the end").path()
+    }
+
+    /// Connects to the remote device, as soon as it listens.
+    pub fn remote(&mut self) -> poses::Remote {
+        loop {
+            match poses::Remote::connect(self.port) {
+                Ok(remote) => return remote,
+                Err(error) => assert!(Instant::now() < self.deadline, "the remote device: {error}"),
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// What the compositor shows now ([`Compositor::Xcb`]).
+    pub fn screen(&self) -> screen::Image {
+        screen::Image::read_xwd(&self.folder().join("fb/Xvfb_screen0")).expect("the virtual screen")
+    }
+
+    /// Waits for a line of the program's output for which `found` has a value.
+    ///
+    /// # Panics
+    /// If the program ends or is silent for 30 s.
+    pub fn wait_for<T>(&mut self, what: &str, mut found: impl FnMut(&str) -> Option<T>) -> T {
+        let until = Instant::now() + Duration::from_secs(30);
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            match self.lines.recv_timeout(left) {
+                Ok(line) => {
+                    let value = found(&line);
+                    self.seen.push(line);
+                    if let Some(value) = value {
+                        return value;
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => panic!("no {what} in 30 s; last: {:?}", self.seen.last()),
+                Err(RecvTimeoutError::Disconnected) => {
+                    let _ = self.child.wait();
+                    let stderr = self.stderr.take().and_then(|thread| thread.join().ok());
+                    panic!("ended without {what}; last: {:?}\n{stderr:?}", self.seen.last());
+                }
+            }
+        }
+    }
+
+    /// Kills the runtime, not the program.
+    pub fn kill_runtime(&self) {
+        self.signal("KILL", "service.pid");
+    }
+
+    /// Asks the program to end, as a user would.
+    pub fn ask_to_end(&self) {
+        self.signal("TERM", "program.pid");
+    }
+
+    fn signal(&self, name: &str, pid_file: &str) {
+        let pid = fs::read_to_string(self.folder().join(pid_file)).expect("a process that was started");
+        signal(name, pid.trim());
+    }
+
+    /// Waits for the program's end.
+    pub fn finish(mut self) -> Finished {
+        while let Ok(line) = self.lines.recv_timeout(self.deadline.saturating_duration_since(Instant::now()))
+        {
+            self.seen.push(line);
+        }
+        let code = loop {
+            match self.child.try_wait().expect("a child of ours") {
+                Some(status) => break status.code(),
+                None => assert!(Instant::now() < self.deadline, "the program hangs"),
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        };
+        let stderr = self.stderr.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
+        let folder = self.folder.take().expect("kept until the end");
+        Finished { code, lines: std::mem::take(&mut self.seen), stderr, folder, validated: self.validate }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Ok(None) = self.child.try_wait() {
+            // Not KILL: the script stops what it started.
+            signal("TERM", &self.child.id().to_string());
+            let _ = self.child.wait();
+        }
+    }
+}
+
+fn signal(name: &str, pid: &str) {
+    let _ = Command::new("kill").args(["-s", name, pid]).status();
+}
+
+/// What became of a program.
+pub struct Finished {
+    /// Exit code; 96 if validation found errors, 124 if it was stopped for taking too long.
+    pub code: Option<i32>,
+    /// Its standard output.
+    pub lines: Vec<String>,
+    /// Its (and the script's) standard error.
+    pub stderr: String,
+    folder: tempfile::TempDir,
+    validated: bool,
+}
+
+impl Finished {
+    /// Folder of the runtime's logs, and of what the program wrote to `XR_RUN`.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Everything that the validation layers had to say; empty if all is well.
+    pub fn complaints(&self) -> Vec<String> {
+        assert!(self.validated, "the run was made without validate()");
+        let read = |name: &str| fs::read_to_string(self.folder().join(name)).unwrap_or_default();
+        let openxr = read("xr_validation.txt");
+        // The layer writes a line when an instance comes and when it goes; without them it was not there.
+        let greetings = openxr.lines().filter(|line| line.contains("VALID_DEBUG")).count();
+        let mut complaints = self.vulkan_complaints();
+        let of_openxr =
+            openxr.lines().filter(|line| !line.contains("VALID_DEBUG") && !line.trim().is_empty());
+        complaints.extend(of_openxr.map(str::to_string));
+        if greetings != 2 {
+            complaints.push(format!("OpenXR validation greeted {greetings} times, not twice: {openxr}"));
+        }
+        complaints
+    }
+
+    /// What Vulkan's layer alone had to say, for programs that use no OpenXR.
+    pub fn vulkan_complaints(&self) -> Vec<String> {
+        assert!(self.validated, "the run was made without validate()");
+        match fs::read_to_string(self.folder().join("vk_validation.txt")) {
+            Ok(text) => text.lines().filter(|line| !line.trim().is_empty()).map(str::to_string).collect(),
+            Err(_) => vec!["Vulkan validation was not on".into()],
+        }
+    }
+
+    /// Panics if a validation layer complained.
+    pub fn assert_valid(&self) {
+        let complaints = self.complaints();
+        assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    }
+
+    /// Panics unless the program ended by itself with code 0.
+    pub fn assert_ok(&self) {
+        let last = self.lines.iter().rev().take(5).rev().cloned().collect::<Vec<_>>().join("\n");
+        assert_eq!(self.code, Some(0), "stderr: {}\nlast lines:\n{last}", self.stderr);
+    }
+}

@@ -1,0 +1,236 @@
+//! A way to draw, ready to draw: a renderer of its own, and the cloud that it is lent.
+
+use super::point_list::{self, PointList};
+use crate::report::BytesRead;
+use anyhow::{Context, Result};
+use base::space::View;
+use cloud::Cloud;
+use render::Look;
+use render::Method;
+use render::gpu::{Gpu, readback};
+use render::layout::{COUNTERS_STRIDE, Counts, VISIBLE_DISCS, VisibleBatch};
+use render::options::{Quality, Tier};
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, TargetTooLarge, tier};
+use std::sync::Arc;
+use std::time::Instant;
+use timing::STAGES;
+
+/// sRGB, as headsets have it.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// GPU milliseconds of one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Of all of it.
+    pub gpu_ms: f64,
+    /// Of each of [`STAGES`]; NaN for hardware points.
+    pub stage_ms: [f64; STAGES.len()],
+    /// In which the CPU records and sends it; NaN for hardware points.
+    pub cpu_ms: f64,
+}
+
+/// What a frame reads and draws, all eyes together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Batches of the cloud.
+    pub num_batches: u64,
+    /// Batches that were drawn.
+    pub num_batches_drawn: u64,
+    /// Points whose coordinates were loaded.
+    pub points_read: u64,
+    /// Points, or discs, that asked for a pixel: in the picture and, where the method looks first, the nearest when they
+    /// came.
+    pub points_drawn: u64,
+    /// Pixels that they asked for, or wrote without asking.
+    pub pixels_asked: u64,
+    /// Discs of a point tree that the tolerance draws, in the picture or not.
+    pub discs_chosen: u64,
+    /// What the geometry stages load.
+    pub bytes: BytesRead,
+}
+
+/// [`Renderer::new`] or [`Renderer::counting`].
+type MakeRenderer = fn(&Arc<Gpu>, Setup, Look) -> Result<Renderer, TargetTooLarge>;
+
+/// A renderer of one way.
+pub struct Compute {
+    gpu: Arc<Gpu>,
+    renderer: Renderer,
+    images: Vec<wgpu::Texture>,
+    frame: u64,
+    /// Of the last frame.
+    cpu_ms: f64,
+}
+
+/// A renderer that counts what a way does.
+pub struct Counter(Compute);
+
+impl Compute {
+    /// To draw eyes of these sizes.
+    ///
+    /// # Errors
+    /// If they do not fit the GPU.
+    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
+        Self::of(gpu, sizes_px, look, Renderer::new)
+    }
+
+    fn of(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, renderer: MakeRenderer) -> Result<Self> {
+        let setup = Setup {
+            sizes_px: sizes_px.to_vec(),
+            color_format: FORMAT,
+            depth_format: None,
+            atomics: tier(gpu, Tier::Auto, &look)?,
+        };
+        let renderer = renderer(gpu, setup, look)?;
+        let images = sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect();
+        Ok(Self { gpu: Arc::clone(gpu), renderer, images, frame: 0, cpu_ms: f64::NAN })
+    }
+
+    /// Draws so many frames of a cloud, of which the last one counts.
+    ///
+    /// # Errors
+    /// If the device is lost, or the cloud does not fit.
+    pub fn draw(&mut self, cloud: &mut Option<CloudBuffers>, view: &View, num_frames: u32) -> Result<Sample> {
+        self.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
+        let times = (0..num_frames).map(|_| self.frame(view)).last();
+        *cloud = self.renderer.take_cloud();
+        let times = times.context("no frame to draw")??;
+        let stage_ms = times.stage_ms.map(f64::from);
+        Ok(Sample { gpu_ms: times.gpu_ms.into(), stage_ms, cpu_ms: self.cpu_ms })
+    }
+
+    fn frame(&mut self, view: &View) -> Result<FrameTimes> {
+        self.frame += 1;
+        let began = Instant::now();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
+        let eyes: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
+        self.renderer.record(&mut encoder, self.frame, &eyes);
+        let commands = encoder.finish();
+        {
+            let queue = self.gpu.queue.lock();
+            self.renderer.set_view(&queue, view);
+            queue.submit([commands]);
+        }
+        self.renderer.submitted();
+        self.cpu_ms = 1e3 * began.elapsed().as_secs_f64();
+        wait(&self.gpu)?;
+        self.renderer.collect_times().context("the GPU gave no frame back")
+    }
+}
+
+impl Counter {
+    /// Of frames of this look, with eyes of these sizes.
+    ///
+    /// # Errors
+    /// If they do not fit the GPU.
+    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
+        Compute::of(gpu, sizes_px, look, Renderer::counting).map(Self)
+    }
+
+    /// What a frame has to do with a cloud.
+    ///
+    /// # Errors
+    /// Those of [`Compute::draw`].
+    pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
+        let before = self.counts()?;
+        self.0.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
+        let times = self.0.frame(view);
+        let load = times.and_then(|times| self.counted(&times, &before));
+        *cloud = self.0.renderer.take_cloud();
+        load
+    }
+
+    fn counts(&self) -> Result<Vec<Counts>> {
+        let counts = self.0.renderer.counts().context("a renderer that does not count")?;
+        Ok(bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.0.gpu, counts)?))
+    }
+
+    fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<Load> {
+        let after = self.counts()?;
+        // Counts go on from frame to frame, and wrap.
+        let sum = |of: fn(&Counts) -> u32| {
+            let pairs = after.iter().zip(before);
+            pairs.map(|(after, before)| u64::from(of(after).wrapping_sub(of(before)))).sum::<u64>()
+        };
+        let Compute { gpu, renderer, .. } = &self.0;
+        let look = renderer.look();
+        // Every geometry stage loads all coordinates anew.
+        let num_passes = if look.quality == Quality::Hqs { 2 } else { 1 };
+        let (visible, counters, _) = renderer.cull_results();
+        let counters = readback::read_buffer(gpu, counters)?;
+        let stride = COUNTERS_STRIDE as usize;
+        let (mut planes, mut shapes, mut num_batches) = (0, 0, 0);
+        for (number, list) in visible.into_iter().enumerate() {
+            let count: u32 = bytemuck::pod_read_unaligned(&counters[number * stride..number * stride + 4]);
+            let batches: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&readback::read_buffer(gpu, list)?);
+            num_batches += renderer.num_batches(number);
+            for batch in batches.iter().take(count as usize).filter(|batch| batch.is_first_slice()) {
+                let words = 4 * num_passes * u64::from(batch.num_points);
+                planes += words * u64::from(batch.flags & 3);
+                shapes += if batch.flags & VISIBLE_DISCS == 0 { 0 } else { words };
+            }
+        }
+        let is_narrow = look.quality == Quality::Hqs || look.method == Method::BusyLoop;
+        let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
+        Ok(Load {
+            num_batches,
+            num_batches_drawn: times.visible_batches.into(),
+            points_read: times.points_read,
+            points_drawn: sum(|bin| bin.num_drawn),
+            pixels_asked: sum(|bin| bin.num_asked),
+            discs_chosen: sum(|bin| bin.num_chosen) / num_passes,
+            bytes: BytesRead { planes, shapes, pixels, colors: 4 * sum(|bin| bin.num_colors) },
+        })
+    }
+}
+
+/// Hardware points of one eye.
+pub struct Hardware {
+    gpu: Arc<Gpu>,
+    point_list: PointList,
+    image: wgpu::Texture,
+    frame: u64,
+}
+
+impl Hardware {
+    /// With points of its own: 16 bytes each.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
+        let point_list = PointList::new(gpu, cloud, &[size_px])?;
+        let image = image(gpu, size_px, point_list::FORMAT);
+        Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
+    }
+
+    /// Draws so many points at a time from now on.
+    pub fn set_draw_points(&mut self, draw_points: u32) {
+        self.point_list.set_draw_points(draw_points);
+    }
+
+    /// Draws so many frames, of which the last one counts.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn draw(&mut self, view: &View, num_frames: u32) -> Result<Sample> {
+        let mut gpu_ms = f64::NAN;
+        for _ in 0..num_frames {
+            self.frame += 1;
+            let image = self.image.create_view(&Default::default());
+            self.point_list.draw(&self.gpu, self.frame, &[image], view);
+            wait(&self.gpu)?;
+            gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?.into();
+        }
+        Ok(Sample { gpu_ms, stage_ms: [f64::NAN; STAGES.len()], cpu_ms: f64::NAN })
+    }
+}
+
+fn wait(gpu: &Gpu) -> Result<()> {
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
+    Ok(())
+}
+
+fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.texture("image", size_px, format, IMAGE_USAGES)
+}

@@ -1,0 +1,162 @@
+//! The papers' tables on this machine: every method, order and viewpoint, timed by the GPU's own clock.
+//!
+//! Contestants take turns, so that whatever else the machine does meets them all; a turn draws a frame that does not
+//! count before one that does. What a frame reads and draws is counted in a frame of its own, without a clock.
+
+mod contestant;
+mod copy;
+mod papers;
+pub mod point_list;
+mod rows;
+mod subject;
+mod tables;
+mod way;
+
+use crate::report::{BenchResults, in_order};
+use anyhow::{Context, Result, ensure};
+use base::progress::Stop;
+use glam::DVec3;
+use points::{ReadOptions, Scene};
+use render::Look;
+use render::gpu::Gpu;
+use std::path::PathBuf;
+use std::sync::Arc;
+use subject::{Model, Subject};
+
+/// Points of a made-up scan on a software driver, which is slow.
+const SOFTWARE_POINTS: u64 = 1_000_000;
+/// On a GPU: the size of the 2021 paper's Retz.
+const GPU_POINTS: u64 = 145_000_000;
+/// Bytes of memory that a point takes at most, while scan, cloud and octree are made.
+const BYTES_PER_POINT: u64 = 100;
+
+/// A table of a paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// 40-bit depths and two passes beside hardware points.
+    Paper2019,
+    /// Methods × orders × viewpoints.
+    Paper2021,
+    /// Flat clouds and octrees.
+    Paper2022,
+    /// Where the time of a headset's frame goes.
+    Vr,
+    /// Sequential point trees beside octrees.
+    Spt,
+}
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct BenchOptions {
+    /// A scan; `None`: made-up ones.
+    pub scan: Option<PathBuf>,
+    /// How it is read.
+    pub read: ReadOptions,
+    /// Where somebody stands in it.
+    pub eyes: EyesIn,
+    /// Part of the GPU's name; empty: the fastest kind there is.
+    pub adapter: String,
+    /// As a headset draws by default.
+    pub headset_look: Look,
+    /// Largest part of the point pool that one binding holds, in bytes; 0: as much as the GPU allows.
+    pub chunk_limit: u64,
+    /// Which tables.
+    pub tables: Vec<Table>,
+    /// Points of the made-up scans; empty: as many as the papers had, or as there is room for.
+    pub points: Vec<u64>,
+    /// Rows that are wanted beside hardware points, by their methods' names; empty: all.
+    pub methods: Vec<String>,
+    /// Frames that count, of each row.
+    pub num_runs: usize,
+    /// Width and height of every picture; `None`: the papers'.
+    pub size_px: Option<[u32; 2]>,
+}
+
+/// Where the eye is that sees all of a scene, and where it is inside, in world space; with the metres of a unit.
+pub type EyesIn = fn(&Scene, f64) -> [DVec3; 2];
+
+/// What [`BenchOptions::methods`] may name in these tables: their rows, each once.
+#[must_use]
+pub fn methods(tables: &[Table]) -> Vec<&'static str> {
+    in_order(tables.iter().flat_map(|&table| tables::names(table)))
+}
+
+/// Measures.
+///
+/// # Errors
+/// A GPU that tells no times or lacks 64-bit atomics, an unreadable scan, too little memory.
+pub fn run(options: &BenchOptions, stop: &Stop) -> Result<BenchResults> {
+    ensure!(options.num_runs > 0, "--runs 0: a median needs a run");
+    let gpu = Arc::new(Gpu::open(Some(&options.adapter))?);
+    let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    ensure!(
+        can_time,
+        "{} cannot tell how long its work takes; choose another GPU with --adapter",
+        gpu.name()
+    );
+    if options.tables.contains(&Table::Paper2021) && !gpu.has_subgroups() {
+        eprintln!(
+            "scanwalk: {} has no subgroup operations: reduce, reduce-early-z and dedup are measured with a stand-in",
+            gpu.name()
+        );
+    }
+    let bench = tables::Bench {
+        gpu: &gpu,
+        chunk_limit: options.chunk_limit,
+        headset_look: options.headset_look,
+        num_runs: options.num_runs,
+        size_px: options.size_px,
+        methods: &options.methods,
+        stop,
+    };
+    let mut results = BenchResults {
+        device: gpu.name(),
+        driver: gpu.driver(),
+        copy_gb_per_s: Some(copy::gb_per_s(&gpu)?),
+        rows: Vec::new(),
+    };
+    let mut measure = |subject: &Subject| -> Result<()> {
+        let is_of = |table: &&Table| tables::models(**table).contains(&subject.model);
+        for table in options.tables.iter().filter(|table| subject.model == Model::Scan || is_of(table)) {
+            results.rows.extend(match table {
+                Table::Paper2019 => bench.table_2019(subject)?,
+                Table::Paper2021 => bench.table_2021(subject)?,
+                Table::Paper2022 => bench.table_2022(subject)?,
+                Table::Vr => bench.table_vr(subject)?,
+                Table::Spt => bench.table_spt(subject)?,
+            });
+        }
+        Ok(())
+    };
+    if let Some(path) = &options.scan {
+        measure(&Subject::read(path, options, stop)?)?;
+    } else {
+        let sizes =
+            if options.points.is_empty() { vec![default_points(&gpu)] } else { options.points.clone() };
+        for points in sizes {
+            for model in
+                in_order(options.tables.iter().flat_map(|&table| tables::models(table).iter().copied()))
+            {
+                measure(&Subject::made_up(model, points, stop).context("the made-up scan")?)?;
+            }
+        }
+    }
+    Ok(results)
+}
+
+/// As many points as the papers had, as memory holds, or as a software driver can draw in time.
+fn default_points(gpu: &Gpu) -> u64 {
+    if gpu.is_software() {
+        return SOFTWARE_POINTS;
+    }
+    available_bytes()
+        .map_or(GPU_POINTS / 4, |bytes| GPU_POINTS.min(bytes / BYTES_PER_POINT))
+        .max(SOFTWARE_POINTS)
+}
+
+/// Memory that programs may take, where the system says so.
+fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}

@@ -1,0 +1,196 @@
+//! What is drawn: a scan, in any order, and where from.
+
+use super::BenchOptions;
+use crate::synth::{self, Kind, SynthOptions};
+use anyhow::Result;
+use base::output::{Output, OutputKind};
+use base::progress::{Progress, Stop};
+use base::space::{Bounds, Eye, Fov, Pose, View};
+use cloud::octree::{Octree, build_octree};
+use cloud::spt::{SequentialCloud, build_spt};
+use cloud::{self, Cloud, Order};
+use glam::DVec3;
+use points::{self, ReadOptions, Scan};
+use std::path::{Path, PathBuf};
+
+/// Of made-up scans: always the same one.
+const SEED: u64 = 1;
+const NEAR_M: f64 = 0.05;
+/// Vertical field of view of pictures with one eye.
+const FOV_Y_DEG: f64 = 60.0;
+/// Half angles of a headset's left eye in degrees: outer, inner, up, down.
+const HEADSET_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
+const EYE_DISTANCE_M: f64 = 0.063;
+
+/// What is measured with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// Made up: a terrestrial scan.
+    Courtyard,
+    /// Made up: an aerial scan.
+    Landscape,
+    /// Made up: photogrammetry.
+    Statue,
+    /// The user's.
+    Scan,
+}
+
+impl Model {
+    /// As rows name it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Courtyard => "courtyard",
+            Self::Landscape => "landscape",
+            Self::Statue => "statue",
+            Self::Scan => "scan",
+        }
+    }
+}
+
+/// Where the camera stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// `overview`, `close-up`, `outside-frustum`; of made-up scans also the names that these have.
+    pub name: &'static str,
+    /// World space.
+    pub eye: DVec3,
+    /// World space.
+    pub target: DVec3,
+}
+
+/// A scan to measure with.
+pub struct Subject {
+    /// Which one.
+    pub model: Model,
+    scan: Scan,
+    places: Vec<Place>,
+}
+
+impl Subject {
+    /// A scan of so many points, made up.
+    ///
+    /// # Errors
+    /// If there is no room for its file, or on request.
+    pub fn made_up(model: Model, points: u64, stop: &Stop) -> Result<Self> {
+        let (kind, inside) = match model {
+            Model::Landscape => (Kind::Aerial, "village"),
+            Model::Statue => (Kind::Photogrammetry, "face"),
+            Model::Courtyard | Model::Scan => (Kind::Terrestrial, "hall"),
+        };
+        let folder = tempfile::tempdir()?;
+        let out = folder.path().join("made-up.las");
+        let output = Output::new(&out, OutputKind::Scan)?;
+        synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, stop)?;
+        let scan = points::read(&[out], &ReadOptions::default(), stop)?;
+        let own =
+            || synth::viewpoints(kind).iter().map(|p| Place { name: p.name, eye: p.eye, target: p.target });
+        let place = |name| own().find(|place| place.name == name).map(|place| (place.eye, place.target));
+        // Both names are the scan's own.
+        let both = place("overview").zip(place(inside)).unwrap_or_default();
+        let mut places = places(&scan.scene.bounds, both.0, both.1);
+        places.extend(own().filter(|place| place.name != "overview"));
+        Ok(Self { model, scan, places })
+    }
+
+    /// The places of these names, in their order.
+    #[must_use]
+    pub fn places(&self, names: &[&str]) -> Vec<Place> {
+        names
+            .iter()
+            .filter_map(|name| self.places.iter().find(|place| place.name == *name).copied())
+            .collect()
+    }
+
+    /// A scan from a file.
+    ///
+    /// # Errors
+    /// If it cannot be read or is empty.
+    pub fn read(path: &Path, options: &BenchOptions, stop: &Stop) -> Result<Self> {
+        let paths: [PathBuf; 1] = [path.to_owned()];
+        let scan = points::read(&paths, &options.read, stop)?;
+        let cloud = cloud::build(&scan, Order::Original, &Progress::silent(stop))?;
+        let [overview, inside] = (options.eyes)(&cloud.scene, scan.unit_m.unwrap_or(1.0));
+        let (center, ahead) = (cloud.scene.bounds.center(), inside + DVec3::Y);
+        let places = places(&scan.scene.bounds, (overview, center), (inside, ahead));
+        Ok(Self { model: Model::Scan, scan, places })
+    }
+
+    /// Points of the scan.
+    #[must_use]
+    pub fn num_points(&self) -> u64 {
+        self.scan.num_points() as u64
+    }
+
+    /// All points in an order.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn flat(&self, order: Order, stop: &Stop) -> Result<Cloud> {
+        let sorting = Progress::new("sorting", "points", self.num_points(), stop);
+        Ok(cloud::build(&self.scan, order, &sorting)?)
+    }
+
+    /// All points in Morton order, in batches of so many.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn in_batches(&self, batch_points: u32, stop: &Stop) -> Result<Cloud> {
+        let sorting = Progress::new("sorting", "points", self.num_points(), stop);
+        Ok(cloud::build_in_batches(&self.scan, Order::Morton, batch_points, &sorting)?)
+    }
+
+    /// The sequential point tree.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn sequential(&self, stop: &Stop) -> Result<SequentialCloud> {
+        // Points are counted twice, discs once.
+        let building = Progress::new("building the point tree", "points", 7 * self.num_points() / 2, stop);
+        Ok(build_spt(&self.scan, false, &building)?)
+    }
+
+    /// The octree.
+    ///
+    /// # Errors
+    /// On request.
+    pub fn layered(&self, stop: &Stop) -> Result<Octree> {
+        let building = Progress::new("building the octree", "points", 2 * self.num_points(), stop);
+        Ok(build_octree(&self.scan, &building, &mut |_, _| ())?)
+    }
+}
+
+fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> Vec<Place> {
+    let (eye, target) = overview;
+    let away = (eye - target).normalize_or(DVec3::NEG_Y);
+    let outside = bounds.center() + away * bounds.size().length();
+    vec![
+        Place { name: "overview", eye, target },
+        Place { name: "close-up", eye: inside.0, target: inside.1 },
+        Place { name: "outside-frustum", eye: outside, target: outside + away },
+    ]
+}
+
+impl Place {
+    /// One eye that looks there.
+    #[must_use]
+    pub fn mono(&self, size_px: [u32; 2]) -> View {
+        let [width, height] = size_px.map(f64::from);
+        let fov = Fov::symmetric(FOV_Y_DEG.to_radians(), width / height);
+        let world_from_view = Pose::look_at(self.eye, self.target, DVec3::Z);
+        View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: NEAR_M }
+    }
+
+    /// Both eyes of somebody with a headset.
+    #[must_use]
+    pub fn stereo(&self, size_px: [u32; 2]) -> View {
+        let head = Pose::look_at(self.eye, self.target, DVec3::Z);
+        let [outer, inner, up, down] = HEADSET_DEG.map(f64::to_radians);
+        let left = Fov::from_angles(-outer, inner, up, -down);
+        let eye = |side: f64, fov| {
+            let sideways = Pose { position: DVec3::X * side * 0.5 * EYE_DISTANCE_M, ..Pose::IDENTITY };
+            Eye { world_from_view: head.then(&sideways), fov, size_px, gaze_in_view: Eye::AHEAD }
+        };
+        View { eyes: vec![eye(-1.0, left), eye(1.0, left.mirrored())], near: NEAR_M }
+    }
+}

@@ -1,0 +1,80 @@
+//! The ways to draw that tables compare.
+
+use render::Look;
+use render::layout::Detail;
+use render::options::{Dilate, Precision, Quality};
+use render::{Access, Method};
+
+/// The forms of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Every point.
+    Flat,
+    /// An octree: the nodes that matter.
+    Octree,
+    /// A sequential point tree: the discs that matter.
+    Spt,
+}
+
+/// A way to draw, by the name that its rows have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// As in the papers.
+    pub name: &'static str,
+    /// Hardware points if `None`.
+    pub method: Option<Method>,
+    /// What a pixel shows.
+    pub quality: Quality,
+    /// What is drawn of the scan.
+    pub form: Form,
+    /// Without what the eye does not see.
+    pub cull: bool,
+    /// Coordinate bits that are read.
+    pub precision: Precision,
+}
+
+impl Way {
+    /// Hardware points.
+    pub const POINT_LIST: Self = Self {
+        name: "point-list",
+        method: None,
+        quality: Quality::Closest,
+        form: Form::Flat,
+        cull: false,
+        precision: Precision::Full,
+    };
+
+    /// As the 2021 paper draws: every point, all coordinate bits.
+    #[must_use]
+    pub fn paper_2021(method: Method) -> Self {
+        let quality = method.quality().unwrap_or_default();
+        Self { name: method.name(), method: Some(method), quality, ..Self::POINT_LIST }
+    }
+
+    /// As the 2022 paper draws: culled, with as many bits as it takes.
+    #[must_use]
+    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, form: Form) -> Self {
+        Self { name, method: Some(method), quality, form, cull: true, precision: Precision::Auto }
+    }
+
+    /// What its frames look like.
+    #[must_use]
+    pub fn look(&self) -> Look {
+        let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
+        let plain = Detail { forced_planes, keep_unseen: !self.cull, ..Detail::default() };
+        // Discs are as wide as they are; that nothing is filled between them leaves them no less wide.
+        let discs = Detail {
+            error_px: Some(render::DEFAULT_ERROR_PX as f32),
+            fill_reach_px: Some([1.0; 3]),
+            ..plain
+        };
+        Look {
+            method: self.method.unwrap_or_default(),
+            quality: self.quality,
+            dilate: Dilate::Off,
+            background: [0; 3],
+            detail: if self.form == Form::Spt { discs } else { plain },
+            access: Access::default(),
+        }
+    }
+}

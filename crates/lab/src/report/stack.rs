@@ -1,0 +1,58 @@
+//! The stages on top of each other along the walk: where the GPU's time goes, and when that changes.
+
+use super::axis::Axis;
+use super::markup::Markup;
+use super::page;
+use super::reduce::{columns, held};
+use super::svg::{Path, Plot};
+use super::timeline::{SIDES, time_axis};
+use timing::{FrameLogFile, STAGES};
+
+const HEIGHT: f64 = 200.0;
+const NUM_COLORS: usize = 8;
+
+/// The class that gives a stage its color: ours have one each, whatever version wrote the log.
+fn class(stage: &str, at: usize) -> String {
+    let ours = STAGES.iter().position(|name| *name == stage);
+    format!("s{}", ours.unwrap_or(STAGES.len() + at) % NUM_COLORS)
+}
+
+/// The figure, up to where the plot of all frames reaches.
+pub(super) fn stack(log: &FrameLogFile, top_ms: f64) -> Markup {
+    let time = time_axis(log);
+    let axes = [time, Axis::linear(0.0, top_ms)];
+    let mut plot = Plot::new("GPU milliseconds of the stages along the walk", axes, SIDES, HEIGHT);
+    // Half as many columns as a large screen may show: areas need no more.
+    let num = plot.num_columns() / 2;
+    let means = |stage: usize| -> Vec<f64> {
+        let times = log.frames.iter().map(|frame| (time.place(frame.time_s), frame.stage_ms[stage]));
+        held(columns(times, num)).iter().map(|column| column.map_or(0.0, |c| c.mean().max(0.0))).collect()
+    };
+    plot.mark_x("seconds");
+    plot.mark_y(6, "ms");
+    let mut below = vec![0.0; num];
+    for (at, name) in log.stages.iter().enumerate() {
+        let above: Vec<f64> = below.iter().zip(means(at)).map(|(below, ms)| below + ms).collect();
+        plot.path(&class(name, at), between(&plot, &below, &above));
+        below = above;
+    }
+    let classes: Vec<String> = log.stages.iter().enumerate().map(|(at, name)| class(name, at)).collect();
+    let keys = classes.iter().map(String::as_str).zip(log.stages.iter().map(String::as_str));
+    let caption = "Mean GPU milliseconds of each stage, the first at the bottom. Means: single long frames show in \
+                   the plot of all frames only.";
+    page::figure([plot.finish(), page::keys(keys)], caption)
+}
+
+/// The area between two lines.
+fn between(plot: &Plot, below: &[f64], above: &[f64]) -> Path {
+    let mut path = Path::default();
+    let num = below.len();
+    for (at, ms) in above.iter().enumerate() {
+        path.line_to(plot.at_column(at, num, *ms));
+    }
+    for (at, ms) in below.iter().enumerate().rev() {
+        path.line_to(plot.at_column(at, num, *ms));
+    }
+    path.close();
+    path
+}

@@ -1,0 +1,291 @@
+//! Writes what a device measures as LAS or LAZ (a mesh: see `ply`): blocks of lines in parallel, bytes in order.
+
+use super::device::Device;
+use super::header::{Header, Totals};
+use super::record::Layout;
+use super::{Kind, Summary};
+use base::output::{Output, OutputError, OutputFile};
+use base::progress::Progress;
+use base::random::Rng;
+
+use laz::ParLasZipCompressor;
+use rayon::prelude::*;
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+
+/// Points that a block holds, about: large enough to keep a thread busy, small enough to hold many.
+const BLOCK_POINTS: u64 = 16_384;
+/// Blocks made at once while those before are written; with their bytes about 10 MB.
+const GROUP_BLOCKS: u64 = 16;
+
+/// Why no scan was made.
+#[derive(Debug, thiserror::Error)]
+pub enum SynthError {
+    /// Nothing to write.
+    #[error("a scan needs at least one point; --points was 0")]
+    NoPoints,
+    /// LAS 1.2 counts points in 32 bits; a mesh is held in memory.
+    #[error("{path}: {points} points are too many for this kind of scan and file; the most is {most}")]
+    TooManyPoints {
+        /// The file.
+        path: PathBuf,
+        /// Asked for.
+        points: u64,
+        /// Possible.
+        most: u64,
+    },
+    /// Nothing that can be written.
+    #[error("{path}: the name must end in .las, .laz or .ply; it says which of them is written")]
+    Extension {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Only the statue is a mesh.
+    #[error("{path}: only photogrammetry can be made as a mesh; name the file .las or .laz")]
+    NoMesh {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be created, or not get its name.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The disk is full or failed.
+    #[error("cannot write {path}; nothing was kept. {needed_mb} MB are needed at most: check the free space")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Size of all points, uncompressed, rounded up.
+        needed_mb: u64,
+        /// Why.
+        source: io::Error,
+    },
+    /// The header could not be made.
+    #[error("cannot write the header of {path}")]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: las::Error,
+    },
+    /// Stopped on request.
+    #[error("stopped before {path} was whole; nothing was kept")]
+    Stopped {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl SynthError {
+    /// True if the options make no sense; false if writing failed.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::NoPoints | Self::TooManyPoints { .. } | Self::Extension { .. } | Self::NoMesh { .. } => {
+                true
+            }
+            Self::Output(error) => error.is_usage(),
+            Self::Write { .. } | Self::Header { .. } | Self::Stopped { .. } => false,
+        }
+    }
+}
+
+/// A file that may be written: its name and size make sense.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<'a> {
+    pub(super) output: &'a Output,
+    form: Form,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Las,
+    Laz,
+    /// A mesh as PLY.
+    Ply,
+}
+
+/// Points of a mesh; what is held in memory meanwhile is about 150 bytes each.
+const MOST_MESH_POINTS: u64 = 100_000_000;
+
+impl<'a> Target<'a> {
+    /// Looks at the name and the number of points; touches nothing.
+    pub fn check(output: &'a Output, kind: Kind, points: u64) -> Result<Self, SynthError> {
+        let path = output.path();
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let form = match extension.as_deref() {
+            Some("las") => Form::Las,
+            Some("laz") => Form::Laz,
+            Some("ply") => Form::Ply,
+            _ => return Err(SynthError::Extension { path: path.into() }),
+        };
+        let most = match (form, kind) {
+            (Form::Ply, Kind::Photogrammetry) => MOST_MESH_POINTS,
+            (Form::Ply, _) => return Err(SynthError::NoMesh { path: path.into() }),
+            (_, Kind::Photogrammetry) => u64::from(u32::MAX),
+            (_, _) => u64::MAX / 64,
+        };
+        if points == 0 {
+            Err(SynthError::NoPoints)
+        } else if points > most {
+            Err(SynthError::TooManyPoints { path: path.into(), points, most })
+        } else {
+            Ok(Self { output, form })
+        }
+    }
+
+    /// True for a mesh.
+    pub fn is_mesh(&self) -> bool {
+        self.form == Form::Ply
+    }
+
+    /// Measures everything and writes it.
+    pub fn write(&self, device: &impl Device, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
+        let path = || self.output.path().to_path_buf();
+        let file = self.output.begin()?;
+        let Layout { format, lattice } = device.layout();
+        let record_bytes = u64::from(format.record_bytes());
+        let needed_mb = device.plan().points().saturating_mul(record_bytes).div_ceil(1_000_000);
+        let mut header = Header::new(format, lattice, self.form == Form::Laz);
+        let written = (|| {
+            let mut points = PointWriter::start(&header, file)?;
+            let whole = write_points(device, seed, progress, &mut points, &mut header.totals)?;
+            let mut file = points.finish()?;
+            header.write_to(&mut file)?;
+            let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            let file_bytes = file.num_bytes()?;
+            Ok((whole, file, file_bytes))
+        })();
+        let (whole, file, file_bytes) = written.map_err(|e| match e {
+            WriteError::Io(source) => SynthError::Write { path: path(), needed_mb, source },
+            WriteError::Header(source) => SynthError::Header { path: path(), source },
+        })?;
+        if !whole {
+            return Err(SynthError::Stopped { path: path() });
+        }
+        self.output.keep(file)?;
+        Ok(Summary {
+            num_points: header.totals.num_points,
+            file_bytes,
+            bounds: header.totals.bounds(&lattice),
+        })
+    }
+}
+
+/// What can fail while writing; gets the file's name further out.
+#[derive(Debug, thiserror::Error)]
+enum WriteError {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error(transparent)]
+    Header(#[from] las::Error),
+}
+
+/// Writes all points; false if stopped before the end.
+fn write_points(
+    device: &impl Device,
+    seed: u64,
+    progress: &Progress,
+    out: &mut PointWriter,
+    totals: &mut Totals,
+) -> Result<bool, WriteError> {
+    let plan = device.plan();
+    // Whole lines a block, the same whatever the machine.
+    let lines_per_block = (BLOCK_POINTS * plan.num_lines()).div_ceil(plan.points().max(1));
+    let lines_per_block = lines_per_block.clamp(1, plan.num_lines());
+    let num_blocks = plan.num_lines().div_ceil(lines_per_block);
+    let group = |first: u64| -> Vec<Block> {
+        let blocks = (first..num_blocks.min(first + GROUP_BLOCKS)).into_par_iter();
+        blocks
+            .filter(|_| !progress.stopped())
+            .map(|block| Block::measure(device, seed, block * lines_per_block, lines_per_block, progress))
+            .collect()
+    };
+    let mut ready = group(0);
+    for next in (GROUP_BLOCKS..num_blocks + GROUP_BLOCKS).step_by(GROUP_BLOCKS as usize) {
+        if progress.stopped() {
+            return Ok(false);
+        }
+        // One thread writes while the others make the next blocks.
+        let (written, made) = rayon::join(|| out.write(&ready), || group(next));
+        written?;
+        for block in &ready {
+            totals.add(&block.totals);
+        }
+        ready = made;
+    }
+    Ok(!progress.stopped())
+}
+
+/// Consecutive lines as bytes.
+struct Block {
+    bytes: Vec<u8>,
+    totals: Totals,
+}
+
+impl Block {
+    fn measure(device: &impl Device, seed: u64, first: u64, lines: u64, progress: &Progress) -> Self {
+        let (plan, format) = (device.plan(), device.layout().format);
+        let mut block = Self { bytes: Vec::new(), totals: Totals::default() };
+        let mut records = Vec::new();
+        for line in first..plan.num_lines().min(first + lines) {
+            let num_points = plan.first_point(line + 1) - plan.first_point(line);
+            if num_points == 0 {
+                continue;
+            }
+            records.clear();
+            device.measure(line, num_points, &mut Rng::new(seed, line), &mut records);
+            debug_assert_eq!(records.len() as u64, num_points);
+            for record in &records {
+                block.totals.count(record);
+                record.encode(format, &mut block.bytes);
+            }
+        }
+        progress.add(block.totals.num_points);
+        block
+    }
+}
+
+/// Where the points' bytes go.
+enum PointWriter {
+    Plain(BufWriter<OutputFile>),
+    Compressed(Box<ParLasZipCompressor<BufWriter<OutputFile>>>),
+}
+
+impl PointWriter {
+    fn start(header: &Header, file: OutputFile) -> Result<Self, WriteError> {
+        let mut file = BufWriter::with_capacity(1 << 20, file);
+        header.write_to(&mut file)?;
+        Ok(match &header.laz {
+            None => Self::Plain(file),
+            Some(vlr) => {
+                let compressor = ParLasZipCompressor::new(file, vlr.clone()).map_err(io::Error::other)?;
+                Self::Compressed(Box::new(compressor))
+            }
+        })
+    }
+
+    fn write(&mut self, blocks: &[Block]) -> io::Result<()> {
+        match self {
+            Self::Plain(file) => blocks.iter().try_for_each(|block| file.write_all(&block.bytes)),
+            Self::Compressed(compressor) => {
+                // All at once: the compressor works on several of its chunks in parallel.
+                let bytes = blocks.iter().map(|b| b.bytes.as_slice()).collect::<Vec<_>>().concat();
+                compressor.compress_many(&bytes)
+            }
+        }
+    }
+
+    fn finish(self) -> Result<BufWriter<OutputFile>, WriteError> {
+        match self {
+            Self::Plain(file) => Ok(file),
+            Self::Compressed(mut compressor) => {
+                compressor.done().map_err(|e| match e {
+                    laz::LasZipError::IoError(e) => e,
+                    other => io::Error::other(other),
+                })?;
+                Ok(compressor.into_inner())
+            }
+        }
+    }
+}

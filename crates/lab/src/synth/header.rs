@@ -1,0 +1,157 @@
+//! The start of a LAS file: its header, and for LAZ the record that describes the compression.
+
+use super::record::{Format, Record};
+use base::space::Bounds;
+use glam::DVec3;
+use laz::{LazItemRecordBuilder, LazVlr};
+use points::Lattice;
+use std::io::{Seek, SeekFrom, Write};
+
+/// What the header says of the points.
+#[derive(Clone, Debug)]
+pub struct Totals {
+    /// Points.
+    pub num_points: u64,
+    by_return: [u64; 15],
+    min: [i32; 3],
+    max: [i32; 3],
+}
+
+impl Default for Totals {
+    fn default() -> Self {
+        Self { num_points: 0, by_return: [0; 15], min: [i32::MAX; 3], max: [i32::MIN; 3] }
+    }
+}
+
+impl Totals {
+    /// One more.
+    pub fn count(&mut self, record: &Record) {
+        self.num_points += 1;
+        self.by_return[usize::from(record.return_number.clamp(1, 15)) - 1] += 1;
+        for axis in 0..3 {
+            self.min[axis] = self.min[axis].min(record.xyz[axis]);
+            self.max[axis] = self.max[axis].max(record.xyz[axis]);
+        }
+    }
+
+    /// Those of another part of the file.
+    pub fn add(&mut self, other: &Self) {
+        self.num_points += other.num_points;
+        for (sum, more) in self.by_return.iter_mut().zip(other.by_return) {
+            *sum += more;
+        }
+        for axis in 0..3 {
+            self.min[axis] = self.min[axis].min(other.min[axis]);
+            self.max[axis] = self.max[axis].max(other.max[axis]);
+        }
+    }
+
+    /// True box, world space.
+    pub fn bounds(&self, lattice: &Lattice) -> Bounds {
+        if self.num_points == 0 {
+            return Bounds::EMPTY;
+        }
+        Bounds { min: lattice.p_in_world(self.min), max: lattice.p_in_world(self.max) }
+    }
+}
+
+/// The start of the file: LAS header and, for LAZ, the record that describes the compression.
+pub struct Header {
+    format: Format,
+    lattice: Lattice,
+    /// How the points are compressed, if they are.
+    pub laz: Option<LazVlr>,
+    /// What it says of the points; to be filled in before the last [`Header::write_to`].
+    pub totals: Totals,
+}
+
+/// Day and year in every header: the day on which a scan is made must not change its bytes.
+const CREATED: (u16, u16) = (1, 2026);
+
+impl Header {
+    /// For points still to come.
+    pub fn new(format: Format, lattice: Lattice, compressed: bool) -> Self {
+        let laz = compressed.then(|| {
+            let builder = LazItemRecordBuilder::default_for_point_format_id(format.id(), 0);
+            // Fails for point formats that LAZ does not know; both of ours are among the known ones.
+            LazVlr::from_laz_items(builder.expect("point formats 2 and 7 can be compressed"))
+        });
+        Self { format, lattice, laz, totals: Totals::default() }
+    }
+
+    fn raw(&self) -> las::raw::Header {
+        let Totals { num_points, by_return, .. } = self.totals;
+        let Bounds { min, max } = match self.totals.bounds(&self.lattice) {
+            b if b.is_empty() => Bounds { min: DVec3::ZERO, max: DVec3::ZERO },
+            b => b,
+        };
+        let new = self.format == Format::Rgb7;
+        let header_size: u16 = if new { 375 } else { 227 };
+        let vlr_bytes = if self.laz.is_some() { 54 + self.laz_record().len() as u32 } else { 0 };
+        // Format 7 is not of the old header's world: its 32-bit counts stay 0 [LAS 1.4 R15, 2.4].
+        let legacy = |count: u64| if new { 0 } else { u32::try_from(count).unwrap_or(0) };
+        las::raw::Header {
+            version: las::Version::new(1, if new { 4 } else { 2 }),
+            // Bit 4: coordinate systems as WKT, as format 7 demands; bit 0: GPS time without week.
+            global_encoding: if new { 0b1_0001 } else { 0 },
+            system_identifier: text("made up"),
+            generating_software: text("scanwalk synth"),
+            file_creation_day_of_year: CREATED.0,
+            file_creation_year: CREATED.1,
+            header_size,
+            offset_to_point_data: u32::from(header_size) + vlr_bytes,
+            number_of_variable_length_records: u32::from(self.laz.is_some()),
+            point_data_record_format: self.format.id() | if self.laz.is_some() { 0x80 } else { 0 },
+            point_data_record_length: self.format.record_bytes(),
+            number_of_point_records: legacy(num_points),
+            number_of_points_by_return: std::array::from_fn(|i| legacy(by_return[i])),
+            x_scale_factor: self.lattice.scale.x,
+            y_scale_factor: self.lattice.scale.y,
+            z_scale_factor: self.lattice.scale.z,
+            x_offset: self.lattice.offset.x,
+            y_offset: self.lattice.offset.y,
+            z_offset: self.lattice.offset.z,
+            max_x: max.x,
+            min_x: min.x,
+            max_y: max.y,
+            min_y: min.y,
+            max_z: max.z,
+            min_z: min.z,
+            large_file: new.then_some(las::raw::header::LargeFile {
+                number_of_point_records: num_points,
+                number_of_points_by_return: by_return,
+            }),
+            ..las::raw::Header::default()
+        }
+    }
+
+    fn laz_record(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        if let Some(vlr) = &self.laz {
+            // Writing to memory cannot fail.
+            let _ = vlr.write_to(&mut bytes);
+        }
+        bytes
+    }
+
+    /// Writes it to the start of the file; once as a place holder, once with the true counts.
+    pub fn write_to(&self, file: &mut (impl Write + Seek)) -> Result<(), las::Error> {
+        file.seek(SeekFrom::Start(0))?;
+        self.raw().write_to(&mut *file)?;
+        if self.laz.is_some() {
+            let record = self.laz_record();
+            file.write_all(&0_u16.to_le_bytes())?;
+            file.write_all(&text::<16>(LazVlr::USER_ID))?;
+            file.write_all(&LazVlr::RECORD_ID.to_le_bytes())?;
+            file.write_all(&(record.len() as u16).to_le_bytes())?;
+            file.write_all(&text::<32>("compression"))?;
+            file.write_all(&record)?;
+        }
+        Ok(())
+    }
+}
+
+/// A fixed-width text field, filled with zeros.
+fn text<const N: usize>(text: &str) -> [u8; N] {
+    std::array::from_fn(|i| text.as_bytes().get(i).copied().unwrap_or(0))
+}

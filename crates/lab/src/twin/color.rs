@@ -1,0 +1,18 @@
+//! Twin of `color`: sums of the colours of the points within the tolerance of each pixel's nearest.
+
+use super::points::Put;
+use render::layout::SURFACE_TOLERANCE;
+
+/// Red, green, blue, count.
+pub type Sum = [u32; 4];
+
+/// Adds a point of colour `color` to its pixel's sum, if it counts.
+pub fn add(sums: &mut [Vec<Sum>], depth: &[Vec<u32>], Put { eye, pixel, w, .. }: Put, color: u32) {
+    if w <= SURFACE_TOLERANCE * f32::from_bits(depth[eye][pixel]) {
+        let sum = &mut sums[eye][pixel];
+        for (channel, sum) in sum[..3].iter_mut().enumerate() {
+            *sum += color >> (8 * channel) & 255;
+        }
+        sum[3] += 1;
+    }
+}

@@ -1,0 +1,275 @@
+//! Twin of `cull`: frustum, precision, and the head in each batch's cells.
+
+use super::points::radius;
+use super::sizes::nearest_depth;
+use super::tolerance;
+use cloud::spt::Scale;
+use render::layout::{
+    Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES,
+    MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node,
+    OWN_FILL_RADIUS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS,
+    SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch,
+    WORKGROUP_SIZE,
+};
+
+/// Half as many cells as a box edge has.
+const HALF_CELLS: f32 = 536_870_912.0;
+/// Share of a plane's terms that rounding may cost.
+const SLACK: f32 = 1e-5;
+
+/// The visible batches, in batch order (the GPU's order is any); `states` as `lod` left them.
+#[must_use]
+pub fn cull(
+    view: &ViewUniform,
+    num_eyes: usize,
+    batches: &[Batch],
+    nodes: &[Node],
+    states: &[u32],
+) -> Vec<VisibleBatch> {
+    let one = |(number, batch): (usize, &Batch)| {
+        let node = &nodes[batch.node as usize];
+        let drawn = states[batch.node as usize];
+        if drawn == 0 {
+            return None;
+        }
+        let (visible, num_slices) = cull_batch(view, num_eyes, batch, node, drawn)?;
+        let own = own_colors(node, states);
+        Some((VisibleBatch { own, drawn, batch: number as u32, ..visible }, num_slices))
+    };
+    let mut room = MAX_EXTRA_SLICES;
+    let slices = |(batch, num_slices): (VisibleBatch, u32)| {
+        let num_extra = (num_slices - 1).min(room);
+        room -= num_extra;
+        (0..=num_extra).map(move |slice| {
+            let of_slice = slice << SLICE_SHIFT | num_extra << NUM_SLICES_SHIFT;
+            VisibleBatch { flags: batch.flags | of_slice, ..batch }
+        })
+    };
+    batches.iter().enumerate().filter_map(one).flat_map(slices).collect()
+}
+
+/// Workgroups that draw a batch of points, if threads draw wide ones together.
+fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
+    if radius == 0.0 {
+        return 1;
+    }
+    let side = 2.0 * radius + 1.0;
+    let most = POINTS_PER_LOAD * num_points.div_ceil(POINTS_PER_LOAD).div_ceil(WORKGROUP_SIZE);
+    (num_points as f32 * (side * side) / SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
+}
+
+/// Workgroups that draw a batch of triangles.
+fn num_slices_of_triangles(view: &ViewUniform, batch: &Batch, eye: &EyeUniform, depth: f32) -> u32 {
+    let scale = Scale { base: view.step_base };
+    let side_px = scale.length((batch.interval >> 8) as u8) * eye.pixels_per_radian / depth;
+    let num_pixels = (side_px * side_px).min(eye.width as f32 * eye.height as f32);
+    (num_pixels / SLICE_PIXELS as f32).clamp(1.0, MAX_SLICES as f32) as u32
+}
+
+/// How many nodes have visible batches, which are in batch order.
+pub fn num_nodes(visible: &[VisibleBatch], batches: &[Batch]) -> u32 {
+    let node = |visible: &VisibleBatch| batches[visible.batch as usize].node;
+    visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
+}
+
+/// State of the child in each octant, in 8 bits; 255 where there is none.
+fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
+    let mut own = [u32::MAX; 2];
+    let octants = (0..8).filter(|octant| node.child_mask & 1 << octant != 0);
+    for (octant, state) in octants.zip(&states[node.first_child as usize..]) {
+        own[octant / 4] ^= (255 - (state >> 24)) << (8 * (octant % 4));
+    }
+    own
+}
+
+/// How far apart a node's samples lie, as a share of its edge: further where the root is drawn with a part of them.
+fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
+    if node.flags & NODE_ROOT == 0 || drawn == DRAWN_WHOLE {
+        return node.sample_spacing;
+    }
+    node.sample_spacing / (((drawn >> 8) + 1) as f32 / 16_777_216.0).sqrt()
+}
+
+/// The batch, if it is seen, and the workgroups that draw it.
+fn cull_batch(
+    view: &ViewUniform,
+    num_eyes: usize,
+    batch: &Batch,
+    node: &Node,
+    drawn: u32,
+) -> Option<(VisibleBatch, u32)> {
+    let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
+    let half_edge = batch.cell.map(|c| c * HALF_CELLS);
+    let head_hi = axes(&|i| view.head_hi[i] - batch.min_hi[i]);
+    let head_lo = axes(&|i| view.head_lo[i] - batch.min_lo[i]);
+    let center = axes(&|i| half_edge[i] - head_hi[i] - head_lo[i]);
+
+    let longest = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2]));
+    let widest = shares(node.spacing).into_iter().fold(0.0, f32::max);
+    let step = node.spacing_step;
+    let widest = POINTS_COVER * widest * (step * step * step);
+    let sample_spacing = spacing_drawn(node, drawn);
+    let mut flags = 0;
+    for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
+        let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(view, eye, center, half_edge);
+        if is_seen && is_needed(view, batch, node, eye, center, half_edge) {
+            flags |= 16 << number;
+        }
+    }
+    if flags == 0 {
+        return None;
+    }
+    let mut planes = view.forced_planes.max(1);
+    let mut slices = 1;
+    for eye in &view.eyes[..num_eyes] {
+        let [x, y, z, _] = eye.row_w.map(f32::abs);
+        let reach = x * half_edge[0] + y * half_edge[1] + z * half_edge[2];
+        let depth = nearest_depth(view, eye, center, half_edge, reach);
+        let edge_px = longest * eye.pixels_per_radian / depth;
+        if view.forced_planes == 0 {
+            planes = planes.max(planes_needed(edge_px));
+        }
+        if node.flags & NODE_TRIANGLES != 0 {
+            slices = slices.max(num_slices_of_triangles(view, batch, eye, depth));
+            continue;
+        }
+        if node.flags & NODE_DISCS != 0 {
+            flags |= VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS;
+            continue;
+        }
+        let corner = axes(&|i| (center[i] - eye.eye_in_head[i]).abs() + half_edge[i]);
+        let far = (corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2]).sqrt() / depth;
+        let open_px = widest_open_px(view, eye, edge_px, far, widest, sample_spacing);
+        if open_px
+            .iter()
+            .zip(view.fill_reach_px)
+            .any(|(&open_px, reach_px)| open_px > (1.0 - SLACK) * reach_px)
+        {
+            flags |= VISIBLE_FILL;
+        }
+        let radius = radius(view, (1.0 + SLACK) * open_px.into_iter().fold(0.0, f32::max));
+        if radius > OWN_FILL_RADIUS as f32 {
+            flags |= VISIBLE_WIDE;
+        }
+        slices = slices.max(num_slices_of_points(batch.num_points, radius));
+    }
+    if node.flags & NODE_TRIANGLES != 0 {
+        flags |= VISIBLE_TRIANGLES;
+        planes = 3;
+    }
+
+    let limit = (HEAD_CELL_LIMIT / HEAD_CELL_STEP) as f32;
+    let steps = axes(&|i| (head_hi[i] * batch.steps_per_unit[i]).round_ties_even().clamp(-limit, limit));
+    let head_cell = steps.map(|s| s as i32 * HEAD_CELL_STEP);
+    let mut offset = axes(&|i| head_cell[i] as f32 * batch.cell[i] - head_hi[i] - head_lo[i]);
+    if planes == 3 {
+        offset = axes(&|i| offset[i] + 0.5 * batch.cell[i]);
+    }
+    let visible = VisibleBatch {
+        head_cell,
+        first_point: batch.first_point,
+        offset,
+        num_points: batch.num_points,
+        cell: batch.cell,
+        flags: flags | planes,
+        spacing: node.spacing,
+        own: [0; 2],
+        drawn: 0,
+        batch: 0,
+        reserved: [0; 2],
+        spacing_step: node.spacing_step,
+        sample_spacing,
+    };
+    Some((visible, slices))
+}
+
+fn is_needed(
+    view: &ViewUniform,
+    batch: &Batch,
+    node: &Node,
+    eye: &EyeUniform,
+    center: [f32; 3],
+    half_edge: [f32; 3],
+) -> bool {
+    if node.flags & NODE_DISCS == 0 {
+        return true;
+    }
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let from_eye: [f32; 3] = std::array::from_fn(|i| center[i] - eye.eye_in_head[i]);
+    let near: [f32; 3] = std::array::from_fn(|i| (from_eye[i].abs() - half_edge[i]).max(0.0));
+    let far: [f32; 3] = std::array::from_fn(|i| from_eye[i].abs() + half_edge[i]);
+    let scale = Scale { base: view.step_base };
+    let step = |tolerance: f32| u32::from(scale.step_below(tolerance));
+    let farthest = dot(far, far).sqrt();
+    let change = tolerance::steepest(view, eye) * dot(half_edge, half_edge).sqrt();
+    let middle = tolerance::of(view, eye, from_eye);
+    let least = (eye.tolerance_rad * dot(near, near).sqrt()).max(middle - change);
+    let most = (tolerance::outer_rad(view, eye) * farthest).min(middle + change);
+    let slack = SLACK * tolerance::outer_rad(view, eye) * farthest;
+    if step((least - slack).max(0.0)) >= batch.interval >> 8 || step(most + slack) < batch.interval & 255 {
+        return false;
+    }
+    if node.flags & NODE_ONE_SIDED == 0 {
+        return true;
+    }
+    let [x, y, z, sin] = node.spacing.map(f32::from_bits);
+    let along = dot(from_eye, [x, y, z]);
+    let distance_sq = dot(from_eye, from_eye);
+    let across = (distance_sq - along * along).max(0.0).sqrt();
+    let inside = along * sin - across * (1.0 - sin * sin).sqrt();
+    inside < dot(half_edge, half_edge).sqrt() + SLACK * distance_sq.sqrt()
+}
+
+fn in_frustum(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], half_edge: [f32; 3]) -> bool {
+    let first = eye.first_px.map(|px| px - view.margin_px);
+    let end = eye.end_px.map(|px| px + view.margin_px);
+    let from = |row: [f32; 4], px: f32| std::array::from_fn(|i| row[i] - eye.row_w[i] * px);
+    let to = |row: [f32; 4], px: f32| std::array::from_fn(|i| eye.row_w[i] * px - row[i]);
+    let [x, y, z, w] = eye.row_w;
+    in_front([x, y, z, w - view.near], center, half_edge)
+        && in_front(from(eye.row_x, first[0]), center, half_edge)
+        && in_front(to(eye.row_x, end[0]), center, half_edge)
+        && in_front(from(eye.row_y, first[1]), center, half_edge)
+        && in_front(to(eye.row_y, end[1]), center, half_edge)
+}
+
+fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
+    let n = plane.map(f32::abs);
+    let c = center.map(f32::abs);
+    let distance = plane[0] * center[0] + plane[1] * center[1] + plane[2] * center[2] + plane[3];
+    let radius = n[0] * half_edge[0] + n[1] * half_edge[1] + n[2] * half_edge[2];
+    let magnitude = n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + n[3];
+    distance + radius + SLACK * magnitude >= 0.0
+}
+
+fn planes_needed(edge_px: f32) -> u32 {
+    match edge_px {
+        px if px < PRECISION_THRESHOLD_PX => 1,
+        px if px < PRECISION_THRESHOLD_PX * 1024.0 => 2,
+        _ => 3,
+    }
+}
+
+fn widest_open_px(
+    view: &ViewUniform,
+    eye: &EyeUniform,
+    edge_px: f32,
+    far: f32,
+    widest: f32,
+    sample_spacing: f32,
+) -> [f32; 3] {
+    let stretch = far.min(1.0 / eye.widest_cos);
+    view.undivided_px.map(|undivided_px| {
+        let undivided_px = (2.0 * edge_px).min(undivided_px);
+        stretch * (widest * edge_px).max(SAMPLES_COVER * sample_spacing * undivided_px)
+    })
+}
+
+/// The eight f16 of [`Node::spacing`].
+#[must_use]
+pub fn shares(spacing: [u32; 4]) -> [f32; 8] {
+    std::array::from_fn(|octant| {
+        let bits = spacing[octant / 2] >> (16 * (octant % 2)) & 0xffff;
+        half::f16::from_bits(bits as u16).to_f32()
+    })
+}

@@ -1,0 +1,121 @@
+//! Twin of `dilate`: the gaps between points of one surface, closed by rows and columns.
+
+use super::resolve::{EMPTY, Pixel};
+use super::rings::ring;
+use render::layout::{
+    DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, REACH_MASK, SURFACE_TOLERANCE,
+    ViewUniform,
+};
+
+/// Alpha of every colour.
+const OPAQUE: u32 = 0xff00_0000;
+
+/// What a pixel's row window holds.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// Its nearest depth.
+    nearest: u32,
+    /// Sums of that surface's colours times weights: r, g, b, a.
+    sums: [u32; 4],
+}
+
+/// The image of eye `dilate.eye`, whose pixels are `surface`, row by row.
+///
+/// A pixel that lies farther than the nearest surface of its window, or has no point, takes that surface's nearest
+/// depth and the blend of its colours, the closer the heavier. Rows come first, each pixel with what reaches it, then
+/// columns over what the rows found. What lies in a pixel reaches as far as its depth's last bits say, its ring's kernel
+/// at least.
+///
+/// # Panics
+/// If `surface` is smaller than the eye's image.
+#[must_use]
+pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<Pixel> {
+    let eye = &view.eyes[dilate.eye as usize];
+    let (width, height) = (eye.width as usize, eye.height as usize);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let reaching = |(x, y)| with_reach(surface[y * width + x], radius_px(view, dilate, x, y));
+    let reaching: Vec<Pixel> = pixels.clone().map(reaching).collect();
+    let rows: Vec<Row> = pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
+    pixels
+        .map(|(x, y)| {
+            let window = window(y, height).map(|from| (y.abs_diff(from), rows[from * width + x]));
+            let window = window.filter(|&(distance, row)| is_taken(row.nearest, distance));
+            filled(surface[y * width + x], window)
+        })
+        .collect()
+}
+
+/// A pixel that reaches as far as a kernel of `radius`, or farther.
+fn with_reach([depth, color]: Pixel, radius: usize) -> Pixel {
+    [depth & !REACH_MASK | (depth & REACH_MASK).max(radius as u32), color]
+}
+
+/// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its centre lies in.
+#[must_use]
+pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize) -> usize {
+    if dilate.radius_px != 0 {
+        return dilate.radius_px as usize;
+    }
+    let eye = &view.eyes[dilate.eye as usize];
+    let gaze = eye.gaze_in_view;
+    let right = eye.tangent_origin[0] + eye.tangent_per_px[0] * (x as f32 + eye.first_px[0] + 0.5);
+    let up = eye.tangent_origin[1] + eye.tangent_per_px[1] * (y as f32 + eye.first_px[1] + 0.5);
+    let along = right * gaze[0] + up * gaze[1] - gaze[2];
+    1 + ring(view, along, right * right + up * up + 1.0)
+}
+
+/// Positions that `center` may take from on an axis of `length` pixels.
+fn window(center: usize, length: usize) -> std::ops::Range<usize> {
+    let reach = DILATE_REACH_PX as usize;
+    center.saturating_sub(reach)..(center + reach + 1).min(length)
+}
+
+/// Whether what has this depth reaches so far.
+fn is_taken(depth: u32, distance_px: usize) -> bool {
+    distance_px <= (depth & REACH_MASK) as usize
+}
+
+/// The farthest depth of the surface whose nearest is given; 0, which no point has, if there is none.
+fn surface_end(nearest: u32) -> u32 {
+    if nearest == EMPTY_DEPTH { 0 } else { (SURFACE_TOLERANCE * f32::from_bits(nearest)).to_bits() }
+}
+
+/// Weight of a neighbour along one axis.
+fn weight(distance_px: usize) -> u32 {
+    1 << (DILATE_FALLOFF_BITS * (DILATE_REACH_PX - distance_px as u32))
+}
+
+fn sum_row(row: &[Pixel], x: usize) -> Row {
+    let window = window(x, row.len()).filter(|&from| is_taken(row[from][0], x.abs_diff(from)));
+    let nearest = window.clone().fold(EMPTY_DEPTH, |nearest, from| nearest.min(row[from][0]));
+    let mut sums = [0; 4];
+    for from in window.filter(|&from| row[from][0] <= surface_end(nearest)) {
+        let rgba = (row[from][1] | OPAQUE).to_le_bytes();
+        for (sum, channel) in sums.iter_mut().zip(rgba) {
+            *sum += weight(x.abs_diff(from)) * u32::from(channel);
+        }
+    }
+    Row { nearest, sums }
+}
+
+/// The pixel from its column: distances and what the rows found.
+fn filled(own: Pixel, column: impl Iterator<Item = (usize, Row)> + Clone) -> Pixel {
+    let nearest = column.clone().fold(EMPTY_DEPTH, |nearest, (_, row)| nearest.min(row.nearest));
+    let end = surface_end(nearest);
+    if own[0] <= end {
+        return [own[0], own[1] | OPAQUE];
+    }
+    let mut sums = [0; 4];
+    for (distance, row) in column.filter(|(_, row)| row.nearest <= end) {
+        for (sum, of_row) in sums.iter_mut().zip(row.sums) {
+            *sum += weight(distance) * of_row;
+        }
+    }
+    let [r, g, b, a] = sums;
+    if a == 0 {
+        return EMPTY;
+    }
+    let weights = a / 255;
+    let mean = |sum: u32| (sum + weights / 2) / weights;
+    [nearest & !REACH_MASK, mean(r) | mean(g) << 8 | mean(b) << 16 | OPAQUE]
+}

@@ -1,0 +1,183 @@
+//! The CPU reference of the GPU's stages, one file a stage, written to be compared with the shaders: the same
+//! f32 operations in the same order, so that integer buffers match bit for bit. Knows no GPU API.
+
+pub mod clear;
+pub mod color;
+pub mod cull;
+pub mod depth;
+pub mod dilate;
+pub mod fixed40;
+pub mod lod;
+pub mod points;
+pub mod resolve;
+pub mod rings;
+mod sizes;
+pub mod tolerance;
+pub mod triangles;
+
+use base::space::View;
+use cloud::Cloud;
+use cloud::octree::Octree;
+use cloud::spt::SequentialCloud;
+use render::Look;
+use render::layout::{
+    Batch, DilateUniform, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch, guarded, without_guard,
+};
+use render::options::{Dilate, Quality};
+
+/// A cloud as the stages see it, in one chunk.
+#[derive(Clone, Debug)]
+pub struct Scene<'a> {
+    cloud: &'a Cloud,
+    filtered_colors: &'a [u32],
+    /// Intervals and sizes, if its points are discs.
+    shapes: Option<&'a [u32]>,
+    step_base: u32,
+    /// Its nodes.
+    pub nodes: Vec<Node>,
+    /// Its batches.
+    pub batches: Vec<Batch>,
+}
+
+impl<'a> Scene<'a> {
+    /// A flat cloud: one node, always drawn whole.
+    #[must_use]
+    pub fn flat(cloud: &'a Cloud) -> Self {
+        let batch = |b: &cloud::Batch| Batch::new(&cloud.split, b, 0, b.first_point);
+        let batches = cloud.batches.iter().map(batch).collect();
+        let nodes = vec![Node::FLAT];
+        Self { cloud, filtered_colors: &cloud.colors, shapes: None, step_base: 0, nodes, batches }
+    }
+
+    /// A layered cloud.
+    #[must_use]
+    pub fn layered(octree: &'a Octree) -> Self {
+        let cloud = &octree.cloud;
+        let nodes = (0..octree.nodes.len()).map(|number| Node::new(octree, number)).collect();
+        let batches = octree.nodes.iter().enumerate().flat_map(|(number, node)| {
+            cloud.batches[node.batches.start as usize..node.batches.end as usize]
+                .iter()
+                .map(move |b| Batch::new(&cloud.split, b, number as u32, b.first_point))
+        });
+        let batches = batches.collect();
+        Self { cloud, filtered_colors: &octree.filtered_colors, shapes: None, step_base: 0, nodes, batches }
+    }
+
+    /// A sequential point tree.
+    #[must_use]
+    pub fn sequential(spt: &'a SequentialCloud) -> Self {
+        let cloud = &spt.cloud;
+        let nodes = spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect();
+        let batches = spt.runs.iter().enumerate().flat_map(|(number, run)| {
+            run.batches.clone().map(move |i| Batch::of_discs(spt, i as usize, number as u32, 0))
+        });
+        let (batches, shapes) = (batches.collect(), Some(&spt.shapes[..]));
+        let step_base = spt.scale.base;
+        Self { cloud, filtered_colors: &cloud.colors, shapes, step_base, nodes, batches }
+    }
+
+    /// The colour that an id stands for.
+    #[must_use]
+    pub fn color(&self, id: u32) -> u32 {
+        let colors = if id & 1 == 1 { self.filtered_colors } else { &self.cloud.colors };
+        colors[(id >> 1) as usize]
+    }
+
+    /// The colour that `hqs` adds to a pixel.
+    fn color_put(&self, put: &points::Put) -> u32 {
+        let mixed = |mixture: triangles::Mixture| mixture.color(&self.cloud.colors);
+        put.mixture.map_or_else(|| self.color(put.id), mixed)
+    }
+}
+
+/// What a frame leaves, an entry an eye where it is of pixels: the image's, without its guard band.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Batches drawn.
+    pub visible: Vec<VisibleBatch>,
+    /// Nodes whose batches these are.
+    pub visible_nodes: u32,
+    /// Nodes' states.
+    pub states: Vec<u32>,
+    /// `closest`: depth ≪ 32 | id.
+    pub keys: Vec<Vec<u64>>,
+    /// `hqs`: bits of the nearest depth.
+    pub depth: Vec<Vec<u32>>,
+    /// `hqs`: sums of colours.
+    pub sums: Vec<Vec<color::Sum>>,
+    /// What the pixels show before gaps are filled.
+    pub surface: Vec<Vec<resolve::Pixel>>,
+    /// The finished pixels.
+    pub pixels: Vec<Vec<resolve::Pixel>>,
+    /// The images.
+    pub images: Vec<Vec<u32>>,
+}
+
+impl Frame {
+    /// Points in the batches drawn.
+    #[must_use]
+    pub fn points_read(&self) -> u64 {
+        let batches = self.visible.chunk_by(|a, b| a.batch == b.batch);
+        batches.map(|slices| u64::from(slices[0].num_points)).sum()
+    }
+}
+
+/// Draws `scene` as the GPU does; `states` are its nodes' of the frame before, `None` in its first.
+#[must_use]
+pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
+    let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
+    let uniform = ViewUniform { step_base: scene.step_base, ..uniform };
+    let num_eyes = view.eyes.len();
+    let mut states = states.map_or_else(|| vec![0; scene.nodes.len()], <[u32]>::to_vec);
+    lod::lod(&uniform, num_eyes, &scene.nodes, &mut states);
+    let visible = cull::cull(&uniform, num_eyes, &scene.batches, &scene.nodes, &states);
+    let [hi, mid, lo] = &scene.cloud.planes;
+    let points = |put: &mut dyn FnMut(points::Put)| {
+        let fill = look.detail.fill_reach_px.is_some();
+        points::points(&uniform, num_eyes, &visible, [hi, mid, lo], scene.shapes, fill, put);
+    };
+    let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| guarded(eye.size_px)).collect();
+    let mut frame = Frame::default();
+    match look.quality {
+        Quality::Closest => {
+            frame.keys = sizes_px.iter().map(|&size_px| clear::pixels(size_px, clear::EMPTY)).collect();
+            points(&mut |put| depth::key(&mut frame.keys, put));
+            let shade = |keys: &Vec<u64>| resolve::shade(keys, &|id| scene.color(id));
+            frame.surface = frame.keys.iter().map(shade).collect();
+        }
+        Quality::Hqs => {
+            frame.depth = sizes_px.iter().map(|&size_px| clear::pixels(size_px, EMPTY_DEPTH)).collect();
+            frame.sums = sizes_px.iter().map(|&size_px| clear::pixels(size_px, [0; 4])).collect();
+            points(&mut |put| depth::nearest(&mut frame.depth, put));
+            points(&mut |put| color::add(&mut frame.sums, &frame.depth, put, scene.color_put(&put)));
+            let eyes = frame.depth.iter().zip(&frame.sums);
+            frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums)).collect();
+        }
+    }
+    let dilated = |(eye, surface): (usize, &Vec<resolve::Pixel>)| match look.dilate {
+        Dilate::Off => surface.clone(),
+        Dilate::Rings => {
+            let by_ring = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
+            dilate::dilate(&uniform, &by_ring, surface)
+        }
+    };
+    frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
+    let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, look.background_word());
+    frame.images = frame.pixels.iter().map(image).collect();
+    Frame {
+        visible_nodes: cull::num_nodes(&visible, &scene.batches),
+        visible,
+        states,
+        keys: images_of(&frame.keys, view),
+        depth: images_of(&frame.depth, view),
+        sums: images_of(&frame.sums, view),
+        surface: images_of(&frame.surface, view),
+        pixels: images_of(&frame.pixels, view),
+        images: images_of(&frame.images, view),
+    }
+}
+
+/// The eyes' pixels without their guard bands.
+fn images_of<T: Clone>(eyes: &[Vec<T>], view: &View) -> Vec<Vec<T>> {
+    eyes.iter().zip(&view.eyes).map(|(pixels, eye)| without_guard(pixels, eye.size_px)).collect()
+}

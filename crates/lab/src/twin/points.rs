@@ -1,0 +1,248 @@
+//! Twin of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
+
+use super::cull::shares;
+use super::rings::ring;
+use super::tolerance;
+use super::triangles::{Mixture, triangles};
+use cloud::spt::Scale;
+use render::layout::{
+    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, LOD_FADE, MAX_FILL_RADIUS, PLANE_BITS,
+    POINTS_COVER, REACH_MASK, SAMPLES_COVER, SPACING_EXPONENT_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
+    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+};
+
+/// Cells that a box edge has.
+const CELLS: f32 = 1_073_741_824.0;
+
+/// A point in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Put {
+    /// 0 left, 1 right.
+    pub eye: usize,
+    /// Number of the pixel, row by row, in the image with its guard band.
+    pub pixel: usize,
+    /// Linear depth.
+    pub w: f32,
+    /// Twice the point's number, and one more if its filtered colour counts, or if it is of a triangle.
+    pub id: u32,
+    /// Of a triangle.
+    pub mixture: Option<Mixture>,
+}
+
+/// Hands every point in every pixel to `put`. `planes` are the chunk's, and so are `shapes`, if its points are discs;
+/// with `fill`, points may cover several pixels.
+pub fn points(
+    view: &ViewUniform,
+    num_eyes: usize,
+    visible: &[VisibleBatch],
+    planes: [&[u32]; 3],
+    shapes: Option<&[u32]>,
+    fill: bool,
+    put: &mut dyn FnMut(Put),
+) {
+    for batch in visible {
+        // One slice for all of them.
+        if !batch.is_first_slice() {
+            continue;
+        }
+        if let Some(shapes) = shapes.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {
+            triangles(view, num_eyes, batch, planes, shapes, put);
+            continue;
+        }
+        for i in 0..batch.num_points {
+            let rank = i.reverse_bits();
+            if batch.drawn != DRAWN_WHOLE && rank >= batch.drawn {
+                continue;
+            }
+            let index = batch.first_point + i;
+            let words = planes.map(|p| p[index as usize]);
+            let cells = cells(batch.flags & 3, words);
+            let p_in_head = p_in_head(batch, cells);
+            let octant = (cells[0] >> 29 | cells[1] >> 29 << 1 | cells[2] >> 29 << 2) as usize;
+            let own = batch.own[octant / 4] >> (8 * (octant % 4)) & 255;
+            let is_filtered = own != 255 && rank >> 24 >= own;
+            let id = index << 1 | u32::from(is_filtered);
+            let disc = shapes.filter(|_| batch.flags & VISIBLE_DISCS != 0);
+            let disc = disc.map(|shapes| Disc::of(view, shapes[index as usize]));
+            let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
+            let step = batch.spacing_step;
+            let powers = [1.0, step, step * step, step * step * step];
+            let power = powers[(words[0] >> SPACING_EXPONENT_SHIFT) as usize];
+            let spacing = edge * shares(batch.spacing)[octant] * power;
+            let is_disc = shapes.is_some();
+            let length = disc.map_or(spacing, |disc| disc.diameter);
+            let apart = if is_disc { Apart::Discs(length) } else { Apart::Points(length) };
+            for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
+                let is_chosen = disc.is_none_or(|disc| disc.is_chosen(view, uniform, p_in_head));
+                if batch.flags & 16 << eye == 0 || !is_chosen {
+                    continue;
+                }
+                let Some((at, w)) = project(uniform, view.near, p_in_head) else { continue };
+                if fill && batch.flags & VISIBLE_FILL != 0 {
+                    let open_px = open_px(view, uniform, batch, p_in_head, w, apart);
+                    let w = f32::from_bits(w.to_bits() | reach(view, open_px));
+                    pixels_round(uniform, at, radius(view, open_px), &mut |pixel| {
+                        put(Put { eye, pixel, w, id, mixture: None });
+                    });
+                } else if let Some(pixel) = pixel_at(uniform, at) {
+                    put(Put { eye, pixel, w, id, mixture: None });
+                }
+            }
+        }
+    }
+}
+
+/// The edge of the finest nodes that are drawn whole where a point of a node with this edge lies; shorter while nodes below
+/// them fade in.
+fn open_edge_px(view: &ViewUniform, edge_px: f32, undivided_px: f32) -> f32 {
+    let mut whole_px = if edge_px <= 0.5 * undivided_px { 2.0 * edge_px } else { edge_px };
+    while whole_px > undivided_px {
+        whole_px *= 0.5;
+    }
+    if view.flags & LOD_FADE == 0 {
+        return whole_px;
+    }
+    let below = FADE_END * whole_px / undivided_px;
+    let share = ((below - FADE_BEGIN) / (FADE_END - FADE_BEGIN)).clamp(0.0, 1.0);
+    whole_px / (1.0 + 3.0 * share).sqrt()
+}
+
+/// The narrowest kernel that closes a square.
+fn reach(view: &ViewUniform, open_px: f32) -> u32 {
+    1 + view.fill_reach_px[..2].iter().filter(|&&px| open_px > px).count() as u32
+}
+
+/// How far a disc reaches round its own pixel.
+pub(super) fn radius(view: &ViewUniform, open_px: f32) -> f32 {
+    (0.5 * (open_px - view.fill_reach_px[2])).clamp(0.0, MAX_FILL_RADIUS as f32).ceil()
+}
+
+/// How wide the square is that a point is to close.
+fn open_px(
+    view: &ViewUniform,
+    eye: &EyeUniform,
+    batch: &VisibleBatch,
+    p_in_head: [f32; 3],
+    w: f32,
+    apart: Apart,
+) -> f32 {
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let from_eye: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
+    let distance_sq = dot(from_eye, from_eye);
+    let ring = ring(view, dot(from_eye, eye.gaze_in_head), distance_sq);
+    let per_w = 1.0 / w;
+    let px_per_unit = eye.pixels_per_radian * per_w;
+    let stretch = distance_sq.sqrt() * per_w;
+    let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
+    let edge_px = open_edge_px(view, edge * px_per_unit, view.undivided_px[ring]);
+    let samples_px = batch.sample_spacing * edge_px * stretch;
+    let samples_px = (SAMPLES_COVER * samples_px).min((FILL_OVERLAP * samples_px).max(view.fill_reach_px[2]));
+    let apart_px = apart.length() * px_per_unit * stretch;
+    let cover_px = match apart {
+        Apart::Points(_) => (POINTS_COVER * apart_px).min(FILL_OVERLAP * apart_px + view.fill_reach_px[ring]),
+        Apart::Discs(_) => apart_px,
+    };
+    cover_px.max(samples_px)
+}
+
+/// How far apart what is drawn lies, world units.
+#[derive(Clone, Copy)]
+enum Apart {
+    /// Points of flat clouds and of an octree's nodes.
+    Points(f32),
+    /// Discs of a sequential point tree, which are as wide.
+    Discs(f32),
+}
+
+impl Apart {
+    fn length(self) -> f32 {
+        match self {
+            Self::Points(length) | Self::Discs(length) => length,
+        }
+    }
+}
+
+/// A disc of a sequential point tree: twin of `discs.inc.wgsl`.
+#[derive(Clone, Copy)]
+struct Disc {
+    scale: Scale,
+    /// The first step of tolerance that it is drawn at, and the first beyond.
+    interval: (u8, u8),
+    /// World units.
+    diameter: f32,
+}
+
+impl Disc {
+    fn of(view: &ViewUniform, shape: u32) -> Self {
+        let scale = Scale { base: view.step_base };
+        let [from, until, diameter, _] = shape.to_le_bytes();
+        Self { scale, interval: (from, until), diameter: scale.length(diameter) }
+    }
+
+    fn is_chosen(&self, view: &ViewUniform, eye: &EyeUniform, p_in_head: [f32; 3]) -> bool {
+        let from_eye = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
+        let step = self.scale.step_below(tolerance::of(view, eye, from_eye));
+        self.interval.0 <= step && step < self.interval.1
+    }
+}
+
+/// The pixels of a disc round the pixel at these coordinates, cut at the image's edges.
+fn pixels_round(eye: &EyeUniform, at: [f32; 2], radius: f32, each: &mut dyn FnMut(usize)) {
+    let size = [eye.width as f32, eye.height as f32];
+    let center: [f32; 2] = std::array::from_fn(|i| at[i] - eye.first_px[i]);
+    let first: [i32; 2] = std::array::from_fn(|i| (center[i] - radius).clamp(0.0, size[i]) as i32);
+    let last: [i32; 2] = std::array::from_fn(|i| (center[i] + radius).clamp(-1.0, size[i] - 1.0) as i32);
+    let (center, radius) = (center.map(|px| px as i32), radius as i32);
+    for v in first[1]..=last[1] {
+        for u in first[0]..=last[0] {
+            let (dx, dy) = (u - center[0], v - center[1]);
+            if dx * dx + dy * dy <= radius * (radius + 1) {
+                each((v * eye.width as i32 + u) as usize);
+            }
+        }
+    }
+}
+
+/// Cell numbers from the planes that are read; bits that are not read stand at half.
+#[must_use]
+pub fn cells(num_planes: u32, [hi, mid, lo]: [u32; 3]) -> [i32; 3] {
+    let mask = (1 << PLANE_BITS) - 1;
+    std::array::from_fn(|axis| {
+        let part = |plane: u32| plane >> (PLANE_BITS * axis as u32) & mask;
+        let cell = match num_planes {
+            1 => part(hi) << 20 | 0x80000,
+            2 => part(hi) << 20 | part(mid) << 10 | 0x200,
+            _ => part(hi) << 20 | part(mid) << 10 | part(lo),
+        };
+        cell as i32
+    })
+}
+
+/// Position of a cell in head space.
+#[must_use]
+pub fn p_in_head(batch: &VisibleBatch, cells: [i32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| (cells[i] - batch.head_cell[i]) as f32 * batch.cell[i] + batch.offset[i])
+}
+
+/// Whole coordinates and linear depth of a point, in the image or outside, if it is not too near.
+fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<([f32; 2], f32)> {
+    let row = |r: [f32; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
+    let w = row(eye.row_w);
+    let per_w = 1.0 / w;
+    let at = [(row(eye.row_x) * per_w).floor(), (row(eye.row_y) * per_w).floor()];
+    let w = without_reach(w);
+    (w > near).then_some((at, w))
+}
+
+/// A depth whose last bits are free for [`REACH_MASK`].
+#[must_use]
+pub fn without_reach(w: f32) -> f32 {
+    f32::from_bits(w.to_bits() & !REACH_MASK)
+}
+
+/// Number of the pixel at these coordinates, if it is of the image or its guard band.
+fn pixel_at(eye: &EyeUniform, at: [f32; 2]) -> Option<usize> {
+    let inside = (0..2).all(|i| at[i] >= eye.first_px[i] && at[i] < eye.end_px[i]);
+    let [x, y] = [0, 1].map(|i: usize| (at[i] - eye.first_px[i]) as usize);
+    inside.then(|| y * eye.width as usize + x)
+}

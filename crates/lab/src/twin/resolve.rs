@@ -1,0 +1,45 @@
+//! Twin of `resolve`: what each pixel shows, before gaps are filled.
+
+use super::color::Sum;
+use render::layout::EMPTY_DEPTH;
+
+/// Bits of linear depth, and colour r | g≪8 | b≪16 | 255≪24 as stored.
+pub type Pixel = [u32; 2];
+
+/// A pixel where there is nothing.
+pub const EMPTY: Pixel = [EMPTY_DEPTH, 0];
+
+/// `closest` quality: an eye's keys to colours; `color_of` tells the colour of an id.
+#[must_use]
+pub fn shade(keys: &[u64], color_of: &dyn Fn(u32) -> u32) -> Vec<Pixel> {
+    let pixel = |&key: &u64| match (key >> 32) as u32 {
+        EMPTY_DEPTH => EMPTY,
+        depth => [depth, color_of(key as u32)],
+    };
+    keys.iter().map(pixel).collect()
+}
+
+/// `hqs` quality: an eye's sums to colours.
+#[must_use]
+pub fn blend(depth: &[u32], sums: &[Sum]) -> Vec<Pixel> {
+    let pixel = |(&depth, &[r, g, b, count]): (&u32, &Sum)| {
+        if depth == EMPTY_DEPTH {
+            return EMPTY;
+        }
+        let mean = |sum: u32| (sum + count / 2) / count;
+        [depth, mean(r) | mean(g) << 8 | mean(b) << 16 | 255 << 24]
+    };
+    depth.iter().zip(sums).map(pixel).collect()
+}
+
+/// An eye's image: r | g≪8 | b≪16 | 255≪24 a pixel, as the sRGB target holds it.
+#[must_use]
+pub fn image(pixels: &[Pixel], background: u32) -> Vec<u32> {
+    pixels.iter().map(|&[depth, color]| if depth == EMPTY_DEPTH { background } else { color }).collect()
+}
+
+/// Linear depth of a pixel; infinite where no point is.
+#[must_use]
+pub fn depth_of([depth, _]: Pixel) -> f32 {
+    if depth == EMPTY_DEPTH { f32::INFINITY } else { f32::from_bits(depth) }
+}

@@ -1,0 +1,90 @@
+//! Points too far away to be held beside the others: they are left out, so that they never cost these their precision.
+
+use super::{Marks, ScanFile};
+use base::space::Bounds;
+use base::words::{agreeing, counted};
+use std::fmt::Display;
+
+/// What to say of so many, as a sentence whose subject is the file.
+pub(super) fn sentence(count: impl Display) -> String {
+    left_out(count, "point", "farther away than the scan's precision allows")
+}
+
+/// The same of other things, and why.
+pub(super) fn left_out(count: impl Display, thing: &str, why: &str) -> String {
+    format!("has {} {why}; {} left out", counted(&count, thing), agreeing(&count, "it was", "they were"))
+}
+
+/// Leaves the points out that are marked, and triangles of them.
+pub(super) fn leave_out(file: &mut ScanFile, far: &Marks) {
+    if far.count() == 0 {
+        return;
+    }
+    let points = &mut file.points;
+    let num_points = points.xyz.len();
+    let mut noise = Marks::default();
+    let mut numbers = vec![None; num_points];
+    for (next, number) in (0..num_points).filter(|&number| !far.get(number)).enumerate() {
+        if points.noise.get(number) {
+            noise.set(next);
+        }
+        numbers[number] = u32::try_from(next).ok();
+    }
+    points.noise = noise;
+    keep(&mut points.xyz, far);
+    keep(&mut points.rgb, far);
+    keep(&mut points.intensity, far);
+    keep(&mut points.normals, far);
+    let renumbered = |triangle: &mut [u32; 3]| {
+        let corners = triangle.map(|corner| numbers.get(corner as usize).copied().flatten());
+        let [Some(a), Some(b), Some(c)] = corners else { return false };
+        *triangle = [a, b, c];
+        true
+    };
+    file.triangles.retain_mut(renumbered);
+    let lattice = file.in_file.lattice;
+    let places = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
+    file.in_file.bounds = places.fold(Bounds::EMPTY, Bounds::with);
+}
+
+/// Empty columns stay empty.
+fn keep<T>(column: &mut Vec<T>, far: &Marks) {
+    let mut number = 0;
+    column.retain(|_| {
+        number += 1;
+        !far.get(number - 1)
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Points;
+
+    #[test]
+    fn all_columns_lose_the_same_points() {
+        let mut noise = Marks::default();
+        [1, 4].into_iter().for_each(|number| noise.set(number));
+        let points = Points {
+            xyz: (0..6).map(|i| [i, 10 * i, 0]).collect(),
+            intensity: (0..6).collect(),
+            noise,
+            ..Points::default()
+        };
+        let triangles = vec![[0, 1, 3], [3, 4, 5], [0, 2, 3]];
+        let mut file = ScanFile { points, triangles, ..ScanFile::default() };
+        let mut far = Marks::default();
+        leave_out(&mut file, &far);
+        assert_eq!(file.points.xyz.len(), 6);
+        [2, 5].into_iter().for_each(|number| far.set(number));
+        leave_out(&mut file, &far);
+        assert_eq!(file.points.intensity, [0, 1, 3, 4]);
+        assert_eq!(file.points.xyz, [[0, 0, 0], [1, 10, 0], [3, 30, 0], [4, 40, 0]]);
+        assert_eq!(
+            (file.points.noise.get(1), file.points.noise.get(3), file.points.noise.count()),
+            (true, true, 2)
+        );
+        assert_eq!(file.triangles, [[0, 1, 2]]);
+        assert_eq!(file.in_file.bounds.max, glam::DVec3::new(4.0, 40.0, 0.0));
+    }
+}

@@ -1,0 +1,97 @@
+//! One pass over everything behind the header, in either encoding: who takes in the rows, and what went wrong.
+
+use super::plan::{Color, Plan, Purpose, Row};
+use crate::ScanError;
+use crate::source::Source;
+use std::io;
+
+/// Takes in the rows of a pass.
+pub(super) trait Sink: Send + Sync + Sized {
+    /// An empty one for about `num_rows` rows, of which the first is point `first_point`.
+    fn part(&self, first_point: u64, num_rows: usize) -> Self;
+
+    /// Adds what follows this.
+    fn append(&mut self, later: Self);
+
+    /// Takes in a point.
+    fn point(&mut self, row: &Row);
+
+    /// Takes note of a point that cannot be read, so that faces count right.
+    fn bad_point(&mut self);
+
+    /// Points taken in, also those that cannot be read or shown.
+    fn num_points(&self) -> u64;
+
+    /// Takes in a polygon.
+    fn face(&mut self, _color: Color, _row: &Row) {}
+
+    /// Takes in strips of triangles.
+    fn strips(&mut self, _row: &Row) {}
+
+    /// Takes note of a polygon or of strips that cannot be read.
+    fn bad_face(&mut self) {}
+
+    /// Takes in the box of a chunk.
+    fn chunk(&mut self, _row: &Row) {}
+
+    /// How much progress it is that so many points were taken in: all passes together make one.
+    fn progress(num_points: u64) -> u64;
+}
+
+/// What came of a pass.
+#[derive(Debug)]
+pub(super) struct Body<S> {
+    pub sink: S,
+    /// Rows of text that could not be read; the first, as the end of a sentence.
+    pub num_bad_rows: u64,
+    pub first_bad_row: Option<String>,
+    /// What could not be read, as sentences whose subject is the file.
+    pub losses: Vec<String>,
+    /// What else was odd, likewise.
+    pub warnings: Vec<String>,
+}
+
+impl<S: Sink> Body<S> {
+    /// Nothing yet.
+    pub fn new(sink: S) -> Self {
+        Self { sink, num_bad_rows: 0, first_bad_row: None, losses: Vec::new(), warnings: Vec::new() }
+    }
+
+    /// Takes note that reading ended at byte `at`: by an error, or because the file ends.
+    ///
+    /// # Errors
+    /// The error, if there are no points before it.
+    pub fn fail(&mut self, source: &Source, at: u64, error: Option<io::Error>) -> Result<(), ScanError> {
+        match error {
+            Some(error) if self.sink.num_points() == 0 => Err(ScanError::io(source.path(), Some(at), error)),
+            Some(error) => {
+                self.losses.push(format!("could not be read to its end, from byte {at} on: {error}"));
+                Ok(())
+            }
+            // That points or faces are missing is said when they are counted.
+            None => Ok(()),
+        }
+    }
+}
+
+/// Hands a row that was read to whom it is for.
+#[inline]
+pub(super) fn take(plan: &Plan, row: &Row, sink: &mut impl Sink) {
+    match plan.purpose {
+        Purpose::Points(_) => sink.point(row),
+        Purpose::Faces(color) => sink.face(color, row),
+        Purpose::Strips => sink.strips(row),
+        Purpose::Chunks => sink.chunk(row),
+        Purpose::Unused => {}
+    }
+}
+
+/// Hands over that a row could not be read.
+pub(super) fn take_bad(plan: &Plan, sink: &mut impl Sink) {
+    match plan.purpose {
+        Purpose::Points(_) => sink.bad_point(),
+        Purpose::Faces(_) | Purpose::Strips => sink.bad_face(),
+        Purpose::Chunks => sink.chunk(&Row::default()),
+        Purpose::Unused => {}
+    }
+}

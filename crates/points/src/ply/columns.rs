@@ -1,0 +1,173 @@
+//! From what the survey found to how rows become columns, and from rows to the columns of a scan.
+
+use super::grid::Grid;
+use super::plan::{Color, Intensity};
+use super::point::Meaning;
+use super::rows::{How, Rows};
+use super::survey::Found;
+use crate::stats::Stats;
+use crate::{Columns, Points};
+use rayon::prelude::*;
+
+/// Points of a task for a core.
+const BLOCK: usize = 1 << 16;
+
+/// How to put the points of a file into columns.
+pub(super) fn how<'a>(meaning: &'a Meaning, found: &Found, has_faces: bool, num_announced: u64) -> How<'a> {
+    How {
+        meaning,
+        grid: Grid::over(found.sample.clone(), found.bounds),
+        color_factor: float_factor(found.channels, found.num_kept).0,
+        intensity: intensity_ramp(intensity_ends(found.intensity, &found.intensities), meaning.has.intensity),
+        has_faces,
+        num_announced,
+    }
+}
+
+/// What is left out with faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Loss {
+    /// Triangles of points that are left out.
+    pub num_triangles: u64,
+    /// Faces that name points which there are not.
+    pub num_faces: u64,
+    /// Colors of faces: lists of other than red, green, blue and perhaps alpha.
+    pub num_colors: u64,
+}
+
+/// The columns of a file, whose faces have colors of this kind.
+pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color) -> (Columns, Loss) {
+    let (num_points, num_triangles) = (rows.xyz.len(), rows.faces.triangles.len());
+    rows.faces.renumber(&rows.gone, num_points);
+    let num_triangles = (num_triangles - rows.faces.triangles.len()) as u64;
+    let (num_faces, num_colors) = (rows.faces.num_bad, rows.faces.num_odd_lists);
+    let loss = Loss { num_triangles, num_faces, num_colors };
+    if rows.rgb.is_empty() {
+        rows.rgb = rows.faces.colors_of_points(num_points);
+    }
+    let stats = stats(&rows.xyz, &rows.intensity);
+    let white = white(how.meaning, found, of_faces);
+    let triangles = rows.faces.triangles;
+    let Rows { xyz, rgb, intensity, normals, .. } = rows;
+    let points = Points { xyz, rgb, intensity, normals, ..Points::default() };
+    (Columns { lattice: how.grid.lattice, points, triangles, stats, white, ..Columns::default() }, loss)
+}
+
+/// The largest that a color can be, where the file or its format says so.
+fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option<u16> {
+    match (meaning.has.color, of_faces) {
+        (Color::Floats, _) => Some(float_factor(found.channels, found.num_kept).1),
+        (Color::Absent, Color::Floats) => Some(u16::MAX),
+        _ => meaning.white(),
+    }
+}
+
+fn stats(xyz: &[[i32; 3]], intensity: &[u16]) -> Stats {
+    let xyz = xyz.par_chunks(BLOCK).map(|block| Stats::of(block, &[]));
+    let intensity = intensity.par_chunks(BLOCK).map(|block| Stats::of(&[], block));
+    xyz.chain(intensity).reduce(|| Stats::EMPTY, Stats::union)
+}
+
+/// What float colors are multiplied by, and what white is then: 0 to 1 is what float colors should be, but some
+/// programs write 0 to 255, or to 65535. Single values beyond an end are wrong and prove nothing; nor do overexposed ones
+/// above 1, while more channels lie between 0 and 1. `channels`: how many do, how many are above 1, and above 255.
+fn float_factor([within, above_one, above_255]: [u64; 3], num_points: u64) -> (f64, u16) {
+    let most_wrong = 3 * num_points / 500;
+    if above_one <= most_wrong.max(within) {
+        (65535.0, u16::MAX)
+    } else if above_255 <= most_wrong {
+        (1.0, 255)
+    } else {
+        (1.0, u16::MAX)
+    }
+}
+
+/// The ends of a file's intensities, of which these are the least, the largest and some. A few that lie far beyond the
+/// others, such as -1e10 for "none", are not looked at.
+fn intensity_ends((least, most): (f64, f64), some: &[f64]) -> (f64, f64) {
+    let mut sample = some.to_vec();
+    sample.sort_unstable_by(f64::total_cmp);
+    // Of so few, none can be said to be beyond the others.
+    if sample.len() < 20 {
+        return (least, most);
+    }
+    let tail = (sample.len() / 200).max(1);
+    let (low, high) = (sample[tail], sample[sample.len() - 1 - tail]);
+    if low == high {
+        return (least, most);
+    }
+    let width = high - low;
+    (least.max(low - width), most.min(high + width))
+}
+
+/// What intensities have subtracted, and are then multiplied by. Integers stay if 16 bits hold them; others are
+/// spread so that the smallest becomes 0 and the largest 65535.
+fn intensity_ramp((low, high): (f64, f64), kind: Intensity) -> (f64, f64) {
+    if kind == Intensity::Integers && low >= 0.0 && high <= 65535.0 {
+        (0.0, 1.0)
+    } else if low < high {
+        // Halved first: the difference need not be finite.
+        (low, 32767.5 / (0.5 * high - 0.5 * low))
+    } else {
+        // The same everywhere says nothing.
+        (low, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integer_intensities_stay_and_others_are_spread() {
+        let spread = |values: &[f64], kind| {
+            let finite = values.iter().copied().filter(|value| value.is_finite());
+            let range = finite.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
+            let (start, factor) = intensity_ramp(range, kind);
+            values.iter().map(|v| ((v - start) * factor).round() as u16).collect::<Vec<_>>()
+        };
+        assert_eq!(spread(&[0.0, 7.0, 65535.0], Intensity::Integers), [0, 7, 65535]);
+        assert_eq!(spread(&[-1.0, 0.0, 1.0], Intensity::Integers), [0, 32768, 65535]);
+        assert_eq!(spread(&[0.0, 0.25, f64::NAN, 0.5], Intensity::Floats), [0, 32768, 0, 65535]);
+        let (min, max) = (f64::from(f32::MIN), f64::from(f32::MAX));
+        assert_eq!(spread(&[min, max, f64::INFINITY], Intensity::Floats), [0, 65535, 65535]);
+        assert_eq!(spread(&[3.5, 3.5], Intensity::Floats), [0, 0]);
+        assert_eq!(spread(&[f64::NAN], Intensity::Floats), [0]);
+    }
+
+    #[test]
+    fn float_colors_are_as_bright_as_they_say() {
+        assert_eq!(float_factor([20, 0, 0], 10), (65535.0, u16::MAX));
+        assert_eq!(float_factor([0, 1, 0], 10), (1.0, 255));
+        assert_eq!(float_factor([0, 30, 1], 10), (1.0, u16::MAX));
+        // Single values beyond the end are wrong.
+        assert_eq!(float_factor([0, 12, 12], 2000), (65535.0, u16::MAX));
+        assert_eq!(float_factor([0, 6000, 12], 2000), (1.0, 255));
+        // Overexposed, from some points to a third of all; a dark scene of 0 to 255.
+        for overexposed in [20, 300, 2000] {
+            assert_eq!(float_factor([6000 - overexposed, overexposed, 0], 2000), (65535.0, u16::MAX));
+        }
+        assert_eq!(float_factor([900, 4000, 0], 2000), (1.0, 255));
+    }
+
+    #[test]
+    fn wild_intensities_leave_the_others_apart() {
+        let ends = |values: &[f64]| {
+            let range = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+            intensity_ends(range, values)
+        };
+        let even: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        assert_eq!(ends(&even), (0.0, 0.999));
+        for wild in [-1e10, 1e20, f64::MAX, 2_147_483_647.0] {
+            for num in [1, 5, 6] {
+                let (low, high) = ends(&[even.clone(), vec![wild; num]].concat());
+                let is_close = (-1.1..=0.0).contains(&low) && (0.999..=2.1).contains(&high);
+                assert_eq!(is_close, num < 6, "{wild} {num}: {low} {high}");
+            }
+        }
+        // Bright spots that are no accident stay; so do the ends of a few points.
+        assert_eq!(ends(&[even.clone(), vec![1.9; 30]].concat()), (0.0, 1.9));
+        assert_eq!(ends(&[0.0, 1.0, 1e9]), (0.0, 1e9));
+        assert_eq!(ends(&[vec![5.0; 100], vec![9.0]].concat()), (5.0, 9.0));
+    }
+}

@@ -1,0 +1,300 @@
+//! Positions of any numbers to a lattice of 32-bit integers, an axis at a time.
+//!
+//! A step is a power of two: the smallest with which the axis' extent has at most 2³² − 3 steps. So a coordinate
+//! moves by half a step at most, which is less than the extent / 4 · 10⁹; and a f32 whose magnitude is 2²⁴ steps
+//! or more, a 128th of the extent at most, does not move at all, and no f64 does where the extent is less than a
+//! 2²¹th of the distance from zero. The lattice's origin is a whole number of steps from zero.
+//!
+//! One point far away would make the steps coarse for all others. So the extent is that of what can be held without
+//! cost to the scene: its steps are never coarser than a 2²²th of the scene. What lies beyond is left out.
+
+use crate::{FARTHEST, Lattice, scene};
+use base::space::Bounds;
+use glam::DVec3;
+
+/// Coordinates beyond this are no place: sums and differences of them might not be finite.
+const MOST: f64 = 1e300;
+
+/// Step where all coordinates are equal, so that any would do: about a millimetre.
+const ANY_STEP: f64 = 1.0 / 1024.0;
+
+/// How many edges round the scene can be held: with them, steps are a 2²²th of the scene.
+const HELD: f64 = 511.0;
+/// A flat scene's thickness counts as so large a part of its longest edge.
+const LEAST_THICKNESS: f64 = 1.0 / 1024.0;
+
+/// True for what can be put on a lattice.
+pub(super) fn is_place(p: &[f64; 3]) -> bool {
+    // NaN compares as false.
+    p.iter().all(|c| c.abs() <= MOST)
+}
+
+/// The lattice of a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    pub lattice: Lattice,
+    /// Steps a unit, an axis.
+    per_unit: [f64; 3],
+    held: Bounds,
+}
+
+impl Grid {
+    /// For places of which these are a sample, evenly from all, and that have this box.
+    pub fn over(mut sample: Vec<DVec3>, all: Bounds) -> Self {
+        let most = Bounds { min: DVec3::splat(-FARTHEST), max: DVec3::splat(FARTHEST) };
+        sample.retain(|&p| most.contains(p));
+        let Some(scene) = scene::find(sample.clone()) else {
+            return Self {
+                held: Bounds::EMPTY,
+                ..Self::of_box(Bounds { min: DVec3::ZERO, max: DVec3::ZERO })
+            };
+        };
+        if most.contains(all.min) && most.contains(all.max) && is_fine_enough(&all, &scene) {
+            return Self::of_box(all);
+        }
+        let reach = scene.grown(HELD * scene.edge());
+        sample.retain(|&p| reach.contains(p));
+        // What was not looked at may be a little further out.
+        let held = Bounds::around(&sample).grown(scene.edge());
+        Self::of_box(Bounds { min: held.min.max(all.min), max: held.max.min(all.max) })
+    }
+
+    /// For a box that holds something.
+    fn of_box(held: Bounds) -> Self {
+        let lattice = lattice(held);
+        // The reciprocal of a power of two is exact.
+        Self { lattice, per_unit: lattice.scale.recip().to_array(), held }
+    }
+
+    /// True of places that it holds.
+    #[inline]
+    pub fn holds(&self, p: &[f64; 3]) -> bool {
+        self.held.contains(DVec3::from_array(*p))
+    }
+
+    /// The nearest lattice point of a place that it holds.
+    #[inline]
+    pub fn snap(&self, p: &[f64; 3]) -> [i32; 3] {
+        let offset = self.lattice.offset.to_array();
+        std::array::from_fn(|axis| nearest((p[axis] - offset[axis]) * self.per_unit[axis]))
+    }
+}
+
+/// The lattice for a box that holds something.
+fn lattice(bounds: Bounds) -> Lattice {
+    let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
+    Lattice {
+        scale: DVec3::from_array(axes.map(|(step, _)| step)),
+        offset: DVec3::from_array(axes.map(|(_, origin)| origin)),
+    }
+}
+
+/// The nearest of 32-bit integers, of two the even one: adding 1.5 · 2⁵² leaves no bits for a fraction. `round` is a
+/// function call that takes longer than the rest, unless a build asks for processors with SSE 4.1.
+#[inline]
+fn nearest(value: f64) -> i32 {
+    const NO_FRACTION: f64 = 1.5 * (1u64 << 52) as f64;
+    // Half a step beyond the box is still its last step.
+    let value = value.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
+    (value + NO_FRACTION).to_bits() as i32
+}
+
+/// True if the lattice over everything has steps that are as good as none to the scene.
+fn is_fine_enough(all: &Bounds, scene: &Bounds) -> bool {
+    let [of_all, of_scene] = [*all, *scene].map(|bounds| lattice(bounds).scale);
+    let thickness = scene.size().max(DVec3::splat(LEAST_THICKNESS * scene.edge()));
+    let coarsest = thickness * (2.0 * (HELD + 1.0) / 2f64.powi(32));
+    of_all.cmple(coarsest.max(of_scene)).all()
+}
+
+/// Step and origin for coordinates from `low` to `high`.
+fn axis_grid(low: f64, high: f64) -> (f64, f64) {
+    if low == high {
+        return (ANY_STEP, low);
+    }
+    let half_extent = 0.5 * (high - low);
+    let needed = power_of_two_from(half_extent / f64::from(i32::MAX - 1));
+    // Half of the largest coordinate's last bit: the next smaller power of two has bits that fine.
+    let farthest = low.abs().max(high.abs());
+    let finest = 0.5 * f64::EPSILON * power_of_two_below(farthest);
+    // Positive subnormal steps would have no finite reciprocal.
+    let step = needed.max(finest).max(f64::MIN_POSITIVE);
+    (step, ((low + half_extent) / step).round() * step)
+}
+
+const MANTISSA: u64 = (1 << 52) - 1;
+
+/// The smallest power of two that is not below `value`, which is positive and finite.
+fn power_of_two_from(value: f64) -> f64 {
+    f64::from_bits((value.to_bits() + MANTISSA) & !MANTISSA)
+}
+
+/// The largest power of two that is not above `value`, which is positive and finite; 0 of subnormal ones.
+fn power_of_two_below(value: f64) -> f64 {
+    f64::from_bits(value.to_bits() & !MANTISSA)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn on_lattice(places: &[[f64; 3]]) -> (Lattice, Vec<[f64; 3]>) {
+        let grid = grid(places);
+        let snapped = |place: &[f64; 3]| grid.lattice.p_in_world(grid.snap(place)).to_array();
+        (grid.lattice, places.iter().map(snapped).collect())
+    }
+
+    fn grid(places: &[[f64; 3]]) -> Grid {
+        let bounds = places.iter().fold(Bounds::EMPTY, |bounds, p| bounds.with(DVec3::from_array(*p)));
+        Grid::of_box(bounds)
+    }
+
+    fn axis(places: &[[f64; 3]]) -> Vec<f64> {
+        places.iter().map(|p| p[0]).collect()
+    }
+
+    fn extent(values: &[f64]) -> f64 {
+        values.iter().fold(f64::MIN, |a, &b| a.max(b)) - values.iter().fold(f64::MAX, |a, &b| a.min(b))
+    }
+
+    /// Any finite coordinate, the large and the tiny as likely as others.
+    fn coordinate() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            -1e300..1e300,
+            -1e3..1e3,
+            (-300..300i32, 1.0..10.0, any::<bool>()).prop_map(|(e, m, s): (i32, f64, bool)| if s {
+                m
+            } else {
+                -m
+            } * 10f64
+                .powi(e)),
+            5e6..5.001e6,
+            Just(0.0),
+            (0..100u64).prop_map(f64::from_bits),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_moves_by_more_than_half_a_step(values in proptest::collection::vec(coordinate(), 1..20)) {
+            let places: Vec<[f64; 3]> = values.iter().map(|&v| [v; 3]).collect();
+            let (lattice, moved) = on_lattice(&places);
+            let step = lattice.scale.x;
+            prop_assert!(step > 0.0 && step.is_finite() && lattice.offset.is_finite());
+            let extent = extent(&values);
+            prop_assert!(step == ANY_STEP || step <= extent / 2e9 || step == f64::MIN_POSITIVE || extent < values[0].abs() / 1e6);
+            for (was, is) in values.iter().zip(axis(&moved)) {
+                // The difference is rounded, by far less than a step.
+                let most = if extent == 0.0 { 0.0 } else { 0.5 * step * (1.0 + 1e-6) };
+                prop_assert!((was - is).abs() <= most, "{was} to {is}, step {step}");
+                let bound = (extent / 4e9).max(f64::MIN_POSITIVE);
+                prop_assert!((was - is).abs() <= bound, "{was} to {is}, extent {extent}");
+            }
+        }
+
+        #[test]
+        fn floats_move_only_near_zero(values in proptest::collection::vec(-1000f32..1000.0, 2..50)) {
+            let places: Vec<[f64; 3]> = values.iter().map(|&v| [f64::from(v); 3]).collect();
+            let (lattice, moved) = on_lattice(&places);
+            for (was, is) in axis(&places).into_iter().zip(axis(&moved)) {
+                prop_assert!(was == is || was.abs() < lattice.scale.x * f64::from(1 << 24), "{was} to {is}");
+            }
+        }
+
+        #[test]
+        fn doubles_far_from_zero_do_not_move(base in 1e6..2e6, deltas in proptest::collection::vec(0.0..0.4, 2..50)) {
+            let places: Vec<[f64; 3]> = deltas.iter().map(|delta| [base + delta; 3]).collect();
+            prop_assert_eq!(on_lattice(&places).1, places);
+        }
+    }
+
+    #[test]
+    fn the_bound_is_one_that_can_be_broken() {
+        let values = [0.0, 1.0, 0.3];
+        let places = values.map(|v| [v; 3]);
+        let Grid { lattice, per_unit, held } = grid(&places);
+        let lattice = Lattice { scale: lattice.scale * 8.0, ..lattice };
+        let coarse = Grid { lattice, per_unit: per_unit.map(|steps| steps / 8.0), held };
+        let moved = lattice.p_in_world(coarse.snap(&places[2])).x;
+        assert!((moved - 0.3).abs() > 1.0 / 4e9, "{moved}");
+    }
+
+    #[test]
+    fn what_the_lattice_does_not_reach_is_none() {
+        let grid = grid(&[[0.0; 3], [1.0; 3]]);
+        assert!(grid.holds(&[1.0, 0.0, 1.0]));
+        assert!(!grid.holds(&[9.0, 0.0, 0.0]) && !grid.holds(&[0.0, -1e300, 0.0]));
+    }
+
+    /// The grid for places that are all looked at.
+    fn of(places: &[[f64; 3]]) -> Grid {
+        let sample: Vec<DVec3> = places.iter().map(|&p| DVec3::from_array(p)).collect();
+        let bounds = Bounds::around(&sample);
+        Grid::over(sample, bounds)
+    }
+
+    /// Places all over a unit cube at `origin`, `size` times as large.
+    fn cube(num: usize, size: f64, origin: f64) -> Vec<[f64; 3]> {
+        let part = |i: usize, step: f64| origin + size * (i as f64 * step).fract();
+        (0..num).map(|i| [part(i, 0.618_034), part(i, 0.754_878), part(i, 0.569_840)]).collect()
+    }
+
+    /// Largest distance that one of the first places moves by.
+    fn moved(grid: &Grid, places: &[[f64; 3]]) -> f64 {
+        let moved = |p: &[f64; 3]| (grid.lattice.p_in_world(grid.snap(p)) - DVec3::from_array(*p)).abs();
+        places.iter().map(|p| moved(p).max_element()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn far_places_never_cost_the_scene_its_precision() {
+        for num in [20, 1000, 300_000] {
+            for (size, origin) in [(1.0, 0.0), (5e-5, 0.0), (20.0, 5e6), (5e4, 5e5)] {
+                let scene = cube(num, size, origin);
+                for far in [10.0, 300.0, 2e4, 1e9, 3e12, 1e15, 1e38, 1e300] {
+                    let strays = [[far * size, origin, 0.0], [0.0, origin, -far * size], [far; 3]];
+                    let places: Vec<[f64; 3]> = scene.iter().copied().chain(strays).collect();
+                    let grid = of(&places);
+                    let what = format!("{num} within {size} at {origin}, strays at {far}: {grid:?}");
+                    assert!(scene.iter().all(|p| grid.holds(p)), "{what}");
+                    let most = size * 0.6 * 2f64.powi(-22) + 1e-9 * origin;
+                    assert!(moved(&grid, &scene) <= most, "{what}: {}", moved(&grid, &scene));
+                    if far >= 3e12 {
+                        assert!(!strays.iter().any(|p| grid.holds(p)), "{what}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_costs_nothing_is_held() {
+        // A tree, a hundred times as high as the rest: nothing is left out, and doubles stay as fine as they are.
+        let places: Vec<[f64; 3]> = cube(1000, 10.0, 0.0).into_iter().chain([[5.0, 5.0, 1e3]]).collect();
+        let all = of(&places);
+        assert!(places.iter().all(|p| all.holds(p)) && moved(&all, &places) < 1e-6);
+        // The comparison can fail: a lattice over everything moves a scene that has a stray.
+        let places: Vec<[f64; 3]> = cube(1000, 1.0, 0.0).into_iter().chain([[1e9; 3]]).collect();
+        assert!(moved(&grid(&places), &places[..1000]) > 0.1);
+        // Nothing but places far out: none is held.
+        assert!(!of(&[[1e20; 3]]).holds(&[1e20; 3]));
+    }
+
+    #[test]
+    fn the_nearest_integer_is_taken() {
+        let values = [0.0, 0.4, -0.6, 2.5, -3.5, 2147483646.7, 2147483647.5, -2147483648.5, -2147483647.4];
+        let expected = [0, 0, -1, 2, -4, i32::MAX, i32::MAX, i32::MIN, i32::MIN + 1];
+        assert_eq!(values.map(nearest), expected);
+    }
+
+    #[test]
+    fn one_place_is_kept_and_none_is_refused() {
+        let place = [1.234_57, 12_345.678_9, 1_234_567_890.123_45];
+        let (lattice, moved) = on_lattice(&[place, place]);
+        assert_eq!((lattice.scale, moved), (DVec3::splat(ANY_STEP), vec![place; 2]));
+        for none in [f64::NAN, f64::INFINITY, -1e301] {
+            assert!(!is_place(&[0.0, none, 0.0]));
+        }
+        assert!(is_place(&[1e300, -1e300, 0.0]));
+    }
+}

@@ -1,0 +1,376 @@
+//! PLY: points and meshes as scanners' programs and photogrammetry write them, as text or binary.
+//!
+//! ```text
+//!  header ──▶ a Plan an element ──binary | text──▶ Survey: box, ranges ──▶ Grid ──binary | text──▶ Rows: columns
+//! ```
+//!
+//! A file is read twice: which grid its coordinates go to, and what its intensities and colors range over, is known
+//! only after the last point. So no more is held than the columns and the blocks in work.
+
+mod binary;
+mod body;
+mod columns;
+mod describe;
+mod faces;
+pub(super) mod grid;
+mod header;
+mod plan;
+mod point;
+mod rows;
+mod survey;
+mod text;
+mod value;
+mod window;
+
+use super::source::Source;
+use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, uncolored};
+use base::progress::Progress;
+use base::words::{agreeing, counted};
+use body::{Body, Sink};
+use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
+use plan::{Color, Kept, Opacity, Plan, Purpose};
+use point::{Chunk, Meaning};
+use rows::{LeftOut, Rows};
+use survey::{Chunks, Found, Survey};
+use window::Window;
+
+/// The format.
+pub(super) struct Ply;
+
+impl Format for Ply {
+    fn recognises(&self, head: &[u8]) -> bool {
+        let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head).trim_ascii_start();
+        let is_ply = text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"ply"));
+        is_ply && text.get(3).is_none_or(u8::is_ascii_whitespace)
+    }
+
+    fn open(&self, source: Source) -> Result<Box<dyn Reader>, ScanError> {
+        let ply = PlyHeader::read(&source)?;
+        let mut choices = vec![plans(&source, &ply, 0)?];
+        let no_points = || ScanError::NoPoints {
+            path: source.path().to_owned(),
+            reason: "its header has no element named vertex; export it again, with points".into(),
+        };
+        let header = describe::header(&source, &ply, &choices[0], points(&choices[0]).ok_or_else(no_points)?);
+        while has_color(&choices[choices.len() - 1]) {
+            choices.push(plans(&source, &ply, choices.len())?);
+        }
+        // The last is without the points' own colors: those of faces count then.
+        if choices.len() > 1 && color_of_faces(&choices[choices.len() - 1]) == Color::Absent {
+            choices.pop();
+        }
+        Ok(Box::new(PlyFile { source, ply, choices, header }))
+    }
+}
+
+/// The element that has the points, and what they have.
+fn points(plans: &[Plan]) -> Option<(&Plan, Kept)> {
+    plans.iter().find_map(|plan| match plan.purpose {
+        Purpose::Points(has) => Some((plan, has)),
+        _ => None,
+    })
+}
+
+fn has_color(plans: &[Plan]) -> bool {
+    points(plans).is_some_and(|(_, has)| has.color != Color::Absent)
+}
+
+/// How faces have colors, if there are any.
+fn color_of_faces(plans: &[Plan]) -> Color {
+    let mut colors = plans.iter().filter(|plan| plan.count > 0).filter_map(|plan| match plan.purpose {
+        Purpose::Faces(color) => Some(color),
+        _ => None,
+    });
+    colors.next().unwrap_or(Color::Absent)
+}
+
+/// What is done with each element. The first that is named vertex has the points, or else the first that has x, y and z.
+/// Of the colors that these have, that of number `color` counts.
+fn plans(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<Plan>, ScanError> {
+    let is_vertex = |element: &header::Element| element.name.eq_ignore_ascii_case("vertex");
+    let has_places = |element: &header::Element| {
+        let has = |axis| element.properties.iter().any(|property| property.name.eq_ignore_ascii_case(axis));
+        ["x", "y", "z"].into_iter().all(has)
+    };
+    let vertex = ply.elements.iter().position(is_vertex).or_else(|| ply.elements.iter().position(has_places));
+    let points = vertex.map(|at| {
+        let element = &ply.elements[at];
+        let fail = |missing| ScanError::Line {
+            path: source.path().to_owned(),
+            line: element.line,
+            problem: format!("the element vertex has no {missing}: export the file again, with x, y and z"),
+        };
+        Plan::of_points(element, color).map_err(fail)
+    });
+    let mut points = points.transpose()?;
+    let has_color = points.as_ref().is_some_and(|points| has_color(std::slice::from_ref(points)));
+    let plan = |(at, element): (usize, &header::Element)| {
+        let points = if Some(at) == vertex { points.take() } else { None };
+        points.unwrap_or_else(|| Plan::of_others(element, has_color))
+    };
+    Ok(ply.elements.iter().enumerate().map(plan).collect())
+}
+
+/// An opened file.
+struct PlyFile {
+    source: Source,
+    ply: PlyHeader,
+    /// What to do with each element, for each of the colors that points have; there is one at least, with points.
+    choices: Vec<Vec<Plan>>,
+    header: Header,
+}
+
+/// A file once it was surveyed.
+struct Surveyed<'a> {
+    plans: &'a [Plan],
+    meaning: Meaning,
+    found: Found,
+    /// What is to be said of the choice of colors.
+    sentence: Option<&'static str>,
+}
+
+impl Reader for PlyFile {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&self, _options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError> {
+        let Surveyed { plans, meaning, found, sentence } = self.survey_best(progress)?;
+        let mut faces = plans.iter().filter(|plan| plan.count > 0);
+        let has_faces = faces.any(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let of_faces = color_of_faces(plans);
+        let how = columns::how(&meaning, &found, has_faces, self.num_announced());
+        let mut rows = Rows::new(&how);
+        let memory =
+            |_| ScanError::Memory { path: self.source.path().to_owned(), num_points: found.num_kept };
+        rows.reserve(found.num_kept).map_err(memory)?;
+        let mut body = Body::new(rows);
+        self.pass(plans, plans.len(), &mut body, progress)?;
+        let (mut losses, mut warnings) =
+            (std::mem::take(&mut body.losses), std::mem::take(&mut body.warnings));
+        let num_faces = body.sink.faces.num_faces;
+        losses.extend(self.cut_off(body.sink.num_points(), num_faces));
+        losses.extend(bad_rows(&body));
+        let left_out = body.sink.left_out;
+        let (columns, loss) = columns::columns(body.sink, &how, &found, of_faces);
+        if columns.points.xyz.is_empty() {
+            // None can be held, or the file changed since the survey.
+            return Err(self.no_points(None, left_out.far));
+        }
+        warnings.extend(sentences(left_out, loss, meaning.has.is_splat));
+        warnings.extend(sentence.map(str::to_owned));
+        Ok(Columns { losses, warnings, ..columns })
+    }
+}
+
+impl PlyFile {
+    /// Goes once over the rows of the first elements.
+    fn pass<S: Sink>(
+        &self,
+        plans: &[Plan],
+        num_elements: usize,
+        body: &mut Body<S>,
+        progress: &Progress,
+    ) -> Result<(), ScanError> {
+        let Self { source, ply, .. } = self;
+        match ply.encoding {
+            Encoding::Ascii => {
+                let window = Window::new(ply.body_offset, ply.body_line, ply.line_end);
+                text::read(source, (plans, num_elements), window, body, progress)
+            }
+            encoding => {
+                let place = (ply.body_offset, encoding == Encoding::BigEndian);
+                binary::read(source, &plans[..num_elements], place, body, progress)
+            }
+        }
+    }
+
+    fn num_announced(&self) -> u64 {
+        points(&self.choices[0]).map_or(0, |(plan, _)| plan.count)
+    }
+
+    /// A survey with those of the points' colors that most points have; where none is more than the same at all points,
+    /// with those of faces.
+    fn survey_best(&self, progress: &Progress) -> Result<Surveyed<'_>, ScanError> {
+        let mut best: Option<(f64, Surveyed)> = None;
+        for (number, plans) in self.choices.iter().enumerate() {
+            let is_of_points = has_color(plans);
+            let least = best.as_ref().map(|(least, _)| *least);
+            if !is_of_points && least.is_some_and(|least| least < 1.0) {
+                break;
+            }
+            let (meaning, found) = self.survey_one(plans, progress)?;
+            let lacking = uncolored::part_without(&found.colors, meaning.white());
+            if least.is_none_or(|least| lacking < least || !is_of_points) {
+                let sentence = match number {
+                    0 => None,
+                    _ if is_of_points => {
+                        Some("has several colors a point: those that most points have are shown")
+                    }
+                    _ => Some("has the same color at all points: those of its faces are shown"),
+                };
+                best = Some((lacking, Surveyed { plans, meaning, found, sentence }));
+            }
+            if lacking == 0.0 {
+                break;
+            }
+        }
+        // There is one choice at least.
+        let (_, mut surveyed) = best.ok_or_else(|| self.no_points(None, 0))?;
+        let is_of_faces = |plans: &Vec<Plan>| !has_color(plans) && color_of_faces(plans) != Color::Absent;
+        if has_color(surveyed.plans) && self.choices.last().is_some_and(is_of_faces) {
+            surveyed.sentence =
+                Some("has colors of faces beside those of its points: those of faces are not read");
+        }
+        Ok(surveyed)
+    }
+
+    /// A survey that understands opacities, and leaves nearly transparent points out unless all are.
+    fn survey_one(&self, plans: &[Plan], progress: &Progress) -> Result<(Meaning, Found), ScanError> {
+        let has = points(plans).map(|(_, has)| has).ok_or_else(|| self.no_points(None, 0))?;
+        let chunks = self.chunks(plans, has, progress)?;
+        let mut meaning = Meaning { has, chunks, leaves_faint_out: true };
+        let mut found = self.survey(plans, &meaning, progress)?;
+        if has.opacity == Opacity::Unclear {
+            let (low, high) = found.opacity;
+            let is_part = low >= 0.0 && high <= 1.0;
+            meaning.has.opacity = if is_part { Opacity::PartOf(1) } else { Opacity::Logit };
+            found = self.survey(plans, &meaning, progress)?;
+        }
+        if found.num_kept == 0 && found.num_faint > 0 {
+            meaning.leaves_faint_out = false;
+            found = self.survey(plans, &meaning, progress)?;
+        }
+        Ok((meaning, found))
+    }
+
+    /// What must be known of all points first; there is at least one.
+    fn survey(&self, plans: &[Plan], meaning: &Meaning, progress: &Progress) -> Result<Found, ScanError> {
+        let with_colors = self.choices.len() > 1;
+        let plans: Vec<Plan> = plans.iter().map(|plan| plan.for_survey(with_colors)).collect();
+        let is_points = |plan: &Plan| matches!(plan.purpose, Purpose::Points(_));
+        let num_elements = plans.iter().position(is_points).map_or(0, |at| at + 1);
+        let mut body = Body::new(Survey::new(meaning, self.header.num_points, with_colors));
+        self.pass(&plans, num_elements, &mut body, progress)?;
+        if body.sink.found.num_kept + body.sink.found.num_faint == 0 {
+            return Err(self.no_points(body.first_bad_row, body.sink.num_points()));
+        }
+        Ok(body.sink.found)
+    }
+
+    /// The boxes of a compressed splat, for which all elements but these are passed over.
+    fn chunks(&self, plans: &[Plan], has: Kept, progress: &Progress) -> Result<Vec<Chunk>, ScanError> {
+        if !has.chunked {
+            return Ok(Vec::new());
+        }
+        let plans: Vec<Plan> = plans.iter().map(Plan::for_chunks).collect();
+        let mut body = Body::new(Chunks::default());
+        self.pass(&plans, plans.len(), &mut body, progress)?;
+        Ok(body.sink.0)
+    }
+
+    /// Why there are no points although so many were read.
+    fn no_points(&self, first_bad_row: Option<String>, num_read: u64) -> ScanError {
+        let announced = self.num_announced();
+        let reason = match first_bad_row {
+            _ if announced == 0 => "its header announces none".into(),
+            Some(row) => format!(
+                "its header announces {announced}, none could be read, see {row}: numbers have points, not commas, and \
+                 blanks or semicolons between them; write them so"
+            ),
+            None if num_read > 0 => {
+                format!(
+                    "its header announces {announced}, none has a place within 1e15 of zero; export it again"
+                )
+            }
+            None => {
+                let (start, end) = (self.ply.body_offset, self.source.len());
+                format!(
+                    "{announced} should follow byte {start}, but the file ends at byte {end}; get it again"
+                )
+            }
+        };
+        ScanError::NoPoints { path: self.source.path().to_owned(), reason }
+    }
+
+    /// Sentences about rows that are announced and not there.
+    fn cut_off(&self, num_points: u64, num_faces: u64) -> Vec<String> {
+        let end = self.source.len();
+        let sentence = |what, announced: u64, read: u64| {
+            let announced = counted(announced, what);
+            format!("announces {announced}, but only {read} could be read (the file has {end} bytes)")
+        };
+        let faces =
+            self.choices[0].iter().filter(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let num_faces_announced = faces.map(|plan| plan.count).fold(0, u64::saturating_add);
+        let mut sentences = Vec::new();
+        if num_points < self.num_announced() {
+            sentences.push(sentence("point", self.num_announced(), num_points));
+        }
+        if num_faces < num_faces_announced {
+            sentences.push(sentence("face", num_faces_announced, num_faces));
+        }
+        sentences
+    }
+}
+
+/// A sentence about text that is no row.
+fn bad_rows<S>(body: &Body<S>) -> Option<String> {
+    let (num_rows, first) = (body.num_bad_rows, body.first_bad_row.as_ref()?);
+    let (lines, were) =
+        (counted(num_rows, "line"), agreeing(num_rows, "was left out:", "were left out, first"));
+    Some(format!("has {lines} that could not be read and {were} {first}"))
+}
+
+/// Sentences about rows that could be read and are of no use.
+fn sentences(points: LeftOut, faces: columns::Loss, are_splats: bool) -> Vec<String> {
+    use super::far::{self, left_out};
+    let LeftOut { without_place, faint, far, colors } = points;
+    let columns::Loss { num_triangles, num_faces, num_colors } = faces;
+    let faint_thing = if are_splats { "splat" } else { "point" };
+    let list = |count: u64, thing| {
+        let things = counted(count, thing);
+        format!("has {things} with a list of colors of other than 3 or 4 values, which is not read")
+    };
+    [
+        (without_place, left_out(without_place, "point", "without a finite place")),
+        (far, far::sentence(far)),
+        (faint, left_out(faint, faint_thing, "nearly transparent")),
+        (colors, list(colors, "point")),
+        (num_colors, list(num_colors, "face")),
+        (
+            num_triangles,
+            format!(
+                "has {} of points that are left out; so {}",
+                counted(num_triangles, "triangle"),
+                agreeing(num_triangles, "was it", "were they")
+            ),
+        ),
+        (
+            num_faces,
+            format!(
+                "has {} with points that are not there; {} left out",
+                counted(num_faces, "face"),
+                agreeing(num_faces, "it was", "they were")
+            ),
+        ),
+    ]
+    .into_iter()
+    .filter_map(|(count, sentence)| (count > 0).then_some(sentence))
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_word_tells_the_format() {
+        for yes in ["ply", "ply\n", "ply \r\nformat", "ply\rformat", "PLY\n", "\u{feff}ply\n", "\nPly\n"] {
+            assert!(Ply.recognises(yes.as_bytes()), "{yes:?}");
+        }
+        for no in ["", "pl", "plywood\n", "PLYWOOD", "#ply\n"] {
+            assert!(!Ply.recognises(no.as_bytes()), "{no:?}");
+        }
+    }
+}

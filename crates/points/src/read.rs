@@ -1,0 +1,177 @@
+//! Several files of any format to one [`Scan`].
+
+use super::color::{self, Choice};
+use super::inputs::{self, Inputs};
+use super::source::Source;
+use super::{
+    Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
+    WorldFromFile, sniff, uncolored, world,
+};
+use base::progress::{Job, Progress};
+use base::space::Bounds;
+use base::words::{agreeing, counted};
+use std::path::{Path, PathBuf};
+
+/// Reads files as one scan with z up and one scale on all axes, in the order given; shows its progress, and ends soon
+/// after the job is told to stop.
+///
+/// Unless `options` are strict, a file of which only a part can be read gives that part and a warning in
+/// [`Scan::warnings`], and a file of which nothing can be read a warning, if others can. All headers are checked before
+/// the first point is read. One file is open at a time.
+///
+/// # Errors
+/// The first file of which nothing can be read, or not all if `options` are strict, with the reason and what to do;
+/// [`ScanError::Stopped`].
+pub fn read(paths: &[PathBuf], options: &ReadOptions, job: impl Into<Job>) -> Result<Scan, ScanError> {
+    Ok(read_with_headers(paths, options, job)?.0)
+}
+
+/// Reads the headers only.
+///
+/// # Errors
+/// The first file that cannot be opened or has no readable header.
+pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
+    inputs::choose(paths)?.paths.iter().map(|path| Ok(open(path)?.header().clone())).collect()
+}
+
+/// The scan, and what each file in it says of itself.
+pub(super) fn read_with_headers(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+    job: impl Into<Job>,
+) -> Result<(Scan, Vec<Header>), ScanError> {
+    let Inputs { paths, remarks } = inputs::choose(paths)?;
+    let mut failures = Failures { strict: options.strict, errors: Vec::new() };
+    let mut announced = Vec::new();
+    for path in &paths {
+        let header = open(path).map(|reader| reader.header().num_points);
+        announced.extend(failures.sort(header)?.map(|num_points| (path, num_points)));
+    }
+    let expected = announced.iter().fold(0u64, |sum, (_, num_points)| sum.saturating_add(*num_points));
+    let progress = Progress::new("reading", "points", expected, job);
+    let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
+    for (path, _) in announced {
+        // Opened again: the system allows fewer open files than a scan may have.
+        let columns = open(path).and_then(|reader| {
+            let columns = reader.read(options, &progress)?;
+            within_reach(path, &columns)?;
+            if options.strict
+                && let Some(loss) = columns.losses.first()
+            {
+                return Err(ScanError::Incomplete { path: path.clone(), loss: loss.clone() });
+            }
+            Ok((reader.header().clone(), columns))
+        });
+        if let Some((header, columns)) = failures.sort(columns)? {
+            add(&mut scan, &header, columns, options.show_withheld);
+            headers.push(header);
+        }
+    }
+    scan.warnings.extend(failures.warnings(headers.is_empty())?);
+    name_system(&mut scan, &headers);
+    world::place(&mut scan, &headers, options);
+    uncolored::settle(&mut scan);
+    let mut scan = scan.with_scene();
+    scan.files.iter_mut().for_each(uncolored::fill_with_grey);
+    Ok((scan, headers))
+}
+
+/// Files of which nothing can be read.
+struct Failures {
+    strict: bool,
+    errors: Vec<ScanError>,
+}
+
+impl Failures {
+    /// What was read; `None` for a file that is left out.
+    fn sort<T>(&mut self, read: Result<T, ScanError>) -> Result<Option<T>, ScanError> {
+        match read {
+            Ok(read) => Ok(Some(read)),
+            Err(error) if self.strict || !error.is_of_one_file() => Err(error),
+            Err(error) => {
+                self.errors.push(error);
+                Ok(None)
+            }
+        }
+    }
+
+    /// A sentence for each; the first as an error if nothing else was read.
+    fn warnings(self, nothing_read: bool) -> Result<Vec<String>, ScanError> {
+        let mut errors = self.errors.into_iter().peekable();
+        match errors.next_if(|_| nothing_read) {
+            Some(first) => Err(first),
+            None => Ok(errors
+                .map(|error| format!("{error}; it was left out, the other files are shown"))
+                .collect()),
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
+    let source = Source::open(path)?;
+    let head = source.bytes(0, HEAD_BYTES)?;
+    match FORMATS.iter().find(|format| format.recognises(&head)) {
+        Some(format) => format.open(source),
+        None => Err(sniff::not_a_scan(path, &head)),
+    }
+}
+
+fn add(scan: &mut Scan, header: &Header, mut columns: Columns, show_withheld: bool) {
+    let stats = columns.stats;
+    let Choice { color, blank, sentences: of_colors } =
+        color::choose(&stats, &mut columns.points.rgb, columns.white);
+    let sentences = header.warnings.iter().chain(&columns.losses).chain(&columns.warnings).chain(&of_colors);
+    scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
+    let num_withheld = columns.points.num_withheld;
+    if num_withheld > 0 && !show_withheld {
+        let path = header.path.display();
+        scan.warnings.push(format!(
+            "{path}: has {} that {} withheld, which means deleted; {} not drawn (--set cloud.show_withheld=true \
+             shows {})",
+            counted(num_withheld, "point"),
+            agreeing(num_withheld, "is", "are"),
+            agreeing(num_withheld, "it is", "they are"),
+            agreeing(num_withheld, "it", "them"),
+        ));
+    }
+    let bounds = bounds(&columns);
+    scan.files.push(ScanFile {
+        path: header.path.clone(),
+        format: header.format.clone(),
+        lattice: columns.lattice,
+        points: columns.points,
+        triangles: columns.triangles,
+        color,
+        blank,
+        bounds,
+        in_file: InFile { lattice: columns.lattice, bounds },
+        world_from_file: WorldFromFile::default(),
+    });
+}
+
+/// True box of a file's points.
+fn bounds(columns: &Columns) -> Bounds {
+    // Scales may be negative, so either corner of the lattice may be the smaller one.
+    let corners = [columns.stats.xyz_min, columns.stats.xyz_max];
+    Bounds::around(&corners.map(|xyz| columns.lattice.p_in_world(xyz)))
+}
+
+/// Refuses a file whose points nothing can show.
+fn within_reach(path: &Path, columns: &Columns) -> Result<(), ScanError> {
+    let bounds = bounds(columns);
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if farthest > FARTHEST { Err(ScanError::TooFar { path: path.to_owned(), farthest }) } else { Ok(()) }
+}
+
+/// The coordinate system of the first file that names one; a warning for files that differ in it.
+fn name_system(scan: &mut Scan, headers: &[Header]) {
+    scan.crs = headers.iter().find_map(|header| header.crs.clone());
+    for header in headers {
+        let path = header.path.display();
+        if let (Some(all), Some(own)) = (&scan.crs, &header.crs)
+            && all != own
+        {
+            scan.warnings.push(format!("{path}: has the coordinate system {own}, other files {all}"));
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The scene of a scan: what a person means by it, without the strays that stretch its box.
+//!
+//! Strays are points that empty space, large against the scene, parts from it: a bird, a scanner's zeros, noise
+//! above the clouds, a file that was given by mistake. They are drawn like all others, but where a walk begins, what a
+//! picture shows, how fast one flies and how far ramps of colors reach goes by the scene alone, found once, here.
+
+mod cluster;
+mod fog;
+mod nearest;
+mod parts;
+#[cfg(test)]
+mod random;
+mod rays;
+mod scattered;
+
+pub(crate) use cluster::find;
+
+use super::{Scan, ScanFile, color};
+use base::space::Bounds;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Points looked at, of all files together.
+const NUM_SAMPLES: usize = 1 << 17;
+/// And of each file at least, if it has as many.
+const NUM_FILE_SAMPLES: usize = 64;
+/// Where not all points were looked at, those belong to the scene that are within so many edges of its samples' box.
+const MARGIN: f64 = 0.25;
+/// If nothing lies further away than so many edges, nothing is astray.
+const FAR: f64 = 1.0;
+
+/// World units: no scan is smaller, and a f32 still holds its square.
+const SMALLEST: f64 = 1e-18;
+
+/// What a person means by a scan.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// True box of its points, world space.
+    pub bounds: Bounds,
+    /// World positions of some of them, at most about 130 000, evenly from the files.
+    pub samples: Vec<DVec3>,
+}
+
+impl Scene {
+    /// The scene of a scan, and sentences about files that lie far away from it.
+    #[must_use]
+    pub fn of(scan: &Scan) -> (Self, Vec<String>) {
+        let num_points = scan.num_points();
+        let looked_at = |noise| -> Vec<Vec<DVec3>> {
+            scan.files.par_iter().map(|file| samples(file, num_points, noise)).collect()
+        };
+        let mut samples = looked_at(false);
+        let is_all_noise = samples.iter().all(Vec::is_empty);
+        if is_all_noise {
+            samples = looked_at(true);
+        }
+        let boxes: Vec<Bounds> =
+            samples.par_iter().map(|samples| find(samples.clone()).unwrap_or_default()).collect();
+        let (larger, warnings) = parts::larger(scan, &boxes);
+        for (file, samples) in samples.iter_mut().enumerate() {
+            let bounds = if larger.contains(&file) { boxes[file] } else { Bounds::EMPTY };
+            samples.retain(|&p| bounds.contains(p));
+        }
+        let (mut samples, is_all) = (samples.concat(), run(num_points, usize::MAX) == 1);
+        let around = find(samples.clone()).unwrap_or_default();
+        let files: Vec<&ScanFile> = larger.into_iter().map(|file| &scan.files[file]).collect();
+        let margin = if is_all { 0.0 } else { MARGIN };
+        let bounds = exact(&files, &around, margin, is_all_noise);
+        samples.retain(|&p| bounds.contains(p));
+        (Self { bounds, samples }, warnings)
+    }
+
+    /// The values along an axis below which a quarter, half and three quarters of its points are; `None` if there are
+    /// none.
+    #[must_use]
+    pub fn quarters(&self, axis: usize) -> Option<[f64; 3]> {
+        let mut values: Vec<f64> = self.samples.iter().map(|p| p[axis]).collect();
+        let last = values.len().checked_sub(1)?;
+        Some([1, 2, 3].map(|quarter| *values.select_nth_unstable_by(last * quarter / 4, f64::total_cmp).1))
+    }
+
+    /// True if all points are in one place, or so near to each other that they might as well be: the GPU's numbers have
+    /// no room for a picture of them.
+    #[must_use]
+    pub fn is_a_point(&self) -> bool {
+        self.bounds.edge() < SMALLEST
+    }
+
+    /// True of no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+}
+
+impl Scan {
+    /// The scan with its scene, and with ramps that reach over it.
+    #[must_use]
+    pub(super) fn with_scene(mut self) -> Self {
+        let (scene, warnings) = Scene::of(&self);
+        let of_ranges = color::share_ranges(&mut self.files, &scene.bounds);
+        self.scene = scene;
+        self.warnings.extend(warnings.into_iter().chain(of_ranges));
+        self
+    }
+}
+
+/// Of how many points of a file one is looked at.
+fn run(num_points: usize, num_file_points: usize) -> usize {
+    (num_points / NUM_SAMPLES).min(num_file_points / NUM_FILE_SAMPLES).max(1)
+}
+
+/// Positions from all over a file of a scan of `num_points`, with or without those of noise: one of each run of equal length, not always the same
+/// of it, because scanners write columns of equal length too.
+fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
+    let xyz = &file.points.xyz;
+    let run = run(num_points, xyz.len());
+    let golden = |number: usize| (number as f64 * 0.618_033_988_749_895).fract();
+    let at = |number: usize| (number * run + (golden(number) * run as f64) as usize).min(xyz.len() - 1);
+    let numbers = (0..xyz.len().div_ceil(run)).map(at);
+    let numbers = numbers.filter(|&number| with_noise || !file.points.noise.get(number));
+    numbers.map(|number| file.lattice.p_in_world(xyz[number])).collect()
+}
+
+/// The box of all points that are not far from the box of samples, with or without those of noise; if some are, of those
+/// within a margin.
+fn exact(files: &[&ScanFile], samples: &Bounds, margin: f64, with_noise: bool) -> Bounds {
+    let all = files.iter().fold(Bounds::EMPTY, |bounds, file| bounds.union(file.bounds));
+    let far = samples.grown(FAR * samples.edge());
+    let counts = |file: &ScanFile, number| with_noise || !file.points.noise.get(number);
+    let has_noise = !with_noise && files.iter().any(|file| file.points.noise.count() > 0);
+    if !has_noise && far.contains(all.min) && far.contains(all.max) {
+        return all;
+    }
+    let margin = if far.contains(all.min) && far.contains(all.max) { FAR } else { margin };
+    let near = samples.grown(margin * samples.edge());
+    let of_file = |file: &&ScanFile| {
+        let counted = file.points.xyz.par_iter().enumerate().filter(|(number, _)| counts(file, *number));
+        let positions = counted.map(|(_, &xyz)| file.lattice.p_in_world(xyz));
+        let inside = positions.filter(|&p| near.contains(p));
+        inside.fold(|| Bounds::EMPTY, Bounds::with).reduce(|| Bounds::EMPTY, Bounds::union)
+    };
+    files.iter().map(of_file).fold(Bounds::EMPTY, Bounds::union)
+}

@@ -1,0 +1,113 @@
+//! Files that were given together and lie so far apart that nobody could see them together.
+
+use crate::Scan;
+use base::space::Bounds;
+use base::words;
+
+/// Files lie far apart if more than so many edges of the larger are between them.
+const FAR: f64 = 20.0;
+
+/// Files that lie together, and the box of their scenes.
+struct Part {
+    files: Vec<usize>,
+    bounds: Bounds,
+}
+
+impl Part {
+    fn is_far_from(&self, other: &Self) -> bool {
+        self.bounds.gap(&other.bounds) > FAR * self.bounds.edge().max(other.bounds.edge())
+    }
+
+    fn num_points(&self, scan: &Scan) -> usize {
+        self.files.iter().map(|&file| scan.files[file].points.xyz.len()).sum()
+    }
+
+    fn name(&self, scan: &Scan) -> String {
+        let first = self.files.first().map(|&file| scan.files[file].path.display().to_string());
+        words::files(first.unwrap_or_default(), self.files.len())
+    }
+}
+
+/// The files that lie together and have most points, in order, and a sentence about each other part. `boxes` are those
+/// of the files' scenes.
+pub(super) fn larger(scan: &Scan, boxes: &[Bounds]) -> (Vec<usize>, Vec<String>) {
+    let mut parts = parts(boxes);
+    let Some(largest) = (0..parts.len()).rev().max_by_key(|&part| parts[part].num_points(scan)) else {
+        return (Vec::new(), Vec::new());
+    };
+    let largest = parts.remove(largest);
+    let sentence = |part: &Part| {
+        let distance = distance(part.bounds.gap(&largest.bounds), scan.unit_m);
+        let (far, near) = (part.name(scan), largest.name(scan));
+        format!(
+            "{far}: {distance} away from {near}: the view starts at the latter; \
+             do all have the same coordinate system?"
+        )
+    };
+    let warnings = parts.iter().map(sentence).collect();
+    (largest.files, warnings)
+}
+
+/// Files that are not far from each other, or from files that are not, are one part.
+fn parts(boxes: &[Bounds]) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    for (file, &bounds) in boxes.iter().enumerate() {
+        let mut part = Part { files: vec![file], bounds };
+        // What has grown may be near to what its parts were far from.
+        while let Some(near) = parts.iter().position(|other| !part.is_far_from(other)) {
+            let near = parts.remove(near);
+            part.files.extend(near.files);
+            part.bounds = part.bounds.union(near.bounds);
+        }
+        part.files.sort_unstable();
+        parts.push(part);
+    }
+    parts.sort_by_key(|part| part.files[0]);
+    parts
+}
+
+/// A length for people.
+fn distance(units: f64, unit_m: Option<f64>) -> String {
+    match unit_m {
+        Some(unit_m) if units * unit_m < 10_000.0 => format!("{:.0} m", units * unit_m),
+        Some(unit_m) if units * unit_m < 1e9 => format!("{:.0} km", units * unit_m / 1000.0),
+        Some(unit_m) => format!("{:.1e} km", units * unit_m / 1000.0),
+        None if units < 1e9 => format!("{units:.0} units"),
+        None => format!("{units:.1e} units"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn cube(at: f64, edge: f64) -> Bounds {
+        Bounds { min: DVec3::splat(at), max: DVec3::splat(at + edge) }
+    }
+
+    fn files(boxes: &[Bounds]) -> Vec<Vec<usize>> {
+        parts(boxes).into_iter().map(|part| part.files).collect()
+    }
+
+    #[test]
+    fn what_is_far_from_all_is_another_part() {
+        assert_eq!(files(&[cube(0.0, 20.0), cube(5e5, 20.0), cube(30.0, 20.0)]), [vec![0, 2], vec![1]]);
+        // Two buildings are no mistake, and neither is a small object beside a large one.
+        assert_eq!(files(&[cube(0.0, 20.0), cube(200.0, 20.0)]), [[0, 1]]);
+        assert_eq!(files(&[cube(0.0, 0.0), cube(200.0, 20.0)]), [[0, 1]]);
+        // From where both were seen, each would be a speck.
+        assert_eq!(files(&[cube(0.0, 20.0), cube(700.0, 20.0)]), [[0], [1]]);
+        // A row of tiles, far apart only until those between have come.
+        let row: Vec<Bounds> = [0, 30, 20, 10].map(|at| cube(f64::from(at), 0.9)).into();
+        assert_eq!(files(&row), [[0, 1, 2, 3]]);
+        assert_eq!(files(&[cube(3.0, 0.0), cube(3.0, 0.0)]), [[0, 1]]);
+    }
+
+    #[test]
+    fn distances_are_read_by_people() {
+        assert_eq!(distance(4_500_000.0, None), "4500000 units");
+        assert_eq!(distance(4_500_000.0, Some(0.5)), "2250 km");
+        assert_eq!(distance(1e38, Some(1.0)), "1.0e35 km");
+    }
+}

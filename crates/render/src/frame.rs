@@ -1,0 +1,321 @@
+//! The frame as a contents list.
+
+use super::groups;
+use super::pipelines::Depth;
+use super::point_list::PointList;
+use super::renderer::Renderer;
+use crate::gpu::QueueGuard;
+use crate::gpu::stage::Stage;
+use crate::layout::{
+    COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
+};
+use crate::look::Look;
+use crate::options::Quality;
+use base::space::View;
+use timing::{STAGES, StageMs};
+
+/// Where each stage's times stand in [`STAGES`].
+const CLEAR: usize = 0;
+const LOD: usize = 1;
+const CULL: usize = 2;
+const DEPTH: usize = 3;
+const COLOR: usize = 4;
+const RESOLVE: usize = 5;
+
+// The finished pixels' rows begin where copies want them.
+const _: () = assert!(4 * IMAGE_PITCH_PX == wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+
+/// What the GPU tells of a frame, some frames late.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameTimes {
+    /// The frame's number.
+    pub frame: u64,
+    /// GPU time of each stage.
+    pub stage_ms: StageMs,
+    /// GPU time of them all.
+    pub gpu_ms: f32,
+    /// Nodes of which `depth` drew something: an octree's cubes, a point tree's runs; a flat cloud is one.
+    pub visible_nodes: u32,
+    /// Their batches that it drew.
+    pub visible_batches: u32,
+    /// Points in them.
+    pub points_read: u64,
+}
+
+/// What an eye's image must allow.
+pub const IMAGE_USAGES: wgpu::TextureUsages =
+    wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::COPY_DST);
+
+/// An eye's image to draw to.
+#[derive(Clone, Copy, Debug)]
+pub struct EyeImage<'a> {
+    /// Where the colours go: drawn to while there is no cloud, copied to else.
+    pub color: &'a wgpu::TextureView,
+    /// Where [`View::near`] / w goes, 0 where nothing is; given if [`super::Setup::depth_format`] is.
+    pub depth: Option<&'a wgpu::TextureView>,
+}
+
+impl Renderer {
+    /// Records frame number `frame` into `images`, one an eye; to be submitted before the next is recorded. Poses are
+    /// not needed yet: see [`Self::set_view`].
+    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: u64, images: &[EyeImage]) {
+        self.timer.begin(encoder, frame);
+        self.record_clear(encoder);
+        self.record_lod(encoder);
+        self.record_cull(encoder);
+        self.record_depth(encoder);
+        self.record_color(encoder);
+        self.record_resolve(encoder, images);
+        self.timer.end(encoder, &self.counters);
+        self.targets_are_clear = self.groups.clear_counters.is_some() && self.cloud.is_some();
+        self.images_are_new = false;
+    }
+
+    /// Sets the eyes of the frame that is submitted next through the same guard.
+    ///
+    /// # Panics
+    /// If the eyes' images are not as large as what is drawn: shaders trust in that.
+    pub fn set_view(&mut self, queue: &QueueGuard, view: &View) {
+        let sizes_px = view.eyes.iter().map(|eye| eye.size_px).take(self.targets.drawn_px.len());
+        assert!(sizes_px.eq(self.targets.drawn_px.iter().copied()), "eyes as large as what is drawn");
+        if let Some(cloud) = &self.cloud {
+            let threshold_px = self.look.detail.threshold_px.map(|px| px * self.lod_scale);
+            let error_px = self.look.detail.error_px.map(|px| px * self.lod_scale);
+            let detail = Detail { threshold_px, error_px, ..self.look.detail };
+            let uniform = ViewUniform::new(view, &cloud.split, &detail);
+            let uniform = ViewUniform { step_base: cloud.step_base, ..uniform };
+            queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        }
+    }
+
+    /// To be called after the frame's submit.
+    pub fn submitted(&mut self) {
+        self.timer.submitted();
+    }
+
+    /// Times of the oldest frame that has come back, if any; never waits.
+    pub fn collect_times(&mut self) -> Option<FrameTimes> {
+        let drawn = self.cloud.is_some();
+        self.timer.collect(&self.gpu, |times| {
+            let mut stage_ms = [f32::NAN; STAGES.len()];
+            stage_ms.copy_from_slice(times.stage_ms);
+            let (mut visible_nodes, mut visible_batches, mut points_read) = (0, 0, 0);
+            for chunk in times.extra.chunks_exact(COUNTERS_STRIDE as usize).filter(|_| drawn) {
+                let counters: CullCounters =
+                    bytemuck::pod_read_unaligned(&chunk[..size_of::<CullCounters>()]);
+                visible_nodes += counters.num_nodes;
+                visible_batches += counters.num_batches();
+                points_read += u64::from(counters.num_points);
+            }
+            FrameTimes {
+                frame: times.frame,
+                stage_ms,
+                gpu_ms: times.total_ms,
+                visible_nodes,
+                visible_batches,
+                points_read,
+            }
+        })
+    }
+
+    fn record_clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = self.compute_pass(encoder, CLEAR);
+        let counters = self.groups.clear_counters.as_ref().filter(|_| self.targets_are_clear);
+        self.dispatch_clear(&mut pass, counters.map_or(&self.groups.clear[..], std::slice::from_ref));
+        // Tiles that nobody sees stay as they are from here on.
+        if self.images_are_new {
+            self.dispatch_clear(&mut pass, &self.groups.clear_images);
+        }
+    }
+
+    fn dispatch_clear(&self, pass: &mut wgpu::ComputePass, groups: &[(wgpu::BindGroup, u32)]) {
+        let limit = self.gpu.device.limits().max_compute_workgroups_per_dimension;
+        for (group, num_words) in groups {
+            let num_groups = num_words.div_ceil(WORKGROUP_SIZE).min(limit);
+            self.pipelines.clear.dispatch(pass, group, num_groups);
+        }
+    }
+
+    fn record_lod(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = self.compute_pass(encoder, LOD);
+        if let (Some(cloud), Some(group)) = (&self.cloud, &self.groups.lod) {
+            self.pipelines.lod.dispatch(&mut pass, group, cloud.num_nodes.div_ceil(WORKGROUP_SIZE));
+        }
+    }
+
+    fn record_cull(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = self.compute_pass(encoder, CULL);
+        for (chunk, group) in self.chunks().iter().zip(&self.groups.cull) {
+            self.pipelines.cull.dispatch(&mut pass, group, chunk.num_batches.div_ceil(WORKGROUP_SIZE));
+        }
+    }
+
+    fn record_depth(&self, encoder: &mut wgpu::CommandEncoder) {
+        let depth = match (self.look.quality, &self.pipelines.closest.depth) {
+            (Quality::Closest, Depth::PointList(point_list)) => {
+                return self.record_point_list(encoder, point_list);
+            }
+            (Quality::Closest, Depth::Compute(depth)) => depth,
+            (Quality::Hqs, _) => &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth,
+        };
+        let mut pass = self.compute_pass(encoder, DEPTH);
+        self.dispatch_visible(&mut pass, depth, &self.groups.depth);
+        if let Some(ids) = &self.pipelines.closest.ids {
+            self.dispatch_visible(&mut pass, ids, &self.groups.ids);
+        }
+    }
+
+    fn record_point_list(&self, encoder: &mut wgpu::CommandEncoder, point_list: &PointList) {
+        let Some((images, draws)) = &self.points else { return };
+        draws.record(encoder, &self.counters, self.chunks());
+        let num_eyes = self.groups.point_list.len();
+        for (eye, groups) in self.groups.point_list.iter().enumerate() {
+            let times = self.timer.render(DEPTH, eye == 0, eye + 1 == num_eyes);
+            let size_px = self.targets.drawn_px[eye];
+            point_list.record(encoder, (eye, images), size_px, (groups, draws), times);
+        }
+    }
+
+    fn record_color(&self, encoder: &mut wgpu::CommandEncoder) {
+        // wgpu puts a barrier between passes that write and read the same buffer.
+        let mut pass = self.compute_pass(encoder, COLOR);
+        let color = &groups::hqs(&self.pipelines, self.cloud.as_ref()).color;
+        self.dispatch_visible(&mut pass, color, &self.groups.color);
+    }
+
+    /// One dispatch a chunk, a workgroup a visible batch.
+    fn dispatch_visible(&self, pass: &mut wgpu::ComputePass, stage: &Stage, groups: &[wgpu::BindGroup]) {
+        for (number, group) in groups.iter().enumerate() {
+            let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
+            stage.dispatch_indirect(pass, group, &self.counters, arguments);
+        }
+    }
+
+    fn record_resolve(&self, encoder: &mut wgpu::CommandEncoder, images: &[EyeImage]) {
+        if self.cloud.is_none() {
+            for (eye, image) in images.iter().enumerate() {
+                self.record_waiting(encoder, eye, image, [eye == 0, eye + 1 == images.len()]);
+            }
+            return;
+        }
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(STAGES[RESOLVE]),
+                timestamp_writes: self.timer.compute(RESOLVE, true, false),
+            });
+            self.record_pixels(&mut pass);
+        }
+        for (eye, image) in images.iter().enumerate() {
+            self.record_copy(encoder, eye, image);
+        }
+        for (eye, image) in images.iter().enumerate() {
+            self.record_depth_image(encoder, eye, image);
+        }
+        // Copies have no timestamps: an empty pass says when they are done.
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("end"),
+            timestamp_writes: self.timer.compute(RESOLVE, false, true),
+        });
+    }
+
+    /// From points to finished pixels.
+    fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
+        let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
+        let Look { quality, dilate, .. } = self.look;
+        let surface = match quality {
+            Quality::Closest => &pipelines.closest.shade,
+            Quality::Hqs => &groups::hqs(pipelines, cloud).blend,
+        };
+        let image = groups::finishing(pipelines, cloud, quality, dilate);
+        for eye in &self.groups.eyes {
+            for group in &eye.surface {
+                surface.dispatch(pass, group, eye.num_tiles);
+            }
+            if let Some(group) = &eye.image {
+                image.dispatch(pass, group, eye.num_tiles);
+            }
+        }
+    }
+
+    /// Finished pixels hold what an sRGB image does, so that nothing has to be decoded for it to encode.
+    fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage) {
+        let [width, height] = self.targets.drawn_px[eye];
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * image_pitch_px(width)),
+            rows_per_image: None,
+        };
+        encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo { buffer: &self.targets.image_color[eye], layout },
+            image.color.texture().as_image_copy(),
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+
+    fn record_depth_image(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage) {
+        let Some(((pass, group), view)) =
+            self.pipelines.depth_image.as_ref().zip(self.groups.eyes[eye].depth.as_ref()).zip(image.depth)
+        else {
+            return;
+        };
+        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("depth-image"),
+            depth_stencil_attachment: Some(infinitely_far(view)),
+            ..Default::default()
+        });
+        self.draw_to_drawn_part(&mut drawing, eye);
+        drawing.set_pipeline(&pass.pipeline);
+        drawing.set_bind_group(0, group, &[]);
+        drawing.draw(0..3, 0..1);
+    }
+
+    fn record_waiting(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        eye: usize,
+        image: &EyeImage,
+        [is_first, is_last]: [bool; 2],
+    ) {
+        let [r, g, b] = self.look.background.map(linear_from_srgb);
+        let load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("waiting"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: image.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: image.depth.map(infinitely_far),
+            timestamp_writes: self.timer.render(RESOLVE, is_first, is_last),
+            ..Default::default()
+        });
+        self.draw_to_drawn_part(&mut pass, eye);
+        self.waiting.draw(&mut pass, eye);
+    }
+
+    fn draw_to_drawn_part(&self, pass: &mut wgpu::RenderPass, eye: usize) {
+        let [width, height] = self.targets.drawn_px[eye];
+        pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+        pass.set_scissor_rect(0, 0, width, height);
+    }
+
+    fn compute_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, stage: usize) -> wgpu::ComputePass<'e> {
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(STAGES[stage]),
+            timestamp_writes: self.timer.compute(stage, true, true),
+        })
+    }
+}
+
+/// A depth image to draw into, with nothing in it.
+fn infinitely_far(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops: Some(ops), stencil_ops: None }
+}
+
+/// The value that an sRGB image encodes back to `c`.
+fn linear_from_srgb(c: u8) -> f64 {
+    let c = f64::from(c) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}

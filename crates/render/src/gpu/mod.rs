@@ -1,0 +1,80 @@
+//! wgpu, thinly: the device, its one queue, shaders, stages, timers, readback. Knows no cloud, no eye and
+//! no configuration.
+
+pub mod drawing;
+mod open;
+pub mod points;
+mod queue;
+pub mod readback;
+pub mod stage;
+pub mod timer;
+
+pub use open::{Atomics, GpuError, block_on, instance_flags, required_features};
+pub use queue::{Queue, QueueGuard};
+
+/// A GPU, opened: by us ([`Gpu::open`]) or by an OpenXR runtime (`xr::vulkan`).
+#[derive(Debug)]
+pub struct Gpu {
+    /// wgpu's instance; window surfaces are made from it.
+    pub instance: wgpu::Instance,
+    /// The adapter that `device` was made from.
+    pub adapter: wgpu::Adapter,
+    /// The device.
+    pub device: wgpu::Device,
+    /// The queue behind its lock: the only way to submit, present or configure.
+    pub queue: Queue,
+}
+
+impl Gpu {
+    /// "NAME (driver VERSION)" for logs and people.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.adapter.get_info().name
+    }
+
+    /// Driver name and version.
+    #[must_use]
+    pub fn driver(&self) -> String {
+        let info = self.adapter.get_info();
+        format!("{} {}", info.driver, info.driver_info).trim().to_string()
+    }
+
+    /// A plain two-dimensional texture.
+    #[must_use]
+    pub fn texture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
+    /// A buffer of `size` bytes, which are zero.
+    #[must_use]
+    pub fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Bytes that one storage binding may hold; buffers that shaders read are cut to it.
+    #[must_use]
+    pub fn binding_limit(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+}

@@ -1,0 +1,278 @@
+//! Bind groups: of the cloud's chunks and the targets at hand. Made anew when either changes; no buffer is.
+
+use super::cloud_buffers::{Chunk, CloudBuffers};
+use super::drawn_part::{Clearing, DrawnPart};
+use super::pipelines::{Closest, Depth, Hqs, Pipelines};
+use super::point_list::PointImages;
+use super::targets::Targets;
+use crate::gpu::Gpu;
+use crate::gpu::stage::Stage;
+use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
+use crate::options::{Dilate, Quality};
+
+/// What the groups are made from.
+#[derive(Clone, Copy)]
+pub(super) struct Parts<'a> {
+    pub gpu: &'a Gpu,
+    pub pipelines: &'a Pipelines,
+    pub targets: &'a Targets,
+    pub drawn: &'a DrawnPart,
+    pub points: Option<&'a PointImages>,
+    pub cloud: Option<&'a CloudBuffers>,
+    pub view: &'a wgpu::Buffer,
+    pub counters: &'a wgpu::Buffer,
+    /// Bins of [`crate::layout::Counts`], if they are wanted.
+    pub counts: Option<&'a wgpu::Buffer>,
+    pub quality: Quality,
+    pub dilate: Dilate,
+}
+
+/// Every bind group of the frame.
+#[derive(Debug, Default)]
+pub(super) struct Groups {
+    /// One for each pair of targets to clear, with the number of its 16-byte words.
+    pub clear: Vec<(wgpu::BindGroup, u32)>,
+    /// The same where `resolve` has cleared the targets of the frame before.
+    pub clear_counters: Option<(wgpu::BindGroup, u32)>,
+    pub lod: Option<wgpu::BindGroup>,
+    /// One a chunk, and so are the next three.
+    pub cull: Vec<wgpu::BindGroup>,
+    pub depth: Vec<wgpu::BindGroup>,
+    pub ids: Vec<wgpu::BindGroup>,
+    pub color: Vec<wgpu::BindGroup>,
+    /// Of each eye, then of each chunk.
+    pub point_list: Vec<Vec<wgpu::BindGroup>>,
+    /// Of each eye.
+    pub eyes: Vec<EyeGroups>,
+    /// Finished colors and depths to where nothing is, before the first frame that resolves these tiles.
+    pub clear_images: Vec<(wgpu::BindGroup, u32)>,
+}
+
+/// Bind groups of an eye.
+#[derive(Debug)]
+pub(super) struct EyeGroups {
+    /// Tiles that somebody sees, or whose pixels dilation takes.
+    pub num_tiles: u32,
+    /// `shade`, one a chunk; or `blend`, one, where gaps stay open.
+    pub surface: Vec<wgpu::BindGroup>,
+    /// `dilate`, `blend-dilate`, or `show`.
+    pub image: Option<wgpu::BindGroup>,
+    /// Where there are depth images.
+    pub depth: Option<wgpu::BindGroup>,
+}
+
+/// Named resources.
+type Resources<'a> = Vec<(&'static str, wgpu::BindingResource<'a>)>;
+
+impl Parts<'_> {
+    fn chunks(&self) -> &[Chunk] {
+        self.cloud.map_or(&[], |cloud| &cloud.chunks)
+    }
+
+    /// The `hqs` pipelines for the cloud's sums.
+    pub fn hqs(&self) -> &Hqs {
+        hqs(self.pipelines, self.cloud)
+    }
+
+    pub fn groups(&self) -> Groups {
+        let mut groups = Groups {
+            clear: self.clear(),
+            clear_counters: self.clear_counters(),
+            lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, &self.of_cloud(cloud))),
+            cull: vec![],
+            depth: vec![],
+            ids: vec![],
+            color: vec![],
+            point_list: self.point_list(),
+            eyes: (0..self.targets.sizes_px.len()).map(|eye| self.eye(eye)).collect(),
+            clear_images: vec![
+                self.cleared(&self.targets.image_color, &self.drawn.no_colors),
+                self.cleared(&self.targets.image_depth, &self.drawn.no_depths),
+            ],
+        };
+        for number in 0..self.chunks().len() {
+            let resources = self.of_chunk(number);
+            groups.cull.push(self.pipelines.cull.bind(self.gpu, &resources));
+            match self.quality {
+                Quality::Closest => {
+                    let Closest { depth, ids, .. } = &self.pipelines.closest;
+                    if let Depth::Compute(depth) = depth {
+                        groups.depth.push(depth.bind(self.gpu, &resources));
+                    }
+                    groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, &resources)));
+                }
+                Quality::Hqs => {
+                    groups.depth.push(self.hqs().depth.bind(self.gpu, &resources));
+                    groups.color.push(self.hqs().color.bind(self.gpu, &resources));
+                }
+            }
+        }
+        groups
+    }
+
+    /// The targets that this quality begins with, and how.
+    fn clear(&self) -> Vec<(wgpu::BindGroup, u32)> {
+        let Targets { keys, depth, wide, .. } = self.targets;
+        let DrawnPart { no_keys, no_depth, no_sums, no_wide, as_it_is, .. } = self.drawn;
+        let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
+            // Hardware clears its own images.
+            Quality::Closest if self.pipelines.closest.point_list().is_some() => vec![(keys, as_it_is)],
+            Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
+            // The keys' buffers hold ids, half as large.
+            Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
+            Quality::Hqs => match self.hqs().sums {
+                Sums::Packed => vec![(depth, no_depth), (keys, no_sums)],
+                Sums::Protected => vec![(depth, no_depth), (keys, no_sums), (wide, no_wide)],
+                Sums::Wide | Sums::Pairs => vec![(depth, no_depth), (wide, no_wide)],
+            },
+        };
+        pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
+    }
+
+    /// For a frame whose targets the one before has cleared.
+    fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
+        let clears = self.pipelines.closest.shade_clears && self.quality == Quality::Closest;
+        clears.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
+    }
+
+    fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
+        let resources = [
+            ("clear", clearing.uniform.as_entire_binding()),
+            ("left", pair[0].as_entire_binding()),
+            ("right", pair[1].as_entire_binding()),
+            ("counters", self.counters.as_entire_binding()),
+        ];
+        (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words.max(1))
+    }
+
+    /// What the hardware draws in an eye, if it does.
+    fn point_list(&self) -> Vec<Vec<wgpu::BindGroup>> {
+        let Some(point_list) = self.pipelines.closest.point_list() else { return vec![] };
+        let chunks = 0..self.chunks().len();
+        let of_eye = |eye| {
+            let bind = |number| point_list.bind(self.gpu, eye, &self.of_chunk(number));
+            chunks.clone().map(bind).collect()
+        };
+        (0..self.targets.sizes_px.len()).map(of_eye).collect()
+    }
+
+    fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> Resources<'b> {
+        vec![
+            ("view", self.view.as_entire_binding()),
+            ("nodes", cloud.nodes.as_entire_binding()),
+            ("states", cloud.states.as_entire_binding()),
+            ("counted", cloud.counted.as_entire_binding()),
+        ]
+    }
+
+    /// Everything that `cull`, `depth` and `color` may bind, by the shaders' names.
+    fn of_chunk(&self, number: usize) -> Resources<'_> {
+        let chunk = &self.chunks()[number];
+        let counters = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: self.counters,
+            offset: number as u64 * u64::from(COUNTERS_STRIDE),
+            size: std::num::NonZeroU64::new(size_of::<CullCounters>() as u64),
+        });
+        let Targets { keys, depth, wide, .. } = self.targets;
+        let mut resources = self.cloud.map_or_else(Vec::new, |cloud| self.of_cloud(cloud));
+        resources.extend([
+            ("chunk", chunk.chunk.as_entire_binding()),
+            ("batches", chunk.batches.as_entire_binding()),
+            ("visible", chunk.visible.as_entire_binding()),
+            ("counters", counters),
+            ("plane_hi", chunk.planes[0].as_entire_binding()),
+            ("plane_mid", chunk.planes[1].as_entire_binding()),
+            ("plane_lo", chunk.planes[2].as_entire_binding()),
+            ("colors", chunk.colors.as_entire_binding()),
+            ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
+            ("shapes", chunk.shapes.as_entire_binding()),
+        ]);
+        resources.extend(self.counts.map(|counts| ("count_bins", counts.as_entire_binding())));
+        // What early-z looks at, bound a second time.
+        let is_key = self.quality == Quality::Closest && self.pipelines.closest.ids.is_none();
+        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 8] = [
+            (if is_key { keys } else { depth }, ["seen_left", "seen_right"]),
+            (keys, ["keys_left", "keys_right"]),
+            (keys, ["sums_left", "sums_right"]),
+            (keys, ["ids_left", "ids_right"]),
+            (depth, ["depth_left", "depth_right"]),
+            (keys, ["words_left", "words_right"]),
+            (wide, ["wide_left", "wide_right"]),
+            (wide, ["pairs_left", "pairs_right"]),
+        ];
+        for (pair, names) in names {
+            resources.extend([0, 1].map(|eye| (names[eye], pair[eye].as_entire_binding())));
+        }
+        resources
+    }
+
+    /// Everything that the steps of `resolve` may bind of an eye.
+    fn of_eye(&self, eye: usize) -> Resources<'_> {
+        let (targets, part) = (self.targets, &self.drawn.eyes[eye]);
+        // Where depth is a part of the key, `shade` reads both from there.
+        let depth = match self.quality {
+            Quality::Closest if self.pipelines.closest.ids.is_none() => &targets.keys[eye],
+            _ => &targets.depth[eye],
+        };
+        let mut resources = vec![
+            ("resolve", part.resolve.as_entire_binding()),
+            ("tiles", part.tiles.as_entire_binding()),
+            ("hidden", part.hidden.as_entire_binding()),
+            ("dilate", part.dilate.as_entire_binding()),
+            ("depth", depth.as_entire_binding()),
+            ("keys", targets.keys[eye].as_entire_binding()),
+            ("ids", targets.keys[eye].as_entire_binding()),
+            ("sums", targets.keys[eye].as_entire_binding()),
+            ("wide", targets.wide[eye].as_entire_binding()),
+            ("surface", targets.surface[eye].as_entire_binding()),
+            ("view", self.view.as_entire_binding()),
+            ("image_color", targets.image_color[eye].as_entire_binding()),
+            ("image_depth", targets.image_depth[eye].as_entire_binding()),
+        ];
+        let points = self.points.map(|images| wgpu::BindingResource::TextureView(&images.points[eye]));
+        resources.extend(points.map(|points| ("points", points)));
+        resources
+    }
+
+    fn eye(&self, eye: usize) -> EyeGroups {
+        let Pipelines { closest, depth_image, .. } = self.pipelines;
+        let resources = self.of_eye(eye);
+        let shade =
+            |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
+        let surface = match self.quality {
+            _ if self.cloud.is_none() => vec![],
+            Quality::Closest if closest.shade_clears => vec![closest.shade.bind(self.gpu, &resources)],
+            Quality::Closest => (0..self.chunks().len()).map(shade).collect(),
+            Quality::Hqs if self.dilate == Dilate::Rings => vec![],
+            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
+        };
+        let image = finishing(self.pipelines, self.cloud, self.quality, self.dilate);
+        EyeGroups {
+            num_tiles: self.drawn.eyes[eye].num_tiles,
+            surface,
+            image: self.cloud.is_some().then(|| image.bind(self.gpu, &resources)),
+            depth: depth_image.as_ref().map(|pass| pass.bind(self.gpu, &resources)),
+        }
+    }
+}
+
+/// The `hqs` pipelines for a cloud's sums: the packed form where it is enough.
+pub(super) fn hqs<'a>(pipelines: &'a Pipelines, cloud: Option<&CloudBuffers>) -> &'a Hqs {
+    let is_crowded = cloud.is_none_or(|cloud| cloud.is_crowded);
+    // The leanest form comes first, the safest last, and there is at least one.
+    &pipelines.hqs[if is_crowded { pipelines.hqs.len() - 1 } else { 0 }]
+}
+
+/// The step that makes an eye's finished pixels.
+pub(super) fn finishing<'a>(
+    pipelines: &'a Pipelines,
+    cloud: Option<&CloudBuffers>,
+    quality: Quality,
+    dilate: Dilate,
+) -> &'a Stage {
+    match (dilate, quality) {
+        (Dilate::Off, _) => &pipelines.show,
+        (Dilate::Rings, Quality::Closest) => &pipelines.closest.dilate,
+        (Dilate::Rings, Quality::Hqs) => &hqs(pipelines, cloud).blend_dilate,
+    }
+}

@@ -1,0 +1,393 @@
+//! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
+//! generated [`prelude`]; struct offsets are compared with naga's in `tests/gpu/shaders.rs`.
+
+mod flags;
+mod guard;
+mod prelude;
+mod view;
+
+pub use flags::{
+    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
+    NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
+};
+pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
+pub use prelude::{Sums, Variant, prelude};
+pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
+
+pub use cloud::format::{
+    BATCH_POINTS, COORDINATE_BITS, ENDLESS_STEP, PLANE_BITS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT,
+    STEP_SHIFT, WORKGROUP_SIZE,
+};
+
+use base::space::Split;
+use bytemuck::{Pod, Zeroable};
+use cloud::{octree, spt};
+
+/// A batch whose longest side projects to fewer pixels than this is read at 10 bits; at 20 bits below
+/// 1024 times as many [2022 §3.3].
+pub const PRECISION_THRESHOLD_PX: f32 = 500.0;
+/// The head's cell coordinate is a multiple of this, so that its product with a cell edge is exact in f32
+/// (12 + 12 bits of mantissa); see [`VisibleBatch`].
+pub const HEAD_CELL_STEP: i32 = 1 << 18;
+/// Bytes from one chunk's [`CullCounters`] to the next: no adapter wants bindings aligned more coarsely.
+pub const COUNTERS_STRIDE: u32 = 256;
+/// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
+pub const EMPTY_DEPTH: u32 = u32::MAX;
+/// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
+/// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
+pub const DRAWN_WHOLE: u32 = u32::MAX;
+/// A node that was drawn stays until it is this much below its threshold.
+pub const HYSTERESIS: f32 = 0.95;
+/// Share of its threshold at which a node begins to fade in: 2^(−1/4).
+pub const FADE_BEGIN: f32 = 0.840_896_4;
+/// Share of its threshold from which a node is drawn whole: 2^(1/4). The mean is the threshold.
+pub const FADE_END: f32 = 1.189_207_1;
+/// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
+pub const SURFACE_TOLERANCE: f32 = 1.01;
+/// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
+pub const MAX_FILL_RADIUS: u32 = 31;
+/// How far the disc of a point reaches that a thread draws alone; all threads of a workgroup draw larger ones together.
+pub const OWN_FILL_RADIUS: u32 = 1;
+/// How much wider than the points' mean distance the disc is at most that `fill` draws: it must reach over the diagonal,
+/// and points lie irregularly.
+pub const FILL_OVERLAP: f32 = 1.5;
+/// How much wider than the points' mean distance the square is to be that disc and dilation together cover: of points that
+/// lie at random, such a square has none once in eight thousand times, and the mean distance is an estimate.
+pub const POINTS_COVER: f32 = 3.0;
+/// The same of a node's samples, which lie more evenly, as far as dilation alone can: less than 1 % of what level of detail
+/// leaves out lies further from the nearest sample than half of this (`tests/files/octree.rs`), which one sees at silhouettes.
+pub const SAMPLES_COVER: f32 = 2.24;
+/// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
+/// room above 255 is for threads that add at the same time [2021 §3.5.1].
+pub const PROTECTED_POINTS: u32 = 255;
+/// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
+pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
+/// Pixels for which a batch gets a workgroup more: as many a thread as there are threads.
+pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
+/// Workgroups of a batch at most.
+pub const MAX_SLICES: u32 = 256;
+/// Workgroups beyond the first of all batches of a chunk, at most: room in its list.
+pub const MAX_EXTRA_SLICES: u32 = 16_384;
+/// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
+pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
+/// Pixels that a workgroup of `resolve` works on, across and down, four a thread. With what reaches into them they
+/// take 15.2 of the 16 KiB of workgroup memory that every Vulkan device has.
+pub const TILE_PX: [u32; 2] = [32, 16];
+/// Pixels that `dilate` reaches at most, to each side: 7×7.
+pub const DILATE_REACH_PX: u32 = 3;
+/// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0 where
+/// the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
+pub const REACH_MASK: u32 = 3;
+/// A tile's word in the list of those that `resolve` works on: lenses hide some of its pixels.
+pub const TILE_HIDES: u32 = 1 << 31;
+/// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
+pub const DILATE_FALLOFF_BITS: u32 = 2;
+
+/// Bins of [`Counts`], of which workgroups use one each, so that few threads meet.
+pub const COUNT_BINS: u32 = 256;
+
+/// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
+/// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
+pub const FIXED40_RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
+
+/// The first depths of the ranges of [`FIXED40_RANGES`].
+#[must_use]
+pub fn fixed40_firsts() -> [u64; 3] {
+    let [(a, per_a), (b, per_b), (c, _)] = FIXED40_RANGES;
+    let second = ((b - a) * per_a) as u64;
+    [0, second, second + ((c - b) * per_b) as u64]
+}
+
+/// A batch on the GPU: a run of points and the box that their coordinates are relative to.
+///
+/// Positions are (hi, lo) pairs relative to the cloud's origin: `hi` is a multiple of a power of two chosen
+/// from the cloud's extent, so the difference of two `hi` is exact in f32, and `lo` is the small rest.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Batch {
+    /// Box minimum, coarse part, world axes, relative to the cloud origin.
+    pub min_hi: [f32; 3],
+    /// First point in the chunk's planes; a multiple of [`POINTS_PER_LOAD`].
+    pub first_point: u32,
+    /// Box minimum, fine part.
+    pub min_lo: [f32; 3],
+    /// Points in the batch, ≤ [`BATCH_POINTS`].
+    pub num_points: u32,
+    /// Edge of a 30-bit cell an axis, world units, ≤ 12 bits of mantissa; 0 on a flat axis.
+    pub cell: [f32; 3],
+    /// Its node in the cloud's list.
+    pub node: u32,
+    /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
+    pub steps_per_unit: [f32; 3],
+    /// Of discs and triangles: the steps of tolerance that some of them are drawn at: from | until≪8.
+    pub interval: u32,
+}
+
+impl Batch {
+    /// The GPU's form of a batch of node number `node` whose points begin at `first_point` of its chunk.
+    #[must_use]
+    pub fn new(split: &Split, batch: &cloud::Batch, node: u32, first_point: u32) -> Self {
+        let (hi, lo) = split.pair(batch.min);
+        let (cell, num_points) = (batch.cell, batch.num_points);
+        let steps_per_unit = cell.map(|c| if c > 0.0 { 1.0 / (c * HEAD_CELL_STEP as f32) } else { 0.0 });
+        let (min_hi, min_lo) = (hi.to_array(), lo.to_array());
+        Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval: 0 }
+    }
+
+    /// The GPU's form of batch `number` of a sequential point tree, of run number `run`, in a chunk that begins
+    /// with point `first_index`.
+    #[must_use]
+    pub fn of_discs(spt: &spt::SequentialCloud, number: usize, run: u32, first_index: u32) -> Self {
+        let batch = &spt.cloud.batches[number];
+        let [from, until] = spt.intervals[number].map(u32::from);
+        let plain = Self::new(&spt.cloud.split, batch, run, batch.first_point - first_index);
+        Self { interval: from | until << 8, ..plain }
+    }
+}
+
+/// A node of the octree on the GPU. A flat cloud is one node that is always drawn whole.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Node {
+    /// Smallest corner of its cube, coarse part, as [`Batch::min_hi`].
+    pub min_hi: [f32; 3],
+    /// Edge of its cube, world units.
+    pub edge: f32,
+    /// Smallest corner, fine part.
+    pub min_lo: [f32; 3],
+    /// Its first child's number; children follow one another in Morton order.
+    pub first_child: u32,
+    /// How far apart the finest points in each octant lie, as a share of `edge`, where they lie closest: eight f16. With
+    /// [`NODE_ONE_SIDED`], four f32: the axis of the directions in which only backs are seen, and the sine of the
+    /// angle round it.
+    pub spacing: [u32; 4],
+    /// Bit o: there is a child in octant o = x | y≪1 | z≪2.
+    pub child_mask: u32,
+    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`], [`NODE_TRIANGLES`].
+    pub flags: u32,
+    /// Halvings from the root's cube.
+    pub level: u32,
+    /// How far apart its samples lie, as a share of `edge`: what is seen of the surface while nothing below it is
+    /// drawn. 0 where nothing is below.
+    pub sample_spacing: f32,
+    /// How many times as far apart points lie for each count of their exponent: see [`SPACING_EXPONENT_SHIFT`].
+    pub spacing_step: f32,
+    /// Always 0.
+    pub reserved: [u32; 3],
+}
+
+impl Node {
+    /// The one node of a flat cloud.
+    pub const FLAT: Self = Self {
+        min_hi: [0.0; 3],
+        edge: 0.0,
+        min_lo: [0.0; 3],
+        first_child: 0,
+        spacing: [0; 4],
+        child_mask: 0,
+        flags: NODE_WHOLE,
+        level: 0,
+        sample_spacing: 0.0,
+        spacing_step: 1.0,
+        reserved: [0; 3],
+    };
+
+    /// The GPU's form of a run of a sequential point tree.
+    #[must_use]
+    pub fn of_run(split: &Split, run: &spt::BatchRun) -> Self {
+        let (hi, lo) = split.pair(run.bounds.min);
+        let sided = |behind: &spt::clusters::Cone| {
+            let [x, y, z] = behind.axis.to_array();
+            [x, y, z, libm::sin(behind.angle)].map(|v| (v as f32).to_bits())
+        };
+        let side = if run.behind.is_some() { NODE_ONE_SIDED } else { 0 };
+        let triangles = if run.has_triangles { NODE_TRIANGLES } else { 0 };
+        Self {
+            min_hi: hi.to_array(),
+            min_lo: lo.to_array(),
+            edge: run.bounds.size().max_element() as f32,
+            spacing: run.behind.as_ref().map_or([0; 4], sided),
+            flags: NODE_WHOLE | NODE_DISCS | side | triangles,
+            ..Self::FLAT
+        }
+    }
+
+    /// The GPU's form of node `number` of an octree.
+    #[must_use]
+    pub fn new(octree: &octree::Octree, number: usize) -> Self {
+        let node = &octree.nodes[number];
+        let (hi, lo) = octree.cloud.split.pair(node.min);
+        let children = &octree.nodes[node.children.start as usize..node.children.end as usize];
+        let is_root = node.parent.is_none();
+        let flags = match (is_root, children.is_empty()) {
+            (true, true) => NODE_WHOLE,
+            (true, false) => NODE_ROOT,
+            _ => 0,
+        };
+        Self {
+            min_hi: hi.to_array(),
+            edge: node.edge as f32,
+            min_lo: lo.to_array(),
+            first_child: node.children.start,
+            spacing: std::array::from_fn(|pair| {
+                let share = |octant: usize| half::f16::from_f32(node.octant_spacing[octant]).to_bits();
+                u32::from(share(2 * pair)) | u32::from(share(2 * pair + 1)) << 16
+            }),
+            child_mask: children.iter().map(|child| 1 << node.octant_of(child)).sum(),
+            flags,
+            level: node.level,
+            sample_spacing: node.sample_spacing,
+            spacing_step: node.spacing_step,
+            reserved: [0; 3],
+        }
+    }
+}
+
+/// A chunk of the point pool.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct ChunkUniform {
+    /// Index of its first point in the whole pool.
+    pub first_index: u32,
+    /// Points in its planes.
+    pub num_points: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}
+
+/// What `clear` writes into a pair of targets.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct ClearUniform {
+    /// Every word's new value.
+    pub value: u32,
+    /// 16-byte words of the left eye that are in use.
+    pub num_left: u32,
+    /// Of the right.
+    pub num_right: u32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+/// Words of a row of `width` pixels in a mask of a bit a pixel: pixel x is bit x mod 32 of word x / 32, and rows
+/// begin with a word of their own.
+#[must_use]
+pub fn mask_words_per_row(width: u32) -> u32 {
+    width.div_ceil(32)
+}
+
+/// What the steps of `resolve` need to know of an eye's image.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ResolveUniform {
+    /// Width, height in pixels, without the guard band.
+    pub size_px: [u32; 2],
+    /// Color where no point is, as the image holds it.
+    pub background: u32,
+    /// 1: the image holds b | g≪8 | r≪16 | 255≪24; 0: r | g≪8 | b≪16 | 255≪24.
+    pub is_bgra: u32,
+}
+
+/// What `cull` tells `depth` about a batch that is seen.
+///
+/// A point at cell X is at `p_in_head = f32(X − head_cell) · cell + offset`: the integer difference is exact,
+/// so points near the head keep all their 30 bits although the arithmetic is f32.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct VisibleBatch {
+    /// Head in the batch's cells, a multiple of [`HEAD_CELL_STEP`].
+    pub head_cell: [i32; 3],
+    /// First point in the chunk's planes.
+    pub first_point: u32,
+    /// `p_in_head` of the corner of cell `head_cell` (of its centre at 30 bits).
+    pub offset: [f32; 3],
+    /// Points in the batch.
+    pub num_points: u32,
+    /// Edge of a 30-bit cell an axis.
+    pub cell: [f32; 3],
+    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
+    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`], [`VISIBLE_WIDE`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
+    /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
+    pub flags: u32,
+    /// [`Node::spacing`].
+    pub spacing: [u32; 4],
+    /// State of the child in each octant in 8 bits, 255 where there is none: a point whose child is drawn has
+    /// its own color, else the filtered one, point by point as the child fades in.
+    pub own: [u32; 2],
+    /// State of the node, not 0; see [`DRAWN_WHOLE`].
+    pub drawn: u32,
+    /// The batch.
+    pub batch: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+    /// [`Node::spacing_step`].
+    pub spacing_step: f32,
+    /// [`Node::sample_spacing`]; of the root's samples that are drawn.
+    pub sample_spacing: f32,
+}
+
+impl VisibleBatch {
+    /// True for one of the slices of a batch, and for a batch that has no others.
+    #[must_use]
+    pub fn is_first_slice(&self) -> bool {
+        self.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0
+    }
+}
+
+/// Dispatch arguments of `depth` and the frame's counters, written by `cull`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct CullCounters {
+    /// Workgroups of `depth`: visible batches, and the slices beyond the first of some.
+    pub num_visible: u32,
+    /// Always 1.
+    pub workgroups_y: u32,
+    /// Always 1.
+    pub workgroups_z: u32,
+    /// Points in the visible batches.
+    pub num_points: u32,
+    /// Nodes whose batches these are, but for those that an earlier chunk has counted.
+    pub num_nodes: u32,
+    /// Slices beyond the first that were asked for; [`MAX_EXTRA_SLICES`] are given.
+    pub num_extra: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}
+
+impl CullCounters {
+    /// Visible batches.
+    #[must_use]
+    pub fn num_batches(&self) -> u32 {
+        self.num_visible - self.num_extra.min(MAX_EXTRA_SLICES)
+    }
+}
+
+/// What the geometry stages did in a frame that is counted, all eyes together.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct Counts {
+    /// Points, discs and triangles that asked for a pixel.
+    pub num_drawn: u32,
+    /// Atomics, or writes where there are none, for pixels.
+    pub num_asked: u32,
+    /// Loads of a pixel's word, to see whether it is worth an atomic, or how near the surface is.
+    pub num_looks: u32,
+    /// Loads of a point's color.
+    pub num_colors: u32,
+    /// Discs of a point tree that the tolerance draws, in the picture or not, in each stage anew.
+    pub num_chosen: u32,
+    /// Always 0.
+    pub reserved: [u32; 3],
+}
+
+/// Which image `dilate` works on, and how far it reaches.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct DilateUniform {
+    /// The eye, 0 or 1.
+    pub eye: u32,
+    /// 0: by the pixel's ring; 1, 2, 3: that radius everywhere.
+    pub radius_px: u32,
+    /// Always 0.
+    pub reserved: [u32; 2],
+}

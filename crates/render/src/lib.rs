@@ -1,0 +1,30 @@
+//! The frame: from a cloud on the GPU and two eyes to two images. Knows no headset and no window: desktop,
+//! pictures and headsets share this path. docs/FRAME.md §1 lists the stages.
+
+mod cloud_buffers;
+mod drawn_part;
+mod frame;
+pub mod gpu;
+mod groups;
+pub mod layout;
+mod look;
+mod method;
+pub mod options;
+mod overlay;
+mod pipelines;
+mod point_list;
+mod renderer;
+pub mod shaders;
+mod targets;
+mod tier;
+mod waiting;
+
+pub use cloud_buffers::{CloudBuffers, CloudUpload, UploadError};
+pub use drawn_part::tiles;
+pub use frame::{EyeImage, FrameTimes, IMAGE_USAGES};
+pub use look::{DEFAULT_ERROR_PX, DISCS_REACH_PX, Look, NO_REACH_PX, RINGS_REACH_PX};
+pub use method::{Access, Method};
+pub use overlay::Overlays;
+pub use renderer::{Renderer, Setup};
+pub use targets::{TargetTooLarge, Targets};
+pub use tier::{NoSuchTier, tier};

@@ -1,0 +1,162 @@
+//! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`],
+//! [`Method::Hqs1`] where a pixel gets more points than it can count, and two where points are equally far:
+//! [`Method::PointList`] shows any of them, [`Method::Fixed40`], to whose precision more are, the smaller color. They
+//! differ in how long it takes.
+
+use crate::layout::Sums;
+use crate::options::Quality;
+use serde::{Deserialize, Serialize};
+
+/// How shaders reach memory, whatever the method. The picture is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// Early-z looks at a pixel by a plain load, not by an atomic one.
+    pub plain_looks: bool,
+    /// Shaders check every index.
+    pub checked: bool,
+    /// All threads of a workgroup draw wide points together. `None`: unless the device is software, which runs them in
+    /// turns and pays dearly for their waiting for each other.
+    pub together: Option<bool>,
+}
+
+impl Default for Access {
+    /// Atomic loads; checks in debug builds, and so in tests.
+    fn default() -> Self {
+        Self { plain_looks: false, checked: cfg!(debug_assertions), together: None }
+    }
+}
+
+/// How points get into pixels. Names as in the papers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The hardware's own points: what the papers measure against [2022 §4.1].
+    PointList,
+    /// Four points a thread, loaded at once, and a look at the pixel first [2022 §3.4]: the frame's own.
+    #[default]
+    Prefetch,
+    /// The same with one point a thread at a time [2022 §3.2].
+    Basic,
+    /// Whoever comes last has the pixel: wrong, and as fast as writing can be [2021 §5].
+    JustSet,
+    /// Wait until nobody has the pixel locked, lock it, write, unlock it [2021 §2.2, §5].
+    BusyLoop,
+    /// The same without a lock: compare and exchange until nobody comes between.
+    ExchangeLoop,
+    /// Every point asks for its pixel [2021 §3.1].
+    AtomicMin,
+    /// A look at the pixel first [2021 §3.2].
+    EarlyZ,
+    /// A subgroup that has only one pixel asks once, and so do pairs of threads [2021 §3.3].
+    Reduce,
+    /// The same with a look at the pixel first.
+    ReduceEarlyZ,
+    /// A look at the pixel first, then a subgroup asks for each of its pixels once [2021 §3.4, §5].
+    Dedup,
+    /// High-quality shading by two 64-bit additions a point [2021 §3.5].
+    Hqs,
+    /// By one, exact up to 1023 points a pixel [2021 §3.5.1].
+    Hqs1,
+    /// By one, and further additions where that is not enough [2021 §3.5.1].
+    Hqs1r,
+    /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
+    Fixed40,
+    /// [`Self::JustSet`] in the loop of [`Self::Prefetch`]: for tables, not for settings.
+    #[serde(skip)]
+    #[value(skip)]
+    PrefetchJustSet,
+}
+
+impl Method {
+    /// All that settings may name.
+    pub const ALL: [Self; 15] = [
+        Self::PointList,
+        Self::Prefetch,
+        Self::Basic,
+        Self::JustSet,
+        Self::BusyLoop,
+        Self::ExchangeLoop,
+        Self::AtomicMin,
+        Self::EarlyZ,
+        Self::Reduce,
+        Self::ReduceEarlyZ,
+        Self::Dedup,
+        Self::Hqs,
+        Self::Hqs1,
+        Self::Hqs1r,
+        Self::Fixed40,
+    ];
+
+    /// As settings, tables and the papers write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PointList => "point-list",
+            Self::Prefetch => "prefetch",
+            Self::Basic => "basic",
+            Self::JustSet => "just-set",
+            Self::PrefetchJustSet => "prefetch-just-set",
+            Self::BusyLoop => "busy-loop",
+            Self::ExchangeLoop => "exchange-loop",
+            Self::AtomicMin => "atomic-min",
+            Self::EarlyZ => "early-z",
+            Self::Reduce => "reduce",
+            Self::ReduceEarlyZ => "reduce-early-z",
+            Self::Dedup => "dedup",
+            Self::Hqs => "hqs",
+            Self::Hqs1 => "hqs1",
+            Self::Hqs1r => "hqs1r",
+            Self::Fixed40 => "fixed40",
+        }
+    }
+
+    /// The quality that it is a method of; `None`: either.
+    #[must_use]
+    pub fn quality(self) -> Option<Quality> {
+        match self {
+            Self::Prefetch | Self::Basic => None,
+            Self::Hqs | Self::Hqs1 | Self::Hqs1r => Some(Quality::Hqs),
+            _ => Some(Quality::Closest),
+        }
+    }
+
+    /// The form of sums that it insists on.
+    #[must_use]
+    pub fn sums(self) -> Option<Sums> {
+        match self {
+            Self::Hqs => Some(Sums::Pairs),
+            Self::Hqs1 => Some(Sums::Packed),
+            Self::Hqs1r => Some(Sums::Protected),
+            _ => None,
+        }
+    }
+
+    /// True if a thread draws one point at a time, as in the 2021 paper.
+    #[must_use]
+    pub fn is_basic(self) -> bool {
+        !matches!(self, Self::Prefetch | Self::PrefetchJustSet)
+    }
+
+    /// True if a point is always one pixel: hardware knows no other, and threads of a subgroup that ask each other must
+    /// come with as many pixels each.
+    #[must_use]
+    pub fn draws_pixels(self) -> bool {
+        self == Self::PointList || self.is_converged()
+    }
+
+    /// True if threads of a subgroup ask each other, for which they must come to a pixel together.
+    #[must_use]
+    pub fn is_converged(self) -> bool {
+        matches!(self, Self::Reduce | Self::ReduceEarlyZ | Self::Dedup)
+    }
+
+    /// True if it needs 64-bit atomics of all kinds. The others take minima, which all tiers can, of depths alone if need
+    /// be; hardware points take none.
+    #[must_use]
+    pub fn needs_int64(self) -> bool {
+        use Method as M;
+        let takes_minima = matches!(self, M::Prefetch | M::Basic | M::AtomicMin | M::EarlyZ)
+            || matches!(self, M::Reduce | M::ReduceEarlyZ | M::Dedup);
+        !takes_minima && self != M::PointList
+    }
+}

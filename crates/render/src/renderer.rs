@@ -1,0 +1,376 @@
+//! The renderer: what the frame needs from one to the next, and what may change in between.
+
+use super::cloud_buffers::{Chunk, CloudBuffers};
+use super::drawn_part::DrawnPart;
+use super::groups::{self, Groups, Parts};
+use super::pipelines::{For, Pipelines};
+use super::point_list::{Draws, PointImages};
+use super::targets::{TargetTooLarge, Targets};
+use super::waiting::Waiting;
+use crate::gpu::timer::Timer;
+use crate::gpu::{Atomics, Gpu, QueueGuard, readback};
+use crate::layout::{COUNT_BINS, COUNTERS_STRIDE, Counts, Sums, ViewUniform, of_image};
+use crate::look::Look;
+use crate::options::Quality;
+use base::space::{Eye, Pose, Split};
+use std::sync::Arc;
+use timing::STAGES;
+
+/// Chunks for which there are counters from the start; few clouds have more.
+const NUM_COUNTERS: u64 = 16;
+
+/// What a renderer draws to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setup {
+    /// Width, height of each eye's image; one or two.
+    pub sizes_px: Vec<[u32; 2]>,
+    /// Format of the images, sRGB.
+    pub color_format: wgpu::TextureFormat,
+    /// Format of the depth images, if there are any.
+    pub depth_format: Option<wgpu::TextureFormat>,
+    /// The tier; see [`super::tier`].
+    pub atomics: Atomics,
+}
+
+/// Draws frames of one or two eyes. Create once, give it a cloud, then for every frame: [`Renderer::record`],
+/// [`Renderer::set_view`] as late as possible, submit, [`Renderer::submitted`].
+#[derive(Debug)]
+pub struct Renderer {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) setup: Setup,
+    pub(super) look: Look,
+    /// Factor on the thresholds of level of detail.
+    pub(super) lod_scale: f32,
+    pub(super) pipelines: Pipelines,
+    pub(super) view: wgpu::Buffer,
+    pub(super) cloud: Option<CloudBuffers>,
+    pub(super) counters: wgpu::Buffer,
+    /// See [`Self::counting`].
+    counts: Option<wgpu::Buffer>,
+    pub(super) targets: Targets,
+    /// Of the method `point-list`.
+    pub(super) points: Option<(PointImages, Draws)>,
+    /// Bits of the pixels that the lenses hide, an eye each.
+    hidden: Vec<Vec<u32>>,
+    pub(super) waiting: Waiting,
+    drawn: DrawnPart,
+    pub(super) groups: Groups,
+    /// The frame before has cleared its targets, and nothing has changed since.
+    pub(super) targets_are_clear: bool,
+    /// The finished pixels are of another drawn part or cloud than the next frame's.
+    pub(super) images_are_new: bool,
+    /// See [`Self::binding`].
+    binding: u64,
+    pub(super) timer: Timer,
+}
+
+impl Renderer {
+    /// A renderer without a cloud.
+    ///
+    /// # Errors
+    /// If the sizes do not fit the device.
+    pub fn new(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
+        Self::with_counts(gpu, setup, look, None)
+    }
+
+    /// A renderer that counts what its frames do, for `bench`: see [`Self::counts`].
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn counting(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let size = u64::from(COUNT_BINS) * size_of::<Counts>() as u64;
+        Self::with_counts(gpu, setup, look, Some(gpu.buffer("counts", size, usage)))
+    }
+
+    fn with_counts(
+        gpu: &Arc<Gpu>,
+        setup: Setup,
+        look: Look,
+        counts: Option<wgpu::Buffer>,
+    ) -> Result<Self, TargetTooLarge> {
+        let pipelines = Pipelines::new(gpu, what(&setup, &look, counts.is_some()));
+        let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
+        let has_wide = needs_wide(&pipelines, None, look.quality);
+        let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
+        let drawn = DrawnPart::new(gpu, &targets, &[], (look.background_word(), setup.color_format));
+        let counters = counters_buffer(gpu, NUM_COUNTERS);
+        let timer = Timer::new(gpu, STAGES.len(), counters.size());
+        let waiting = Waiting::new(gpu, &setup);
+        let mut renderer = Self {
+            gpu: Arc::clone(gpu),
+            setup,
+            look,
+            lod_scale: 1.0,
+            pipelines,
+            view,
+            cloud: None,
+            counters,
+            counts,
+            targets,
+            points: None,
+            hidden: vec![],
+            waiting,
+            drawn,
+            groups: Groups::default(),
+            targets_are_clear: false,
+            images_are_new: true,
+            binding: 0,
+            timer,
+        };
+        renderer.rebind();
+        Ok(renderer)
+    }
+
+    /// While there is no cloud: how much of the work until then is done, 0 to 1, as a bar and a number that stand at
+    /// `world_from_bar`, metres across. `None`: nothing. Shown from the frame on that is recorded next.
+    pub fn set_waiting(
+        &mut self,
+        queue: &QueueGuard,
+        eyes: &[Eye],
+        near: f64,
+        world_from_bar: &Pose,
+        fraction: Option<f64>,
+    ) {
+        self.waiting.set(queue, eyes, near, world_from_bar, fraction);
+    }
+
+    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. Takes
+    /// no longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
+    ///
+    /// # Errors
+    /// If what the cloud's sums need does not fit the device; then nothing has changed.
+    pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
+        let num_chunks = cloud.chunks.len() as u64;
+        if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
+            // More than it needs: the same scan's octree may have another chunk.
+            self.counters = counters_buffer(&self.gpu, 2 * num_chunks);
+            // Frames under way go without times.
+            self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
+        }
+        let before = self.cloud.replace(cloud);
+        self.rebind();
+        Ok(before)
+    }
+
+    /// Shows nothing from the next frame on, and gives back the cloud.
+    pub fn take_cloud(&mut self) -> Option<CloudBuffers> {
+        let cloud = self.cloud.take();
+        self.rebind();
+        cloud
+    }
+
+    /// New image sizes, one an eye.
+    ///
+    /// # Errors
+    /// If they do not fit the device.
+    pub fn resize(&mut self, sizes_px: &[[u32; 2]]) -> Result<(), TargetTooLarge> {
+        if self.setup.sizes_px != sizes_px {
+            self.targets = Targets::new(&self.gpu, sizes_px, self.targets.has_wide())?;
+            self.setup.sizes_px = sizes_px.to_vec();
+            self.set_hidden(vec![]);
+        }
+        Ok(())
+    }
+
+    /// Draws only this much of each image, from its top left corner on: no larger than the image. The views'
+    /// eyes must have these sizes.
+    pub fn set_drawn(&mut self, drawn_px: &[[u32; 2]]) {
+        if self.targets.drawn_px != drawn_px {
+            self.targets.drawn_px = drawn_px.to_vec();
+            self.set_hidden(vec![]);
+        }
+    }
+
+    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, in rows of
+    /// [`crate::layout::mask_words_per_row`].
+    pub fn set_hidden(&mut self, hidden: Vec<Vec<u32>>) {
+        self.hidden = hidden;
+        self.tell_drawn_part();
+        self.rebind();
+    }
+
+    /// How frames look from the next one on. A change of the method, or of [`crate::layout::Detail::fill_reach_px`] from
+    /// or to `None`, compiles pipelines; all else is quick.
+    ///
+    /// # Errors
+    /// If what the quality needs does not fit the device; then nothing has changed.
+    pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
+        let counts = self.counts.is_some();
+        if what(&self.setup, &look, counts) != what(&self.setup, &self.look, counts) {
+            self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look, counts));
+        }
+        let is_same_background = look.background == self.look.background;
+        self.look = look;
+        if !is_same_background {
+            self.tell_drawn_part();
+        }
+        self.rebind();
+        Ok(())
+    }
+
+    /// What a pixel shows from the next frame on.
+    ///
+    /// # Errors
+    /// See [`Self::set_look`].
+    pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
+        if quality == self.look.quality { Ok(()) } else { self.set_look(Look { quality, ..self.look }) }
+    }
+
+    /// Makes room for four-word sums where there is none.
+    fn fit_targets(&mut self, needs_wide: bool) -> Result<(), TargetTooLarge> {
+        if needs_wide && !self.targets.has_wide() {
+            let targets = Targets::new(&self.gpu, &self.setup.sizes_px, true)?;
+            let drawn_px = std::mem::take(&mut self.targets.drawn_px);
+            self.targets = Targets { drawn_px, ..targets };
+        }
+        Ok(())
+    }
+
+    /// How frames look.
+    #[must_use]
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Factor on the thresholds of level of detail, 1 or more.
+    pub fn set_lod_scale(&mut self, scale: f32) {
+        self.lod_scale = scale;
+    }
+
+    /// Points and bytes on the GPU.
+    #[must_use]
+    pub fn resident(&self) -> (u64, u64) {
+        self.cloud.as_ref().map_or((0, 0), |c| (c.num_points, c.bytes))
+    }
+
+    /// True if level of detail has a say in how much of the cloud is drawn.
+    #[must_use]
+    pub fn has_detail(&self) -> bool {
+        self.cloud.as_ref().is_some_and(|cloud| cloud.has_detail)
+    }
+
+    /// How world positions become the shown cloud's pairs of f32.
+    #[must_use]
+    pub fn split(&self) -> Option<&Split> {
+        self.cloud.as_ref().map(|c| &c.split)
+    }
+
+    /// The eyes' pixels, for pictures and tests.
+    #[must_use]
+    pub fn targets(&self) -> &Targets {
+        &self.targets
+    }
+
+    /// The finished pixels of an eye's drawn part, row by row: bits of the depth, and the color as the image holds it, the
+    /// background where nothing is. For pictures and tests: waits for the GPU.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn read_pixels(&self, eye: usize) -> anyhow::Result<Vec<[u32; 2]>> {
+        let read = |buffer| -> anyhow::Result<Vec<u32>> {
+            let words = bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, buffer)?);
+            Ok(of_image(&words, self.targets.drawn_px[eye]))
+        };
+        let depths = read(&self.targets.image_depth[eye])?;
+        let colors = read(&self.targets.image_color[eye])?;
+        Ok(depths.into_iter().zip(colors).map(|(depth, color)| [depth, color]).collect())
+    }
+
+    /// Batches of a chunk.
+    #[must_use]
+    pub fn num_batches(&self, chunk: usize) -> u64 {
+        self.chunks()[chunk].num_batches.into()
+    }
+
+    /// Visible lists of each chunk, the counters and the nodes' states, for tests.
+    #[must_use]
+    pub fn cull_results(&self) -> (Vec<&wgpu::Buffer>, &wgpu::Buffer, Option<&wgpu::Buffer>) {
+        let visible = self.chunks().iter().map(|c| &c.visible).collect();
+        (visible, &self.counters, self.cloud.as_ref().map(|c| &c.states))
+    }
+
+    /// What the frames so far did: [`COUNT_BINS`] of [`Counts`], to be added up; `None` unless it is
+    /// [`Self::counting`].
+    #[must_use]
+    pub fn counts(&self) -> Option<&wgpu::Buffer> {
+        self.counts.as_ref()
+    }
+
+    pub(super) fn chunks(&self) -> &[Chunk] {
+        self.cloud.as_ref().map_or(&[], |c| &c.chunks)
+    }
+
+    /// Tells the stages of another drawn part, other hidden pixels or another background.
+    fn tell_drawn_part(&mut self) {
+        let background = (self.look.background_word(), self.setup.color_format);
+        self.drawn = DrawnPart::new(&self.gpu, &self.targets, &self.hidden, background);
+    }
+
+    /// Makes every bind group anew; after a change of cloud, sizes or look.
+    fn rebind(&mut self) {
+        self.fit_points();
+        let parts = Parts {
+            gpu: &self.gpu,
+            pipelines: &self.pipelines,
+            targets: &self.targets,
+            drawn: &self.drawn,
+            points: self.points.as_ref().map(|(images, _)| images),
+            cloud: self.cloud.as_ref(),
+            view: &self.view,
+            counters: &self.counters,
+            counts: self.counts.as_ref(),
+            quality: self.look.quality,
+            dilate: self.look.dilate,
+        };
+        self.groups = parts.groups();
+        self.targets_are_clear = false;
+        self.images_are_new = true;
+        self.rebound();
+    }
+
+    /// What hardware points need, if they are wanted.
+    fn fit_points(&mut self) {
+        let images = self.points.take().map(|(images, _)| images);
+        if self.pipelines.closest.point_list().is_some() {
+            let images = images.filter(|images| images.fit(&self.targets));
+            let images = images.unwrap_or_else(|| PointImages::new(&self.gpu, &self.targets));
+            self.points = Some((images, Draws::new(&self.gpu, self.chunks().len())));
+        }
+    }
+
+    /// Another number whenever bind groups of this renderer's buffers are out of date.
+    pub(super) fn binding(&self) -> u64 {
+        self.binding
+    }
+
+    pub(super) fn rebound(&mut self) {
+        self.binding += 1;
+    }
+}
+
+fn what(setup: &Setup, look: &Look, counts: bool) -> For {
+    For {
+        num_eyes: setup.sizes_px.len() as u32,
+        fill: look.detail.fill_reach_px.is_some(),
+        atomics: setup.atomics,
+        discs: look.detail.error_px.is_some(),
+        method: look.method,
+        access: look.access,
+        counts,
+        depth_format: setup.depth_format,
+    }
+}
+
+/// True if a frame of this cloud and quality adds up in four u32.
+fn needs_wide(pipelines: &Pipelines, cloud: Option<&CloudBuffers>, quality: Quality) -> bool {
+    quality == Quality::Hqs && groups::hqs(pipelines, cloud).sums != Sums::Packed
+}
+
+fn counters_buffer(gpu: &Gpu, num_chunks: u64) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
+    gpu.buffer("counters", num_chunks * u64::from(COUNTERS_STRIDE), usage)
+}

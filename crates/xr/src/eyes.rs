@@ -1,0 +1,175 @@
+//! Where the eyes are: views as the runtime locates them, with the last good value where it has none.
+
+use crate::StageEye;
+use base::space::{Fov, Pose};
+use glam::{DQuat, DVec3};
+use openxr as xr;
+
+/// The floor is this far below LOCAL's origin, which runtimes put at the eyes of the user when starting:
+/// only used where the runtime has neither LOCAL_FLOOR nor STAGE.
+pub(super) const EYE_HEIGHT_M: f32 = 1.6;
+
+/// The views that the next layer is submitted with, left then right.
+///
+/// Kept as the runtime gave them (f32, angles): the layer must repeat them exactly, or the runtime would
+/// reproject by the difference.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Eyes([xr::View; 2]);
+
+impl Eyes {
+    /// Before anything is located: standing at the origin, eyes 64 mm apart, 90° of view.
+    pub fn standing() -> Self {
+        Self([-0.032, 0.032].map(|x| {
+            let quarter = std::f32::consts::FRAC_PI_4;
+            xr::View {
+                pose: xr::Posef {
+                    orientation: xr::Quaternionf { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
+                    position: xr::Vector3f { x, y: EYE_HEIGHT_M, z: 0.0 },
+                },
+                fov: xr::Fovf {
+                    angle_left: -quarter,
+                    angle_right: quarter,
+                    angle_up: quarter,
+                    angle_down: -quarter,
+                },
+            }
+        }))
+    }
+
+    /// Takes over what is valid of `located`; the rest stays as it was last, since a head that stands still
+    /// is easier to bear than one that jumps to the origin when tracking is lost.
+    pub fn update(&mut self, flags: xr::ViewStateFlags, located: &[xr::View]) {
+        for (eye, view) in self.0.iter_mut().zip(located) {
+            let turned = view.pose.orientation;
+            let length_squared =
+                turned.x * turned.x + turned.y * turned.y + turned.z * turned.z + turned.w * turned.w;
+            // The specification demands unit length within 1%.
+            if flags.contains(xr::ViewStateFlags::ORIENTATION_VALID) && (length_squared - 1.0).abs() < 0.02 {
+                eye.pose.orientation = turned;
+            }
+            let at = view.pose.position;
+            if flags.contains(xr::ViewStateFlags::POSITION_VALID)
+                && [at.x, at.y, at.z].iter().all(|c| c.is_finite())
+            {
+                eye.pose.position = at;
+            }
+            if fov_is_usable(&view.fov) {
+                eye.fov = view.fov;
+            }
+        }
+    }
+
+    /// As OpenXR wants them for the layer.
+    pub fn views(&self) -> &[xr::View; 2] {
+        &self.0
+    }
+
+    /// As the walk wants them, in the space that they were located in, looking in a direction of that space.
+    ///
+    /// Both look the same way: what they lack in convergence is small against the fovea's rings.
+    pub fn in_stage(&self, gaze_in_stage: Option<DVec3>) -> [StageEye; 2] {
+        self.0.map(|view| {
+            let (q, p, fov) = (view.pose.orientation, view.pose.position, view.fov);
+            let orientation = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into()).normalize();
+            StageEye {
+                stage_from_view: Pose {
+                    position: DVec3::new(p.x.into(), p.y.into(), p.z.into()),
+                    orientation,
+                },
+                gaze_in_view: gaze_in_stage.map(|gaze| orientation.inverse() * gaze),
+                fov: Fov::from_angles(
+                    fov.angle_left.into(),
+                    fov.angle_right.into(),
+                    fov.angle_up.into(),
+                    fov.angle_down.into(),
+                ),
+            }
+        })
+    }
+}
+
+/// Whether a field of view has an area and no edge at or beyond 90°.
+fn fov_is_usable(fov: &xr::Fovf) -> bool {
+    let limit = std::f32::consts::FRAC_PI_2;
+    let inside = |angle: f32| angle > -limit && angle < limit;
+    [fov.angle_left, fov.angle_right, fov.angle_up, fov.angle_down].into_iter().all(inside)
+        && fov.angle_left < fov.angle_right
+        && fov.angle_down < fov.angle_up
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tracked() -> xr::ViewStateFlags {
+        xr::ViewStateFlags::ORIENTATION_VALID | xr::ViewStateFlags::POSITION_VALID
+    }
+
+    /// A view turned by 90° to the left, at (1, 2, 3), asymmetric.
+    fn turned() -> xr::View {
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        xr::View {
+            pose: xr::Posef {
+                orientation: xr::Quaternionf { x: 0.0, y: half, z: 0.0, w: half },
+                position: xr::Vector3f { x: 1.0, y: 2.0, z: 3.0 },
+            },
+            fov: xr::Fovf { angle_left: -0.9, angle_right: 0.7, angle_up: 0.8, angle_down: -0.85 },
+        }
+    }
+
+    #[test]
+    fn signs_and_order_survive() {
+        let mut eyes = Eyes::standing();
+        eyes.update(tracked(), &[turned(), Eyes::standing().0[1]]);
+        let [left, right] = eyes.in_stage(None);
+        assert_eq!(left.stage_from_view.position, DVec3::new(1.0, 2.0, 3.0));
+        // Turned left about y: looking along −x.
+        let forward = left.stage_from_view.orientation * DVec3::NEG_Z;
+        assert!((forward - DVec3::NEG_X).length() < 1e-6, "{forward}");
+        assert!((left.fov.left - f64::from(-0.9_f32).tan()).abs() < 1e-12);
+        assert!((left.fov.down - f64::from(-0.85_f32).tan()).abs() < 1e-12);
+        assert_eq!(right.stage_from_view.position.x, f64::from(0.032_f32));
+    }
+
+    #[test]
+    fn the_gaze_turns_with_the_eye() {
+        let mut eyes = Eyes::standing();
+        eyes.update(tracked(), &[turned(), Eyes::standing().0[1]]);
+        // Where the left eye's view points, and to the left of the right eye's.
+        let [left, right] = eyes.in_stage(Some(DVec3::NEG_X)).map(|eye| eye.gaze_in_view.unwrap());
+        assert!((left - DVec3::NEG_Z).length() < 1e-6, "{left}");
+        assert!((right - DVec3::NEG_X).length() < 1e-6, "{right}");
+    }
+
+    #[test]
+    fn what_is_not_valid_stays_as_it_was() {
+        let mut eyes = Eyes::standing();
+        eyes.update(tracked(), &[turned(), turned()]);
+        let before = eyes;
+        // Tracking lost: openxr hands out zeros; an all-zero field of view comes with it.
+        let lost = xr::View {
+            pose: xr::Posef::default(),
+            fov: xr::Fovf { angle_left: 0.0, angle_right: 0.0, angle_up: 0.0, angle_down: 0.0 },
+        };
+        eyes.update(xr::ViewStateFlags::EMPTY, &[lost, lost]);
+        assert!(eyes == before);
+        // Orientation alone is taken over alone.
+        let mut moved = turned();
+        moved.pose.position.x = 9.0;
+        moved.pose.orientation = xr::Quaternionf { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+        eyes.update(xr::ViewStateFlags::ORIENTATION_VALID, &[moved, moved]);
+        assert_eq!(eyes.0[0].pose.position.x, 1.0);
+        assert_eq!(eyes.0[0].pose.orientation.w, 1.0);
+    }
+
+    #[test]
+    fn nonsense_marked_as_valid_is_refused() {
+        let mut eyes = Eyes::standing();
+        let mut odd = turned();
+        odd.pose.orientation.w = f32::NAN;
+        odd.pose.position.y = f32::INFINITY;
+        odd.fov.angle_left = -std::f32::consts::FRAC_PI_2;
+        eyes.update(tracked(), &[odd, odd]);
+        assert!(eyes == Eyes::standing());
+    }
+}

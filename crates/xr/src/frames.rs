@@ -1,0 +1,79 @@
+//! The frame calls, two of which use the Vulkan queue and so take its guard.
+
+use super::eyes::Eyes;
+use super::runtime::STEREO;
+use super::swapchain::EyeSwapchains;
+use openxr as xr;
+use raw::depth_layer::DepthInfo;
+use render::gpu::QueueGuard;
+
+/// xrWaitFrame, xrBeginFrame, xrEndFrame; the openxr objects do not leave this struct.
+pub(super) struct Frames {
+    waiter: xr::FrameWaiter,
+    stream: xr::FrameStream<xr::Vulkan>,
+    blend_mode: xr::EnvironmentBlendMode,
+}
+
+impl Frames {
+    pub fn new(
+        waiter: xr::FrameWaiter,
+        stream: xr::FrameStream<xr::Vulkan>,
+        blend_mode: xr::EnvironmentBlendMode,
+    ) -> Self {
+        Self { waiter, stream, blend_mode }
+    }
+
+    /// Blocks until the next frame should begin. Call it without the queue's lock.
+    pub fn wait(&mut self) -> xr::Result<xr::FrameState> {
+        self.waiter.wait()
+    }
+
+    /// The frame's GPU work begins.
+    pub fn begin(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<()> {
+        self.stream.begin()
+    }
+
+    /// The frame is finished and shows nothing.
+    pub fn end_empty(&mut self, _queue: &QueueGuard<'_>, display_time: xr::Time) -> xr::Result<()> {
+        self.stream.end(display_time, self.blend_mode, &[])
+    }
+
+    /// The frame is finished and shows the images last released, drawn for `eyes` in `stage`; depth images, if
+    /// there are any, hold `near_m` ÷ w.
+    pub fn end(
+        &mut self,
+        _queue: &QueueGuard<'_>,
+        display_time: xr::Time,
+        stage: &xr::Space,
+        eyes: &Eyes,
+        images: &EyeSwapchains,
+        near_m: f32,
+    ) -> xr::Result<()> {
+        let depth = [0, 1].map(|eye| Some(DepthInfo::new(images.depth_sub_image(eye)?, near_m)));
+        let views: [_; 2] = std::array::from_fn(|eye| {
+            let located = eyes.views()[eye];
+            let view = xr::CompositionLayerProjectionView::new()
+                .pose(located.pose)
+                .fov(located.fov)
+                .sub_image(images.sub_image(eye));
+            match &depth[eye] {
+                Some(depth) => depth.chain(view),
+                None => view,
+            }
+        });
+        let layer = xr::CompositionLayerProjection::new().space(stage).views(&views);
+        self.stream.end(display_time, self.blend_mode, &[&layer])
+    }
+}
+
+/// The eyes at `display_time`, as the runtime predicts them at the moment of the call.
+pub(super) fn locate(
+    session: &xr::Session<xr::Vulkan>,
+    stage: &xr::Space,
+    display_time: xr::Time,
+    eyes: &mut Eyes,
+) -> xr::Result<()> {
+    let (flags, views) = session.locate_views(STEREO, display_time, stage)?;
+    eyes.update(flags, &views);
+    Ok(())
+}

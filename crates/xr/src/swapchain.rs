@@ -1,0 +1,300 @@
+//! The eyes' images: a swapchain of colour an eye, and one of depth where the runtime takes it, wrapped as wgpu
+//! textures.
+//!
+//! Two things that no validation layer notices are made impossible here. The runtime's queue use in
+//! xrAcquireSwapchainImage and xrReleaseSwapchainImage needs the queue's guard. And an image can only be
+//! released through [`ClosedFrame`], which has it in the layout that the runtime expects, whatever the frame last did
+//! with it.
+
+use crate::EyeImages;
+use ash::vk;
+use openxr as xr;
+use raw::image::ImageKind;
+use render::IMAGE_USAGES;
+use render::gpu::{Gpu, Queue, QueueGuard};
+
+/// 8-bit sRGB formats, best first: OpenXR's (Vulkan's) number and wgpu's name.
+const COLOR_FORMATS: [(vk::Format, wgpu::TextureFormat); 2] = [
+    (vk::Format::R8G8B8A8_SRGB, wgpu::TextureFormat::Rgba8UnormSrgb),
+    (vk::Format::B8G8R8A8_SRGB, wgpu::TextureFormat::Bgra8UnormSrgb),
+];
+
+/// Depth formats, best first: a float is fine far away too, where reversed depth is close to 0. Those with a
+/// stencil would only waste memory, and wgpu's `Depth24Plus` is not the same Vulkan format on every driver.
+const DEPTH_FORMATS: [(vk::Format, wgpu::TextureFormat); 2] = [
+    (vk::Format::D32_SFLOAT, wgpu::TextureFormat::Depth32Float),
+    (vk::Format::D16_UNORM, wgpu::TextureFormat::Depth16Unorm),
+];
+
+/// An image format that the runtime and wgpu both know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ImageFormat {
+    vulkan: vk::Format,
+    pub wgpu: wgpu::TextureFormat,
+}
+
+impl ImageFormat {
+    /// The best of the formats that the runtime offers; `None` if it has no 8-bit sRGB.
+    pub fn color(offered: &[u32]) -> Option<Self> {
+        Self::choose(&COLOR_FORMATS, offered)
+    }
+
+    /// The best of the depth formats that the runtime offers, if there is one that wgpu knows.
+    pub fn depth(offered: &[u32]) -> Option<Self> {
+        Self::choose(&DEPTH_FORMATS, offered)
+    }
+
+    fn choose(known: &[(vk::Format, wgpu::TextureFormat)], offered: &[u32]) -> Option<Self> {
+        let is_offered = |format: vk::Format| offered.iter().any(|&raw| raw as i32 == format.as_raw());
+        let &(vulkan, wgpu) = known.iter().find(|&&(vulkan, _)| is_offered(vulkan))?;
+        Some(Self { vulkan, wgpu })
+    }
+
+    fn is_depth(self) -> bool {
+        self.wgpu.has_depth_aspect()
+    }
+
+    /// As the swapchain is created.
+    fn image_kind(self, size_px: [u32; 2]) -> ImageKind {
+        let (uses, usages) = if self.is_depth() {
+            (
+                wgpu::TextureUses::DEPTH_STENCIL_WRITE | wgpu::TextureUses::DEPTH_STENCIL_READ,
+                wgpu::TextureUsages::RENDER_ATTACHMENT,
+            )
+        } else {
+            (
+                wgpu::TextureUses::COLOR_TARGET
+                    | wgpu::TextureUses::RESOURCE
+                    | wgpu::TextureUses::COPY_SRC
+                    | wgpu::TextureUses::COPY_DST,
+                IMAGE_USAGES | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+            )
+        };
+        ImageKind { size_px, format: self.wgpu, uses, usages, handover: self.handover() }
+    }
+
+    /// What runtimes hand images out for, and expect them back in: COLOR_ATTACHMENT_OPTIMAL or
+    /// DEPTH_STENCIL_ATTACHMENT_OPTIMAL.
+    fn handover(self) -> wgpu::TextureUses {
+        if self.is_depth() { wgpu::TextureUses::DEPTH_STENCIL_WRITE } else { wgpu::TextureUses::COLOR_TARGET }
+    }
+}
+
+/// Both eyes' swapchains, left then right.
+pub(super) struct EyeSwapchains {
+    color: [EyeSwapchain; 2],
+    depth: Option<[EyeSwapchain; 2]>,
+}
+
+/// One eye's swapchain of one kind.
+struct EyeSwapchain {
+    /// Declared, and so dropped, before the swapchain that owns their memory.
+    images: Vec<wgpu::Texture>,
+    swapchain: xr::Swapchain<xr::Vulkan>,
+    format: ImageFormat,
+    size_px: [u32; 2],
+    /// The part that layers show, from the top left corner.
+    drawn_px: [u32; 2],
+    /// Image that is ours to draw into.
+    acquired: Option<usize>,
+}
+
+/// A frame's commands, ending with all images in the layout that the runtime expects.
+pub(super) struct ClosedFrame(wgpu::CommandBuffer);
+
+impl EyeSwapchains {
+    /// Creates both, at `sizes_px`, without depth.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn new(
+        session: &xr::Session<xr::Vulkan>,
+        gpu: &Gpu,
+        format: ImageFormat,
+        sizes_px: [[u32; 2]; 2],
+    ) -> xr::Result<Self> {
+        let left = EyeSwapchain::new(session, gpu, format, sizes_px[0], "left eye")?;
+        let right = EyeSwapchain::new(session, gpu, format, sizes_px[1], "right eye")?;
+        Ok(Self { color: [left, right], depth: None })
+    }
+
+    /// Adds depth images of the same sizes.
+    ///
+    /// # Errors
+    /// What the runtime says; all is then as before.
+    pub fn add_depth(
+        &mut self,
+        session: &xr::Session<xr::Vulkan>,
+        gpu: &Gpu,
+        format: ImageFormat,
+    ) -> xr::Result<()> {
+        let [left_px, right_px] = self.sizes_px();
+        let left = EyeSwapchain::new(session, gpu, format, left_px, "left eye's depth")?;
+        let right = EyeSwapchain::new(session, gpu, format, right_px, "right eye's depth")?;
+        self.depth = Some([left, right]);
+        Ok(())
+    }
+
+    /// Width, height of each eye's image.
+    pub fn sizes_px(&self) -> [[u32; 2]; 2] {
+        [self.color[0].size_px, self.color[1].size_px]
+    }
+
+    /// Layers show only so many pixels of each image from now on, from the top left corner.
+    pub fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
+        for (eye, drawn_px) in self.all_mut().zip([drawn_px, drawn_px].concat()) {
+            // Beyond the image, runtimes refuse the frame.
+            eye.drawn_px = [0, 1].map(|axis: usize| drawn_px[axis].clamp(1, eye.size_px[axis]));
+        }
+    }
+
+    /// Format of the depth images, if there are any.
+    pub fn depth_format(&self) -> Option<wgpu::TextureFormat> {
+        self.depth.as_ref().map(|[left, _]| left.format.wgpu)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &EyeSwapchain> {
+        self.color.iter().chain(self.depth.iter().flatten())
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut EyeSwapchain> {
+        self.color.iter_mut().chain(self.depth.iter_mut().flatten())
+    }
+
+    /// Acquires an image of each swapchain and waits until the compositor has finished reading it; the lock is
+    /// not held during the wait.
+    ///
+    /// # Errors
+    /// What the runtime says; [`EyeSwapchains::images`] then still names images that can be drawn into.
+    pub fn acquire(&mut self, queue: &Queue) -> xr::Result<()> {
+        let guard = queue.lock();
+        let indices: Vec<usize> = self.all_mut().map(|eye| eye.acquire(&guard)).collect::<xr::Result<_>>()?;
+        drop(guard);
+        for (eye, index) in self.all_mut().zip(indices) {
+            // Not a shorter time: the openxr crate takes an expired one for success.
+            eye.swapchain.wait_image(xr::Duration::INFINITE)?;
+            eye.acquired = Some(index);
+        }
+        Ok(())
+    }
+
+    /// The images to draw into: those acquired.
+    pub fn images(&self) -> EyeImages {
+        let of = |eyes: &[EyeSwapchain; 2]| eyes.each_ref().map(|eye| eye.image().clone());
+        EyeImages { color: of(&self.color), depth: self.depth.as_ref().map(of) }
+    }
+
+    /// Ends a frame's commands.
+    pub fn close(&self, mut commands: wgpu::CommandEncoder) -> ClosedFrame {
+        let transitions = self.all().map(|eye| wgpu::wgt::TextureTransition {
+            texture: eye.image(),
+            selector: None,
+            state: eye.format.handover(),
+        });
+        commands.transition_resources(std::iter::empty(), transitions);
+        ClosedFrame(commands.finish())
+    }
+
+    /// Submits a frame's commands and gives the acquired images to the compositor.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn release(&mut self, queue: &QueueGuard<'_>, frame: ClosedFrame) -> xr::Result<()> {
+        queue.submit([frame.0]);
+        for eye in self.all_mut() {
+            if eye.acquired.take().is_some() {
+                eye.swapchain.release_image()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The drawn part of an eye's image, for a layer.
+    pub fn sub_image(&self, eye: usize) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
+        self.color[eye].sub_image()
+    }
+
+    /// The drawn part of an eye's depth image, if there is one.
+    pub fn depth_sub_image(&self, eye: usize) -> Option<xr::SwapchainSubImage<'_, xr::Vulkan>> {
+        self.depth.as_ref().map(|eyes| eyes[eye].sub_image())
+    }
+}
+
+impl EyeSwapchain {
+    fn new(
+        session: &xr::Session<xr::Vulkan>,
+        gpu: &Gpu,
+        format: ImageFormat,
+        size_px: [u32; 2],
+        name: &str,
+    ) -> xr::Result<Self> {
+        let mut swapchain = session.create_swapchain(&xr::SwapchainCreateInfo {
+            create_flags: xr::SwapchainCreateFlags::EMPTY,
+            usage_flags: if format.is_depth() {
+                xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT
+            } else {
+                xr::SwapchainUsageFlags::COLOR_ATTACHMENT
+                    | xr::SwapchainUsageFlags::SAMPLED
+                    | xr::SwapchainUsageFlags::TRANSFER_SRC
+                    | xr::SwapchainUsageFlags::TRANSFER_DST
+            },
+            format: format.vulkan.as_raw() as u32,
+            sample_count: 1,
+            width: size_px[0],
+            height: size_px[1],
+            face_count: 1,
+            array_size: 1,
+            mip_count: 1,
+        })?;
+        // Only a help for debuggers: a runtime that refuses it is none the worse.
+        let _ = swapchain.set_name(name);
+        let images = raw::image::textures(&gpu.device, &swapchain, format.image_kind(size_px), name)?;
+        Ok(Self { images, swapchain, format, size_px, drawn_px: size_px, acquired: None })
+    }
+
+    fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<usize> {
+        Ok(self.swapchain.acquire_image()? as usize)
+    }
+
+    /// The image acquired, or any: after a loss the walk may still finish the frame that nobody will see.
+    fn image(&self) -> &wgpu::Texture {
+        &self.images[self.acquired.unwrap_or(0)]
+    }
+
+    fn sub_image(&self) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
+        let [width, height] = self.drawn_px.map(|size| size as i32);
+        let extent = xr::Extent2Di { width, height };
+        xr::SwapchainSubImage::new()
+            .swapchain(&self.swapchain)
+            .image_array_index(0)
+            .image_rect(xr::Rect2Di { offset: xr::Offset2Di { x: 0, y: 0 }, extent })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rgba_srgb_is_preferred_and_linear_formats_are_refused() {
+        let (rgba, bgra) =
+            (vk::Format::R8G8B8A8_SRGB.as_raw() as u32, vk::Format::B8G8R8A8_SRGB.as_raw() as u32);
+        let unorm = vk::Format::R8G8B8A8_UNORM.as_raw() as u32;
+        let chosen = |offered: &[u32]| ImageFormat::color(offered).map(|format| format.wgpu);
+        assert_eq!(chosen(&[unorm, bgra, rgba]), Some(wgpu::TextureFormat::Rgba8UnormSrgb));
+        assert_eq!(chosen(&[unorm, bgra]), Some(wgpu::TextureFormat::Bgra8UnormSrgb));
+        assert_eq!(chosen(&[unorm]), None);
+    }
+
+    #[test]
+    fn float_depth_is_preferred_and_stencils_are_refused() {
+        let [float, short, stencil] =
+            [vk::Format::D32_SFLOAT, vk::Format::D16_UNORM, vk::Format::D24_UNORM_S8_UINT]
+                .map(|format| format.as_raw() as u32);
+        let chosen = |offered: &[u32]| ImageFormat::depth(offered).map(|format| format.wgpu);
+        assert_eq!(chosen(&[stencil, short, float]), Some(wgpu::TextureFormat::Depth32Float));
+        assert_eq!(chosen(&[stencil, short]), Some(wgpu::TextureFormat::Depth16Unorm));
+        assert_eq!(chosen(&[stencil]), None);
+        assert_eq!(ImageFormat::color(&[float, short, stencil]), None);
+    }
+}

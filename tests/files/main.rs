@@ -1,0 +1,13 @@
+//! Files to points, and points to octrees: on the CPU.
+
+mod colors;
+mod many_files;
+mod octree;
+mod placing;
+mod ply;
+mod scan_broken;
+mod scan_formats;
+mod scan_real;
+mod scene;
+mod synth;
+mod up;

@@ -1,0 +1,182 @@
+//! No holes at the edge of sight: from inside a closed sphere, no ring has more than 0.05 % empty pixels, in any headset,
+//! with any preset, at any step of the governor; nor in scans, of the pixels that the frame of all points fills. A small
+//! form of the benchmark's table (`docs/bench/holes`): fewer pixels, or fewer headsets with each preset.
+
+#[allow(dead_code, reason = "the benchmark uses more")]
+#[path = "../../benches/quality/holes.rs"]
+mod holes;
+#[allow(dead_code, reason = "the benchmark uses more")]
+#[path = "../../benches/quality/scene.rs"]
+mod scene;
+
+use base::progress::Progress;
+use cloud::octree::{Octree, build_octree};
+use glam::DVec3;
+use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};
+use kit::frames::gpu;
+use lab::synth::{Kind, Viewpoint};
+use render::CloudBuffers;
+use scene::Source;
+use std::sync::OnceLock;
+
+const SHARE: f64 = 0.2;
+/// 8 million in the full form.
+const POINTS: u64 = 320_000;
+/// Of an image of a scan, and points of a made-up one, as in the full form: in fewer pixels one lone point is no share.
+const SCAN_SHARE: f64 = 0.25;
+const SCAN_POINTS: u64 = 2_000_000;
+/// Of a ring's pixels.
+const MAX_PERCENT: f64 = 0.05;
+/// Of a scan's outlines, which the frame of all points draws wider where points lie alone.
+const MAX_OUTLINE_PERCENT: u64 = 3;
+
+fn octree() -> &'static Octree {
+    static OCTREE: OnceLock<Octree> = OnceLock::new();
+    let build = || build_octree(&sphere(POINTS), &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    OCTREE.get_or_init(build)
+}
+
+/// In the middle of the sphere.
+const INSIDE: Viewpoint = Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
+
+/// Holes of each ring, from the middle of the sphere, with each of the settings and steps of the governor.
+fn rings(presets: &[&str], frames: &[(&str, f32)]) -> Vec<[Judged; RINGS_DEG.len()]> {
+    let holes = holes_from(octree(), &INSIDE, (SHARE, false), presets, frames);
+    holes.into_iter().map(|holes| holes.rings).collect()
+}
+
+/// The same from a place, in images of a share of their size. In an open scene only those pixels count that the frame of
+/// all points fills.
+fn holes_from(
+    octree: &Octree,
+    place: &Viewpoint,
+    (share, is_open): (f64, bool),
+    presets: &[&str],
+    frames: &[(&str, f32)],
+) -> Vec<Holes> {
+    let of = |set: &str| settings(presets, &[set.to_owned()]).expect("settings");
+    let first = of(frames[0].0);
+    let view = left_eye(&first, place.eye, place.target, share);
+    let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
+    let mut drawer = Drawer::new(&gpu(), cloud, &first, view.eyes[0].size_px).expect("room on the GPU");
+    let mut draw = |config: &_, lod_scale| drawer.draw(config, &view, lod_scale).expect("a frame");
+    // Of the preset itself, whatever is set besides.
+    let whole = is_open.then(|| draw(&unreduced(&settings(presets, &[]).expect("settings")), 1.0));
+    let of_frame = |&(set, lod_scale): &(&str, f32)| {
+        let drawn = draw(&of(set), lod_scale);
+        holes::holes(&view, &drawn, whole.as_ref(), OUTLINE_PX)
+    };
+    frames.iter().map(of_frame).collect()
+}
+
+fn assert_closed(what: &str, rings: &[Judged]) {
+    println!("{what}: {rings:?}");
+    for (ring, deg) in rings.iter().zip(RINGS_DEG) {
+        // A few pixels of a small ring are no share.
+        let is_closed = ring.percent() <= MAX_PERCENT || ring.empty <= 3;
+        assert!(is_closed, "{what}, up to {deg}°: {ring:?}, {:.3} %", ring.percent());
+    }
+}
+
+#[test]
+fn a_closed_surface_has_no_holes_at_any_angle() {
+    let frames = [("fovea.smooth=false", 1.0), ("fovea.smooth=true", 2.0), ("fovea.smooth=false", 3.0)];
+    for headset in ["valve-index", "meta-quest-3", "bigscreen-beyond-2"] {
+        for preset in ["quality", "balanced", "performance"] {
+            for ((set, lod_scale), rings) in frames.into_iter().zip(rings(&[preset, headset], &frames)) {
+                assert!(rings.iter().all(|ring| ring.judged > 500), "every ring is seen: {rings:?}");
+                assert_closed(&format!("{headset}, {preset}, {set}, × {lod_scale}"), &rings);
+            }
+        }
+    }
+}
+
+/// From each place of a scan.
+fn assert_scan_is_closed(source: Source) {
+    if !source.is_here() {
+        return;
+    }
+    let scan = source.dense_scan(SCAN_POINTS).expect("a scan");
+    let octree = build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let frames = [("fovea.smooth=true", 1.0), ("fovea.smooth=false", 2.0), ("fovea.smooth=true", 3.0)];
+    let looks =
+        [("valve-index", "balanced"), ("meta-quest-3", "performance"), ("bigscreen-beyond-2", "quality")];
+    for place in source.places() {
+        for (headset, preset) in looks {
+            let holes = holes_from(&octree, &place, (SCAN_SHARE, true), &[preset, headset], &frames);
+            for ((set, lod_scale), holes) in frames.into_iter().zip(holes) {
+                let what = format!("{}, {headset}, {preset}, {set}, × {lod_scale}", place.name);
+                assert_closed(&what, &holes.rings);
+                let outline = holes.outline;
+                assert!(100 * outline.empty <= MAX_OUTLINE_PERCENT * outline.judged, "{what}: {outline:?}");
+                // Nearly all that the frame of all points fills is judged by rings.
+                let num_inside: u64 = holes.rings.iter().map(|ring| ring.judged).sum();
+                assert!(num_inside > 4 * outline.judged, "{what}: {num_inside}, {outline:?}");
+            }
+        }
+        // The measure can fail here too: without larger points there are holes, far beyond the last step in a dense room.
+        let bare = [("frame.fill=false", 9.0)];
+        let bare = holes_from(&octree, &place, (SCAN_SHARE, true), &["performance", "valve-index"], &bare);
+        println!("{}, without fill: {bare:?}", place.name);
+        assert!(
+            bare[0].rings.iter().any(|ring| ring.percent() > 10.0 * MAX_PERCENT),
+            "{}: {bare:?}",
+            place.name
+        );
+    }
+}
+
+#[test]
+fn a_courtyard_has_no_holes_at_any_angle() {
+    assert_scan_is_closed(Source::Synth(Kind::Terrestrial));
+}
+
+#[test]
+fn a_real_room_has_no_holes_at_any_angle() {
+    assert_scan_is_closed(Source::Room);
+}
+
+/// Thresholds that a user sets are followed like the governor's.
+#[test]
+fn thresholds_set_by_hand_open_no_holes() {
+    let by_hand = rings(&["balanced", "valve-index"], &[("lod.threshold_px=[300, 600, 900]", 1.0)]);
+    assert_closed("by hand", &by_hand[0]);
+    // The measure can fail: without larger points that is full of holes.
+    let bare = rings(&["balanced", "valve-index"], &[("frame.fill=false", 3.0)]);
+    println!("without fill: {bare:?}");
+    assert!(bare[0].iter().any(|ring| ring.percent() > 1.0), "{bare:?}");
+}
+
+/// An empty pixel counts in the ring that it lies in, unless it is empty without level of detail too.
+#[test]
+fn a_hole_is_counted_in_its_ring() {
+    let config = settings(&["balanced", "valve-index"], &[]).expect("settings");
+    let view = left_eye(&config, DVec3::ZERO, DVec3::Y, 0.02);
+    let [width, height] = view.eyes[0].size_px;
+    let whole =
+        Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };
+    let with_hole = |at: usize| {
+        let mut drawn = whole.clone();
+        drawn.rgb[at] = config.frame.background;
+        drawn
+    };
+    let center = (height / 2 * width + width / 2) as usize;
+    for (at, want) in [(0, 4), (center, 0)] {
+        let drawn = with_hole(at);
+        let holes = holes::holes(&view, &drawn, Some(&whole), OUTLINE_PX);
+        let empty = holes.rings.map(|ring| ring.empty);
+        assert_eq!((empty[want], empty.iter().sum::<u64>()), (1, 1), "{empty:?}");
+        let num_judged = |holes: &Holes| holes.rings.iter().map(|ring| ring.judged).sum::<u64>();
+        assert_eq!((num_judged(&holes), holes.outline), (u64::from(width * height), Judged::default()));
+        // What is empty in both is no hole; around it lies an outline.
+        let beside_itself = holes::holes(&view, &drawn, Some(&drawn), OUTLINE_PX);
+        assert!(beside_itself.rings.iter().all(|ring| ring.empty == 0));
+        let outline = if at == 0 { 4 * 4 - 1 } else { 7 * 7 - 1 };
+        assert_eq!(beside_itself.outline, Judged { empty: 0, judged: outline });
+        assert_eq!(num_judged(&beside_itself), u64::from(width * height) - 1 - outline);
+        // An outline that is narrower shows there.
+        let narrow = holes::holes(&view, &with_hole(at + 1), Some(&drawn), OUTLINE_PX);
+        assert_eq!(narrow.outline, Judged { empty: 1, judged: outline });
+    }
+    assert!(unreduced(&config).lod.threshold_px.iter().all(|&px| px < 1.0));
+}

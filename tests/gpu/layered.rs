@@ -1,0 +1,374 @@
+//! Layered clouds and high-quality shading: GPU stages against their CPU twins, in every tier, bit for bit.
+
+use base::progress::Progress;
+use base::space::{Eye, Fov, Pose, View};
+use cloud::octree::{Octree, build_octree};
+use cloud::{Cloud, Order, build};
+use glam::DVec3;
+use kit::frames::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
+use lab::synth::{self, Kind};
+use lab::twin::{self, Frame, Scene};
+use points::Scan;
+use proptest::prelude::*;
+use render::Access;
+use render::gpu::Atomics;
+use render::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
+use render::options::{Dilate, Quality};
+use render::{Look, RINGS_REACH_PX};
+use std::sync::OnceLock;
+
+/// A courtyard, made up.
+fn courtyard() -> &'static (Scan, Octree) {
+    static COURTYARD: OnceLock<(Scan, Octree)> = OnceLock::new();
+    COURTYARD.get_or_init(|| {
+        let scan = kit::frames::courtyard();
+        let octree = octree_of(&scan);
+        (scan, octree)
+    })
+}
+
+fn octree_of(scan: &Scan) -> Octree {
+    build_octree(scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+}
+
+/// Looks along the courtyard from within: near and far nodes, all rings.
+fn inside(size_px: [u32; 2]) -> View {
+    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    stereo(place.eye, place.target, size_px)
+}
+
+fn hqs(detail: Detail) -> Look {
+    Look { quality: Quality::Hqs, background: [1, 2, 3], detail, ..Look::default() }
+}
+
+/// Tiers that this machine's GPU has.
+fn tiers() -> Vec<Atomics> {
+    let all = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
+    all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
+}
+
+fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
+    assert!(drawn.states == want.states, "{what}: states");
+    assert!(drawn.visible == want.visible, "{what}: visible batches");
+    assert_eq!(drawn.times.visible_nodes, want.visible_nodes, "{what}: visible nodes");
+    for eye in 0..want.pixels.len() {
+        let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "{what}: eye {eye}: pixels that differ from the twin's");
+        assert!(drawn.images[eye] == want.images[eye], "{what}: eye {eye}: image");
+    }
+}
+
+#[test]
+fn layered_frames_equal_their_twin_in_every_tier() {
+    let (_, octree) = courtyard();
+    let view = inside([401, 399]);
+    let scene = Scene::layered(octree);
+    let plain = Detail::default();
+    let details = [
+        ("plain", plain),
+        ("fade", Detail { fade: true, ..plain }),
+        ("smooth, fine", Detail { smooth: true, threshold_px: [50.0, 80.0, 120.0], ..plain }),
+        ("fill", Detail { fade: true, fill_reach_px: Some([1.0; 3]), ..plain }),
+    ];
+    for (name, detail) in details {
+        for (quality, dilate) in
+            [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
+        {
+            // As a GPU draws.
+            let access = Access { together: Some(true), ..Access::default() };
+            let look = Look { quality, dilate, access, ..hqs(detail) };
+            let want = twin::frame(&scene, &view, &look, None);
+            let num_visible = want.visible.iter().filter(|batch| batch.is_first_slice()).count();
+            assert!(num_visible > 20 && num_visible < scene.batches.len(), "some are culled");
+            let is_sliced = num_visible < want.visible.len();
+            assert_eq!(is_sliced, name == "fill", "wide points have several workgroups");
+            if name == "fade" {
+                assert!(want.states.iter().any(|&s| s != 0 && s != DRAWN_WHOLE), "some nodes are fading");
+            }
+            if name == "fill" {
+                assert!(want.visible.iter().any(|v| v.flags & VISIBLE_FILL != 0), "some points are large");
+            }
+            for tier in tiers() {
+                let drawn = Canvas::layered(octree, &view, look, tier, 0).draw(&view);
+                assert_same(&format!("{name}, {quality:?}, {dilate:?}, {tier:?}"), &drawn, &want);
+            }
+        }
+    }
+}
+
+#[test]
+fn chunks_change_nothing() {
+    let (_, octree) = courtyard();
+    let view = inside([257, 129]);
+    for quality in [Quality::Closest, Quality::Hqs] {
+        let look = Look { quality, ..hqs(Detail { fade: true, ..Detail::default() }) };
+        let draw = |limit| Canvas::layered(octree, &view, look, gpu().atomics(), limit).draw(&view);
+        let (whole, cut) = (draw(0), draw(4 * 50_000));
+        assert!(whole.pixels == cut.pixels, "{quality:?}");
+        assert_eq!(whole.times.points_read, cut.times.points_read);
+        // A node that two chunks share is one node, whatever it has of batches.
+        assert_eq!(whole.times.visible_nodes, cut.times.visible_nodes);
+        assert!(whole.times.visible_nodes < whole.times.visible_batches, "{:?}", whole.times);
+    }
+}
+
+/// The comparison can fail: a filtered color, a state, a point's place.
+#[test]
+fn the_comparison_notices_what_is_wrong() {
+    let (_, octree) = courtyard();
+    let view = inside([201, 199]);
+    let look = hqs(Detail::default());
+    let drawn = Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view);
+    let mut wrong = octree.clone();
+    wrong.filtered_colors.iter_mut().for_each(|c| *c ^= 8);
+    let want = twin::frame(&Scene::layered(&wrong), &view, &look, None);
+    assert!(drawn.states == want.states && drawn.pixels != want.pixels, "filtered colors are looked at");
+    let mut wrong = octree.clone();
+    wrong.cloud.colors.iter_mut().for_each(|c| *c ^= 8);
+    assert!(drawn.pixels != twin::frame(&Scene::layered(&wrong), &view, &look, None).pixels, "and own ones");
+    let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..Detail::default() });
+    assert!(drawn.states != twin::frame(&Scene::layered(octree), &view, &other, None).states);
+}
+
+/// 100 000 points in one pixel: more than 18 bits of red hold, more than 16 bits count.
+#[test]
+fn a_hundred_thousand_points_in_one_pixel() {
+    let view = stereo(DVec3::new(0.0, -50.0, 0.0), DVec3::ZERO, [64, 64]);
+    let crowd: Vec<[i32; 3]> = (0..100_000).map(|i| [i % 7, i % 5, i % 3]).collect();
+    let mut scan = scan_of(&crowd, 0.001, DVec3::ZERO);
+    // 60 000 white, the rest black but for the last.
+    for (i, rgb) in scan.files[0].points.rgb.iter_mut().enumerate() {
+        *rgb = if i < 60_000 { [255; 3] } else { [0, 0, 0] };
+    }
+    let flat = build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud");
+    let octree = octree_of(&scan);
+    assert!(octree.is_crowded());
+    let look = hqs(Detail::default());
+    for tier in tiers() {
+        let drawn = Canvas::layered(&octree, &view, look, tier, 0).draw(&view);
+        assert_same("layered", &drawn, &twin::frame(&Scene::layered(&octree), &view, &look, None));
+        let mut canvas = Canvas::new(&sizes(&view), look, tier);
+        let buffers = render::CloudBuffers::upload(&gpu(), &flat, 0, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        let drawn = canvas.draw(&view);
+        let want = twin::frame(&Scene::flat(&flat), &view, &look, None);
+        assert_same("flat", &drawn, &want);
+        let fullest = want.sums[0].iter().max_by_key(|sum| sum[3]).expect("pixels");
+        assert!(fullest[3] > 60_000, "{fullest:?}");
+        let hit = drawn.pixels[0].iter().find(|p| p[0] != u32::MAX).expect("a pixel");
+        assert_eq!(hit[1] & 255, 153, "255 · 60 000 / 100 000");
+        if tier == Atomics::Int64 {
+            let counts: Vec<u64> = drawn.keys[0].iter().map(|sum| sum & 0xffff).filter(|&c| c > 0).collect();
+            assert!(counts.contains(&255), "the first 255 are in the packed sums: {counts:?}");
+        }
+    }
+}
+
+/// In one cloud that is far away, the root is drawn, with fewer points than a pixel's sums hold.
+#[test]
+fn a_far_root_is_drawn_thinly() {
+    let (_, octree) = courtyard();
+    let center = octree.cloud.bounds.center();
+    let scene = Scene::layered(octree);
+    let look = hqs(Detail::default());
+    for distance in [2_000.0, 20_000.0, 200_000.0] {
+        let view = stereo(center - DVec3::Y * distance, center, [128, 128]);
+        let want = twin::frame(&scene, &view, &look, None);
+        let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
+        assert!(want.states[0] != 0 && (1..1000).contains(&most), "{distance}: {most} points in a pixel");
+        assert_same("far", &Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view), &want);
+    }
+}
+
+/// Every layered view of the courtyard stays well below what the packed sums hold.
+#[test]
+fn packed_sums_hold() {
+    let (_, octree) = courtyard();
+    assert!(!octree.is_crowded());
+    let look = hqs(Detail { threshold_px: [50.0; 3], ..Detail::default() });
+    for place in synth::viewpoints(Kind::Terrestrial) {
+        let view = stereo(place.eye, place.target, [401, 399]);
+        let want = twin::frame(&Scene::layered(octree), &view, &look, None);
+        let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
+        assert!(most < 500, "{most}");
+    }
+}
+
+#[test]
+fn what_is_drawn_is_a_tree() {
+    let (_, octree) = courtyard();
+    let scene = Scene::layered(octree);
+    for detail in [
+        Detail::default(),
+        Detail { fade: true, ..Detail::default() },
+        Detail { smooth: true, threshold_px: [60.0, 100.0, 300.0], ..Detail::default() },
+    ] {
+        for place in synth::viewpoints(Kind::Terrestrial) {
+            let view = stereo(place.eye, place.target, [800, 800]);
+            let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
+            let mut states = vec![0; scene.nodes.len()];
+            twin::lod::lod(&uniform, 2, &scene.nodes, &mut states);
+            for (node, &state) in octree.nodes.iter().zip(&states) {
+                let parent = node.parent.map_or(DRAWN_WHOLE, |parent| states[parent as usize]);
+                assert!(state <= parent, "a node of level {} is drawn more than its parent", node.level);
+            }
+            assert!(states.contains(&0), "not all are drawn");
+        }
+    }
+}
+
+/// A head that walks and trembles: a node that appears stays, and one that vanishes stays away.
+#[test]
+fn hysteresis_keeps_nodes_from_flickering() {
+    let (_, octree) = courtyard();
+    let scene = Scene::layered(octree);
+    let place = synth::viewpoints(Kind::Terrestrial)[0];
+    let lod = |step: u32, states: &mut Vec<u32>| {
+        // A centimetre a frame, and more than that to and fro.
+        let along = 0.01 * f64::from(step) + 0.015 * f64::from(step % 2);
+        let eye = place.eye + DVec3::new(0.0, along, 0.0);
+        let view = stereo(eye, place.target + eye - place.eye, [1000, 1000]);
+        // All rings alike: a node that comes into another ring does not tremble.
+        let detail = Detail { threshold_px: [300.0; 3], ..Detail::default() };
+        let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
+        twin::lod::lod(&uniform, 2, &scene.nodes, states);
+    };
+    // Nodes that change in two frames running.
+    let flips = |keeps_states: bool| {
+        let mut history = vec![vec![0; scene.nodes.len()]];
+        let mut flips = 0;
+        for step in 0..400 {
+            let mut states = if keeps_states { history[0].clone() } else { vec![0; scene.nodes.len()] };
+            lod(step, &mut states);
+            history.insert(0, states);
+            if let [now, before, earlier, ..] = &history[..] {
+                let changes = now.iter().zip(before).zip(earlier);
+                flips +=
+                    changes.filter(|((now, before), earlier)| now != before && before != earlier).count();
+            }
+            history.truncate(3);
+        }
+        flips
+    };
+    let (with, without) = (flips(true), flips(false));
+    assert!(without > 0, "the trembling crosses thresholds");
+    assert_eq!(with, 0, "{without} without hysteresis");
+}
+
+/// Close up, all nodes on the way are drawn whole, and each point has the file's colour.
+#[test]
+fn close_up_nothing_of_the_files_color_is_lost() {
+    let (scan, octree) = courtyard();
+    let p = octree.cloud.bounds.center();
+    let mut view = stereo(p, p + DVec3::Y, [64, 64]);
+    // Wherever one looks, a threshold of nothing.
+    view.near = 1e-3;
+    let look = Look {
+        detail: Detail { threshold_px: [1e-3; 3], forced_planes: 3, ..Detail::default() },
+        ..plain(true)
+    };
+    let frame = twin::frame(&Scene::layered(octree), &view, &look, None);
+    assert!(frame.states.iter().all(|&s| s == DRAWN_WHOLE));
+    assert!(frame.visible.iter().all(|v| v.own == [u32::MAX; 2]), "own colors only");
+    let of_file: std::collections::HashSet<u32> =
+        (0..scan.num_points()).map(|i| scan.files[0].color(i)).collect();
+    let seen = frame.pixels[0].iter().filter(|p| p[0] != u32::MAX);
+    assert!(seen.clone().count() > 100 && seen.into_iter().all(|p| of_file.contains(&p[1])));
+}
+
+/// Fading shows points one by one: what a state draws is part of what a larger one draws.
+#[test]
+fn fading_is_nested_and_even() {
+    let drawn = |state: u32| (0..10_240u32).filter(move |i| i.reverse_bits() < state).count();
+    for share in [0.1, 0.25, 0.5, 0.77] {
+        let state = (share * f64::from(u32::MAX)) as u32;
+        let got = drawn(state) as f64 / 10_240.0;
+        assert!((got - share).abs() < 0.03, "{share}: {got}");
+    }
+    // In every run of 64 points, half of them at one half.
+    for run in 0..160 {
+        let half = (0..64u32).filter(|&i| (run * 64 + i).reverse_bits() < 1 << 31).count();
+        assert_eq!(half, 32);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    /// Max-face, duplicate and collinear points, whatever the mix: the twin and the GPU agree.
+    #[test]
+    fn odd_clouds_equal_their_twin(
+        points in prop::collection::vec([0i32..40, 0i32..40, -3i32..3], 1..3000),
+        fade: bool,
+    ) {
+        let mut xyz = points;
+        xyz.extend((0..500).map(|i| [i % 40, 7, 0]));
+        xyz.extend(vec![[39, 39, 2]; 700]);
+        let scan = scan_of(&xyz, 0.1, DVec3::new(5e5, 4e6, 0.0));
+        let octree = octree_of(&scan);
+        let center = octree.cloud.bounds.center();
+        let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
+        let look = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
+        let drawn = Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view);
+        let want = twin::frame(&Scene::layered(&octree), &view, &look, None);
+        prop_assert!(drawn.pixels == want.pixels);
+    }
+}
+
+/// A flat cloud has no levels: all of it is drawn, with its own colours, and added up safely.
+#[test]
+fn flat_clouds_blend_too() {
+    let cloud: Cloud = cloud_of(
+        &kit::frames::random_points(50_000, 3.0, 9),
+        0.001,
+        DVec3::new(5e5, 4e6, 100.0),
+        Order::Morton,
+    );
+    let center = cloud.bounds.center();
+    let view = stereo(center - DVec3::new(9.0, 0.4, 0.2), center, [133, 77]);
+    for tier in tiers() {
+        let mut canvas = Canvas::new(&sizes(&view), hqs(Detail::default()), tier);
+        let buffers = render::CloudBuffers::upload(&gpu(), &cloud, 0, &Progress::hidden());
+        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        let want = twin::frame(&Scene::flat(&cloud), &view, &hqs(Detail::default()), None);
+        assert_same(&format!("{tier:?}"), &canvas.draw(&view), &want);
+        assert!(want.sums[0].iter().any(|sum| sum[3] > 1), "points are blended");
+    }
+}
+
+/// A wall at one metre whose points lie two centimetres apart, give or take: eight pixels. Its surface is closed, and
+/// its edge stays where it is.
+#[test]
+fn close_up_the_surface_is_closed_and_keeps_its_edge() {
+    let mut random = kit::frames::Random(3);
+    let mut jitter = || (random.unit() * 60.0) as i32 - 30;
+    // In tenths of a millimetre: from −1 m to 0.2 m across, as high as the view.
+    let grid = (-50..=10).flat_map(|x| (-50..=50).map(move |z| [200 * x, 0, 200 * z]));
+    let wall: Vec<[i32; 3]> = grid.map(|[x, _, z]| [x + jitter(), jitter() / 10, z + jitter()]).collect();
+    let octree = octree_of(&scan_of(&wall, 0.0001, DVec3::new(5e5, 4e6, 0.0)));
+    let center = DVec3::new(5e5, 4e6, 0.0);
+    let mut view = stereo(center - DVec3::Y, center, [800, 800]);
+    view.eyes.truncate(1);
+    let eye = Eye { fov: Fov::symmetric(std::f64::consts::FRAC_PI_2, 1.0), ..view.eyes[0] };
+    view.eyes[0] = Eye { world_from_view: Pose::look_at(center - DVec3::Y, center, DVec3::Z), ..eye };
+    let drawn = |fill_reach_px: Option<[f32; 3]>| {
+        let detail = Detail { fill_reach_px, ..Detail::default() };
+        let look = Look { dilate: Dilate::Rings, ..hqs(detail) };
+        Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
+    };
+    // The wall ends at 0.2 m: pixel 400 + 0.2 · 400; a point's half width more is its edge.
+    let empty = |drawn: &Drawn, columns: std::ops::Range<usize>| {
+        let pixels = drawn.pixels[0].iter().enumerate().filter(|(i, _)| columns.contains(&(i % 800)));
+        let (all, empty) =
+            pixels.fold((0, 0), |(all, empty), (_, p)| (all + 1, empty + u32::from(p[0] == u32::MAX)));
+        f64::from(empty) / f64::from(all)
+    };
+    let (filled, bare) = (drawn(Some(RINGS_REACH_PX)), drawn(None));
+    assert!(
+        empty(&bare, 20..470) > 0.3,
+        "without filling the wall is full of holes: {}",
+        empty(&bare, 20..470)
+    );
+    assert!(empty(&filled, 20..470) < 0.002, "the wall is closed: {}", empty(&filled, 20..470));
+    assert!(empty(&filled, 492..800) == 1.0, "beside it nothing is: {}", empty(&filled, 492..800));
+}

@@ -1,0 +1,23 @@
+//! Stages and frames on whatever Vulkan driver there is, compared with the twins.
+
+mod access;
+mod bench;
+mod border;
+mod defects;
+mod dilate;
+mod drawn_part;
+mod frame;
+mod fuzzy;
+mod holes;
+mod layered;
+mod mesh;
+mod methods;
+mod overlay;
+mod popping;
+mod precision;
+mod quality;
+mod second_driver;
+mod shaders;
+mod spt;
+mod swap;
+mod waiting;

@@ -1,0 +1,271 @@
+//! The papers' methods draw the same picture; orders change nothing but which of equal depths is drawn.
+
+use base::progress::Progress;
+use base::space::{Eye, View};
+use cloud::octree::build_octree;
+use cloud::{Cloud, GROUP_POINTS, Order};
+use glam::DVec3;
+use kit::frames::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
+use lab::twin::{clear, fixed40, points};
+use render::CloudBuffers;
+use render::Look;
+use render::Method;
+use render::gpu::{Atomics, Gpu, Queue};
+use render::layout::{Detail, REACH_MASK, ViewUniform, VisibleBatch, guarded, without_guard};
+use render::options::{Dilate, Quality};
+use std::sync::Arc;
+use std::task::{Context, Poll, Waker};
+
+const SIZE_PX: [u32; 2] = [97, 83];
+
+/// A box of points before the eyes: many a pixel where they are far, none in places where they are near.
+fn scattered() -> Vec<[i32; 3]> {
+    random_points(60_000, 3.0, 11)
+}
+
+fn view() -> View {
+    stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), SIZE_PX)
+}
+
+fn look(method: Method, quality: Quality) -> Look {
+    let quality = method.quality().unwrap_or(quality);
+    Look { method, quality, background: [1, 2, 3], ..Look::default() }
+}
+
+fn draw(look: Look, order: Order) -> Drawn {
+    let view = view();
+    Canvas::flat(&cloud_of(&scattered(), 0.001, DVec3::ZERO, order), &view, look, 0).draw(&view)
+}
+
+fn same(a: &Drawn, b: &Drawn) -> bool {
+    a.pixels == b.pixels && a.images == b.images
+}
+
+/// `fixed40` rounds depths in its own way: its images are compared, and its depths with its twin.
+fn same_as(method: Method, drawn: &Drawn, reference: &Drawn) -> bool {
+    if method == Method::Fixed40 { drawn.images == reference.images } else { same(drawn, reference) }
+}
+
+/// The methods of a quality.
+fn methods(quality: Quality) -> impl Iterator<Item = Method> {
+    Method::ALL.into_iter().filter(move |method| method.quality().is_none_or(|q| q == quality))
+}
+
+#[test]
+fn all_methods_but_just_set_draw_the_same_picture() {
+    if !gpu().has_subgroups() {
+        println!("skipped: subgroup operations, which {} lacks", gpu().name());
+    }
+    for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
+        for quality in [Quality::Closest, Quality::Hqs] {
+            let reference = draw(look(Method::Prefetch, quality), order);
+            assert!(reference.pixels[0].iter().any(|pixel| pixel[0] != u32::MAX), "something is seen");
+            for method in methods(quality).filter(|&method| method != Method::JustSet) {
+                let drawn = draw(look(method, quality), order);
+                assert!(same_as(method, &drawn, &reference), "{} {order:?} {quality:?}", method.name());
+            }
+        }
+    }
+}
+
+/// The adapter again, opened as one that has no subgroup operations.
+fn without_subgroups() -> Arc<Gpu> {
+    let gpu = Gpu::open(None).expect("it was opened before");
+    let descriptor = wgpu::DeviceDescriptor {
+        required_features: gpu.device.features() - wgpu::Features::SUBGROUP,
+        required_limits: gpu.device.limits(),
+        ..Default::default()
+    };
+    let opening = std::pin::pin!(gpu.adapter.request_device(&descriptor));
+    let mut context = Context::from_waker(Waker::noop());
+    // Vulkan's devices are open at once.
+    let Poll::Ready(Ok((device, queue))) = opening.poll(&mut context) else { panic!("no device") };
+    Arc::new(Gpu { device, queue: Queue::new(queue), ..gpu })
+}
+
+/// A workgroup's memory stands in where there are no subgroups.
+#[test]
+fn methods_draw_the_same_without_subgroups() {
+    let gpu = without_subgroups();
+    assert!(!gpu.has_subgroups());
+    let (view, cloud) = (view(), cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton));
+    let reference = draw(look(Method::Prefetch, Quality::Closest), Order::Morton);
+    for method in [Method::Reduce, Method::ReduceEarlyZ, Method::Dedup] {
+        let mut canvas =
+            Canvas::on(gpu.clone(), &[SIZE_PX; 2], look(method, Quality::Closest), gpu.atomics());
+        let buffers = CloudBuffers::upload(&gpu, &cloud, 0, &Progress::hidden()).expect("upload");
+        canvas.renderer.set_cloud(buffers).expect("room");
+        assert!(same(&canvas.draw(&view), &reference), "{}", method.name());
+    }
+}
+
+/// What just-set leaves is a point of each pixel that has one, and not the nearest everywhere: so `same` can fail.
+#[test]
+fn just_set_fills_the_same_pixels_wrongly() {
+    let reference = draw(look(Method::Prefetch, Quality::Closest), Order::Original);
+    let set = draw(look(Method::JustSet, Quality::Closest), Order::Original);
+    assert!(!same(&set, &reference));
+    for (set, nearest) in set.pixels.iter().flatten().zip(reference.pixels.iter().flatten()) {
+        assert!(set[0] >= nearest[0] && (set[0] == u32::MAX) == (nearest[0] == u32::MAX));
+    }
+}
+
+#[test]
+fn methods_draw_octrees_too() {
+    let octree =
+        build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ())
+            .unwrap();
+    let view = view();
+    let detail = Detail { fade: true, threshold_px: [60.0; 3], ..Detail::default() };
+    for quality in [Quality::Closest, Quality::Hqs] {
+        let draw = |method| {
+            let look = Look { detail, ..look(method, quality) };
+            Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
+        };
+        let reference = draw(Method::Prefetch);
+        for method in methods(quality).filter(|&method| method != Method::JustSet) {
+            assert!(same_as(method, &draw(method), &reference), "{} {quality:?}", method.name());
+        }
+    }
+}
+
+/// Most methods are of every tier; several chunks and a part of the image change nothing.
+#[test]
+fn methods_of_every_tier_draw_the_same_in_each() {
+    let octree =
+        build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ())
+            .unwrap();
+    let view = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), [61, 48]);
+    let draw = |method, atomics, chunk_limit| {
+        let look = look(method, Quality::Closest);
+        let mut canvas = Canvas::layered(&octree, &larger(&view), look, atomics, chunk_limit);
+        canvas.renderer.set_drawn(&[[61, 48]; 2]);
+        canvas.draw(&view)
+    };
+    let reference = draw(Method::Prefetch, gpu().atomics(), 0);
+    let tiers = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
+    for atomics in tiers.into_iter().filter(|&atomics| atomics <= gpu().atomics()) {
+        for method in methods(Quality::Closest).filter(|method| !method.needs_int64()) {
+            let drawn = draw(method, atomics, 40_000);
+            assert!(same(&drawn, &reference), "{} {}", method.name(), atomics.name());
+        }
+    }
+    let other = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.6), [61, 48]);
+    let look = look(Method::PointList, Quality::Closest);
+    let mut canvas = Canvas::layered(&octree, &larger(&view), look, Atomics::Int32, 0);
+    canvas.renderer.set_drawn(&[[61, 48]; 2]);
+    assert!(!same(&canvas.draw(&other), &reference), "another view is another picture");
+}
+
+/// The same eyes with larger images, of which only a part is drawn.
+fn larger(view: &View) -> View {
+    let eyes = view.eyes.iter().map(|eye| Eye { size_px: SIZE_PX, ..*eye }).collect();
+    View { eyes, ..*view }
+}
+
+/// Each pixel's depth is that of a point which the twin puts there, and no other point's is nearer.
+#[test]
+fn fixed40_equals_its_twin() {
+    let view = view();
+    let cloud = cloud_of(&scattered(), 0.001, DVec3::new(5e5, 4e6, 100.0), Order::Morton);
+    let view = View {
+        eyes: view
+            .eyes
+            .iter()
+            .map(|eye| {
+                let mut eye = *eye;
+                eye.world_from_view.position += DVec3::new(5e5, 4e6, 100.0);
+                eye
+            })
+            .collect(),
+        ..view
+    };
+    let look = look(Method::Fixed40, Quality::Closest);
+    let drawn = Canvas::flat(&cloud, &view, look, 0).draw(&view);
+    let want = twin_depths(&cloud, &view, &drawn.visible);
+    let mut num_points = 0;
+    for (pixel, &depth40) in drawn.pixels.iter().flatten().zip(want.iter().flatten()) {
+        let depth = if depth40 == fixed40::EMPTY {
+            u32::MAX
+        } else {
+            num_points += 1;
+            (fixed40::depth_of(depth40) as f32).to_bits() & !REACH_MASK
+        };
+        assert_eq!(pixel[0], depth);
+    }
+    assert!(num_points > 1000, "{num_points} pixels show something");
+}
+
+/// The smallest 40-bit depth of each pixel of each eye.
+fn twin_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec<Vec<u64>> {
+    let uniform = ViewUniform::new(view, &cloud.split, &Detail::default());
+    let mut depths = vec![clear::pixels(guarded(SIZE_PX), fixed40::EMPTY); view.eyes.len()];
+    let planes = cloud.planes.each_ref().map(Vec::as_slice);
+    for batch in visible {
+        let one = std::slice::from_ref(batch);
+        points::points(&uniform, view.eyes.len(), one, planes, None, false, &mut |put| {
+            let words = planes.map(|plane| plane[(put.id >> 1) as usize]);
+            let exact = fixed40::exact_depth(&uniform.eyes[put.eye], batch, words);
+            let depth = &mut depths[put.eye][put.pixel];
+            *depth = (*depth).min(fixed40::depth40_of(exact));
+        });
+    }
+    depths.iter().map(|depths| without_guard(depths, SIZE_PX)).collect()
+}
+
+/// From the second frame on nothing but counters is cleared; with dilation, which needs the target, all is.
+#[test]
+fn fixed40_leaves_a_clear_target_to_the_next_frame() {
+    let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);
+    let aside = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(0.2, 2.0, 1.5), SIZE_PX);
+    for dilate in [Dilate::Off, Dilate::Rings] {
+        let look = Look { dilate, ..look(Method::Fixed40, Quality::Closest) };
+        let fresh = Canvas::flat(&cloud, &aside, look, 0).draw(&aside);
+        let mut canvas = Canvas::flat(&cloud, &aside, look, 0);
+        let other = canvas.draw(&view());
+        assert!(!same(&other, &fresh), "the heads look elsewhere");
+        assert!(same(&canvas.draw(&aside), &fresh), "{dilate:?}");
+        assert!(same(&canvas.draw(&aside), &fresh), "{dilate:?}");
+    }
+}
+
+/// Without culling every point is read, and the picture is the same.
+#[test]
+fn what_is_not_seen_can_be_read_for_the_sake_of_measuring() {
+    let seen = look(Method::Basic, Quality::Closest);
+    let all = Look { detail: Detail { keep_unseen: true, ..seen.detail }, ..seen };
+    let aside = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(-6.0, -0.5, 1.5), SIZE_PX);
+    let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);
+    let draw = |look, view: &View| Canvas::flat(&cloud, view, look, 0).draw(view);
+    let (culled, whole) = (draw(seen, &aside), draw(all, &aside));
+    assert!(same(&culled, &whole));
+    assert_eq!(whole.times.points_read, cloud.num_points);
+    assert!(culled.times.points_read < cloud.num_points);
+}
+
+/// Of 128 neighbours in a shuffled Morton order nearly all steps are short, and from group to group they are long.
+#[test]
+fn orders_are_what_they_say() {
+    let xyz = random_points(128 * 50, 3.0, 3);
+    let steps = |order| {
+        let cloud = cloud_of(&xyz, 0.001, DVec3::ZERO, order);
+        let at = |point: usize| {
+            let batch = &cloud.batches[point / 10_240];
+            let words = [0, 1, 2].map(|plane: usize| cloud.planes[plane][point]);
+            let cells = lab::twin::points::cells(3, words).map(f64::from);
+            batch.min + DVec3::from_array(cells) * DVec3::from_array(batch.cell.map(f64::from))
+        };
+        let length = |first: usize| (at(first) - at(first + 1)).length();
+        let mean = |within: bool| {
+            let is_within = |first: &usize| !(first + 1).is_multiple_of(GROUP_POINTS);
+            let steps: Vec<f64> =
+                (0..xyz.len() - 1).filter(|first| is_within(first) == within).map(length).collect();
+            steps.iter().sum::<f64>() / steps.len() as f64
+        };
+        [mean(true), mean(false)]
+    };
+    let [morton, shuffled, groups] = [Order::Morton, Order::Shuffled, Order::ShuffledMorton].map(steps);
+    assert!(morton[0] < 0.4 && morton[1] < 0.6, "{morton:?}");
+    assert!(shuffled.iter().all(|&step| step > 1.5), "{shuffled:?}");
+    assert!(groups[0] < 0.4 && groups[1] > 1.2, "{groups:?}");
+}

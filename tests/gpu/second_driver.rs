@@ -1,0 +1,190 @@
+//! A Vulkan driver that is not Mesa's, where `SCANWALK_SECOND_DRIVER` names its manifest (`scripts/second-driver`
+//! fetches SwiftShader, `scripts/test` sets the variable): scanwalk is not tied to one driver. SwiftShader has no
+//! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have:
+//! enough for the whole frame, which comes out the same as Mesa's in every pixel.
+
+use base::output::{self, OutputKind};
+use base::progress::Stop;
+use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// The second driver's manifest; `None`, and a line that says so, where there is none.
+fn second_driver() -> Option<PathBuf> {
+    let manifest = std::env::var_os("SCANWALK_SECOND_DRIVER").map(PathBuf::from);
+    match &manifest {
+        Some(manifest) => assert!(manifest.is_file(), "{}: there is no such driver", manifest.display()),
+        None => eprintln!("skipped: SCANWALK_SECOND_DRIVER names no Vulkan driver; scripts/test fetches one"),
+    }
+    manifest
+}
+
+/// A courtyard of few points.
+fn courtyard(folder: &Path, points: u64) -> PathBuf {
+    let out = folder.join("courtyard.las");
+    let options = SynthOptions {
+        kind: Kind::Terrestrial,
+        out: output::Output::new(&out, OutputKind::Scan).expect("a folder"),
+        points,
+        seed: 3,
+    };
+    synth::write(&options, &Stop::default()).expect("a courtyard");
+    out
+}
+
+/// `scanwalk render` to `out`, on the given driver or on those that the machine has.
+fn render(driver: Option<&Path>, scan: &Path, place: &Viewpoint, out: &Path, more: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
+    command.arg("render").arg(scan).arg("-o").arg(out).args(["--size", "401x299"]);
+    command.args(["--eye", &point(place.eye), "--target", &point(place.target)]).args(more);
+    command.env_remove("RUST_LOG").stdin(Stdio::null());
+    if let Some(driver) = driver {
+        // The second name is for loaders from before 2022.
+        command.env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
+    }
+    command.output().expect("scanwalk starts")
+}
+
+/// The last line on stderr: drivers may say something before.
+fn last_words(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).lines().next_back().unwrap_or_default().to_owned()
+}
+
+#[test]
+fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
+    let Some(driver) = second_driver() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (scan, out) = (courtyard(folder.path(), 50_000), folder.path().join("out.png"));
+    let place = &synth::viewpoints(Kind::Terrestrial)[0];
+    let refused = render(Some(&driver), &scan, place, &out, &["--set", "gpu.tier=int64"]);
+    let words = last_words(&refused);
+    assert_eq!(refused.status.code(), Some(1), "{words}");
+    assert!(words.contains("'SwiftShader") && words.contains("has no int64; its best is int32"), "{words}");
+    assert!(!out.exists());
+    // The sentence is about this driver: the machine's own draws the same picture.
+    let drawn = render(None, &scan, place, &out, &["--set", "gpu.tier=int64"]);
+    assert!(drawn.status.success() && out.exists(), "{}", last_words(&drawn));
+}
+
+/// What is compared: a place, and how it is drawn from there.
+type Shot<'a> = (&'a Viewpoint, &'a [&'a str]);
+
+/// Both eyes' pixels and the name of the GPU that drew them, in the tier that each driver has.
+fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Shot, folder: &Path) -> (Vec<Vec<u8>>, String) {
+    let (out, metrics) = (folder.join("out.png"), folder.join("metrics.json"));
+    let metrics_path = metrics.to_str().expect("a path of ours");
+    let more = [&["--stereo", "--set", "gpu.tier=int32", "--metrics", metrics_path][..], how].concat();
+    let output = render(driver, scan, place, &out, &more);
+    assert!(output.status.success(), "{}", last_words(&output));
+    let metrics = std::fs::read(&metrics).expect("the figures");
+    let metrics: serde_json::Value = serde_json::from_slice(&metrics).expect("JSON");
+    let pictures = ["left", "right"].map(|side| read_png(&folder.join(format!("out.{side}.png"))));
+    (pictures.to_vec(), metrics["device"].as_str().expect("a name").to_owned())
+}
+
+fn read_png(path: &Path) -> Vec<u8> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("the picture"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
+    reader.next_frame(&mut pixels).expect("a whole PNG");
+    pixels
+}
+
+/// Pixels that differ, of both eyes.
+fn num_different(a: &[Vec<u8>], b: &[Vec<u8>]) -> usize {
+    let (a, b) = (a.concat(), b.concat());
+    assert_eq!(a.len(), b.len());
+    a.chunks_exact(3).zip(b.chunks_exact(3)).filter(|(a, b)| a != b).count()
+}
+
+/// Draws each shot on both drivers, which must agree in every pixel; gives the pictures.
+fn assert_same(driver: &Path, scan: &Path, folder: &Path, shots: &[Shot]) -> Vec<Vec<Vec<u8>>> {
+    let compare = |&shot: &Shot| {
+        let (own, own_name) = drawn(None, scan, shot, folder);
+        let (second, second_name) = drawn(Some(driver), scan, shot, folder);
+        assert!(second_name.contains("SwiftShader") && !own_name.contains("SwiftShader"));
+        let different = num_different(&own, &second);
+        eprintln!("{} {:?}: {own_name} and {second_name} differ in {different} pixels", shot.0.name, shot.1);
+        assert_eq!(different, 0, "{} {:?}", shot.0.name, shot.1);
+        second
+    };
+    shots.iter().map(compare).collect()
+}
+
+#[test]
+fn both_drivers_draw_the_same_picture() {
+    let Some(driver) = second_driver() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = courtyard(folder.path(), 50_000);
+    let places = synth::viewpoints(Kind::Terrestrial);
+    let [closest, hqs] = [["--quality", "closest"], ["--quality", "hqs"]];
+    let shots = [(&places[0], &closest[..]), (&places[1], &hqs)];
+    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    // The comparison can fail: places and qualities differ.
+    for (pictured, other) in [(&pictures[0], (&places[0], &hqs[..])), (&pictures[1], (&places[0], &hqs))] {
+        let (other, _) = drawn(None, &scan, other, folder.path());
+        assert!(num_different(pictured, &other) > 1000);
+    }
+}
+
+/// What `doctor` finds out about a driver.
+fn has_subgroups(driver: &Path) -> bool {
+    let mut doctor = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    doctor.args(["doctor", "--json"]).env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
+    let checks = doctor.stdin(Stdio::null()).output().expect("scanwalk starts").stdout;
+    let checks: serde_json::Value = serde_json::from_slice(&checks).expect("JSON");
+    let of = |name: &str| {
+        checks.as_array().and_then(|all| all.iter().find(|check| check["check"] == name).cloned())
+    };
+    of("gpu subgroups").is_some_and(|check| check["found"] == "yes")
+}
+
+/// Both have subgroup operations, of other sizes perhaps.
+#[test]
+fn both_drivers_draw_the_same_picture_by_every_method() {
+    let Some(driver) = second_driver() else { return };
+    assert!(has_subgroups(&driver));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = courtyard(folder.path(), 50_000);
+    let place = &synth::viewpoints(Kind::Terrestrial)[1];
+    // SwiftShader compiles a method's shaders for ten seconds. Those that are left out are parts of these.
+    let methods = ["prefetch", "reduce-early-z", "dedup", "point-list"];
+    let ways = methods.map(|method| ["--preset", "plain", "--method", method]);
+    let shots = ways.each_ref().map(|way| (place, &way[..]));
+    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    for (picture, method) in pictures.iter().zip(methods) {
+        assert_eq!(num_different(picture, &pictures[0]), 0, "{method}");
+    }
+    // The comparison can fail.
+    let elsewhere = (&synth::viewpoints(Kind::Terrestrial)[0], &ways[0][..]);
+    let (other, _) = drawn(None, &scan, elsewhere, folder.path());
+    assert!(num_different(&other, &pictures[0]) > 1000);
+}
+
+/// As a headset would get it: an octree's nodes by rings, points that fade in, discs and dilation that close gaps.
+#[test]
+fn both_drivers_draw_the_same_whole_frame() {
+    let Some(driver) = second_driver() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = courtyard(folder.path(), 400_000);
+    let whole = ["--preset", "quality"];
+    let closest = ["--preset", "quality", "--quality", "closest"];
+    let places = synth::viewpoints(Kind::Terrestrial);
+    let shots = [(&places[0], &whole[..]), (&places[1], &whole), (&places[1], &closest)];
+    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    // What the frame is made of shows in the picture: without any of it another comes out.
+    for without in [
+        "lod.enabled=false",
+        "lod.fade=false",
+        "frame.fill=false",
+        "frame.dilate=off",
+        "frame.quality=closest",
+    ] {
+        let (other, _) =
+            drawn(None, &scan, (&places[1], &[&whole[..], &["--set", without]].concat()), folder.path());
+        let different = num_different(&pictures[1], &other);
+        eprintln!("{without}: {different}");
+        assert!(different > 100, "{without}: {different}");
+    }
+}

@@ -1,0 +1,256 @@
+//! A cloud takes another's place: no frame is missed for it, none is empty, and the frame thread makes and frees
+//! nothing on the GPU.
+
+use base::progress::{Progress, Stop};
+use base::space::{Fov, Pose};
+use cloud::octree::{Octree, build_octree};
+use cloud::{Order, build};
+use glam::{DQuat, DVec3};
+use kit::frames::{Canvas, gpu, random_points, scan_of, stereo};
+use points::Scan;
+use render::Look;
+use render::gpu::{Gpu, readback};
+use render::options::Quality;
+use render::{CloudBuffers, EyeImage};
+use scanwalk::config::Config;
+use scanwalk::resolve;
+use scanwalk::walk::locomotion::Start;
+use scanwalk::walk::start::start;
+use scanwalk::walk::{Loaded, Walk, link};
+use std::sync::mpsc::{SyncSender, channel, sync_channel};
+use timing::FrameRow;
+use xr::{Beat, ControllerInput, EyeImages, Headset, StageEye};
+
+const SIZE_PX: [u32; 2] = [97, 65];
+
+fn scan() -> Scan {
+    scan_of(&random_points(150_000, 10.0, 5), 0.001, DVec3::new(5e5, 4e6, 100.0))
+}
+
+fn octree(scan: &Scan) -> Octree {
+    build_octree(scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+}
+
+/// The scan on the GPU, flat, and as an octree.
+fn clouds(scan: &Scan) -> [CloudBuffers; 2] {
+    let flat = build(scan, Order::Morton, &Progress::hidden()).expect("a cloud");
+    [
+        CloudBuffers::upload(&gpu(), &flat, 0, &Progress::hidden()).expect("upload"),
+        CloudBuffers::upload_layered(&gpu(), &octree(scan), 0, &Progress::hidden()).expect("upload"),
+    ]
+}
+
+/// What lies in the GPU's memory: name, size, offset.
+fn allocations(gpu: &Gpu) -> Vec<(String, u64, u64)> {
+    let report = gpu.device.generate_allocator_report().expect("Vulkan's allocator reports");
+    let mut all: Vec<_> = report.allocations.into_iter().map(|a| (a.name, a.size, a.offset)).collect();
+    all.sort();
+    all
+}
+
+/// As headsets draw.
+fn look(quality: Quality) -> Look {
+    Look { quality, ..resolve::look(&Config::default()) }
+}
+
+/// Both tests count what lies on the one GPU.
+fn alone() -> std::sync::MutexGuard<'static, ()> {
+    static ALONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+#[test]
+fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
+    let _alone = alone();
+    let scan = scan();
+    let gpu = gpu();
+    for quality in [Quality::Hqs, Quality::Closest] {
+        let [flat, layered] = clouds(&scan);
+        let center = scan.bounds().center();
+        let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
+        let mut canvas = Canvas::new(&kit::frames::sizes(&view), look(quality), gpu.atomics());
+        canvas.renderer.set_cloud(flat).expect("room");
+        canvas.draw(&view);
+        // A frame that waits to be submitted: what it uses cannot be freed and made anew unseen.
+        let images =
+            [0, 1].map(|_: i32| kit::frames::image(&gpu, SIZE_PX, wgpu::TextureFormat::Rgba8UnormSrgb));
+        let views = images.each_ref().map(|image| image.create_view(&Default::default()));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let eyes = views.each_ref().map(|color| EyeImage { color, depth: None });
+        canvas.renderer.record(&mut encoder, 1, &eyes);
+
+        let before = allocations(&gpu);
+        let flat = canvas.renderer.set_cloud(layered).expect("room").expect("the one before");
+        assert_eq!(allocations(&gpu), before, "{quality:?}");
+        // The count can fail: another background makes buffers.
+        canvas.renderer.set_look(Look { background: [9, 9, 9], ..look(quality) }).expect("room");
+        assert!(allocations(&gpu).len() > before.len());
+
+        // The frame is submitted and may be under way when the flat cloud goes, on the thread that says so.
+        let before = allocations(&gpu);
+        let planes = |all: &[(String, u64, u64)]| all.iter().filter(|(name, ..)| name == "plane_hi").count();
+        {
+            let queue = gpu.queue.lock();
+            canvas.renderer.set_view(&queue, &view);
+            queue.submit([encoder.finish()]);
+        }
+        canvas.renderer.submitted();
+        assert_eq!(planes(&allocations(&gpu)), 2);
+        flat.free(&gpu);
+        assert_eq!(planes(&allocations(&gpu)), 1, "of {}", planes(&before));
+        assert!(canvas.renderer.collect_times().is_some());
+    }
+}
+
+/// What the test's headset saw of a frame.
+#[derive(Debug)]
+struct Seen {
+    /// Pixels of both eyes that are not the background.
+    num_lit: usize,
+    /// Sum of their colors, to tell pictures apart.
+    colors: u64,
+}
+
+/// A headset that reads back each frame before it asks for the next.
+struct Witness {
+    images: [wgpu::Texture; 2],
+    display: i64,
+    seen: SyncSender<Seen>,
+    ended: bool,
+}
+
+impl Headset for Witness {
+    fn runtime(&self) -> String {
+        "a test's".into()
+    }
+    fn eye_sizes(&self) -> [[u32; 2]; 2] {
+        [SIZE_PX; 2]
+    }
+    fn refresh_hz(&self) -> f64 {
+        72.0
+    }
+    fn image_format(&self) -> wgpu::TextureFormat {
+        self.images[0].format()
+    }
+    fn wait(&mut self) -> anyhow::Result<Beat> {
+        if self.ended {
+            return Ok(Beat::Ended("as asked"));
+        }
+        self.display += 1;
+        let period_ns = 13_888_889;
+        Ok(Beat::Frame { predicted_display_ns: self.display * period_ns, period_ns, should_render: true })
+    }
+    fn input(&mut self) -> anyhow::Result<ControllerInput> {
+        Ok(ControllerInput::default())
+    }
+    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+        Ok(EyeImages { color: self.images.clone(), depth: None })
+    }
+    fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {
+        let eye = |x: f64| StageEye {
+            stage_from_view: Pose { position: DVec3::new(x, 1.6, 0.0), orientation: DQuat::IDENTITY },
+            fov: Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 },
+            gaze_in_view: None,
+        };
+        Ok([eye(-0.03), eye(0.03)])
+    }
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()> {
+        let Some(commands) = commands else { return Ok(()) };
+        gpu().queue.lock().submit([commands.finish()]);
+        let (mut num_lit, mut colors) = (0, 0);
+        for image in &self.images {
+            for pixel in readback::read_texture(&gpu(), image)?.chunks_exact(4) {
+                num_lit += usize::from(pixel[..3] != [0; 3]);
+                colors += pixel[..3].iter().map(|&c| u64::from(c)).sum::<u64>();
+            }
+        }
+        // Nobody looks once the test has seen enough.
+        let _ = self.seen.send(Seen { num_lit, colors });
+        Ok(())
+    }
+    fn request_exit(&mut self) {
+        self.ended = true;
+    }
+}
+
+impl Witness {
+    fn new(seen: SyncSender<Seen>) -> Self {
+        let image = |_: i32| kit::frames::image(&gpu(), SIZE_PX, wgpu::TextureFormat::Rgba8UnormSrgb);
+        Self { images: [0, 1].map(image), display: 0, seen, ended: false }
+    }
+}
+
+/// The rows and the pictures of a walk that shows nothing, then the flat cloud, then the octree; and the clouds that
+/// come back.
+fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>, Vec<CloudBuffers>) {
+    let mut config = Config::default();
+    config.governor.enabled = false;
+    let outside = start(&build(scan, Order::Morton, &Progress::hidden()).expect("a cloud").scene, 1.0);
+    // So near that the points fill the view.
+    let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
+    let start = Start { floor_in_world: place, ..outside };
+    let [flat, layered] = clouds(scan);
+    let (frame_link, commands, viewer) = link::link();
+    let (loaded_sender, loaded) = channel();
+    let (retired, retired_receiver) = channel();
+    // Without room: a frame ends when the test has taken it.
+    let (seen_sender, seen) = sync_channel(0);
+    let stop = Stop::default();
+    let walk = Walk {
+        gpu: gpu(),
+        config: &config,
+        loaded,
+        retired,
+        commands,
+        link: frame_link,
+        mirrored: false,
+        log: None,
+        pose_path: None,
+        max_frames: None,
+        max_time: None,
+        stop: stop.clone(),
+    };
+    let mut pictures: Vec<Seen> = Vec::new();
+    std::thread::scope(|scope| {
+        let frames = scope.spawn(move || walk.run(&mut Witness::new(seen_sender)));
+        let mut see = |count: usize| pictures.extend(seen.iter().take(count));
+        see(3);
+        loaded_sender.send(Loaded { cloud: flat, start: Some(start) }).expect("the walk goes on");
+        see(12);
+        loaded_sender.send(Loaded { cloud: layered, start: None }).expect("the walk goes on");
+        see(12);
+        stop.request();
+        pictures.extend(seen.iter());
+        frames.join().expect("no panic").expect("a walk");
+    });
+    (viewer.rows.try_iter().collect(), pictures, retired_receiver.iter().collect())
+}
+
+/// Places where a value differs from the one before.
+fn changes<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<usize> {
+    let values: Vec<T> = values.into_iter().collect();
+    (1..values.len()).filter(|&i| values[i] != values[i - 1]).collect()
+}
+
+#[test]
+fn no_frame_is_missed_or_empty_when_the_octree_takes_the_flat_clouds_place() {
+    let _alone = alone();
+    let scan = scan();
+    let (rows, pictures, retired) = walk(&scan);
+    assert!(rows.iter().map(|row| row.frame).eq(0..pictures.len() as u64), "a row a frame");
+    assert!(rows.iter().all(|row| row.missed_periods == 0));
+    // Nothing, the flat cloud, the octree: each change is one of a single frame, in the figures and in the picture.
+    let figures: Vec<_> = rows.iter().map(|row| (row.visible_nodes, row.points_read)).collect();
+    let [shown, swapped] = changes(&figures)[..] else { panic!("{figures:?}") };
+    assert_eq!(changes(pictures.iter().map(|seen| seen.colors)), [shown, swapped]);
+    for (row, seen) in rows.iter().zip(&pictures) {
+        let is_shown = row.frame >= shown as u64;
+        assert_eq!(is_shown, row.visible_nodes > 0 && row.points_read > 1000, "{row:?}");
+        // That is what a missing picture would look like: before there is a cloud, there is none.
+        assert_eq!(is_shown, seen.num_lit > SIZE_PX[0] as usize * SIZE_PX[1] as usize, "{seen:?}");
+        assert_eq!(row.points_resident, if is_shown { scan.num_points() as u64 } else { 0 });
+    }
+    // The octree draws what matters, and the flat cloud all that is in view.
+    assert!(rows[swapped].points_read < rows[swapped - 1].points_read, "{:?}", &rows[swapped - 1..=swapped]);
+    assert_eq!(retired.len(), 1, "the flat cloud comes back");
+}

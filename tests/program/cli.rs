@@ -1,0 +1,315 @@
+//! The program from outside: help, wrong usage, exit codes, closed pipes.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Command, Output, Stdio};
+
+fn scanwalk(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    command.args(args).env_remove("RUST_LOG").stdin(Stdio::null());
+    command
+}
+
+fn output(args: &[&str]) -> Output {
+    scanwalk(args).output().unwrap()
+}
+
+/// Exit code and stderr; wrong usage and failures print nothing on stdout.
+fn refusal(args: &[&str]) -> (i32, String) {
+    let output = output(args);
+    assert!(output.stdout.is_empty(), "{args:?} wrote to stdout");
+    (output.status.code().expect("no signal ended it"), String::from_utf8(output.stderr).unwrap())
+}
+
+/// A frame log of `num_frames` rows.
+fn frame_log(folder: &std::path::Path, num_frames: usize) -> String {
+    let path = folder.join("frames.csv");
+    let mut file = std::fs::File::create(&path).unwrap();
+    writeln!(file, "{}, version 0.1.0", timing::columns::TITLE).unwrap();
+    writeln!(file, "# scan: yard.laz").unwrap();
+    writeln!(file, "{}", timing::columns::names().join(",")).unwrap();
+    for frame in 0..num_frames {
+        let time = frame as f64 / 100.0;
+        writeln!(
+            file,
+            "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,,walking,9"
+        )
+        .unwrap();
+    }
+    path.into_os_string().into_string().unwrap()
+}
+
+#[test]
+fn help_names_every_command_and_shared_option() {
+    let output = output(&["--help"]);
+    assert_eq!(output.status.code(), Some(0));
+    let help = String::from_utf8(output.stdout).unwrap();
+    for word in ["view", "render", "info", "convert", "synth", "bench", "report", "doctor"] {
+        assert!(help.contains(&format!("\n  {word} ")), "{word} is not in\n{help}");
+    }
+    for option in ["--config", "--set", "--adapter", "--verbose", "Examples:", "Exit codes"] {
+        assert!(help.contains(option), "{option} is not in\n{help}");
+    }
+}
+
+#[test]
+fn every_command_explains_its_options() {
+    let view =
+        ["--headset", "--window", "--log", "--frames", "--seconds", "--pose-path", "--preset", "Examples:"];
+    let render = [
+        "--eye",
+        "--target",
+        "--up",
+        "--fov-y",
+        "--size",
+        "--stereo",
+        "--ipd",
+        "--preset",
+        "--quality",
+        "--lod",
+        "--dilate",
+        "--precision",
+        "--depth",
+        "--background",
+        "--metrics",
+        "Examples:",
+    ];
+    for (command, options) in [
+        ("view", &view[..]),
+        ("render", &render[..]),
+        ("info", &["--json"]),
+        ("convert", &["--out"]),
+        ("synth", &["terrestrial", "aerial", "photogrammetry", "--points", "--seed", "statue.ply"]),
+        ("bench", &["2021", "2022", "vr", "spt", "--json", "--csv"]),
+        ("report", &["--out", "--worst-poses", "FRAMES.csv", "RESULTS.json", "Examples:"]),
+        ("doctor", &["--json"]),
+    ] {
+        let output = output(&[command, "--help"]);
+        assert_eq!(output.status.code(), Some(0), "{command}");
+        let help = String::from_utf8(output.stdout).unwrap();
+        for option in options.iter().chain(&["--config", "--set", "--adapter"]) {
+            assert!(help.contains(option), "{option} is not in\n{help}");
+        }
+    }
+}
+
+#[test]
+fn help_names_every_preset() {
+    for command in ["view", "render"] {
+        let help = String::from_utf8(output(&[command, "--help"]).stdout).unwrap();
+        for preset in scanwalk::config::PRESETS {
+            assert!(help.contains(preset.name), "{} is not in\n{help}", preset.name);
+        }
+    }
+}
+
+#[test]
+fn wrong_usage_exits_2() {
+    for args in [
+        &[][..],
+        &["fly"],
+        &["view"],
+        &["view", "a.laz", "--headset", "maybe"],
+        &["view", "a.laz", "--frames", "0"],
+        &["view", "a.laz", "--seconds", "-1"],
+        &["render", "a.laz"],
+        &["render", "a.laz", "-o", "a.png", "--size", "0x0"],
+        &["render", "a.laz", "-o", "a.png", "--eye", "1,2"],
+        &["render", "a.laz", "-o", "a.png", "--fov-y", "180"],
+        &["render", "a.laz", "-o", "a.png", "--background", "0,0,256"],
+        &["synth", "moon", "-o", "a.las"],
+        &["synth", "aerial", "-o", "a.las", "--points", "0"],
+        &["bench", "--table", "2023"],
+        &["bench", "--json", "--csv"],
+        &["bench", "--table", "2021", "--method", "lod"],
+        &["info"],
+        &["report"],
+        &["report", "a.csv", "b.csv", "c.csv"],
+        &["report", "a.csv", "b.json"],
+        &["report", "a.csv", "b.csv", "--worst-poses", "w.poses"],
+        &["report", "a.json", "--worst-poses", "w.poses"],
+        &["report", "a.csv", "-o", "a.csv"],
+        &["report", "Cargo.toml", "-o", "./src/../Cargo.toml"],
+        &["report", "a.csv", "-o", "b", "--worst-poses", "b"],
+    ] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 2, "{args:?}: {text}");
+        assert!(!text.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn what_does_not_exist_yet_is_refused_in_one_sentence() {
+    let (code, text) = refusal(&["convert", "a.laz", "-o", "a.copc.laz"]);
+    assert_eq!(code, 2, "{text}");
+    assert!(text.starts_with("scanwalk: ") && text.contains("convert does not exist yet"), "{text}");
+    assert_eq!(text.lines().count(), 1, "{text}");
+}
+
+#[test]
+fn wrong_settings_exit_2_and_name_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = folder.path().join("walk.toml");
+    std::fs::write(&config, "[frame]\nnear_mm = 5\n").unwrap();
+    let config = config.to_str().unwrap();
+    for (args, words) in [
+        (&["doctor", "--set", "frame.nearm=1"][..], "did you mean 'frame.near_m'?"),
+        (&["--set", "frame.near_m=far", "doctor"], "must be a number"),
+        (&["doctor", "--set", "frame.near_m=-1"], "must be from"),
+        (&["doctor", "--set", "frame.near_m"], "KEY=VALUE"),
+        (&["doctor", "--config", config], "walk.toml, line 2"),
+        (&["view", "a.laz", "--preset", "ultra"], "choose one of plain, quality, balanced, performance"),
+        (&["render", "a.laz", "-o", "a.png", "--preset", "ultra"], "choose one of plain"),
+    ] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 2, "{args:?}: {text}");
+        assert!(text.contains(words) && text.lines().count() == 1, "{args:?}: {text}");
+    }
+    let (code, text) = refusal(&["doctor", "--config", "no/such.toml"]);
+    assert_eq!(code, 1, "a file that cannot be read is a failure: {text}");
+    assert!(text.contains("no/such.toml"), "{text}");
+}
+
+#[test]
+fn failures_exit_1_in_one_line_that_names_the_file() {
+    for path in ["no/such.csv", ".", "Cargo.toml", "/dev/zero"] {
+        let (code, text) = refusal(&["report", path]);
+        assert_eq!(code, 1, "{path}: {text}");
+        assert!(text.starts_with("scanwalk: ") && text.contains(path), "{path}: {text}");
+        assert_eq!(text.lines().count(), 1, "{path}: {text}");
+    }
+}
+
+#[test]
+fn a_report_of_a_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = output(&["report", &frame_log(folder.path(), 101)]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stderr.is_empty());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("frames      101 in 1.0 s") && text.contains("costliest   depth"), "{text}");
+}
+
+#[test]
+fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
+    let log = frame_log(folder.path(), 101);
+    let json = file("results.JSON");
+    std::fs::write(&json, r#"{"device": "some GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#)
+        .unwrap();
+    let page = file("page.html");
+    for (files, heading, words) in [
+        (&[&log][..], "<h1>A walk through yard.laz</h1>", "frames      101"),
+        (&[&log, &log], "<h1>A: ", "no clear difference"),
+        (&[&json], "<h1>Benchmarks on some GPU</h1>", "Nothing was measured"),
+    ] {
+        let args: Vec<&str> =
+            ["report", "-o", &page].into_iter().chain(files.iter().map(|f| f.as_str())).collect();
+        let output = output(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty() && String::from_utf8(output.stdout).unwrap().contains(words));
+        assert!(std::fs::read_to_string(&page).unwrap().contains(heading), "{heading}");
+    }
+    let nowhere = file("no/such/page.html");
+    for (args, words) in [
+        (&["report", &log, "-o", &nowhere][..], nowhere.as_str()),
+        (&["report", &log, "--worst-poses", &file("worst.poses")], "has no head poses"),
+        (&["report", &log, &nowhere], nowhere.as_str()),
+    ] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 1, "{args:?}: {text}");
+        assert!(text.contains(words) && text.lines().count() == 1, "{args:?}: {text}");
+    }
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = frame_log(folder.path(), 10);
+    // A pipe whose reader is gone before anything is written.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let output = scanwalk(&["report", &log]).stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
+    let output = output.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    // A full disk, by contrast, is one.
+    if let Ok(full) = std::fs::File::options().write(true).open("/dev/full") {
+        let status = scanwalk(&["report", &log]).stdout(full).stderr(Stdio::null()).status().unwrap();
+        assert_eq!(status.code(), Some(1));
+    }
+}
+
+#[test]
+fn the_doctor_answers_programs_and_people() {
+    let output = output(&["doctor", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let checks: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for check in checks.as_array().unwrap() {
+        assert!(check["check"].is_string() && check["found"].is_string(), "{check}");
+        let advice = check["advice"].as_str().unwrap();
+        assert_eq!(
+            check["ok"].as_bool().unwrap(),
+            advice.is_empty(),
+            "advice where, and only where, it lacks"
+        );
+    }
+    let people = scanwalk(&["doctor"]).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap();
+    let people = String::from_utf8(people.stdout).unwrap();
+    assert!(people.contains("lacking display"), "{people}");
+}
+
+/// The loaders of Vulkan and OpenXR and Mesa's layers keep their thoughts to themselves.
+#[test]
+fn the_doctor_says_only_what_it_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let manifest = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.into_os_string().into_string().unwrap()
+    };
+    let missing = folder.path().join("missing.json").into_os_string().into_string().unwrap();
+    let broken = manifest("broken.json", "{ broken");
+    let lost = manifest(
+        "lost.json",
+        r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/no/such/driver.so", "api_version": "1.3.0"}}"#,
+    );
+    for drivers in [None, Some(&missing), Some(&broken), Some(&lost)] {
+        let mut command = scanwalk(&["doctor"]);
+        command.env_remove("XDG_RUNTIME_DIR").env_remove("DISPLAY").env("XR_RUNTIME_JSON", &missing);
+        // The name of today and the one before.
+        drivers.map(|drivers| command.env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers));
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{drivers:?}");
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), "", "{drivers:?}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("no Vulkan driver"), drivers.is_some(), "{text}");
+    }
+    // Who wants to hear them, may: so that the test can fail.
+    let mut loud = scanwalk(&["doctor", "-vv"]);
+    loud.env("VK_DRIVER_FILES", &lost).env("VK_ICD_FILENAMES", &lost).env("VK_LOADER_DEBUG", "all");
+    assert!(!loud.output().unwrap().stderr.is_empty());
+}
+
+/// Ctrl-C is asked of a program that reads from a pipe which never ends.
+#[test]
+#[cfg(unix)]
+fn a_second_interrupt_ends_the_program_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.csv");
+    if !Command::new("mkfifo").arg(&pipe).status().is_ok_and(|status| status.success()) {
+        println!("skipped: this system has no mkfifo");
+        return;
+    }
+    // Opening a pipe that nobody writes to waits: work that looks at no wish to stop.
+    let mut child = scanwalk(&["report", pipe.to_str().unwrap()]).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let interrupt = || Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    interrupt();
+    let mut line = String::new();
+    stderr.read_line(&mut line).unwrap();
+    assert!(line.contains("once more to stop at once"), "{line}");
+    interrupt();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}

@@ -1,0 +1,10 @@
+//! The program's commands, settings and reports, and the house's own rules.
+
+mod cli;
+mod config;
+mod house;
+mod outputs;
+mod pages;
+mod report;
+mod strangers;
+mod timing;

@@ -1,0 +1,446 @@
+//! Nothing that scanwalk writes destroys what it reads: every way that we know of to name an input as an output, tried
+//! on the program. What is refused is refused before anything is read.
+#![cfg(unix)]
+
+use std::fs;
+use std::io::{Read, Write};
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A folder with two scans, a frame log, settings, a pose path, and names that lead to them.
+struct Lab(tempfile::TempDir);
+
+/// Files that no command may change.
+const PRECIOUS: [&str; 5] = ["a.las", "b.las", "frames.csv", "set.toml", "walk.poses"];
+
+impl Lab {
+    fn new() -> Self {
+        let lab = Self(tempfile::tempdir().unwrap());
+        lab.put("a.las", &las(7));
+        lab.put("b.las", &las(9));
+        lab.put("frames.csv", frame_log().as_bytes());
+        lab.put("set.toml", b"[frame]\nnear_m = 0.1\n");
+        lab.put("walk.poses", b"0,0,0,5,0,0,0,1\n");
+        symlink("a.las", lab.path("link.png")).unwrap();
+        symlink("frames.csv", lab.path("link.html")).unwrap();
+        symlink("walk.poses", lab.path("link.csv")).unwrap();
+        symlink("set.toml", lab.path("link.json")).unwrap();
+        fs::hard_link(lab.path("a.las"), lab.path("hard.png")).unwrap();
+        fs::hard_link(lab.path("b.las"), lab.path("hard.npy")).unwrap();
+        fs::create_dir(lab.path("inner")).unwrap();
+        symlink("..", lab.path("inner/up")).unwrap();
+        symlink("../inner/up/hard.png", lab.path("inner/far.png")).unwrap();
+        // The name of one eye's picture.
+        symlink("b.las", lab.path("eye.right.png")).unwrap();
+        lab
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn put(&self, name: &str, bytes: &[u8]) {
+        fs::write(self.path(name), bytes).unwrap();
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new("sh");
+        // `exec`: signals reach the program.
+        let line =
+            format!("exec {line}").replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
+        command.arg("-c").arg(line).current_dir(self.0.path()).stdin(Stdio::null());
+        command.env_remove("RUST_LOG").env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        command
+    }
+
+    fn run(&self, line: &str) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    fn precious(&self) -> Vec<Vec<u8>> {
+        PRECIOUS.iter().map(|name| fs::read(self.path(name)).unwrap()).collect()
+    }
+
+    fn names(&self) -> Vec<PathBuf> {
+        let mut names: Vec<_> =
+            fs::read_dir(self.0.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs a line that must end with `code` and touch nothing; what it said.
+    fn refused(&self, line: &str, code: i32) -> String {
+        let before = (self.precious(), self.names());
+        let output = self.run(line);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
+        assert!(self.precious() == before.0, "{line}: what is read was changed");
+        assert_eq!(self.names(), before.1, "{line}: something was left behind");
+        assert!(output.stdout.is_empty(), "{line}");
+        assert!(said.starts_with("scanwalk: ") && said.lines().count() == 1, "{line}: {said}");
+        said
+    }
+}
+
+/// LAS 1.2, point format 0, of `num_points` points.
+fn las(num_points: u32) -> Vec<u8> {
+    let mut bytes = vec![0; 227];
+    bytes[..4].copy_from_slice(b"LASF");
+    (bytes[24], bytes[25]) = (1, 2);
+    bytes[94..96].copy_from_slice(&227u16.to_le_bytes());
+    bytes[96..100].copy_from_slice(&227u32.to_le_bytes());
+    bytes[105..107].copy_from_slice(&20u16.to_le_bytes());
+    bytes[107..111].copy_from_slice(&num_points.to_le_bytes());
+    for axis in 0..3 {
+        bytes[131 + 8 * axis..][..8].copy_from_slice(&0.01f64.to_le_bytes());
+        bytes[179 + 16 * axis..][..8].copy_from_slice(&f64::from(num_points).to_le_bytes());
+    }
+    for point in 0..num_points {
+        let mut record = [0; 20];
+        for axis in 0..3 {
+            let steps = ((point * (axis as u32 + 1) * 37) % (100 * num_points)) as i32;
+            record[4 * axis..][..4].copy_from_slice(&steps.to_le_bytes());
+        }
+        record[12] = 100;
+        bytes.extend(record);
+    }
+    bytes
+}
+
+fn frame_log() -> String {
+    let columns = timing::columns::names();
+    let rows = (0..20).map(|frame| {
+        let value = |name: &String| match name.as_str() {
+            "frame" => frame.to_string(),
+            "time_s" => (f64::from(frame) / 100.0).to_string(),
+            "phase" => "walking".to_string(),
+            _ => "1".to_string(),
+        };
+        columns.iter().map(value).collect::<Vec<_>>().join(",") + "\n"
+    });
+    let (title, rows) = (timing::columns::TITLE, rows.collect::<String>());
+    format!("{title}, version 0.1.0\n# scan: yard.laz\n{}\n{rows}", columns.join(","))
+}
+
+#[test]
+fn no_output_is_written_over_an_input() {
+    let lab = Lab::new();
+    let view = "scanwalk view a.las b.las --headset off --window off --frames 2";
+    let render = "scanwalk render a.las b.las --size 64x48";
+    for line in [
+        format!("{render} -o link.png"),
+        format!("{render} -o hard.png"),
+        format!("{render} -o ./inner/../hard.png"),
+        format!("{render} -o inner/far.png"),
+        format!("{render} -o inner/up/inner/up/link.png"),
+        format!("{render} -o $PWD/link.png"),
+        format!("{render} -o eye.png --stereo"),
+        format!("{render} -o x.png --depth hard.npy"),
+        format!("{render} -o x.png --metrics link.json --config set.toml"),
+        format!("{render} -o - >> a.las"),
+        format!("{render} -o /dev/stdout >> b.las"),
+        format!("{render} -o /dev/fd/3 3>> b.las"),
+        format!("{view} --log link.csv --pose-path walk.poses"),
+        format!("{view} --log walk.poses --pose-path link.csv"),
+        "scanwalk report frames.csv -o link.html".into(),
+        "scanwalk report ./frames.csv inner/up/frames.csv -o inner/up/link.html".into(),
+        "scanwalk bench link.html -o link.html --points 1".into(),
+        "scanwalk report frames.csv >> frames.csv".into(),
+        "scanwalk info a.las >> a.las".into(),
+    ] {
+        let line = line.replace(" --points 1", "");
+        let said = lab.refused(&line, 2);
+        assert!(said.contains("which is read as") && said.contains("another file"), "{line}: {said}");
+    }
+    // What is read need not exist, and no option need come last.
+    let said = lab.refused("scanwalk render -o none.png none.png --size 8x8", 2);
+    assert!(said.contains("none.png would be written over none.png"), "{said}");
+}
+
+#[test]
+fn no_two_outputs_are_one_file() {
+    let lab = Lab::new();
+    symlink("x.poses", lab.path("same.html")).unwrap();
+    for line in [
+        "scanwalk render a.las -o - --depth -",
+        "scanwalk render a.las -o /dev/stdout --metrics - | cat",
+        "scanwalk render a.las -o x.png --depth x.d --metrics ./x.d",
+        "scanwalk render a.las -o x.png --depth x.d --metrics X.D",
+        "scanwalk report frames.csv -o same.html --worst-poses x.poses",
+    ] {
+        // In a pipe it is the shell's last command that counts.
+        let said = match line.strip_suffix(" | cat") {
+            Some(line) => lab.refused(line, 2),
+            None => lab.refused(line, 2),
+        };
+        assert!(said.contains("are the same file"), "{line}: {said}");
+    }
+}
+
+#[test]
+fn a_pattern_in_the_place_of_an_output_costs_no_file() {
+    let lab = Lab::new();
+    lab.put("before.csv", b"another log");
+    for line in [
+        "scanwalk render -o *.las --size 64x48",
+        "scanwalk render -o x.png --depth *.las",
+        "scanwalk render -o x.png --metrics *.las",
+        "scanwalk view --headset off --window off --frames 2 --log *.las",
+        "scanwalk report -o b*.csv frames.csv",
+        "scanwalk report frames.csv --worst-poses *.toml",
+        "scanwalk bench -o *.las",
+    ] {
+        let said = lab.refused(line, 2);
+        assert!(said.contains("the shell put its first match here"), "{line}: {said}");
+    }
+}
+
+#[test]
+fn endings_that_say_something_else_are_refused() {
+    let lab = Lab::new();
+    for line in [
+        "scanwalk render missing.las -o x.jpg",
+        "scanwalk render missing.las -o x",
+        "scanwalk render missing.las -o x.png.bak",
+        "scanwalk report missing.csv -o report",
+        "scanwalk bench -o tables.pdf",
+        "scanwalk report frames.csv -o page.md",
+        "scanwalk synth aerial -o x.e57",
+        "scanwalk synth aerial -o x",
+        "scanwalk synth aerial -o x.ply",
+        "scanwalk synth aerial -o -",
+        "scanwalk report missing.csv -o -",
+        "scanwalk render missing.las -o - --stereo",
+    ] {
+        lab.refused(line, 2);
+    }
+    // Any case will do.
+    let output = lab.run("scanwalk render a.las -o X.PNG --size 64x48");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(fs::read(lab.path("X.PNG")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn places_where_nothing_can_be_written_are_found_before_reading() {
+    let lab = Lab::new();
+    fs::create_dir(lab.path("x.png")).unwrap();
+    for (line, words) in [
+        ("scanwalk render missing.las -o no/such/x.png", "no/such"),
+        ("scanwalk render missing.las -o x.png", "is a folder"),
+        ("scanwalk render missing.las -o new.png/", "is a folder"),
+        ("scanwalk render missing.las -o a.las/y.png", "a.las/y.png"),
+        ("scanwalk render missing.las -o y.png --depth no/such/y.npy", "no/such"),
+        ("scanwalk view missing.las --log no/such/y.csv --headset off --window off", "no/such"),
+        ("scanwalk synth aerial -o no/such/y.las", "no/such"),
+        ("scanwalk report missing.csv -o no/such/y.html", "no/such"),
+        ("scanwalk bench missing.las -o no/such/y.html", "no/such"),
+    ] {
+        let said = lab.refused(line, 1);
+        assert!(said.contains(words) && !said.contains("missing"), "{line}: {said}");
+    }
+}
+
+#[test]
+fn stdout_takes_one_output_and_nothing_else() {
+    let lab = Lab::new();
+    let output = lab.run("scanwalk render a.las -o - --size 64x48 --metrics m.json");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut reader = png::Decoder::new(std::io::Cursor::new(output.stdout)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    assert_eq!(reader.next_frame(&mut pixels).unwrap().width, 64);
+    reader.finish().expect("nothing follows the picture");
+    assert!(lab.path("m.json").exists());
+    let output = lab.run("scanwalk render a.las -o x.png --size 64x48 --metrics -");
+    assert_eq!(serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["points"], 7);
+    let output = lab.run("scanwalk render a.las -o /dev/null --size 4x2 --depth -");
+    assert!(output.stdout.starts_with(b"\x93NUMPY") && output.stdout.len() == 128 + 4 * 8);
+}
+
+#[test]
+fn a_pipe_and_a_link_are_written_through() {
+    let lab = Lab::new();
+    let pipe = lab.path("pipe.png");
+    if !Command::new("mkfifo").arg(&pipe).status().is_ok_and(|status| status.success()) {
+        println!("skipped: this system has no mkfifo");
+        return;
+    }
+    let mut child = lab.command("scanwalk render a.las -o pipe.png --size 64x48").spawn().unwrap();
+    let mut picture = Vec::new();
+    fs::File::open(&pipe).unwrap().read_to_end(&mut picture).unwrap();
+    assert!(child.wait().unwrap().success() && picture.starts_with(b"\x89PNG"));
+    symlink("inner/later.png", lab.path("dangling.png")).unwrap();
+    let output = lab.run("scanwalk render a.las -o dangling.png --size 64x48");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read_link(lab.path("dangling.png")).unwrap(), Path::new("inner/later.png"));
+    assert!(fs::read(lab.path("inner/later.png")).unwrap() == picture, "the same picture");
+}
+
+/// Outputs of an earlier run, which the next may replace.
+const OLD: [(&str, &[u8]); 5] = [
+    ("old.png", b"\x89PNG\r\n\x1a\n and so on"),
+    ("old.npy", b"\x93NUMPY\x01\0v\0{'descr': '<f4', 'fortran_order': False, 'shape': (4, 3), }"),
+    ("old.json", b"{\"gpu_bytes\": 7}"),
+    ("old.csv", b"# scanwalk frame log, version 0.0.9"),
+    ("old.html", b"<!DOCTYPE html><meta name=\"generator\" content=\"scanwalk 0.0.9\">"),
+];
+
+#[test]
+fn a_failure_leaves_what_was_there() {
+    let lab = Lab::new();
+    lab.put("broken.las", b"LASF and then nothing");
+    OLD.iter().for_each(|(name, bytes)| lab.put(name, bytes));
+    for line in [
+        "scanwalk render broken.las -o old.png --depth old.npy --metrics old.json",
+        "scanwalk render a.las -o old.png --size 64x48 --metrics /dev/full",
+        "scanwalk view broken.las --headset off --window off --log old.csv",
+        "scanwalk report broken.las -o old.html",
+        "scanwalk bench broken.las -o old.html",
+    ] {
+        lab.refused(line, 1);
+        for (name, bytes) in OLD {
+            assert_eq!(fs::read(lab.path(name)).unwrap(), bytes, "{line}: {name}");
+        }
+    }
+}
+
+/// Whatever a user has is kept, though no command reads it: scans by any output, and what is none of the kind.
+#[test]
+fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
+    let lab = Lab::new();
+    lab.put("mesh.ply", b"ply\nformat ascii 1.0\n");
+    lab.put("photo.png", b"\xff\xd8\xff\xe0 a JPEG by another name");
+    lab.put("package.json", b"{\"name\": \"mine\"}");
+    lab.put("table.csv", b"x,y,z\n1,2,3\n");
+    lab.put("site.html", b"<!DOCTYPE html><title>mine</title>");
+    lab.put("notes", b"remember");
+    symlink("b.las", lab.path("scan.png")).unwrap();
+    symlink("mesh.ply", lab.path("mesh.json")).unwrap();
+    let view = "scanwalk view a.las --headset off --window off --frames 2";
+    for line in [
+        "scanwalk synth aerial -o a.las --points 100",
+        "scanwalk synth aerial -o inner/../b.las --points 100",
+        "scanwalk synth photogrammetry -o mesh.ply --points 100",
+        "scanwalk render a.las -o scan.png --size 64x48",
+        "scanwalk render a.las -o photo.png --size 64x48",
+        "scanwalk render a.las -o x.png --metrics mesh.json --size 64x48",
+        "scanwalk render a.las -o x.png --metrics package.json --size 64x48",
+        "scanwalk render a.las -o x.png --depth notes --size 64x48",
+        &format!("{view} --log table.csv"),
+        &format!("{view} --log notes"),
+        "scanwalk report frames.csv -o site.html",
+        "scanwalk report frames.csv --worst-poses notes",
+    ] {
+        let before: Vec<_> = lab.names().iter().map(fs::read).map(Result::ok).collect();
+        let said = lab.refused(line, 2);
+        assert!(said.contains("is there already") && said.contains("--force"), "{line}: {said}");
+        assert!(lab.names().iter().map(fs::read).map(Result::ok).eq(before), "{line}");
+    }
+    // By force, but not even so over what is read.
+    for line in [
+        "scanwalk --force synth aerial -o b.las --points 100",
+        "scanwalk synth photogrammetry -o mesh.ply --points 100 --force",
+        "scanwalk render a.las -o photo.png --metrics package.json --depth notes --size 64x48 --force",
+        &format!("{view} --log table.csv --force"),
+        "scanwalk report frames.csv -o site.html --force",
+    ] {
+        let output = lab.run(line);
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    for (name, start) in [("b.las", &b"LASF"[..]), ("photo.png", b"\x89PNG"), ("site.html", b"<!DOCTYPE")] {
+        assert!(fs::read(lab.path(name)).unwrap().starts_with(start), "{name}");
+    }
+    let said = lab.refused("scanwalk render a.las -o link.png --size 64x48 --force", 2);
+    assert!(said.contains("which is read as"), "{said}");
+}
+
+/// Every command runs twice with the same names; what is empty is nothing.
+#[test]
+fn outputs_of_an_earlier_run_are_replaced() {
+    let lab = Lab::new();
+    lab.put("empty.las", b"");
+    for run in 0..2 {
+        for line in [
+            "scanwalk render a.las -o x.png --depth x.npy --metrics x.json --size 64x48",
+            "scanwalk view a.las --headset off --window off --frames 2 --log x.csv",
+            "scanwalk report frames.csv -o x.html --worst-poses x.poses",
+            "scanwalk report results.json -o x.md",
+        ] {
+            lab.put("results.json", br#"{"device": "a GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#);
+            let output = lab.run(line);
+            assert!(output.status.success(), "{run}: {line}: {}", String::from_utf8_lossy(&output.stderr));
+        }
+    }
+    let output = lab.run("scanwalk synth aerial -o empty.las --points 100");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// The limit stands in for a full disk: both end a write with an error.
+#[test]
+fn a_disk_that_fills_up_is_named_and_leaves_nothing() {
+    let lab = Lab::new();
+    lab.put("old.las", b"old");
+    lab.put("old.laz", b"old");
+    lab.put("old.ply", b"old");
+    for (kind, name) in [("aerial", "old.las"), ("terrestrial", "old.laz"), ("photogrammetry", "old.ply")] {
+        // 200 blocks of 512 bytes; the signal that comes with it is ignored.
+        let line =
+            format!("trap '' XFSZ; ulimit -f 200; scanwalk synth {kind} -o {name} --points 30000 --force");
+        let before = lab.names();
+        let output = lab.run_in_shell(&line);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(name) && said.contains("nothing was kept"), "{said}");
+        assert_eq!(fs::read(lab.path(name)).unwrap(), b"old");
+        assert_eq!(lab.names(), before);
+    }
+}
+
+impl Lab {
+    /// Several commands, the last of which counts.
+    fn run_in_shell(&self, line: &str) -> Output {
+        let line = line.replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
+        Command::new("sh").arg("-c").arg(line).current_dir(self.0.path()).output().unwrap()
+    }
+}
+
+/// Asks a program that writes to end, once and twice, as soon as a part of the file is there.
+#[test]
+fn ctrl_c_leaves_no_half_file() {
+    for signals in [1, 2] {
+        let lab = Lab::new();
+        lab.put("old.las", b"old");
+        let before = lab.names();
+        let mut child = lab
+            .command("scanwalk synth aerial -o old.las --points 2000000000 --force")
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        while lab.names() == before {
+            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        for _ in 0..signals {
+            let _ =
+                Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status();
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        let code = child.wait().unwrap().code();
+        assert!(code == Some(1) || signals == 2 && code == Some(130), "{code:?}");
+        assert_eq!(lab.names(), before, "after {signals} signals");
+        assert_eq!(fs::read(lab.path("old.las")).unwrap(), b"old");
+    }
+}
+
+#[test]
+fn what_is_written_may_be_read_by_whom_the_mask_allows() {
+    use std::os::unix::fs::PermissionsExt;
+    let lab = Lab::new();
+    let output =
+        lab.run_in_shell("umask 027; scanwalk report frames.csv -o page.html > /dev/null && touch plain");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mode = |name: &str| fs::metadata(lab.path(name)).unwrap().permissions().mode();
+    assert_eq!(mode("page.html"), mode("plain"));
+    let mut page = fs::File::options().append(true).open(lab.path("page.html")).unwrap();
+    page.write_all(b"whole").unwrap();
+}

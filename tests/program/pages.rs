@@ -1,0 +1,103 @@
+//! What comments and documents point to is there: files by their paths, sections of the specification, papers by their keys.
+
+use std::path::Path;
+use std::process::Command;
+
+/// Where a path that is named begins, seen from the root.
+const TOPS: [&str; 8] = ["benches/", "config/", "crates/", "docs/", "scripts/", "shaders/", "src/", "tests/"];
+/// What ends the name of a file.
+const ENDINGS: [&str; 9] = [".rs", ".wgsl", ".md", ".toml", ".csv", ".json", ".png", ".html", "/"];
+
+/// The words of a text that may be paths.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let is_part = |c: char| c.is_alphanumeric() || "/._-*{}".contains(c);
+    text.split(move |c: char| !is_part(c)).map(|word| word.trim_end_matches('.'))
+}
+
+/// Paths that a text names and that are not there.
+fn lost_paths(text: &str, exists: &impl Fn(&str) -> bool) -> Vec<String> {
+    let is_path = |word: &&str| {
+        TOPS.iter().any(|top| word.starts_with(top))
+            && ENDINGS.iter().any(|ending| word.ends_with(ending))
+            && !word.contains(['*', '{', '}'])
+    };
+    words(text).filter(is_path).filter(|path| !exists(path)).map(String::from).collect()
+}
+
+/// Sections of the specification that a text names and that it does not have.
+fn lost_sections(text: &str, specification: &str) -> Vec<String> {
+    let mut lost = Vec::new();
+    for (at, _) in text.match_indices("FRAME.md §") {
+        let number: String =
+            text[at..].chars().skip("FRAME.md §".chars().count()).take_while(char::is_ascii_digit).collect();
+        if !specification.contains(&format!("\n## {number}. ")) {
+            lost.push(format!("FRAME.md §{number}"));
+        }
+    }
+    lost
+}
+
+/// Keys of papers that a text cites with a section, and that the list of references does not have.
+fn lost_keys(text: &str, references: &str) -> Vec<String> {
+    let cited = |inside: &str| inside.split_once(" §").map(|(key, _)| key.trim().to_owned());
+    let brackets = text.split('[').skip(1).filter_map(|rest| rest.split_once(']').map(|(inside, _)| inside));
+    let keys = brackets.flat_map(|inside| inside.split(", ").filter_map(cited).collect::<Vec<_>>());
+    keys.filter(|key| !key.is_empty() && !references.contains(&format!("\n| {key} |"))).collect()
+}
+
+/// What stands behind `//` or `#`; all of a document.
+fn prose(path: &str, text: &str) -> String {
+    let comment = |line: &str| match path.rsplit('.').next() {
+        Some("rs" | "wgsl") => line.split_once("//").map(|(_, comment)| comment.to_owned()),
+        Some("md") => Some(line.to_owned()),
+        _ => line.split_once('#').map(|(_, comment)| comment.to_owned()),
+    };
+    text.lines().filter_map(comment).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn what_comments_name_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let tracked = Command::new("git").args(["-C", env!("CARGO_MANIFEST_DIR"), "ls-files", "-z"]).output();
+    let Some(tracked) = tracked.ok().filter(|listed| listed.status.success()) else {
+        println!("skipped: not a git checkout, so nothing tells which files are the project's");
+        return;
+    };
+    let page = |name: &str| std::fs::read_to_string(root.join("docs").join(name)).unwrap();
+    let (specification, references) = (page("FRAME.md"), page("REFERENCES.md"));
+    let mut lost = Vec::new();
+    for path in String::from_utf8(tracked.stdout).unwrap().split_terminator('\0') {
+        let is_prose = [".rs", ".wgsl", ".md", ".toml"].iter().any(|ending| path.ends_with(ending))
+            || path.starts_with("scripts/");
+        // This file has samples.
+        let Ok(text) = std::fs::read_to_string(root.join(path)) else { continue };
+        if !is_prose || path.ends_with("tests/program/pages.rs") {
+            continue;
+        }
+        let text = prose(path, &text);
+        // From the root, or beside the file.
+        let beside = Path::new(path).parent().unwrap_or(Path::new(""));
+        let in_room = path.strip_prefix("crates/").and_then(|rest| rest.split('/').next());
+        let exists = |name: &str| {
+            let room = in_room.map(|room| root.join("crates").join(room).join(name));
+            root.join(name).exists()
+                || root.join(beside).join(name).exists()
+                || room.is_some_and(|path| path.exists())
+        };
+        let found =
+            [lost_paths(&text, &exists), lost_sections(&text, &specification), lost_keys(&text, &references)];
+        lost.extend(found.concat().into_iter().map(|name| format!("{path} names {name}")));
+    }
+    assert!(lost.is_empty(), "{lost:#?}");
+}
+
+#[test]
+fn what_is_not_there_is_found() {
+    let nothing = |_: &str| false;
+    assert_eq!(lost_paths("see `src/layout.rs`, docs/bench/x.", &nothing), ["src/layout.rs"]);
+    assert_eq!(lost_paths("src/*.rs and tests/", &nothing), ["tests/"]);
+    assert_eq!(lost_paths("see src/lib.rs.", &|_: &str| true), [""; 0]);
+    assert_eq!(lost_sections("(docs/FRAME.md §2 and FRAME.md §12)", "\n## 2. Spaces"), ["FRAME.md §12"]);
+    assert_eq!(lost_keys("[2022 §3.2, SPT §4] [x; 2] [`a`]", "\n| 2022 | x |"), ["SPT"]);
+    assert_eq!(prose("a.rs", "let x = 1; // src/x.rs\ncode"), " src/x.rs");
+}
