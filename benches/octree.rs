@@ -93,7 +93,7 @@ fn sort(scan: &Scan) -> Vec<(u64, u32, u32)> {
 }
 
 fn octree(scan: &Scan) -> Result<Octree> {
-    Ok(build_octree(scan, &Progress::hidden(), &mut |_, _| ())?)
+    Ok(build_octree(scan, &Progress::hidden())?)
 }
 
 /// Sizes of nodes: rows of inner nodes and of leaves.

@@ -125,16 +125,18 @@ fn spacing_drawn(node: Node, drawn: u32) -> f32 {
     return node.sample_spacing / sqrt(f32((drawn >> 8u) + 1u) / 16777216.0);
 }
 
-// State of the child in each octant, in 8 bits; 255 where there is none.
+// State of the child in each octant, in 8 bits; 255 where there is none, 0 where it is not on the GPU.
 fn own_colors(node: Node) -> vec2<u32> {
-    var own = vec2<u32>(0xffffffffu);
-    var child = node.first_child;
+    var own = vec2<u32>(0u);
     for (var octant = 0u; octant < 8u; octant += 1u) {
-        if (node.child_mask & (1u << octant)) != 0u {
-            let missing = 255u - (states[child] >> 24u);
-            own[octant >> 2u] ^= missing << (8u * (octant & 3u));
-            child += 1u;
+        let child = node.children[octant];
+        var drawn = 255u;
+        if child == CHILD_ABSENT {
+            drawn = 0u;
+        } else if child != NO_CHILD {
+            drawn = states[child] >> 24u;
         }
+        own[octant >> 2u] |= drawn << (8u * (octant & 3u));
     }
     return own;
 }
@@ -165,7 +167,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let batch = batches[id.x];
     let drawn = states[batch.node];
-    if drawn == 0u {
+    // A batch without points has not come yet.
+    if drawn == 0u || batch.num_points == 0u {
         return;
     }
     let node = nodes[batch.node];

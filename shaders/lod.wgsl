@@ -62,6 +62,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     // By `cull`, which comes next.
     counted[id.x] = 0u;
     let node = nodes[id.x];
+    if (node.flags & NODE_RESIDENT) == 0u {
+        states[id.x] = 0u;
+        return;
+    }
     if (node.flags & NODE_WHOLE) != 0u {
         states[id.x] = DRAWN_WHOLE;
         return;

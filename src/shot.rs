@@ -9,13 +9,13 @@ use base::output::{Output, OutputError, OutputFile};
 use base::percentile::Sorted;
 use base::progress::{Progress, Stop};
 use base::space::{Eye, Fov, Pose, View};
-use cloud::octree::build_octree;
+use cloud::octree::build_nodes;
 use cloud::spt::build_spt;
 use glam::DVec3;
 use lab::twin::resolve::{Pixel, depth_of};
 use points::{self, Scan, Scene};
 use render::gpu::{Gpu, readback};
-use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
+use render::{CloudBuffers, CloudUpload, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -153,13 +153,21 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
         return Ok((buffers, spt.cloud.scene));
     }
     if config.lod.enabled {
-        let building = Progress::new("building the octree", "points", 2 * num_points, stop);
-        let octree = build_octree(&scan, &building, &mut |_, _| ())?;
-        drop((scan, building));
-        return Ok((
-            CloudBuffers::upload_layered(gpu, &octree, chunk_limit, &sending())?,
-            octree.cloud.scene,
-        ));
+        // Points are counted twice as the octree is built, and once as they are sent.
+        let building = Progress::new("building the octree", "points", 3 * num_points, stop);
+        let silent = Progress::silent(stop);
+        let mut upload: Option<CloudUpload> = None;
+        let hierarchy = build_nodes(&scan, &building, &mut |hierarchy, blocks| {
+            let upload = match &mut upload {
+                Some(upload) => upload,
+                None => upload.insert(CloudUpload::layered(gpu, hierarchy, chunk_limit, &silent)?),
+            };
+            upload.write_blocks(hierarchy, &blocks)?;
+            building.add(blocks.iter().map(|block| block.colors.len() as u64).sum());
+            Ok::<(), anyhow::Error>(())
+        })?;
+        // A hierarchy has a root.
+        return Ok((upload.context("an octree without nodes")?.buffers(), hierarchy.scene));
     }
     let sorting = Progress::new("batching", "points", num_points, stop);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;

@@ -1,6 +1,6 @@
 //! The main job: walk through a scan, in a headset, in a window, or with nobody looking.
 //!
-//! Three threads: the loader reads the scan and sends it to the GPU; the frame thread draws ([`crate::walk`]);
+//! Three threads: the loader reads the scan and sends it to the GPU, node by node; the frame thread draws ([`crate::walk`]);
 //! the main thread runs the window, if there is one.
 
 use crate::config::{Config, LodMethod};
@@ -13,17 +13,17 @@ use crate::walk::start::start;
 use crate::walk::{Loaded, Walk};
 use anyhow::Context;
 use base::output::Output;
-use base::progress::{Count, Job, Progress, Stop};
+use base::progress::{Job, Progress, Stop};
 use base::words::{self, counted};
-use cloud::octree::build_octree;
+use cloud::octree::build_nodes;
 use cloud::spt::build_spt;
 use cloud::{self, BuildError};
-use points::{self, ScanError};
+use points::{self, Scan, ScanError, Scene};
 use render::gpu::Gpu;
 use render::{CloudBuffers, CloudUpload, UploadError};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender};
+use std::sync::mpsc::Sender;
 use std::time::Duration;
 use timing::RunFacts;
 use timing::log::FrameLog;
@@ -86,7 +86,6 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
     let windowed = display.is_some();
     let ending = Ending::new(stop);
     let (loaded_sender, loaded) = std::sync::mpsc::channel();
-    let (retired, retired_receiver) = std::sync::mpsc::channel();
 
     let summary = std::thread::scope(|scope| {
         let ending = &ending;
@@ -95,8 +94,10 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
             let (gpu, link) = (Arc::clone(&gpu), link.clone());
             move || {
                 let _guard = ending.guard();
-                let shelf = Shelf { loaded: loaded_sender, retired: retired_receiver };
-                let result = load(options, config, &gpu, &link, stop, &shelf);
+                let loader = Loader { config, gpu: &gpu, link: &link, loaded: &loaded_sender };
+                let result = loader.load(&options.scans, stop);
+                // The walk takes this for the sign that all has come.
+                drop(loaded_sender);
                 // However it ended, nothing goes on any more.
                 link.set_doing(None);
                 match result {
@@ -119,7 +120,6 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
             gpu: Arc::clone(&gpu),
             config,
             loaded,
-            retired,
             commands,
             link,
             mirrored: windowed,
@@ -210,101 +210,123 @@ fn facts(options: &ViewOptions, config: &Config, gpu: &Gpu, headset: &dyn Headse
     }
 }
 
-/// Where the loader puts clouds for the frame thread, and takes those back that it shows no more.
-struct Shelf {
-    loaded: Sender<Loaded>,
-    retired: Receiver<CloudBuffers>,
+/// The loader's thread: files to points, points to an octree, whose nodes are drawn as they come, the root first.
+struct Loader<'a> {
+    config: &'a Config,
+    gpu: &'a Gpu,
+    link: &'a WalkEnd,
+    loaded: &'a Sender<Loaded>,
 }
 
-/// The loader's thread: files to points, points to a flat cloud, which is shown at once, and to an octree or a point
-/// tree, which takes its place.
-fn load(
-    options: &ViewOptions,
-    config: &Config,
-    gpu: &Gpu,
-    link: &WalkEnd,
-    stop: &Stop,
-    shelf: &Shelf,
-) -> anyhow::Result<()> {
-    let watching = link.clone();
-    let job = Job::observed(stop, move |count| watching.set_doing(Some(Arc::clone(count))));
-    let scan = points::read(&options.scans, &resolve::read(config), &job)?;
-    for warning in &scan.warnings {
-        eprintln!("scanwalk: warning: {warning}");
-    }
-    let unit_m = scan.unit_m.unwrap_or(1.0);
-    link.update_load(|load| {
-        load.facts = scan_facts(&scan);
-        load.warnings.clone_from(&scan.warnings);
-    });
-    let chunk_limit = resolve::chunk_limit(config);
-    let num_points = scan.num_points() as u64;
-    let sorting = Progress::new("sorting", "points", num_points, &job);
-    let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
-    drop(sorting);
-    let sending = Progress::new("sending to the GPU", "bytes", 16 * num_points, &job);
-    let buffers = CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending)?;
-    drop(sending);
-    let flat_bytes = buffers.bytes;
-    // The walk may have ended meanwhile: then nobody waits for the cloud.
-    let start = start(&cloud.scene, unit_m);
-    if start.magnified > 1.0 {
-        let (size, times) = (cloud.scene.bounds.edge() * unit_m, start.magnified);
-        eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
-    }
-    let _ = shelf.loaded.send(Loaded { cloud: buffers, start: Some(start) });
-    drop(cloud);
-    let bytes = if config.lod.enabled {
-        detailed(scan, config, gpu, link, &job, shelf)?.unwrap_or(flat_bytes)
-    } else {
-        flat_bytes
-    };
-    link.update_load(|load| {
-        load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
-    });
-    Ok(())
-}
-
-/// Builds the scan's octree or point tree, and puts it in the flat cloud's place; its bytes. `None`: the flat cloud stays,
-/// because the walk ended meanwhile, or because there is none, for which the user is told the reason.
-fn detailed(
-    scan: points::Scan,
-    config: &Config,
-    gpu: &Gpu,
-    link: &WalkEnd,
-    job: &Job,
-    shelf: &Shelf,
-) -> anyhow::Result<Option<u64>> {
-    let chunk_limit = resolve::chunk_limit(config);
-    let detailed = match config.lod.method {
-        LodMethod::Octree => layered(gpu, scan, chunk_limit, job),
-        LodMethod::Spt => sequential(gpu, scan, chunk_limit, config.lod.cull_backfaces, job),
-    };
-    match detailed {
-        Ok(buffers) => {
-            let bytes = buffers.bytes;
-            link.set_doing(Some(Arc::new(Count::uncounted("showing all detail"))));
-            let _ = shelf.loaded.send(Loaded { cloud: buffers, start: None });
-            // Once it is shown, the flat cloud comes back; if none does, the walk has ended.
-            if let Ok(flat) = shelf.retired.recv() {
-                flat.free(gpu);
-            }
-            Ok(Some(bytes))
+impl Loader<'_> {
+    fn load(&self, scans: &[PathBuf], stop: &Stop) -> anyhow::Result<()> {
+        let watching = self.link.clone();
+        let job = Job::observed(stop, move |count| watching.set_doing(Some(Arc::clone(count))));
+        let scan = points::read(scans, &resolve::read(self.config), &job)?;
+        for warning in &scan.warnings {
+            eprintln!("scanwalk: warning: {warning}");
         }
-        Err(error) => stay_flat(error, link).map(|()| None),
+        self.link.update_load(|load| {
+            load.facts = scan_facts(&scan);
+            load.warnings.clone_from(&scan.warnings);
+        });
+        let bytes = self.send(scan, &job)?;
+        self.link.update_load(|load| {
+            load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
+        });
+        Ok(())
+    }
+
+    /// Sends a scan to the GPU, in the form that the settings ask for; its bytes there.
+    fn send(&self, scan: Scan, job: &Job) -> anyhow::Result<u64> {
+        let lod = &self.config.lod;
+        if !lod.enabled {
+            return self.flat(&scan, job);
+        }
+        let detailed = match lod.method {
+            LodMethod::Octree => self.layered(&scan, job),
+            LodMethod::Spt => self.sequential(&scan, job),
+        };
+        match detailed {
+            Ok(bytes) => Ok(bytes),
+            Err(error) => {
+                stay_flat(error, self.link)?;
+                self.flat(&scan, job)
+            }
+        }
+    }
+
+    /// Every point, always.
+    fn flat(&self, scan: &Scan, job: &Job) -> anyhow::Result<u64> {
+        let num_points = scan.num_points() as u64;
+        let sorting = Progress::new("sorting", "points", num_points, job);
+        let cloud = cloud::build(scan, self.config.cloud.order, &sorting)?;
+        drop(sorting);
+        let sending = Progress::new("sending to the GPU", "bytes", 16 * num_points, job);
+        let buffers = CloudBuffers::upload(self.gpu, &cloud, resolve::chunk_limit(self.config), &sending)?;
+        Ok(self.show(buffers, &cloud.scene, scan))
+    }
+
+    /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
+    fn layered(&self, scan: &Scan, job: &Job) -> anyhow::Result<u64> {
+        // Points are counted twice as the octree is built, and once as they are sent.
+        let building = Progress::new("building the octree", PASSES, 3 * scan.num_points() as u64, job);
+        let sending = Progress::silent(job.stop());
+        let chunk_limit = resolve::chunk_limit(self.config);
+        let mut upload: Option<CloudUpload> = None;
+        let mut bytes = 0;
+        build_nodes(scan, &building, &mut |hierarchy, blocks| {
+            let is_first = upload.is_none();
+            let upload = match &mut upload {
+                Some(upload) => upload,
+                None => upload.insert(CloudUpload::layered(self.gpu, hierarchy, chunk_limit, &sending)?),
+            };
+            upload.write_blocks(hierarchy, &blocks)?;
+            building.add(blocks.iter().map(|block| block.colors.len() as u64).sum());
+            if is_first {
+                bytes = self.show(upload.buffers(), &hierarchy.scene, scan);
+            }
+            Ok::<(), anyhow::Error>(())
+        })?;
+        Ok(bytes)
+    }
+
+    /// Builds the sequential point tree of a scan and sends it to the GPU.
+    fn sequential(&self, scan: &Scan, job: &Job) -> anyhow::Result<u64> {
+        // Points are counted twice, discs once.
+        let building =
+            Progress::new("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2, job);
+        let spt = build_spt(scan, self.config.lod.cull_backfaces, &building)?;
+        drop(building);
+        // Three planes, colors and shapes.
+        let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
+        let sending = Progress::new("sending to the GPU", "bytes", num_bytes, job);
+        let chunk_limit = resolve::chunk_limit(self.config);
+        let buffers = CloudBuffers::upload_sequential(self.gpu, &spt, chunk_limit, &sending)?;
+        Ok(self.show(buffers, &spt.cloud.scene, scan))
+    }
+
+    /// Hands a cloud to the walk; its bytes.
+    fn show(&self, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
+        let unit_m = scan.unit_m.unwrap_or(1.0);
+        let start = start(scene, unit_m);
+        if start.magnified > 1.0 {
+            let (size, times) = (scene.bounds.edge() * unit_m, start.magnified);
+            eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
+        }
+        let bytes = cloud.bytes;
+        // The walk may have ended meanwhile: then nobody waits for the cloud.
+        let _ = self.loaded.send(Loaded { cloud, start });
+        bytes
     }
 }
 
-/// What is to be done if no level of detail came of a scan that is shown already: the user is told, and walks on.
+/// What is to be done if no level of detail comes of a scan: the user is told, and walks through all points.
 ///
 /// # Errors
-/// The GPU is lost, and with it the walk.
+/// Somebody asked for an end, or the GPU is lost, and with it the walk.
 fn stay_flat(error: anyhow::Error, link: &WalkEnd) -> anyhow::Result<()> {
-    // The walk ended before it stood: nobody misses it.
-    if has_stopped(&error) {
-        return Ok(());
-    }
-    if is_lost(&error) {
+    if has_stopped(&error) || is_lost(&error) {
         return Err(error);
     }
     let warning = format!("without level of detail, every point is drawn always: {error:#}");
@@ -327,39 +349,6 @@ fn has_stopped(error: &anyhow::Error) -> bool {
 
 /// What the counts of both builders are of: each point several times.
 const PASSES: &str = "points in several passes";
-
-/// Builds the octree of a scan and sends its nodes to the GPU as they come.
-fn layered(gpu: &Gpu, scan: points::Scan, chunk_limit: u64, job: &Job) -> anyhow::Result<CloudBuffers> {
-    // Points are counted twice as the octree is built, and once as they are sent.
-    let building = Progress::new("building the octree", PASSES, 3 * scan.num_points() as u64, job);
-    let sending = Progress::silent(job.stop());
-    let mut upload: Option<Result<CloudUpload, UploadError>> = None;
-    build_octree(&scan, &building, &mut |octree, nodes| {
-        let begun = upload.take().unwrap_or_else(|| CloudUpload::layered(gpu, octree, chunk_limit, &sending));
-        let num_points: u64 = octree.nodes[nodes.clone()].iter().map(|node| u64::from(node.num_points)).sum();
-        upload = Some(begun.and_then(|mut upload| upload.write_nodes(octree, nodes).map(|()| upload)));
-        building.add(num_points);
-    })?;
-    Ok(upload.ok_or(BuildError::Empty)??.finish())
-}
-
-/// Builds the sequential point tree of a scan and sends it to the GPU.
-fn sequential(
-    gpu: &Gpu,
-    scan: points::Scan,
-    chunk_limit: u64,
-    cull_backfaces: bool,
-    job: &Job,
-) -> anyhow::Result<CloudBuffers> {
-    // Points are counted twice, discs once.
-    let building = Progress::new("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2, job);
-    let spt = build_spt(&scan, cull_backfaces, &building)?;
-    drop((scan, building));
-    // Three planes, colors and shapes.
-    let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
-    let sending = Progress::new("sending to the GPU", "bytes", num_bytes, job);
-    Ok(CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending)?)
-}
 
 /// What the window's panel says of the scan.
 fn scan_facts(scan: &points::Scan) -> Vec<(String, String)> {
@@ -438,7 +427,7 @@ mod tests {
         }
         for stopped in [BuildError::Stopped.into(), UploadError::Stopped.into()] {
             let (link, _commands, viewer) = link::link();
-            stay_flat(stopped, &link).expect("as asked");
+            stay_flat(stopped, &link).expect_err("nothing more is wanted");
             assert!(viewer.load().warnings.is_empty());
         }
         let (link, _commands, viewer) = link::link();
@@ -447,43 +436,37 @@ mod tests {
         assert!(viewer.load().warnings.is_empty());
     }
 
-    /// A slow frame may be under way when all is built and sent: until the next one shows it, no count stands at its end.
+    /// The walk begins with the root alone, and all that follows is drawn from the same buffers.
     #[test]
-    fn what_comes_after_building_has_its_own_name() {
+    fn the_walk_begins_with_the_root() {
         let gpu = Gpu::open(None).unwrap();
-        for (method, last) in
-            [(LodMethod::Octree, "building the octree"), (LodMethod::Spt, "sending to the GPU")]
-        {
-            let mut config = Config::default();
-            config.lod.method = method;
-            let xyz: Vec<[i32; 3]> = (0..3000).map(|i| [i * 37 % 1000, i * 91 % 1000, i / 30]).collect();
-            let points = points::Points { rgb: vec![[100; 3]; xyz.len()], xyz, ..Default::default() };
-            let file = points::ScanFile { points, ..Default::default() };
-            let lattice = file.lattice;
-            let positions = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
-            let bounds = positions.fold(base::space::Bounds::EMPTY, base::space::Bounds::with);
-            let scan =
-                points::Scan { files: vec![points::ScanFile { bounds, ..file }], ..Default::default() };
-            let (link, _commands, viewer) = link::link();
-            let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
-            let seen = Arc::clone(&counts);
-            let job =
-                Job::observed(&Stop::default(), move |count| seen.lock().unwrap().push(Arc::clone(count)));
-            let (sender, loaded) = std::sync::mpsc::channel();
-            let (retired, retired_receiver) = std::sync::mpsc::channel();
-            let shelf = Shelf { loaded: sender, retired: retired_receiver };
-            std::thread::scope(|scope| {
-                let (config, gpu, link, job) = (&config, &gpu, &link, &job);
-                let loading = scope.spawn(move || detailed(scan, config, gpu, link, job, &shelf));
-                loaded.recv().expect("a cloud");
-                let doing = viewer.load().doing.expect("it is not shown yet");
-                assert_eq!((doing.what, doing.total), ("showing all detail", 0), "{method:?}");
-                drop(retired);
-                assert!(loading.join().unwrap().unwrap().is_some());
-            });
-            let done: Vec<_> = counts.lock().unwrap().iter().map(|count| count.now()).collect();
-            let newest = done.last().expect("work that is seen");
-            assert!(newest.what == last && newest.done >= newest.total, "{method:?}: {done:?}");
-        }
+        let xyz: Vec<[i32; 3]> = (0..300_000).map(|i| [i * 37 % 1000, i * 91 % 1000, i / 300]).collect();
+        let num_points = xyz.len() as u64;
+        let points = points::Points { rgb: vec![[100; 3]; xyz.len()], xyz, ..Default::default() };
+        let file = points::ScanFile { points, ..Default::default() };
+        let lattice = file.lattice;
+        let positions = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
+        let bounds = positions.fold(base::space::Bounds::EMPTY, base::space::Bounds::with);
+        let scan = Scan { files: vec![points::ScanFile { bounds, ..file }], ..Default::default() };
+        let (link, _commands, _viewer) = link::link();
+        let (sender, loaded) = std::sync::mpsc::channel();
+        let config = Config::default();
+        // What has come when the walk is told: observed on the loader's own thread, between two runs of nodes.
+        let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let seen = Arc::clone(&counts);
+        let job = Job::observed(&Stop::default(), move |count| seen.lock().unwrap().push(Arc::clone(count)));
+        let loader = Loader { config: &config, gpu: &gpu, link: &link, loaded: &sender };
+        let first = std::thread::scope(|scope| {
+            let loading = scope.spawn(|| loader.send(scan, &job).expect("a cloud"));
+            let Loaded { cloud, .. } = loaded.recv().expect("a cloud");
+            let first = cloud.num_resident();
+            loading.join().unwrap();
+            assert_eq!((cloud.num_points, cloud.num_resident()), (num_points, num_points));
+            first
+        });
+        assert!(first > 0 && loaded.try_recv().is_err(), "one cloud, once");
+        let done: Vec<_> = counts.lock().unwrap().iter().map(|count| count.now()).collect();
+        let [building] = &done[..] else { panic!("{done:?}") };
+        assert!(building.what == "building the octree" && building.done >= building.total, "{done:?}");
     }
 }

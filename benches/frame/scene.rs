@@ -40,7 +40,7 @@ impl Scene {
         synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
         let scan = points::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
-        Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
+        Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden())? })
     }
 }
 

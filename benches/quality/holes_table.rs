@@ -89,7 +89,7 @@ impl Holes {
         places: &[Viewpoint],
         kept: &mut Kept,
     ) -> Result<()> {
-        let octree = build_octree(scan, &Progress::hidden(), &mut |_, _| ())?;
+        let octree = build_octree(scan, &Progress::hidden())?;
         let num_points = octree.cloud.num_points;
         let mut cloud = Some(CloudBuffers::upload_layered(gpu, &octree, 0, &Progress::hidden())?);
         for place in places {

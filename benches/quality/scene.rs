@@ -55,7 +55,7 @@ impl Scene {
     /// If the scan is empty.
     pub fn new(scan: Scan) -> Result<Self> {
         let cloud = flat(&scan)?;
-        Ok(Self { cloud, octree: build_octree(&scan, &Progress::hidden(), &mut |_, _| ())? })
+        Ok(Self { cloud, octree: build_octree(&scan, &Progress::hidden())? })
     }
 }
 

@@ -15,7 +15,7 @@ use render::gpu::Gpu;
 use render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, TryRecvError};
+use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 use timing::log::FrameLog;
 use timing::pose_path::PosePath;
@@ -33,8 +33,8 @@ const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
 pub struct Loaded {
     /// On the GPU.
     pub cloud: CloudBuffers,
-    /// Where to stand; `None` if it is the scan that is shown already, in a better form.
-    pub start: Option<Start>,
+    /// Where to stand.
+    pub start: Start,
 }
 
 /// What the loop needs besides the headset.
@@ -44,10 +44,8 @@ pub struct Walk<'a> {
     pub gpu: Arc<Gpu>,
     /// Settings.
     pub config: &'a Config,
-    /// Scans as they become ready; the loader lets go of the other end when it is done.
+    /// The scan, as soon as something of it can be drawn; the loader lets go of the other end when all of it can.
     pub loaded: Receiver<Loaded>,
-    /// Takes clouds that no frame draws any more once those under way have ended, for [`CloudBuffers::free`].
-    pub retired: Sender<CloudBuffers>,
     /// From the desktop.
     pub commands: Receiver<Command>,
     /// To the desktop.
@@ -121,8 +119,6 @@ impl Walk<'_> {
 /// State from one frame to the next.
 struct Frames {
     renderer: Renderer,
-    /// The cloud before, until a frame without it is submitted.
-    retiring: Option<CloudBuffers>,
     locomotion: Option<Locomotion>,
     /// If a window shows it.
     mirror: Option<Mirror>,
@@ -171,7 +167,6 @@ impl Frames {
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
         Ok(Self {
             renderer,
-            retiring: None,
             locomotion: None,
             mirror,
             screenshots: Screenshots::default(),
@@ -211,12 +206,10 @@ impl Frames {
                     break;
                 }
             };
-            self.retire(walk);
-            self.retiring = self.renderer.set_cloud(cloud)?;
-            match (&mut self.locomotion, start) {
-                (_, None) => {}
-                (Some(locomotion), Some(start)) => locomotion.restart(start),
-                (None, Some(start)) => {
+            self.renderer.set_cloud(cloud)?;
+            match &mut self.locomotion {
+                Some(locomotion) => locomotion.restart(start),
+                None => {
                     self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch));
                 }
             }
@@ -228,14 +221,6 @@ impl Frames {
     /// The loader is done and has brought no scan.
     fn are_in_vain(&self) -> bool {
         !self.arriving && self.locomotion.is_none()
-    }
-
-    /// Gives away the cloud that another has taken the place of.
-    fn retire(&mut self, walk: &Walk) {
-        if let Some(before) = self.retiring.take() {
-            // If nobody takes it, it is freed here.
-            let _ = walk.retired.send(before);
-        }
     }
 
     /// Applies what the desktop asked for; true if that is to end the walk.
@@ -303,8 +288,6 @@ impl Frames {
         }
         headset.submit(Some(encoder))?;
         self.renderer.submitted();
-        // Only now has everything let go of it that a frame is recorded with.
-        self.retire(walk);
         self.screenshots.submitted(&walk.gpu, &walk.link);
 
         let written_bytes = walk.gpu.queue.written_bytes();

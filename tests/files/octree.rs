@@ -3,7 +3,7 @@
 
 use base::progress::{Progress, Stop};
 use base::space::{Bounds, Eye, Fov, Pose, View};
-use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_octree};
+use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
 use lab::twin::{self, Scene};
@@ -37,7 +37,7 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
 }
 
 fn octree_of(scan: &Scan) -> Octree {
-    build_octree(scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
 /// Shapes whose octrees are unlike each other; each large enough for several levels.
@@ -362,22 +362,28 @@ fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
     let xyz =
         (0..2_500_000).map(|_| [random.below(90_000), random.below(90_000), random.below(30)]).collect();
     let scan = scan_of(xyz);
-    let mut seen: Vec<(Range<usize>, Vec<u32>)> = Vec::new();
-    let octree = build_octree(&scan, &Progress::hidden(), &mut |octree, nodes| {
-        let (first, last) = (&octree.nodes[nodes.start], &octree.nodes[nodes.end - 1]);
-        let slots = slots(first).start..slots(last).end;
-        seen.push((nodes, octree.cloud.planes[2][slots].to_vec()));
+    let octree = octree_of(&scan);
+    let mut seen: Vec<usize> = Vec::new();
+    let mut runs: Vec<usize> = Vec::new();
+    build_nodes(&scan, &Progress::hidden(), &mut |hierarchy, blocks| {
+        assert!(hierarchy.nodes == octree.nodes && hierarchy.batches == octree.cloud.batches);
+        runs.push(blocks.len());
+        for block in blocks {
+            let slots = slots(&octree.nodes[block.node]);
+            let is_whole =
+                block.planes.iter().zip(&octree.cloud.planes).all(|(b, o)| b[..] == o[slots.clone()]);
+            assert!(is_whole && block.colors[..] == octree.cloud.colors[slots.clone()]);
+            assert!(block.filtered_colors[..] == octree.filtered_colors[slots]);
+            seen.push(block.node);
+        }
+        Ok::<(), BuildError>(())
     })
     .unwrap();
-    assert!(seen.len() > 1, "several runs");
-    let mut next = 0;
-    for (nodes, words) in &seen {
-        assert_eq!(nodes.start, next);
-        next = nodes.end;
-        let slots = slots(&octree.nodes[nodes.start]).start..slots(&octree.nodes[nodes.end - 1]).end;
-        assert!(octree.cloud.planes[2][slots] == words[..], "nothing changes after it was handed over");
-    }
-    assert_eq!(next, octree.nodes.len());
+    assert!(seen.iter().copied().eq(0..octree.nodes.len()), "each once, in order");
+    assert!(runs.len() > 2 && runs[0] == 1, "the root, and several runs: {runs:?}");
+    // Whoever takes them may end it.
+    let ended = build_nodes(&scan, &Progress::hidden(), &mut |_, _| Err(BuildError::Stopped)).unwrap_err();
+    assert_eq!(ended, BuildError::Stopped);
 }
 
 /// The batches are a flat cloud: the stages that draw such clouds draw this one, all of its points.
@@ -416,7 +422,7 @@ fn small_and_impossible_clouds() {
     assert_eq!((one_place.nodes.len(), one_place.cloud.batches.len()), (1, 10));
     assert_eq!(one_place.nodes[0].edge, 0.0);
 
-    let build = |scan: &Scan, progress: &Progress| build_octree(scan, progress, &mut |_, _| ()).unwrap_err();
+    let build = |scan: &Scan, progress: &Progress| build_octree(scan, progress).unwrap_err();
     assert_eq!(build(&Scan::default(), &Progress::hidden()), BuildError::Empty);
     let stop = Stop::default();
     stop.request();

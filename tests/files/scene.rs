@@ -310,7 +310,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
         let wide = cloud.batches.iter().filter(|batch| batch.cell.iter().any(|&c| c > 1e-6)).count();
         assert_eq!(wide, 1, "{order:?}: only the strays' batch is wide");
     }
-    let octree = |scan: &Scan| build_octree(scan, &Progress::hidden(), &mut |_, _| ()).unwrap();
+    let octree = |scan: &Scan| build_octree(scan, &Progress::hidden()).unwrap();
     let (far, near) = (octree(&far), octree(&near));
     let positions = sorted(drawn(&far.cloud));
     // Cells are shares of a node's cube, and the root's is as wide as everything: the point or two of the scene that it

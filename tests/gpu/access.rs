@@ -17,7 +17,7 @@ use render::{Look, RINGS_REACH_PX};
 
 fn courtyard(num_points: u64) -> Octree {
     let scan = made_up(Kind::Terrestrial, num_points);
-    build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(&scan, &Progress::hidden()).expect("an octree")
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn room() -> Octree {
         xyz.push(p);
     }
     xyz.extend((0..300).map(|_| [at(1.5), at(1.5), at(1.5)]));
-    build_octree(&scan_of(&xyz, 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(&scan_of(&xyz, 0.001, DVec3::ZERO), &Progress::hidden()).expect("an octree")
 }
 
 fn look(quality: Quality, dilate: Dilate, fill: bool) -> Look {

@@ -32,7 +32,7 @@ const MAX_OUTLINE_PERCENT: u64 = 3;
 
 fn octree() -> &'static Octree {
     static OCTREE: OnceLock<Octree> = OnceLock::new();
-    let build = || build_octree(&sphere(POINTS), &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let build = || build_octree(&sphere(POINTS), &Progress::hidden()).expect("an octree");
     OCTREE.get_or_init(build)
 }
 
@@ -97,7 +97,7 @@ fn assert_scan_is_closed(source: Source) {
         return;
     }
     let scan = source.dense_scan(SCAN_POINTS).expect("a scan");
-    let octree = build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let octree = build_octree(&scan, &Progress::hidden()).expect("an octree");
     let frames = [("fovea.smooth=true", 1.0), ("fovea.smooth=false", 2.0), ("fovea.smooth=true", 3.0)];
     let looks =
         [("valve-index", "balanced"), ("meta-quest-3", "performance"), ("bigscreen-beyond-2", "quality")];

@@ -28,7 +28,7 @@ fn courtyard() -> &'static (Scan, Octree) {
 }
 
 fn octree_of(scan: &Scan) -> Octree {
-    build_octree(scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
 /// Looks along the courtyard from within: near and far nodes, all rings.

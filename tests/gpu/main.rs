@@ -1,6 +1,7 @@
 //! Stages and frames on whatever Vulkan driver there is, compared with the twins.
 
 mod access;
+mod arrival;
 mod bench;
 mod border;
 mod defects;
@@ -19,5 +20,5 @@ mod quality;
 mod second_driver;
 mod shaders;
 mod spt;
-mod swap;
+
 mod waiting;

@@ -403,7 +403,7 @@ fn flat_clouds_and_octrees_show_a_meshs_points() {
     points.files[0].triangles.clear();
     let flat = |scan: &Scan| build(scan, Order::Morton, &Progress::hidden()).expect("a cloud");
     assert_eq!(flat(&mesh).planes, flat(&points).planes);
-    let octree = |scan: &Scan| build_octree(scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let octree = |scan: &Scan| build_octree(scan, &Progress::hidden()).expect("an octree");
     assert_eq!(octree(&mesh).cloud.planes, octree(&points).cloud.planes);
 }
 

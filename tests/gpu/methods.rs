@@ -112,9 +112,7 @@ fn just_set_fills_the_same_pixels_wrongly() {
 
 #[test]
 fn methods_draw_octrees_too() {
-    let octree =
-        build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ())
-            .unwrap();
+    let octree = build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden()).unwrap();
     let view = view();
     let detail = Detail { fade: true, threshold_px: [60.0; 3], ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
@@ -132,9 +130,7 @@ fn methods_draw_octrees_too() {
 /// Most methods are of every tier; several chunks and a part of the image change nothing.
 #[test]
 fn methods_of_every_tier_draw_the_same_in_each() {
-    let octree =
-        build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden(), &mut |_, _| ())
-            .unwrap();
+    let octree = build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden()).unwrap();
     let view = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), [61, 48]);
     let draw = |method, atomics, chunk_limit| {
         let look = look(method, Quality::Closest);

@@ -81,7 +81,7 @@ fn flat() -> Cloud {
 
 fn layered() -> Octree {
     let scan = scan_of(&random_points(60_000, 10.0, 9), 0.001, DVec3::new(5e5, 4e6, 100.0));
-    build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(&scan, &Progress::hidden()).expect("an octree")
 }
 
 /// Looks at the cloud from so far away, with a gaze off the axis.
@@ -323,7 +323,7 @@ fn overlays_follow_the_renderer() {
     let mut canvas = Canvas::layered(&octree, &view, rings, gpu().atomics(), 0);
     let mut overlays = Overlays::new(&canvas.renderer);
     let other = scan_of(&random_points(30_000, 10.0, 8), 0.001, DVec3::new(5e5, 4e6, 100.0));
-    let other = build_octree(&other, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let other = build_octree(&other, &Progress::hidden()).expect("an octree");
     let set_cloud = |canvas: &mut Canvas, octree: &Octree| {
         let buffers = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
         canvas.renderer.set_cloud(buffers).expect("room");

@@ -23,7 +23,7 @@ const NUM_STEPS: u32 = 80;
 const STEP_SHARE: f32 = 0.0025;
 
 fn courtyard() -> Octree {
-    build_octree(&kit::frames::courtyard(), &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(&kit::frames::courtyard(), &Progress::hidden()).expect("an octree")
 }
 
 fn view(place: &Viewpoint) -> View {

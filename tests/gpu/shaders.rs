@@ -111,7 +111,7 @@ macro_rules! host {
 fn host_structs() -> Vec<HostStruct> {
     vec![
         host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval),
-        host!(Node: min_hi, edge, min_lo, first_child, spacing, child_mask, flags, level,
+        host!(Node: min_hi, edge, min_lo, flags, spacing, children, level,
             sample_spacing, spacing_step),
         host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
             gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height,

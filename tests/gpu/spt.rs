@@ -236,7 +236,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
     // The courtyard is too thin in places: there, pictures differ by how gaps are filled.
     let statue = made_up(Kind::Photogrammetry, 400_000);
     let spt = spt_of(&statue, false);
-    let octree = build_octree(&statue, &Progress::hidden(), &mut |_, _| ()).expect("an octree");
+    let octree = build_octree(&statue, &Progress::hidden()).expect("an octree");
     let scene = Scene::sequential(&spt);
     let mut wrong = spt.clone();
     // Discs are drawn where their errors are eight times as large as they may be.

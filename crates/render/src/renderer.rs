@@ -244,7 +244,7 @@ impl Renderer {
     /// Points and bytes on the GPU.
     #[must_use]
     pub fn resident(&self) -> (u64, u64) {
-        self.cloud.as_ref().map_or((0, 0), |c| (c.num_points, c.bytes))
+        self.cloud.as_ref().map_or((0, 0), |c| (c.num_resident(), c.bytes))
     }
 
     /// True if level of detail has a say in how much of the cloud is drawn.

@@ -21,7 +21,7 @@ pub type StageMs = [f32; STAGES.len()];
 pub enum Phase {
     /// No scan is shown yet.
     Waiting,
-    /// A scan is shown, and its final form is still being read, built or sent to the GPU beside the frames.
+    /// A scan is shown, and some of its nodes are still to be built or sent to the GPU.
     Arriving,
     /// The scan is shown as it stays.
     #[default]

@@ -1,19 +1,19 @@
-//! From a tree of drafts to nodes, batches and planes.
+//! From a tree of drafts to a hierarchy of nodes, and then to their points, block after block, the root first.
 
 use super::keys::{Cube, Key, Root};
 use super::tree::{Draft, Octant};
-use super::{GRID_BITS, Node, Octree};
-use crate::format::{BATCH_POINTS, COORDINATE_BITS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
+use super::{GRID_BITS, Hierarchy, Node, NodeBlock};
+use crate::format::{BATCH_POINTS, COORDINATE_BITS, PAGE_POINTS, SPACING_EXPONENT_SHIFT};
 use crate::index::Index;
 use crate::quantize::{Cells, planes};
-use crate::{Batch, BuildError, Cloud};
+use crate::{Batch, BuildError};
 use base::progress::Progress;
 use base::space::{Bounds, Split};
 use points::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Points that are put in place before they are announced, about.
+/// Points that are put in place before they are handed over, about.
 const RUN_POINTS: usize = 1 << 20;
 /// Keys looked through at once for those of a level.
 const BLOCK_KEYS: usize = 64;
@@ -27,12 +27,9 @@ pub(super) struct Source<'a> {
     pub levels: &'a [u8],
 }
 
-/// Where every node's points will be.
+/// A hierarchy and where the points of its nodes come from.
 pub(super) struct Plan {
-    bounds: Bounds,
-    scene: Scene,
-    nodes: Vec<Node>,
-    batches: Vec<Batch>,
+    pub hierarchy: Hierarchy,
     /// Keys and cells of each node.
     origins: Vec<(Range<usize>, Cells)>,
     /// Of all leaves, in the keys' order.
@@ -43,24 +40,25 @@ impl Plan {
     /// Lays the nodes out breadth first.
     pub fn new(root: &Root, bounds: Bounds, scene: Scene, draft: Draft) -> Result<Self, BuildError> {
         let num_points = draft.keys.len();
-        let mut plan = Self {
+        let hierarchy = Hierarchy {
+            split: Split::of(&scene.bounds, &bounds),
             bounds,
             scene,
             nodes: Vec::new(),
             batches: Vec::new(),
-            origins: Vec::new(),
-            octants: Vec::new(),
+            num_points: num_points as u64,
         };
+        let mut plan = Self { hierarchy, origins: Vec::new(), octants: Vec::new() };
         let mut end = 0u64;
         let mut generation = vec![(None, draft)];
         while !generation.is_empty() {
-            let first_child = plan.nodes.len() + generation.len();
+            let first_child = plan.origins.len() + generation.len();
             let mut next = Vec::new();
             for (parent, draft) in generation {
-                let number = plan.nodes.len() as u32;
+                let number = plan.origins.len() as u32;
                 let children = first_child + next.len()..first_child + next.len() + draft.children.len();
                 let node = node(root, &draft, parent, children, end as u32);
-                end += u64::from(draft.num_points.next_multiple_of(POINTS_PER_LOAD));
+                end += u64::from(draft.num_points.next_multiple_of(PAGE_POINTS));
                 if end > u64::from(u32::MAX / 2) {
                     return Err(BuildError::TooMany(num_points));
                 }
@@ -78,18 +76,19 @@ impl Plan {
     /// Adds a node and its batches, all of about the same size.
     fn push(&mut self, mut node: Node, cube: Cube, keys: Range<usize>, root: &Root) {
         let cells = root.cells(cube);
-        let first_batch = self.batches.len() as u32;
+        let Hierarchy { nodes, batches, .. } = &mut self.hierarchy;
+        let first_batch = batches.len() as u32;
         let num_batches = node.num_points.div_ceil(BATCH_POINTS).max(1);
-        let size = node.num_points.div_ceil(num_batches).next_multiple_of(POINTS_PER_LOAD);
+        let size = node.num_points.div_ceil(num_batches).next_multiple_of(PAGE_POINTS);
         let mut done = 0;
         while done < node.num_points {
             let num_points = size.min(node.num_points - done);
             let first_point = node.first_point + done;
-            self.batches.push(Batch { first_point, num_points, min: cells.min, cell: cells.cell });
+            batches.push(Batch { first_point, num_points, min: cells.min, cell: cells.cell });
             done += num_points;
         }
-        node.batches = first_batch..self.batches.len() as u32;
-        self.nodes.push(node);
+        node.batches = first_batch..batches.len() as u32;
+        nodes.push(node);
         self.origins.push((keys, cells));
     }
 }
@@ -115,39 +114,31 @@ fn node(root: &Root, draft: &Draft, parent: Option<u32>, children: Range<usize>,
     }
 }
 
-/// Puts all points in their places, run after run of nodes.
-pub(super) fn fill(
+/// Hands over the points of all nodes, run after run, in the order of the nodes.
+pub(super) fn fill<E: From<BuildError>>(
     source: &Source,
     plan: Plan,
     progress: &Progress,
-    ready: &mut dyn FnMut(&Octree, Range<usize>),
-) -> Result<Octree, BuildError> {
-    let Plan { bounds, scene, nodes, batches, origins, octants } = plan;
-    // At least one node, since there is at least one point.
-    let size = nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(POINTS_PER_LOAD));
-    let plane = || vec![0u32; size as usize];
-    let planes = [plane(), plane(), plane()];
-    let num_points = source.keys.len() as u64;
-    let split = Split::of(&scene.bounds, &bounds);
-    let cloud = Cloud { split, bounds, scene, batches, planes, colors: plane(), num_points };
-    let mut octree = Octree { cloud, filtered_colors: plane(), nodes };
-    for run in runs(&octree.nodes) {
-        let Octree { cloud, filtered_colors, nodes } = &mut octree;
-        let slots = slots(cloud, filtered_colors, &nodes[run.clone()]);
-        slots.into_par_iter().zip(&nodes[run.clone()]).zip(&origins[run.clone()]).for_each(
-            |((slot, node), (keys, cells))| {
-                if !progress.stopped() {
-                    slot.fill(source, &octants, node, keys.clone(), cells);
-                    progress.add(u64::from(node.num_points));
-                }
-            },
-        );
+    take: &mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Result<(), E>,
+) -> Result<Hierarchy, E> {
+    let Plan { hierarchy, origins, octants } = plan;
+    for run in runs(&hierarchy.nodes) {
+        let block = |number: usize| {
+            let (node, (keys, cells)) = (&hierarchy.nodes[number], &origins[number]);
+            let mut block = NodeBlock::empty(number, node.num_points as usize);
+            if !progress.stopped() {
+                block.fill(source, &octants, node, keys.clone(), cells);
+                progress.add(u64::from(node.num_points));
+            }
+            block
+        };
+        let blocks = run.into_par_iter().map(block).collect();
         if progress.stopped() {
-            return Err(BuildError::Stopped);
+            return Err(BuildError::Stopped.into());
         }
-        ready(&octree, run);
+        take(&hierarchy, blocks)?;
     }
-    Ok(octree)
+    Ok(hierarchy)
 }
 
 /// True if octants have all keys, one after the other.
@@ -157,13 +148,13 @@ fn follow(octants: &[Octant], num_keys: usize) -> bool {
     starts.eq(ends)
 }
 
-/// Consecutive nodes with about [`RUN_POINTS`].
+/// The root, then consecutive nodes with about [`RUN_POINTS`].
 fn runs(nodes: &[Node]) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let (mut first, mut num_points) = (0, 0);
     for (number, node) in nodes.iter().enumerate() {
         num_points += node.num_points as usize;
-        if num_points >= RUN_POINTS || number + 1 == nodes.len() {
+        if number == 0 || num_points >= RUN_POINTS || number + 1 == nodes.len() {
             runs.push(first..number + 1);
             (first, num_points) = (number + 1, 0);
         }
@@ -171,35 +162,16 @@ fn runs(nodes: &[Node]) -> Vec<Range<usize>> {
     runs
 }
 
-/// A node's share of the planes: three of coordinates, own colours, filtered colours.
-struct Slot<'p>([&'p mut [u32]; 5]);
-
-/// The shares of consecutive nodes.
-fn slots<'p>(cloud: &'p mut Cloud, filtered_colors: &'p mut [u32], nodes: &[Node]) -> Vec<Slot<'p>> {
-    let [hi, mid, lo] = &mut cloud.planes;
-    let mut rest = [&mut hi[..], &mut mid[..], &mut lo[..], &mut cloud.colors[..], filtered_colors];
-    let mut done = 0;
-    let mut slots = Vec::with_capacity(nodes.len());
-    for node in nodes {
-        let (first, count) = (node.first_point as usize, node.num_points as usize);
-        let gap = first - done;
-        done = first + count;
-        let mut later = [const { None }; 5];
-        let own = std::array::from_fn(|i| {
-            let (own, after) = std::mem::take(&mut rest[i])[gap..].split_at_mut(count);
-            later[i] = Some(after);
-            own
-        });
-        rest = later.map(Option::unwrap_or_default);
-        slots.push(Slot(own));
+impl NodeBlock {
+    /// Room for so many points.
+    fn empty(node: usize, num_points: usize) -> Self {
+        let column = || vec![0; num_points];
+        Self { node, planes: [column(), column(), column()], colors: column(), filtered_colors: column() }
     }
-    slots
-}
 
-impl Slot<'_> {
     /// `octants`: of all leaves.
-    fn fill(self, source: &Source, octants: &[Octant], node: &Node, keys: Range<usize>, cells: &Cells) {
-        let [hi, mid, lo, colors, filtered_colors] = self.0;
+    fn fill(&mut self, source: &Source, octants: &[Octant], node: &Node, keys: Range<usize>, cells: &Cells) {
+        let Self { planes: [hi, mid, lo], colors, filtered_colors, .. } = self;
         // An inner node that has taken every point below has no children either: its points stand for themselves.
         let is_own = node.children.is_empty();
         let bounds = node.exponent_bounds();

@@ -2,8 +2,8 @@
 //! leaves hold the rest; every point is stored once [2022 §3.5].
 //!
 //! ```text
-//!  Scan ──keys──▶ Morton-sorted keys ──tree──▶ nodes (a subtree = a range of keys) ──fill──▶ Octree
-//!                                        │ bottom-up: sample                 breadth first, root down
+//!  Scan ──keys──▶ Morton-sorted keys ──tree──▶ Hierarchy (a subtree = a range of keys) ──fill──▶ NodeBlocks
+//!                                        │ bottom-up: sample                    breadth first, root down
 //!                                        ▼
 //!                              filtered colors, level of each key
 //! ```
@@ -33,11 +33,13 @@ mod tests;
 mod tree;
 
 use super::build::{Checked, check};
+use super::format::PAGE_POINTS;
 use super::index::Index;
-use super::{BuildError, Cloud};
+use super::{Batch, BuildError, Cloud};
 use base::progress::Progress;
+use base::space::{Bounds, Split};
 use glam::DVec3;
-use points::Scan;
+use points::{Scan, Scene};
 use std::ops::Range;
 
 /// Deepest level; the root is level 0. A far point makes the root's cube large: that of a 2³²th of it still tells the
@@ -71,7 +73,7 @@ pub struct Node {
     pub children: Range<u32>,
     /// Its points, as a range of batches.
     pub batches: Range<u32>,
-    /// First of its points in the planes; they follow one another without gaps.
+    /// First of its points in the planes, a multiple of [`crate::format::PAGE_POINTS`]; they follow one another without gaps.
     pub first_point: u32,
     /// Points of its own.
     pub num_points: u32,
@@ -124,7 +126,47 @@ fn octant_of(level: u32, below: u32, cube: [u32; 3]) -> usize {
     bit(0) | bit(1) << 1 | bit(2) << 2
 }
 
-/// A layered point cloud.
+/// The nodes of a layered point cloud without their points.
+#[derive(Clone, Debug)]
+pub struct Hierarchy {
+    /// How world positions become the GPU's pairs of f32.
+    pub split: Split,
+    /// True box of the points, world space.
+    pub bounds: Bounds,
+    /// The scan's.
+    pub scene: Scene,
+    /// Breadth first: the root, its children, their children; siblings follow one another in Morton order.
+    /// Parents stand before children, so that any prefix of the nodes can be drawn.
+    pub nodes: Vec<Node>,
+    /// Of all nodes, one after the other; their box is the node's cube.
+    pub batches: Vec<Batch>,
+    /// Points in all nodes.
+    pub num_points: u64,
+}
+
+impl Hierarchy {
+    /// True if points lie so close in some leaf, or in the only node, that a pixel may get more of them than
+    /// packed sums hold.
+    #[must_use]
+    pub fn is_crowded(&self) -> bool {
+        is_crowded(&self.nodes)
+    }
+}
+
+/// The points of one node, as the GPU wants them.
+#[derive(Clone, Debug)]
+pub struct NodeBlock {
+    /// The node's number.
+    pub node: usize,
+    /// Coarse to fine, as [`Cloud::planes`].
+    pub planes: [Vec<u32>; 3],
+    /// The points' own colors.
+    pub colors: Vec<u32>,
+    /// As [`Octree::filtered_colors`].
+    pub filtered_colors: Vec<u32>,
+}
+
+/// A layered point cloud, whole in memory.
 #[derive(Clone, Debug)]
 pub struct Octree {
     /// All points, node by node, each node cut into batches that share its cube as their box. As it stands this
@@ -133,48 +175,93 @@ pub struct Octree {
     /// Beside `cloud.colors`: the average of what a point stands for while nothing below its node is drawn.
     /// Equal to the own colour in leaves.
     pub filtered_colors: Vec<u32>,
-    /// Breadth first: the root, its children, their children; siblings follow one another in Morton order.
-    /// Parents stand before children, so that any prefix of the nodes (and of the planes) can be drawn.
+    /// As [`Hierarchy::nodes`].
     pub nodes: Vec<Node>,
 }
 
 impl Octree {
-    /// True if points lie so close in some leaf, or in the only node, that a pixel may get more of them than
-    /// [`crate::format::Sums::Packed`] holds.
+    /// See [`Hierarchy::is_crowded`].
     #[must_use]
     pub fn is_crowded(&self) -> bool {
-        self.nodes.len() == 1 || self.nodes.iter().any(|node| node.crowd > MAX_CROWD)
+        is_crowded(&self.nodes)
+    }
+
+    /// Room for all points of a hierarchy.
+    fn empty(hierarchy: &Hierarchy) -> Self {
+        let Hierarchy { split, bounds, scene, nodes, batches, num_points } = hierarchy.clone();
+        // At least one node, since there is at least one point.
+        let size = nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(PAGE_POINTS));
+        let plane = || vec![0u32; size as usize];
+        let planes = [plane(), plane(), plane()];
+        let cloud = Cloud { split, bounds, scene, batches, planes, colors: plane(), num_points };
+        Self { cloud, filtered_colors: plane(), nodes }
+    }
+
+    /// Puts a node's points in their place.
+    fn put(&mut self, block: &NodeBlock) {
+        let node = &self.nodes[block.node];
+        let place = node.first_point as usize..(node.first_point + node.num_points) as usize;
+        let Cloud { planes: [hi, mid, lo], colors, .. } = &mut self.cloud;
+        let NodeBlock { planes: [block_hi, block_mid, block_lo], .. } = block;
+        for (column, points) in [
+            (hi, block_hi),
+            (mid, block_mid),
+            (lo, block_lo),
+            (colors, &block.colors),
+            (&mut self.filtered_colors, &block.filtered_colors),
+        ] {
+            column[place.clone()].copy_from_slice(points);
+        }
     }
 }
 
-/// Builds the octree of a scan, on all cores.
+/// See [`Hierarchy::is_crowded`].
+#[must_use]
+pub fn is_crowded(nodes: &[Node]) -> bool {
+    nodes.len() == 1 || nodes.iter().any(|node| node.crowd > MAX_CROWD)
+}
+
+/// Builds the octree of a scan, on all cores, and hands its points over node by node, the root first.
 ///
-/// `progress` counts each point twice: once sorted into the tree, once put in its place. `ready` is called as
-/// runs of nodes are whole, from the root down, with the octree so far and the nodes that are new in it; node
-/// list and batches are complete at its first call, the planes up to the end of the last new node. It runs on
-/// the calling thread, between two runs: hand the work on if it takes long.
+/// `progress` counts each point twice: once sorted into the tree, once put in its place. `take` gets runs of nodes in
+/// the hierarchy's order, the first of them the root alone. It is called on this thread, between two runs: hand the work
+/// on if it takes long.
 ///
-/// Peak memory above the scan: 17 B a point for the keys, 20 B for the planes.
+/// Peak memory above the scan: 17 B a point for the keys, and the blocks of a run.
 ///
 /// # Errors
-/// See [`BuildError`].
-pub fn build_octree(
+/// See [`BuildError`]; and what `take` gives.
+pub fn build_nodes<E: From<BuildError>>(
     scan: &Scan,
     progress: &Progress,
-    ready: &mut dyn FnMut(&Octree, Range<usize>),
-) -> Result<Octree, BuildError> {
+    take: &mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Result<(), E>,
+) -> Result<Hierarchy, E> {
     let Checked { bounds, scene, .. } = check(scan)?;
     let index = Index::new(scan);
     let root = keys::Root::new(&bounds);
     let mut keys = keys::sorted(&index, &root);
     if progress.stopped() {
-        return Err(BuildError::Stopped);
+        return Err(BuildError::Stopped.into());
     }
     let mut levels = vec![0; keys.len()];
     let draft = tree::Builder { index: &index, root, progress }.build(&mut keys, &mut levels);
     if progress.stopped() {
-        return Err(BuildError::Stopped);
+        return Err(BuildError::Stopped.into());
     }
     let source = fill::Source { index: &index, keys: &keys, levels: &levels };
-    fill::fill(&source, fill::Plan::new(&root, bounds, scene, draft)?, progress, ready)
+    fill::fill(&source, fill::Plan::new(&root, bounds, scene, draft)?, progress, take)
+}
+
+/// Builds the octree of a scan and keeps all of it in memory: see [`build_nodes`]. 20 B a point more.
+///
+/// # Errors
+/// See [`BuildError`].
+pub fn build_octree(scan: &Scan, progress: &Progress) -> Result<Octree, BuildError> {
+    let mut octree: Option<Octree> = None;
+    build_nodes(scan, progress, &mut |hierarchy, blocks| {
+        let octree = octree.get_or_insert_with(|| Octree::empty(hierarchy));
+        blocks.iter().for_each(|block| octree.put(block));
+        Ok::<(), BuildError>(())
+    })?;
+    octree.ok_or(BuildError::Empty)
 }

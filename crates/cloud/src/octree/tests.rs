@@ -180,7 +180,7 @@ fn room_and_outlier(num_points: usize, edge: i32) -> Vec<[i32; 3]> {
 #[test]
 fn a_crowded_level_keeps_points_of_its_own() {
     let scan = scan_of(room_and_outlier(400_000, 20_000));
-    let octree = build_octree(&scan, &Progress::hidden(), &mut |_, _| ()).unwrap();
+    let octree = build_octree(&scan, &Progress::hidden()).unwrap();
     let inner = |node: &&Node| !node.children.is_empty();
     let level_1 = octree.nodes.iter().filter(inner).find(|node| node.level == 1).expect("the box");
     assert!(level_1.num_points > 20_000, "{} points", level_1.num_points);

@@ -156,7 +156,7 @@ impl Subject {
     /// On request.
     pub fn layered(&self, stop: &Stop) -> Result<Octree> {
         let building = Progress::new("building the octree", "points", 2 * self.num_points(), stop);
-        Ok(build_octree(&self.scan, &building, &mut |_, _| ())?)
+        Ok(build_octree(&self.scan, &building)?)
     }
 }
 

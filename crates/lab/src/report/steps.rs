@@ -45,7 +45,7 @@ pub(super) fn phases(log: &FrameLogFile) -> Option<Markup> {
         return None;
     }
     let marks = Phase::ALL.map(|phase| (place(phase), phase.name().to_owned()));
-    let caption = "What frames showed: waiting, no scan yet; arriving, a scan whose final form was still being built beside \
+    let caption = "What frames showed: waiting, no scan yet; arriving, a scan some of whose nodes were still to come beside \
                    them; walking. Figures are of the last of these.";
     Some(page::figure(lane(log, "phase", |frame| place(frame.phase), &marks), caption))
 }

@@ -5,11 +5,11 @@ use super::sizes::nearest_depth;
 use super::tolerance;
 use cloud::spt::Scale;
 use render::layout::{
-    Batch, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES,
-    MAX_SLICES, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node,
-    OWN_FILL_RADIUS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS,
-    SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch,
-    WORKGROUP_SIZE,
+    Batch, CHILD_ABSENT, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN,
+    MAX_EXTRA_SLICES, MAX_SLICES, NO_CHILD, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES,
+    NUM_SLICES_SHIFT, Node, OWN_FILL_RADIUS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
+    SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
+    ViewUniform, VisibleBatch, WORKGROUP_SIZE,
 };
 
 /// Half as many cells as a box edge has.
@@ -72,12 +72,16 @@ pub fn num_nodes(visible: &[VisibleBatch], batches: &[Batch]) -> u32 {
     visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
 }
 
-/// State of the child in each octant, in 8 bits; 255 where there is none.
+/// State of the child in each octant, in 8 bits; 255 where there is none, 0 where it is not there yet.
 fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
-    let mut own = [u32::MAX; 2];
-    let octants = (0..8).filter(|octant| node.child_mask & 1 << octant != 0);
-    for (octant, state) in octants.zip(&states[node.first_child as usize..]) {
-        own[octant / 4] ^= (255 - (state >> 24)) << (8 * (octant % 4));
+    let mut own = [0; 2];
+    for (octant, &child) in node.children.iter().enumerate() {
+        let drawn = match child {
+            NO_CHILD => 255,
+            CHILD_ABSENT => 0,
+            child => states[child as usize] >> 24,
+        };
+        own[octant / 4] |= drawn << (8 * (octant % 4));
     }
     own
 }

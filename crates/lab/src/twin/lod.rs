@@ -2,8 +2,8 @@
 
 use super::sizes::nearest_depth;
 use render::layout::{
-    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, HYSTERESIS, LOD_FADE, LOD_SMOOTH, NODE_ROOT, NODE_WHOLE,
-    Node, ViewUniform,
+    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, HYSTERESIS, LOD_FADE, LOD_SMOOTH, NODE_RESIDENT,
+    NODE_ROOT, NODE_WHOLE, Node, ViewUniform,
 };
 
 /// Half a cube's diagonal, as a share of its edge.
@@ -17,6 +17,9 @@ pub fn lod(view: &ViewUniform, num_eyes: usize, nodes: &[Node], states: &mut [u3
 }
 
 fn node_state(view: &ViewUniform, num_eyes: usize, node: &Node, before: u32) -> u32 {
+    if node.flags & NODE_RESIDENT == 0 {
+        return 0;
+    }
     if node.flags & NODE_WHOLE != 0 {
         return DRAWN_WHOLE;
     }

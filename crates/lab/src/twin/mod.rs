@@ -53,7 +53,9 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn layered(octree: &'a Octree) -> Self {
         let cloud = &octree.cloud;
-        let nodes = (0..octree.nodes.len()).map(|number| Node::new(octree, number)).collect();
+        let nodes = (0..octree.nodes.len())
+            .map(|number| Node::new(&octree.cloud.split, &octree.nodes, number))
+            .collect();
         let batches = octree.nodes.iter().enumerate().flat_map(|(number, node)| {
             cloud.batches[node.batches.start as usize..node.batches.end as usize]
                 .iter()

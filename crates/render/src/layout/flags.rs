@@ -20,6 +20,8 @@ pub const NODE_DISCS: u32 = 4;
 pub const NODE_ONE_SIDED: u32 = 8;
 /// [`Node::flags`]: a run of triangles.
 pub const NODE_TRIANGLES: u32 = 16;
+/// [`Node::flags`]: its points are there. Nothing is drawn of another.
+pub const NODE_RESIDENT: u32 = 32;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;
 /// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.

@@ -7,16 +7,16 @@ mod prelude;
 mod view;
 
 pub use flags::{
-    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE,
-    NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
+    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_RESIDENT, NODE_ROOT, NODE_TRIANGLES,
+    NODE_WHOLE, NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use prelude::{Sums, Variant, prelude};
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 
 pub use cloud::format::{
-    BATCH_POINTS, COORDINATE_BITS, ENDLESS_STEP, PLANE_BITS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT,
-    STEP_SHIFT, WORKGROUP_SIZE,
+    BATCH_POINTS, COORDINATE_BITS, ENDLESS_STEP, PAGE_POINTS, PLANE_BITS, POINTS_PER_LOAD,
+    SPACING_EXPONENT_SHIFT, STEP_SHIFT, WORKGROUP_SIZE,
 };
 
 use base::space::Split;
@@ -155,16 +155,14 @@ pub struct Node {
     pub edge: f32,
     /// Smallest corner, fine part.
     pub min_lo: [f32; 3],
-    /// Its first child's number; children follow one another in Morton order.
-    pub first_child: u32,
+    /// [`NODE_RESIDENT`], [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`], [`NODE_TRIANGLES`].
+    pub flags: u32,
     /// How far apart the finest points in each octant lie, as a share of `edge`, where they lie closest: eight f16. With
     /// [`NODE_ONE_SIDED`], four f32: the axis of the directions in which only backs are seen, and the sine of the
     /// angle round it.
     pub spacing: [u32; 4],
-    /// Bit o: there is a child in octant o = x | y≪1 | z≪2.
-    pub child_mask: u32,
-    /// [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`], [`NODE_TRIANGLES`].
-    pub flags: u32,
+    /// The number of the child in octant o = x | y≪1 | z≪2, [`NO_CHILD`] or [`CHILD_ABSENT`].
+    pub children: [u32; 8],
     /// Halvings from the root's cube.
     pub level: u32,
     /// How far apart its samples lie, as a share of `edge`: what is seen of the surface while nothing below it is
@@ -173,8 +171,13 @@ pub struct Node {
     /// How many times as far apart points lie for each count of their exponent: see [`SPACING_EXPONENT_SHIFT`].
     pub spacing_step: f32,
     /// Always 0.
-    pub reserved: [u32; 3],
+    pub reserved: u32,
 }
+
+/// In a node's list of children: nothing is in that octant, or nothing below is left of it.
+pub const NO_CHILD: u32 = u32::MAX;
+/// In a node's list of children: there is one, and it is not on the GPU.
+pub const CHILD_ABSENT: u32 = u32::MAX - 1;
 
 impl Node {
     /// The one node of a flat cloud.
@@ -182,14 +185,13 @@ impl Node {
         min_hi: [0.0; 3],
         edge: 0.0,
         min_lo: [0.0; 3],
-        first_child: 0,
+        flags: NODE_RESIDENT | NODE_WHOLE,
         spacing: [0; 4],
-        child_mask: 0,
-        flags: NODE_WHOLE,
+        children: [NO_CHILD; 8],
         level: 0,
         sample_spacing: 0.0,
         spacing_step: 1.0,
-        reserved: [0; 3],
+        reserved: 0,
     };
 
     /// The GPU's form of a run of a sequential point tree.
@@ -207,19 +209,22 @@ impl Node {
             min_lo: lo.to_array(),
             edge: run.bounds.size().max_element() as f32,
             spacing: run.behind.as_ref().map_or([0; 4], sided),
-            flags: NODE_WHOLE | NODE_DISCS | side | triangles,
+            flags: NODE_RESIDENT | NODE_WHOLE | NODE_DISCS | side | triangles,
             ..Self::FLAT
         }
     }
 
-    /// The GPU's form of node `number` of an octree.
+    /// The GPU's form of node `number` of an octree, all of whose nodes are there.
     #[must_use]
-    pub fn new(octree: &octree::Octree, number: usize) -> Self {
-        let node = &octree.nodes[number];
-        let (hi, lo) = octree.cloud.split.pair(node.min);
-        let children = &octree.nodes[node.children.start as usize..node.children.end as usize];
+    pub fn new(split: &Split, nodes: &[octree::Node], number: usize) -> Self {
+        let node = &nodes[number];
+        let (hi, lo) = split.pair(node.min);
+        let mut children = [NO_CHILD; 8];
+        for child in node.children.clone() {
+            children[node.octant_of(&nodes[child as usize])] = child;
+        }
         let is_root = node.parent.is_none();
-        let flags = match (is_root, children.is_empty()) {
+        let flags = match (is_root, node.children.is_empty()) {
             (true, true) => NODE_WHOLE,
             (true, false) => NODE_ROOT,
             _ => 0,
@@ -228,17 +233,16 @@ impl Node {
             min_hi: hi.to_array(),
             edge: node.edge as f32,
             min_lo: lo.to_array(),
-            first_child: node.children.start,
+            flags: NODE_RESIDENT | flags,
             spacing: std::array::from_fn(|pair| {
                 let share = |octant: usize| half::f16::from_f32(node.octant_spacing[octant]).to_bits();
                 u32::from(share(2 * pair)) | u32::from(share(2 * pair + 1)) << 16
             }),
-            child_mask: children.iter().map(|child| 1 << node.octant_of(child)).sum(),
-            flags,
+            children,
             level: node.level,
             sample_spacing: node.sample_spacing,
             spacing_step: node.spacing_step,
-            reserved: [0; 3],
+            reserved: 0,
         }
     }
 }

@@ -1,22 +1,22 @@
-//! A cloud takes another's place: no frame is missed for it, none is empty, and the frame thread makes and frees
-//! nothing on the GPU.
+//! A scan arrives while frames are drawn: the root first, then run after run of nodes. No frame is missed for it, none is
+//! empty, and the frame thread makes nothing on the GPU.
 
 use base::progress::{Progress, Stop};
 use base::space::{Fov, Pose};
-use cloud::octree::{Octree, build_octree};
-use cloud::{Order, build};
+use cloud::octree::{Hierarchy, NodeBlock, Octree, build_nodes, build_octree};
 use glam::{DQuat, DVec3};
 use kit::frames::{Canvas, gpu, random_points, scan_of, stereo};
 use points::Scan;
 use render::Look;
 use render::gpu::{Gpu, readback};
 use render::options::Quality;
-use render::{CloudBuffers, EyeImage};
+use render::{CloudBuffers, CloudUpload, EyeImage};
 use scanwalk::config::Config;
 use scanwalk::resolve;
 use scanwalk::walk::locomotion::Start;
 use scanwalk::walk::start::start;
 use scanwalk::walk::{Loaded, Walk, link};
+use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
 use timing::FrameRow;
 use xr::{Beat, ControllerInput, EyeImages, Headset, StageEye};
@@ -28,16 +28,17 @@ fn scan() -> Scan {
 }
 
 fn octree(scan: &Scan) -> Octree {
-    build_octree(scan, &Progress::hidden(), &mut |_, _| ()).expect("an octree")
+    build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
-/// The scan on the GPU, flat, and as an octree.
-fn clouds(scan: &Scan) -> [CloudBuffers; 2] {
-    let flat = build(scan, Order::Morton, &Progress::hidden()).expect("a cloud");
-    [
-        CloudBuffers::upload(&gpu(), &flat, 0, &Progress::hidden()).expect("upload"),
-        CloudBuffers::upload_layered(&gpu(), &octree(scan), 0, &Progress::hidden()).expect("upload"),
-    ]
+/// The scan's nodes, run after run.
+fn runs(scan: &Scan) -> (Hierarchy, Vec<Vec<NodeBlock>>) {
+    let mut runs = Vec::new();
+    let hierarchy = build_nodes(scan, &Progress::hidden(), &mut |_, blocks| {
+        runs.push(blocks);
+        Ok::<(), cloud::BuildError>(())
+    });
+    (hierarchy.expect("an octree"), runs)
 }
 
 /// What lies in the GPU's memory: name, size, offset.
@@ -53,23 +54,19 @@ fn look(quality: Quality) -> Look {
     Look { quality, ..resolve::look(&Config::default()) }
 }
 
-/// Both tests count what lies on the one GPU.
-fn alone() -> std::sync::MutexGuard<'static, ()> {
-    static ALONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
 #[test]
 fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
-    let _alone = alone();
     let scan = scan();
-    let gpu = gpu();
+    // One of its own: other tests make and free what they like.
+    let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
     for quality in [Quality::Hqs, Quality::Closest] {
-        let [flat, layered] = clouds(&scan);
+        let upload = || CloudBuffers::upload_layered(&gpu, &octree(&scan), 0, &Progress::hidden());
+        let [one, other] = [upload().expect("upload"), upload().expect("upload")];
         let center = scan.bounds().center();
         let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
-        let mut canvas = Canvas::new(&kit::frames::sizes(&view), look(quality), gpu.atomics());
-        canvas.renderer.set_cloud(flat).expect("room");
+        let sizes = kit::frames::sizes(&view);
+        let mut canvas = Canvas::on(Arc::clone(&gpu), &sizes, look(quality), gpu.atomics());
+        canvas.renderer.set_cloud(one).expect("room");
         canvas.draw(&view);
         // A frame that waits to be submitted: what it uses cannot be freed and made anew unseen.
         let images =
@@ -80,26 +77,48 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
         canvas.renderer.record(&mut encoder, 1, &eyes);
 
         let before = allocations(&gpu);
-        let flat = canvas.renderer.set_cloud(layered).expect("room").expect("the one before");
+        let one = canvas.renderer.set_cloud(other).expect("room").expect("the one before");
         assert_eq!(allocations(&gpu), before, "{quality:?}");
         // The count can fail: another background makes buffers.
         canvas.renderer.set_look(Look { background: [9, 9, 9], ..look(quality) }).expect("room");
         assert!(allocations(&gpu).len() > before.len());
-
-        // The frame is submitted and may be under way when the flat cloud goes, on the thread that says so.
-        let before = allocations(&gpu);
-        let planes = |all: &[(String, u64, u64)]| all.iter().filter(|(name, ..)| name == "plane_hi").count();
-        {
-            let queue = gpu.queue.lock();
-            canvas.renderer.set_view(&queue, &view);
-            queue.submit([encoder.finish()]);
-        }
-        canvas.renderer.submitted();
-        assert_eq!(planes(&allocations(&gpu)), 2);
-        flat.free(&gpu);
-        assert_eq!(planes(&allocations(&gpu)), 1, "of {}", planes(&before));
-        assert!(canvas.renderer.collect_times().is_some());
+        drop((one, encoder));
     }
+}
+
+/// Whatever has come is drawn as the whole octree is drawn while the rest counts as not large enough.
+#[test]
+fn what_has_come_is_drawn() {
+    let scan = scan();
+    let (hierarchy, runs) = runs(&scan);
+    let blocks: Vec<NodeBlock> = runs.into_iter().flatten().collect();
+    assert!(blocks.len() > 8, "{}", blocks.len());
+    let center = scan.bounds().center();
+    let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
+    let silent = Progress::hidden();
+    let device = gpu();
+    let mut upload = CloudUpload::layered(&device, &hierarchy, 0, &silent).expect("room");
+    let mut canvas = Canvas::new(&kit::frames::sizes(&view), look(Quality::Hqs), device.atomics());
+    canvas.renderer.set_cloud(upload.buffers()).expect("room");
+    let mut drawn = canvas.draw(&view);
+    assert_eq!((drawn.visible.len(), canvas.renderer.resident().0), (0, 0), "nothing has come");
+    let mut num_drawn = Vec::new();
+    // Nodes one by one, and of several in one go.
+    for part in [&blocks[..1], &blocks[1..2], &blocks[2..7], &blocks[7..]] {
+        upload.write_blocks(&hierarchy, part).expect("room");
+        drawn = canvas.draw(&view);
+        let come = part.last().map_or(0, |block| block.node);
+        let nodes = &hierarchy.nodes[..=come];
+        let batches = nodes.last().map_or(0, |node| node.batches.end);
+        assert!(drawn.visible.iter().all(|batch| batch.batch < batches));
+        assert!(drawn.states[come + 1..].iter().all(|&state| state == 0));
+        num_drawn.push(drawn.visible.len());
+        let resident: u64 = nodes.iter().map(|node| u64::from(node.num_points)).sum();
+        assert_eq!(canvas.renderer.resident().0, resident);
+    }
+    assert!(num_drawn.is_sorted() && num_drawn[0] > 0 && num_drawn[0] < num_drawn[3], "{num_drawn:?}");
+    let whole = Canvas::layered(&octree(&scan), &view, look(Quality::Hqs), device.atomics(), 0).draw(&view);
+    assert!(drawn.images == whole.images && drawn.visible == whole.visible, "all has come");
 }
 
 /// What the test's headset saw of a frame.
@@ -180,19 +199,17 @@ impl Witness {
     }
 }
 
-/// The rows and the pictures of a walk that shows nothing, then the flat cloud, then the octree; and the clouds that
-/// come back.
-fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>, Vec<CloudBuffers>) {
+/// The rows and the pictures of a walk that shows nothing, then the root, then the octree.
+fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     let mut config = Config::default();
     config.governor.enabled = false;
-    let outside = start(&build(scan, Order::Morton, &Progress::hidden()).expect("a cloud").scene, 1.0);
+    let (hierarchy, runs) = runs(scan);
+    let outside = start(&hierarchy.scene, 1.0);
     // So near that the points fill the view.
     let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
     let start = Start { floor_in_world: place, ..outside };
-    let [flat, layered] = clouds(scan);
     let (frame_link, commands, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
-    let (retired, retired_receiver) = channel();
     // Without room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
     let stop = Stop::default();
@@ -200,7 +217,6 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>, Vec<CloudBuffers>) {
         gpu: gpu(),
         config: &config,
         loaded,
-        retired,
         commands,
         link: frame_link,
         mirrored: false,
@@ -215,15 +231,20 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>, Vec<CloudBuffers>) {
         let frames = scope.spawn(move || walk.run(&mut Witness::new(seen_sender)));
         let mut see = |count: usize| pictures.extend(seen.iter().take(count));
         see(3);
-        loaded_sender.send(Loaded { cloud: flat, start: Some(start) }).expect("the walk goes on");
+        let (device, silent) = (gpu(), Progress::hidden());
+        let mut upload = CloudUpload::layered(&device, &hierarchy, 0, &silent).expect("room");
+        upload.write_blocks(&hierarchy, &runs[0]).expect("the root");
+        loaded_sender.send(Loaded { cloud: upload.buffers(), start }).expect("the walk goes on");
         see(12);
-        loaded_sender.send(Loaded { cloud: layered, start: None }).expect("the walk goes on");
+        for run in &runs[1..] {
+            upload.write_blocks(&hierarchy, run).expect("more nodes");
+        }
         see(12);
         stop.request();
         pictures.extend(seen.iter());
         frames.join().expect("no panic").expect("a walk");
     });
-    (viewer.rows.try_iter().collect(), pictures, retired_receiver.iter().collect())
+    (viewer.rows.try_iter().collect(), pictures)
 }
 
 /// Places where a value differs from the one before.
@@ -233,24 +254,22 @@ fn changes<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<usize> {
 }
 
 #[test]
-fn no_frame_is_missed_or_empty_when_the_octree_takes_the_flat_clouds_place() {
-    let _alone = alone();
+fn no_frame_is_missed_or_empty_while_nodes_arrive() {
     let scan = scan();
-    let (rows, pictures, retired) = walk(&scan);
+    let (rows, pictures) = walk(&scan);
     assert!(rows.iter().map(|row| row.frame).eq(0..pictures.len() as u64), "a row a frame");
     assert!(rows.iter().all(|row| row.missed_periods == 0));
-    // Nothing, the flat cloud, the octree: each change is one of a single frame, in the figures and in the picture.
+    // Nothing, the root, the octree: each change is one of a single frame, in the figures and in the picture.
     let figures: Vec<_> = rows.iter().map(|row| (row.visible_nodes, row.points_read)).collect();
-    let [shown, swapped] = changes(&figures)[..] else { panic!("{figures:?}") };
-    assert_eq!(changes(pictures.iter().map(|seen| seen.colors)), [shown, swapped]);
+    let [shown, arrived] = changes(&figures)[..] else { panic!("{figures:?}") };
+    assert_eq!(changes(pictures.iter().map(|seen| seen.colors)), [shown, arrived]);
     for (row, seen) in rows.iter().zip(&pictures) {
         let is_shown = row.frame >= shown as u64;
         assert_eq!(is_shown, row.visible_nodes > 0 && row.points_read > 1000, "{row:?}");
         // That is what a missing picture would look like: before there is a cloud, there is none.
         assert_eq!(is_shown, seen.num_lit > SIZE_PX[0] as usize * SIZE_PX[1] as usize, "{seen:?}");
-        assert_eq!(row.points_resident, if is_shown { scan.num_points() as u64 } else { 0 });
     }
-    // The octree draws what matters, and the flat cloud all that is in view.
-    assert!(rows[swapped].points_read < rows[swapped - 1].points_read, "{:?}", &rows[swapped - 1..=swapped]);
-    assert_eq!(retired.len(), 1, "the flat cloud comes back");
+    assert!(rows[arrived - 1].visible_nodes == 1 && rows[arrived].visible_nodes > 1);
+    let resident = changes(rows.iter().map(|row| row.points_resident));
+    assert!(resident.len() == 2 && rows.last().unwrap().points_resident == scan.num_points() as u64);
 }

@@ -1,0 +1,370 @@
+//! A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come. A node is
+//! drawn from the first frame on that is submitted after all of its points were.
+
+use crate::cloud_buffers::{Beside, CloudBuffers, Room, num_extra_slices};
+use crate::gpu::Gpu;
+use crate::layout::{Batch, CHILD_ABSENT, NO_CHILD, NODE_RESIDENT, Node, PAGE_POINTS, POINTS_PER_LOAD};
+use crate::pool::Places;
+use base::progress::Progress;
+use base::space::Split;
+use cloud::Cloud;
+use cloud::octree::{self, Hierarchy, NodeBlock, Octree};
+use cloud::spt::SequentialCloud;
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+/// Bytes handed to the queue at once. Small, so that the frame thread never waits long for the queue lock.
+const PIECE_BYTES: usize = 2 << 20;
+/// Bytes under way to the GPU before the uploader waits for it.
+const PENDING_BYTES: usize = 64 << 20;
+
+/// Why a cloud is not on the GPU.
+#[derive(Debug, thiserror::Error)]
+pub enum UploadError {
+    /// It does not fit.
+    #[error("the GPU has no room for the scan's {points} points ({bytes} bytes): {source}")]
+    OutOfMemory {
+        /// Points of the scan.
+        points: u64,
+        /// Bytes they need.
+        bytes: u64,
+        /// The driver's words.
+        source: wgpu::Error,
+    },
+    /// The device was lost.
+    #[error("the GPU stopped answering while the scan was sent to it: {0}")]
+    Lost(#[from] wgpu::PollError),
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Stopped,
+}
+
+/// A cloud before its points are there.
+struct Outline<'a> {
+    split: Split,
+    num_points: u64,
+    batches: &'a [cloud::Batch],
+    /// Points of a page.
+    page: u32,
+    nodes: Vec<Node>,
+    /// The node of each batch.
+    node_of: Vec<u32>,
+    beside: Option<Beside>,
+}
+
+/// A cloud on its way to the GPU.
+#[derive(Debug)]
+pub struct CloudUpload<'a> {
+    gpu: &'a Gpu,
+    progress: &'a Progress,
+    cloud: CloudBuffers,
+    places: Places,
+    /// As the GPU has them, or will have.
+    nodes: Vec<Node>,
+    node_of: Vec<u32>,
+    /// Bytes since the GPU was last waited for.
+    pending: usize,
+}
+
+impl<'a> CloudUpload<'a> {
+    /// Takes room for a layered cloud, and draws nothing of it until its nodes come.
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn layered(
+        gpu: &'a Gpu,
+        hierarchy: &Hierarchy,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        let Hierarchy { split, nodes, batches, num_points, .. } = hierarchy;
+        Self::of_nodes(gpu, (split, nodes, batches, *num_points), chunk_limit, progress)
+    }
+
+    /// Sends the points of consecutive nodes, whose parents have come before or are among them.
+    ///
+    /// # Errors
+    /// See [`UploadError`].
+    pub fn write_blocks(&mut self, hierarchy: &Hierarchy, blocks: &[NodeBlock]) -> Result<(), UploadError> {
+        let Some(first) = blocks.first().map(|block| block.node) else { return Ok(()) };
+        self.write_nodes(&hierarchy.nodes, &hierarchy.batches, first..first + blocks.len(), &|node| {
+            let NodeBlock { planes: [hi, mid, lo], colors, filtered_colors, .. } = &blocks[node - first];
+            [hi, mid, lo, colors, filtered_colors]
+        })
+    }
+
+    /// What can be drawn: the nodes that have come, and those that will.
+    #[must_use]
+    pub fn buffers(&self) -> CloudBuffers {
+        self.cloud.clone()
+    }
+
+    /// See [`CloudBuffers::upload_layered`].
+    pub(super) fn whole_octree(
+        gpu: &'a Gpu,
+        octree: &Octree,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<CloudBuffers, UploadError> {
+        let Octree { cloud, filtered_colors, nodes } = octree;
+        let outline = (&cloud.split, &nodes[..], &cloud.batches[..], cloud.num_points);
+        let mut upload = Self::of_nodes(gpu, outline, chunk_limit, progress)?;
+        let [hi, mid, lo] = &cloud.planes;
+        upload.write_nodes(nodes, &cloud.batches, 0..nodes.len(), &|number| {
+            let node = &nodes[number];
+            let points = node.first_point as usize..(node.first_point + node.num_points) as usize;
+            [hi, mid, lo, &cloud.colors, filtered_colors].map(|column| &column[points.clone()])
+        })?;
+        Ok(upload.cloud)
+    }
+
+    /// See [`CloudBuffers::upload`].
+    pub(super) fn flat(
+        gpu: &'a Gpu,
+        cloud: &Cloud,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<CloudBuffers, UploadError> {
+        let outline = Outline {
+            split: cloud.split,
+            num_points: cloud.num_points,
+            batches: &cloud.batches,
+            page: POINTS_PER_LOAD,
+            nodes: vec![Node::FLAT],
+            node_of: vec![0; cloud.batches.len()],
+            beside: None,
+        };
+        let batch = |i: usize, first_point: u32| Batch::new(&cloud.split, &cloud.batches[i], 0, first_point);
+        let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
+        let [hi, mid, lo] = &cloud.planes;
+        upload.write_whole(cloud, &[hi, mid, lo, &cloud.colors], &batch)?;
+        Ok(upload.cloud)
+    }
+
+    /// See [`CloudBuffers::upload_sequential`].
+    pub(super) fn sequential(
+        gpu: &'a Gpu,
+        spt: &SequentialCloud,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<CloudBuffers, UploadError> {
+        let cloud = &spt.cloud;
+        let run_of = |i: usize| spt.runs.partition_point(|run| run.batches.end as usize <= i) as u32;
+        let outline = Outline {
+            split: cloud.split,
+            num_points: spt.num_points,
+            batches: &cloud.batches,
+            page: POINTS_PER_LOAD,
+            nodes: spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect(),
+            node_of: (0..cloud.batches.len()).map(run_of).collect(),
+            beside: Some(Beside::Shapes),
+        };
+        let batch = |i: usize, first_point: u32| Batch::of_discs(spt, i, run_of(i), first_point);
+        let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
+        upload.cloud.step_base = spt.scale.base;
+        let [hi, mid, lo] = &cloud.planes;
+        upload.write_whole(cloud, &[hi, mid, lo, &cloud.colors, &spt.shapes], &batch)?;
+        Ok(upload.cloud)
+    }
+
+    fn of_nodes(
+        gpu: &'a Gpu,
+        (split, nodes, batches, num_points): (&Split, &[octree::Node], &[cloud::Batch], u64),
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        let mut node_of = vec![0; batches.len()];
+        for (number, node) in nodes.iter().enumerate() {
+            node_of[node.batches.start as usize..node.batches.end as usize].fill(number as u32);
+        }
+        let absent = |number: usize| {
+            let whole = Node::new(split, nodes, number);
+            let children =
+                whole.children.map(|child| if child == NO_CHILD { NO_CHILD } else { CHILD_ABSENT });
+            Node { children, flags: whole.flags & !NODE_RESIDENT, ..whole }
+        };
+        let outline = Outline {
+            split: *split,
+            num_points,
+            batches,
+            page: PAGE_POINTS,
+            nodes: (0..nodes.len()).map(absent).collect(),
+            node_of,
+            beside: Some(Beside::FilteredColors),
+        };
+        let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
+        upload.cloud.is_crowded = octree::is_crowded(nodes);
+        Ok(upload)
+    }
+
+    fn begin(
+        gpu: &'a Gpu,
+        outline: Outline,
+        chunk_limit: u64,
+        progress: &'a Progress,
+    ) -> Result<Self, UploadError> {
+        let Outline { split, num_points, batches, page, nodes, node_of, beside } = outline;
+        let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
+        let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
+        let max_batches = max_groups - num_extra_slices(beside);
+        let places = Places::new(batches.iter().map(|batch| batch.num_points), page, limit, max_batches);
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let mut room = Room { gpu, bytes: 0 };
+        let storage = wgpu::BufferUsages::STORAGE;
+        let nodes_buffer =
+            room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(&nodes[..]));
+        let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
+        let counted = room.take("counted", storage, 4 * nodes.len());
+        let chunks = places.chunks.iter().zip(&places.batches);
+        let chunks = chunks.map(|(uniform, batches)| room.chunk(*uniform, batches.len(), beside)).collect();
+        let bytes = room.bytes;
+        // Vulkan reports at once: the scope's future is ready.
+        if let Some(source) = crate::gpu::block_on(scope.pop()) {
+            return Err(UploadError::OutOfMemory { points: num_points, bytes, source });
+        }
+        let cloud = CloudBuffers {
+            split,
+            num_points,
+            bytes,
+            is_crowded: true,
+            step_base: 0,
+            has_detail: beside.is_some(),
+            num_resident: Default::default(),
+            num_nodes: nodes.len() as u32,
+            nodes: nodes_buffer,
+            states,
+            counted,
+            chunks,
+        };
+        let mut upload = Self { gpu, progress, cloud, places, nodes, node_of, pending: 0 };
+        for number in 0..upload.cloud.chunks.len() {
+            let (buffer, uniform) =
+                (upload.cloud.chunks[number].chunk.clone(), upload.cloud.chunks[number].uniform);
+            upload.send(&buffer, 0, bytemuck::bytes_of(&uniform))?;
+        }
+        let (buffer, nodes) = (upload.cloud.nodes.clone(), upload.nodes.clone());
+        upload.send(&buffer, 0, bytemuck::cast_slice(&nodes))?;
+        Ok(upload)
+    }
+
+    /// Sends a cloud whose points lie in the pool as they do in memory.
+    fn write_whole(
+        &mut self,
+        cloud: &Cloud,
+        columns: &[&[u32]],
+        batch: &dyn Fn(usize, u32) -> Batch,
+    ) -> Result<(), UploadError> {
+        debug_assert!(self.places.places.iter().zip(&cloud.batches).all(|(place, batch)| {
+            self.places.chunks[place.chunk].first_index + place.first_point == batch.first_point
+        }));
+        for number in 0..self.cloud.chunks.len() {
+            let (chunk, range) = (self.cloud.chunks[number].clone(), self.places.batches[number].clone());
+            let first = cloud.batches[range.start].first_point as usize;
+            let end = (first + chunk.uniform.num_points as usize).min(columns[0].len());
+            for (buffer, column) in chunk.columns().zip(columns) {
+                self.send(buffer, 0, bytemuck::cast_slice(&column[first..end]))?;
+            }
+            let batches: Vec<Batch> = range.map(|i| batch(i, self.places.places[i].first_point)).collect();
+            self.send(&chunk.batches, 0, bytemuck::cast_slice(&batches))?;
+        }
+        self.cloud.num_resident.store(cloud.num_points, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Sends the points of a run of nodes, and then the nodes.
+    fn write_nodes<'c>(
+        &mut self,
+        nodes: &[octree::Node],
+        batches: &[cloud::Batch],
+        run: Range<usize>,
+        columns: &dyn Fn(usize) -> [&'c [u32]; 5],
+    ) -> Result<(), UploadError> {
+        let Some(last) = run.clone().next_back() else { return Ok(()) };
+        let of_run = nodes[run.start].batches.start as usize..nodes[last].batches.end as usize;
+        // What lies together in a chunk goes together.
+        let mut from = of_run.start;
+        while from < of_run.end {
+            let number = self.places.places[from].chunk;
+            let until = self.places.batches[number].end.min(of_run.end);
+            let chunk = self.cloud.chunks[number].clone();
+            let first = self.places.places[from].first_point;
+            for (which, buffer) in chunk.columns().enumerate() {
+                let mut words: Vec<u32> = Vec::new();
+                for batch in from..until {
+                    let node = &nodes[self.node_of[batch] as usize];
+                    let of_node = (batches[batch].first_point - node.first_point) as usize;
+                    let points = of_node..of_node + batches[batch].num_points as usize;
+                    words.resize((self.places.places[batch].first_point - first) as usize, 0);
+                    words.extend(&columns(self.node_of[batch] as usize)[which][points]);
+                }
+                self.send(buffer, 4 * u64::from(first), bytemuck::cast_slice(&words))?;
+            }
+            from = until;
+        }
+        self.show(nodes, batches, run, of_run)
+    }
+
+    /// Has nodes drawn whose points have been sent: from one frame to the next, with all their batches.
+    fn show(
+        &mut self,
+        nodes: &[octree::Node],
+        batches: &[cloud::Batch],
+        run: Range<usize>,
+        of_run: Range<usize>,
+    ) -> Result<(), UploadError> {
+        let mut touched: Vec<usize> = run.clone().collect();
+        for number in run.clone() {
+            let node = Node::new(&self.cloud.split, nodes, number);
+            // Its children are linked as they come.
+            self.nodes[number].flags = node.flags;
+            if let Some(parent) = nodes[number].parent.map(|parent| parent as usize) {
+                let octant = nodes[parent].octant_of(&nodes[number]);
+                self.nodes[parent].children[octant] = number as u32;
+                touched.push(parent);
+            }
+        }
+        touched.sort_unstable();
+        touched.dedup();
+        let batch = |i: usize| {
+            Batch::new(&self.cloud.split, &batches[i], self.node_of[i], self.places.places[i].first_point)
+        };
+        let gpu_batches: Vec<Batch> = of_run.clone().map(batch).collect();
+        let queue = self.gpu.queue.lock();
+        for (i, batch) in of_run.zip(&gpu_batches) {
+            let chunk = &self.cloud.chunks[self.places.places[i].chunk];
+            let offset = self.places.slot(i) * size_of::<Batch>();
+            queue.write_buffer(&chunk.batches, offset as u64, bytemuck::bytes_of(batch));
+        }
+        for number in touched {
+            let offset = number * size_of::<Node>();
+            queue.write_buffer(&self.cloud.nodes, offset as u64, bytemuck::bytes_of(&self.nodes[number]));
+        }
+        queue.submit([]);
+        drop(queue);
+        let num_points: u64 = run.map(|number| u64::from(nodes[number].num_points)).sum();
+        self.cloud.num_resident.fetch_add(num_points, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Writes bytes piece by piece, waiting for the GPU now and then.
+    fn send(&mut self, buffer: &wgpu::Buffer, offset: u64, contents: &[u8]) -> Result<(), UploadError> {
+        for (number, piece) in contents.chunks(PIECE_BYTES).enumerate() {
+            if self.progress.stopped() {
+                return Err(UploadError::Stopped);
+            }
+            let submission = {
+                let queue = self.gpu.queue.lock();
+                queue.write_buffer(buffer, offset + (number * PIECE_BYTES) as u64, piece);
+                queue.submit([])
+            };
+            self.pending += piece.len();
+            if self.pending > PENDING_BYTES {
+                let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
+                self.gpu.device.poll(wait)?;
+                self.pending = 0;
+            }
+            self.progress.add(piece.len() as u64);
+        }
+        Ok(())
+    }
+}
