@@ -5,7 +5,7 @@
 mod steps;
 
 use anyhow::Result;
-use base::progress::Stop;
+use base::task::CancelToken;
 use las::{Builder, Color, Point, PointDataBuilder, Reader, Transform, Vector, Writer, point::Format};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -66,7 +66,7 @@ fn read_once(reader: &str, path: &Path) -> Result<()> {
 
 fn read_with_scanwalk(path: &Path) -> Result<usize> {
     let paths: [PathBuf; 1] = [path.to_owned()];
-    let scan = points::read(&paths, &points::ReadOptions::default(), &Stop::default())?;
+    let scan = points::read(&paths, &points::ReadOptions::default(), &CancelToken::default())?;
     Ok(std::hint::black_box(scan).num_points())
 }
 

@@ -10,7 +10,7 @@ mod steps;
 use anyhow::{Context, Result};
 use base::output::{Output, OutputKind};
 use base::percentile::Sorted;
-use base::progress::{Progress, Stop};
+use base::task::{CancelToken, Progress};
 use cloud::morton::Grid;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Order, build};
@@ -34,7 +34,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     for (name, kind) in kinds {
         let out = folder.join(name).with_extension("las");
         let output = Output::new(&out, OutputKind::Scan)?;
-        synth::write(&SynthOptions { kind, out: output, points, seed: 1 }, &Stop::default())?;
+        synth::write(&SynthOptions { kind, out: output, points, seed: 1 }, &CancelToken::default())?;
         files.push((name, out));
     }
     for run in 0..num_runs {
@@ -53,7 +53,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
 
 fn read(path: &Path) -> Result<Scan> {
     let paths: [PathBuf; 1] = [path.to_owned()];
-    Ok(points::read(&paths, &ReadOptions::default(), &Stop::default())?)
+    Ok(points::read(&paths, &ReadOptions::default(), &CancelToken::default())?)
 }
 
 /// Points, seconds, seconds of all cores together, rates, peak memory; seconds of the named step alone. Where

@@ -1,20 +1,20 @@
 //! Why work of several threads ends: a failure of one has the others stop, so the first failure is the reason, and what
 //! follows from it is none.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use std::sync::{Mutex, PoisonError};
 
 /// The reason for an end that several threads may have, shared by them.
 #[derive(Debug)]
 pub struct Ending<'a> {
-    stop: &'a Stop,
+    stop: &'a CancelToken,
     reason: Mutex<Option<anyhow::Error>>,
 }
 
 impl<'a> Ending<'a> {
     /// Of work that looks at `stop`.
     #[must_use]
-    pub fn new(stop: &'a Stop) -> Self {
+    pub fn new(stop: &'a CancelToken) -> Self {
         Self { stop, reason: Mutex::new(None) }
     }
 
@@ -22,7 +22,7 @@ impl<'a> Ending<'a> {
     pub fn fail(&self, error: anyhow::Error) {
         // Set before the others are stopped: what they fail with then comes second.
         self.fail_later(error);
-        self.stop.request();
+        self.stop.cancel();
     }
 
     /// As [`Ending::fail`], but the others are not told to stop: somebody is to read the reason first.
@@ -51,12 +51,12 @@ impl<'a> Ending<'a> {
     }
 }
 
-struct StopOnPanic(Stop);
+struct StopOnPanic(CancelToken);
 
 impl Drop for StopOnPanic {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            self.0.request();
+            self.0.cancel();
         }
     }
 }
@@ -67,11 +67,11 @@ mod tests {
 
     #[test]
     fn the_first_failure_is_the_reason() {
-        let stop = Stop::default();
+        let stop = CancelToken::default();
         let ending = Ending::new(&stop);
         std::thread::scope(|scope| {
             scope.spawn(|| {
-                while !stop.requested() {
+                while !stop.is_cancelled() {
                     std::thread::yield_now();
                 }
                 ending.fail(anyhow::anyhow!("stopped before the end"));
@@ -79,27 +79,27 @@ mod tests {
             scope.spawn(|| ending.fail(anyhow::anyhow!("no display")));
         });
         assert_eq!(ending.into_result().unwrap_err().to_string(), "no display");
-        assert!(Ending::new(&Stop::default()).into_result().is_ok());
+        assert!(Ending::new(&CancelToken::default()).into_result().is_ok());
     }
 
     #[test]
     fn a_reason_that_is_to_be_read_stops_nobody() {
-        let stop = Stop::default();
+        let stop = CancelToken::default();
         let ending = Ending::new(&stop);
         assert!(!ending.has_failed());
         ending.fail_later(anyhow::anyhow!("no scan"));
-        assert!(ending.has_failed() && !stop.requested());
+        assert!(ending.has_failed() && !stop.is_cancelled());
         ending.fail(anyhow::anyhow!("and then no display"));
-        assert!(stop.requested());
+        assert!(stop.is_cancelled());
         assert_eq!(ending.into_result().unwrap_err().to_string(), "no scan");
     }
 
     #[test]
     fn a_panic_stops_the_others() {
-        let stop = Stop::default();
+        let stop = CancelToken::default();
         let ending = Ending::new(&stop);
         drop(ending.guard());
-        assert!(!stop.requested(), "a thread that ends well stops nobody");
+        assert!(!stop.is_cancelled(), "a thread that ends well stops nobody");
         let panicked = std::thread::scope(|scope| {
             let thread = scope.spawn(|| {
                 let _guard = ending.guard();
@@ -107,6 +107,6 @@ mod tests {
             });
             thread.join().is_err()
         });
-        assert!(panicked && stop.requested());
+        assert!(panicked && stop.is_cancelled());
     }
 }

@@ -7,8 +7,8 @@ use crate::resolve;
 use anyhow::Context;
 use base::output::{Output, OutputError, OutputFile};
 use base::percentile::Sorted;
-use base::progress::{Progress, Stop};
 use base::space::{Eye, Fov, Pose, View};
+use base::task::{Progress, Task};
 use cloud::octree::build_nodes;
 use cloud::spt::build_spt;
 use glam::DVec3;
@@ -98,15 +98,15 @@ impl ShotFov {
 ///
 /// # Errors
 /// Unreadable scan, unusable GPU, a size that does not fit it, a file that cannot be written.
-pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+pub fn run(options: &ShotOptions, config: &Config, task: &Task) -> anyhow::Result<()> {
     let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
     let load_began = Instant::now();
-    let scan = points::read(&options.scans, &resolve::read(config), stop)?;
+    let scan = points::read(&options.scans, &resolve::read(config), task)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
     let options = &options.in_world(&scan);
-    let (buffers, scene) = upload(&gpu, scan, config, stop)?;
+    let (buffers, scene) = upload(&gpu, scan, config, task)?;
     let num_points = buffers.num_points;
     let load_s = load_began.elapsed().as_secs_f64();
 
@@ -132,7 +132,10 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
         let text = metrics(&mut shot, &times, num_points, load_s)?;
         written.push((output, write_with(output, |file| file.write_all(text.as_bytes()))?));
     }
-    anyhow::ensure!(!stop.requested(), "stopped before the picture was written; nothing was kept");
+    anyhow::ensure!(
+        !task.cancel_token().is_cancelled(),
+        "stopped before the picture was written; nothing was kept"
+    );
     for (output, file) in written {
         output.keep(file)?;
     }
@@ -140,13 +143,13 @@ pub fn run(options: &ShotOptions, config: &Config, stop: &Stop) -> anyhow::Resul
 }
 
 /// The scan on the GPU, as the settings want it, and its scene.
-fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result<(CloudBuffers, Scene)> {
+fn upload(gpu: &Gpu, scan: Scan, config: &Config, task: &Task) -> anyhow::Result<(CloudBuffers, Scene)> {
     let num_points = scan.num_points() as u64;
     let chunk_limit = resolve::chunk_limit(config);
-    let sending = || Progress::new("sending", "bytes", 16 * num_points, stop);
+    let sending = || task.begin("sending", "bytes", 16 * num_points);
     if config.lod.enabled && config.lod.method == LodMethod::Spt {
         // Points are counted twice, discs once.
-        let building = Progress::new("building the point tree", "points", 7 * num_points / 2, stop);
+        let building = task.begin("building the point tree", "points", 7 * num_points / 2);
         let spt = build_spt(&scan, config.lod.cull_backfaces, &building)?;
         drop((scan, building));
         let buffers = CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending())?;
@@ -154,8 +157,8 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
     }
     if config.lod.enabled {
         // Points are counted twice as the octree is built, and once as they are sent.
-        let building = Progress::new("building the octree", "points", 3 * num_points, stop);
-        let silent = Progress::silent(stop);
+        let building = task.begin("building the octree", "points", 3 * num_points);
+        let silent = Progress::silent(task.cancel_token());
         let mut upload: Option<CloudUpload> = None;
         let hierarchy = build_nodes(&scan, &building, &mut |hierarchy, blocks| {
             let upload = match &mut upload {
@@ -169,7 +172,7 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, stop: &Stop) -> anyhow::Result
         // A hierarchy has a root.
         return Ok((upload.context("an octree without nodes")?.buffers(), hierarchy.scene));
     }
-    let sorting = Progress::new("batching", "points", num_points, stop);
+    let sorting = task.begin("batching", "points", num_points);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
     drop((scan, sorting));
     Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene))

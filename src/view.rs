@@ -13,7 +13,7 @@ use crate::walk::start::start;
 use crate::walk::{Loaded, Walk};
 use anyhow::Context;
 use base::output::Output;
-use base::progress::{Job, Progress, Stop};
+use base::task::{CancelToken, Progress, Task};
 use base::words::{self, counted};
 use cloud::octree::build_nodes;
 use cloud::spt::build_spt;
@@ -73,10 +73,10 @@ impl ViewOptions {
 /// # Errors
 /// Unreadable scan, no usable GPU, a headset or window that was required and is missing, a frame log that cannot
 /// be begun, a runtime or device that fails.
-pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow::Result<()> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
     let display = open_display(options.window, stop)?;
-    if stop.requested() {
+    if stop.is_cancelled() {
         return Ok(());
     }
     let (gpu, mut headset) = open_headset(options.headset, config)?;
@@ -102,14 +102,14 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
                 link.set_doing(None);
                 match result {
                     // Whoever asked for it has the reason.
-                    Err(error) if has_stopped(&error) => {}
+                    Err(error) if error.is_cancelled() => {}
                     Err(error) => {
-                        link.update_load(|load| load.error = Some(format!("{error:#}")));
+                        link.update_load(|load| load.error = Some(error.to_string()));
                         // A window stays until the user has read it and closes it, unless nobody may be there.
-                        if windowed && !options.ends_by_itself() && !is_lost(&error) {
-                            ending.fail_later(error);
+                        if windowed && !options.ends_by_itself() && !error.is_lost() {
+                            ending.fail_later(error.into());
                         } else {
-                            ending.fail(error);
+                            ending.fail(error.into());
                         }
                     }
                     Ok(()) => {}
@@ -134,7 +134,7 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
             let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error)).ok();
             // Whatever ended the walk ends the window and the loader too, but that there is no scan: see the loader.
             if !ending.has_failed() {
-                stop.request();
+                stop.cancel();
             }
             summary
         });
@@ -166,14 +166,14 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &Stop) -> anyhow::Resul
 }
 
 /// The display that was wished for, before anything else is opened or read.
-fn open_display(wish: Wish, stop: &Stop) -> anyhow::Result<Option<Display>> {
+fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display>> {
     if wish == Wish::Off || wish == Wish::Auto && !desktop::is_named() {
         return Ok(None);
     }
     match Display::open(stop) {
         Ok(display) => Ok(Some(display)),
         // The user waits no longer for a display that keeps silent.
-        Err(_) if stop.requested() => Ok(None),
+        Err(_) if stop.is_cancelled() => Ok(None),
         Err(error) if wish == Wish::On => Err(error).context("--window on"),
         Err(error) => {
             eprintln!("scanwalk: no window: {error}");
@@ -219,10 +219,10 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    fn load(&self, scans: &[PathBuf], stop: &Stop) -> anyhow::Result<()> {
+    fn load(&self, scans: &[PathBuf], stop: &CancelToken) -> Result<(), LoadError> {
         let watching = self.link.clone();
-        let job = Job::observed(stop, move |count| watching.set_doing(Some(Arc::clone(count))));
-        let scan = points::read(scans, &resolve::read(self.config), &job)?;
+        let task = Task::in_terminal(stop).observed(move |count| watching.set_doing(Some(Arc::clone(count))));
+        let scan = points::read(scans, &resolve::read(self.config), &task)?;
         for warning in &scan.warnings {
             eprintln!("scanwalk: warning: {warning}");
         }
@@ -230,7 +230,7 @@ impl Loader<'_> {
             load.facts = scan_facts(&scan);
             load.warnings.clone_from(&scan.warnings);
         });
-        let bytes = self.send(scan, &job)?;
+        let bytes = self.send(scan, &task)?;
         self.link.update_load(|load| {
             load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
         });
@@ -238,40 +238,40 @@ impl Loader<'_> {
     }
 
     /// Sends a scan to the GPU, in the form that the settings ask for; its bytes there.
-    fn send(&self, scan: Scan, job: &Job) -> anyhow::Result<u64> {
+    fn send(&self, scan: Scan, task: &Task) -> Result<u64, LoadError> {
         let lod = &self.config.lod;
         if !lod.enabled {
-            return self.flat(&scan, job);
+            return self.flat(&scan, task);
         }
         let detailed = match lod.method {
-            LodMethod::Octree => self.layered(&scan, job),
-            LodMethod::Spt => self.sequential(&scan, job),
+            LodMethod::Octree => self.layered(&scan, task),
+            LodMethod::Spt => self.sequential(&scan, task),
         };
         match detailed {
             Ok(bytes) => Ok(bytes),
             Err(error) => {
                 stay_flat(error, self.link)?;
-                self.flat(&scan, job)
+                self.flat(&scan, task)
             }
         }
     }
 
     /// Every point, always.
-    fn flat(&self, scan: &Scan, job: &Job) -> anyhow::Result<u64> {
+    fn flat(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         let num_points = scan.num_points() as u64;
-        let sorting = Progress::new("sorting", "points", num_points, job);
+        let sorting = task.begin("sorting", "points", num_points);
         let cloud = cloud::build(scan, self.config.cloud.order, &sorting)?;
         drop(sorting);
-        let sending = Progress::new("sending to the GPU", "bytes", 16 * num_points, job);
+        let sending = task.begin("sending to the GPU", "bytes", 16 * num_points);
         let buffers = CloudBuffers::upload(self.gpu, &cloud, resolve::chunk_limit(self.config), &sending)?;
         Ok(self.show(buffers, &cloud.scene, scan))
     }
 
     /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
-    fn layered(&self, scan: &Scan, job: &Job) -> anyhow::Result<u64> {
+    fn layered(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         // Points are counted twice as the octree is built, and once as they are sent.
-        let building = Progress::new("building the octree", PASSES, 3 * scan.num_points() as u64, job);
-        let sending = Progress::silent(job.stop());
+        let building = task.begin("building the octree", PASSES, 3 * scan.num_points() as u64);
+        let sending = Progress::silent(task.cancel_token());
         let chunk_limit = resolve::chunk_limit(self.config);
         let mut upload: Option<CloudUpload> = None;
         let mut bytes = 0;
@@ -286,21 +286,20 @@ impl Loader<'_> {
             if is_first {
                 bytes = self.show(upload.buffers(), &hierarchy.scene, scan);
             }
-            Ok::<(), anyhow::Error>(())
+            Ok::<(), LoadError>(())
         })?;
         Ok(bytes)
     }
 
     /// Builds the sequential point tree of a scan and sends it to the GPU.
-    fn sequential(&self, scan: &Scan, job: &Job) -> anyhow::Result<u64> {
+    fn sequential(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         // Points are counted twice, discs once.
-        let building =
-            Progress::new("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2, job);
+        let building = task.begin("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2);
         let spt = build_spt(scan, self.config.lod.cull_backfaces, &building)?;
         drop(building);
         // Three planes, colors and shapes.
         let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
-        let sending = Progress::new("sending to the GPU", "bytes", num_bytes, job);
+        let sending = task.begin("sending to the GPU", "bytes", num_bytes);
         let chunk_limit = resolve::chunk_limit(self.config);
         let buffers = CloudBuffers::upload_sequential(self.gpu, &spt, chunk_limit, &sending)?;
         Ok(self.show(buffers, &spt.cloud.scene, scan))
@@ -325,26 +324,42 @@ impl Loader<'_> {
 ///
 /// # Errors
 /// Somebody asked for an end, or the GPU is lost, and with it the walk.
-fn stay_flat(error: anyhow::Error, link: &WalkEnd) -> anyhow::Result<()> {
-    if has_stopped(&error) || is_lost(&error) {
+fn stay_flat(error: LoadError, link: &WalkEnd) -> Result<(), LoadError> {
+    if error.is_cancelled() || error.is_lost() {
         return Err(error);
     }
-    let warning = format!("without level of detail, every point is drawn always: {error:#}");
+    let warning = format!("without level of detail, every point is drawn always: {error}");
     eprintln!("scanwalk: warning: {warning}");
     link.update_load(|load| load.warnings.push(warning));
     Ok(())
 }
 
-/// True if the GPU is lost, and with it all that it shows.
-fn is_lost(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(UploadError::Lost(_)))
+/// Why nothing, or nothing more, of a scan is shown.
+#[derive(Debug, thiserror::Error)]
+enum LoadError {
+    #[error(transparent)]
+    Read(#[from] ScanError),
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    #[error(transparent)]
+    Upload(#[from] UploadError),
 }
 
-/// True if the work ended because somebody asked for it, and for no reason of its own.
-fn has_stopped(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(UploadError::Stopped))
-        || matches!(error.downcast_ref(), Some(ScanError::Stopped))
-        || matches!(error.downcast_ref(), Some(BuildError::Stopped))
+impl LoadError {
+    /// The GPU is lost, and with it all that it shows.
+    fn is_lost(&self) -> bool {
+        matches!(self, Self::Upload(UploadError::Lost(_)))
+    }
+
+    /// Somebody asked for an end, who has the reason.
+    fn is_cancelled(&self) -> bool {
+        matches!(
+            self,
+            Self::Read(ScanError::Cancelled(_))
+                | Self::Build(BuildError::Cancelled(_))
+                | Self::Upload(UploadError::Cancelled(_))
+        )
+    }
 }
 
 /// What the counts of both builders are of: each point several times.
@@ -400,11 +415,12 @@ fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base::task::Cancelled;
 
     /// Whatever keeps a scan from getting its octree, the panel says so, and the walk goes on.
     #[test]
     fn a_scan_without_level_of_detail_says_why() {
-        let errors: [anyhow::Error; 4] = [
+        let errors: [LoadError; 4] = [
             BuildError::TooMany(3_000_000_000).into(),
             BuildError::Empty.into(),
             BuildError::TooManyDiscs(2_000_000_000).into(),
@@ -425,7 +441,7 @@ mod tests {
                 "{warning}"
             );
         }
-        for stopped in [BuildError::Stopped.into(), UploadError::Stopped.into()] {
+        for stopped in [BuildError::from(Cancelled).into(), UploadError::Cancelled(Cancelled).into()] {
             let (link, _commands, viewer) = link::link();
             stay_flat(stopped, &link).expect_err("nothing more is wanted");
             assert!(viewer.load().warnings.is_empty());
@@ -454,10 +470,11 @@ mod tests {
         // What has come when the walk is told: observed on the loader's own thread, between two runs of nodes.
         let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
         let seen = Arc::clone(&counts);
-        let job = Job::observed(&Stop::default(), move |count| seen.lock().unwrap().push(Arc::clone(count)));
+        let task = Task::new(&CancelToken::default())
+            .observed(move |count| seen.lock().unwrap().push(Arc::clone(count)));
         let loader = Loader { config: &config, gpu: &gpu, link: &link, loaded: &sender };
         let first = std::thread::scope(|scope| {
-            let loading = scope.spawn(|| loader.send(scan, &job).expect("a cloud"));
+            let loading = scope.spawn(|| loader.send(scan, &task).expect("a cloud"));
             let Loaded { cloud, .. } = loaded.recv().expect("a cloud");
             let first = cloud.num_resident();
             loading.join().unwrap();

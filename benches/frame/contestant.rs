@@ -3,8 +3,8 @@
 use crate::heat::{Entry, Plan};
 use crate::scene::Scene;
 use anyhow::{Context, Result};
-use base::progress::Progress;
 use base::space::View;
+use base::task::Progress;
 use cloud::Cloud;
 use lab::bench::point_list::{self, PointList};
 use lab::twin::resolve::Pixel;

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use base::output::{Output, OutputKind};
-use base::progress::{Progress, Stop};
 use base::space::{Eye, Fov, Pose, View};
+use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
@@ -35,7 +35,7 @@ impl Scene {
     pub fn new(points: u64) -> Result<Self> {
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("courtyard.las");
-        let stop = Stop::default();
+        let stop = CancelToken::default();
         let output = Output::new(&out, OutputKind::Scan)?;
         synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
         let scan = points::read(&[out], &ReadOptions::default(), &stop)?;

@@ -3,8 +3,8 @@
 use super::holes::{self, Drawer, Drawn, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};
 use super::scene::{SOURCES, Source};
 use anyhow::{Context, Result};
-use base::progress::Progress;
 use base::space::View;
+use base::task::Progress;
 use cloud::octree::build_octree;
 use glam::DVec3;
 use lab::synth::{Kind, Viewpoint};

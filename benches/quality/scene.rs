@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result};
 use base::output::{Output, OutputKind};
-use base::progress::{Progress, Stop};
 use base::space::{Eye, Fov, Pose, View};
+use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
@@ -136,8 +136,8 @@ fn made(kind: Kind, points: u64) -> Result<Scan> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("scan.las");
     let output = Output::new(&out, OutputKind::Scan)?;
-    synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, &Stop::default())?;
-    Ok(points::read(&[out], &ReadOptions::default(), &Stop::default())?)
+    synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, &CancelToken::default())?;
+    Ok(points::read(&[out], &ReadOptions::default(), &CancelToken::default())?)
 }
 
 fn data_folder() -> Option<PathBuf> {
@@ -146,7 +146,7 @@ fn data_folder() -> Option<PathBuf> {
 
 fn room() -> Result<Scan> {
     let folder = data_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
-    Ok(points::read(&[folder.join(ROOM)], &ReadOptions::default(), &Stop::default())?)
+    Ok(points::read(&[folder.join(ROOM)], &ReadOptions::default(), &CancelToken::default())?)
 }
 
 /// Every so many-th point in the file's order.

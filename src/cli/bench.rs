@@ -7,7 +7,7 @@ use crate::config::Config;
 use crate::resolve;
 use crate::walk::start::start;
 use base::output::{OutputKind, Outputs};
-use base::progress::Stop;
+use base::task::Task;
 use glam::DVec3;
 use lab::bench::{self, BenchOptions, Table};
 use lab::report::BenchResults;
@@ -22,7 +22,7 @@ pub(super) fn run(
     args: &BenchArgs,
     mut outputs: Outputs,
     config: &Config,
-    stop: &Stop,
+    task: &Task,
 ) -> anyhow::Result<()> {
     let tables = match args.table {
         None => vec![Table::Paper2019, Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
@@ -50,7 +50,7 @@ pub(super) fn run(
         num_runs: args.runs,
         size_px: args.size,
     };
-    let results = bench::run(&options, stop)?;
+    let results = bench::run(&options, task)?;
     if let Some((output, out)) = outputs.take_one(OutputKind::Page).zip(args.out.as_ref()) {
         output.write(bench_document(&results, out).as_bytes())?;
     }

@@ -9,24 +9,25 @@ use crate::resolve;
 use crate::shot::{self, ShotFov, ShotOptions};
 use crate::view::{self, ViewOptions, Wish};
 use base::output::{OutputKind, Outputs, Partials};
-use base::progress::Stop;
+use base::task::{CancelToken, Task};
 use lab::synth::{self, SynthOptions};
 
 /// Runs the command that was asked for.
-pub(super) fn run(cli: &Cli, partials: &Partials, stop: &Stop) -> anyhow::Result<()> {
+pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow::Result<()> {
     let outputs = files::check(cli, partials)?;
     let config = settings(cli)?;
+    let task = &Task::in_terminal(stop);
     match &cli.command {
         Command::View(args) => view(args, outputs, &config, stop),
-        Command::Render(args) => render(args, outputs, &config, stop),
-        Command::Info(args) => points::info::print(&args.scans, args.json, &resolve::read(&config), stop),
-        Command::Synth(args) => synth(args, outputs, stop),
+        Command::Render(args) => render(args, outputs, &config, task),
+        Command::Info(args) => points::info::print(&args.scans, args.json, &resolve::read(&config), task),
+        Command::Synth(args) => synth(args, outputs, task),
         Command::Report(args) => report::run(args, outputs),
         Command::Doctor(args) => doctor::run(&config, args.json, stop),
         Command::Convert(_) => {
             Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
         }
-        Command::Bench(args) => bench::run(args, outputs, &config, stop),
+        Command::Bench(args) => bench::run(args, outputs, &config, task),
     }
 }
 
@@ -59,7 +60,7 @@ fn not_there_yet(command: &str, instead: &str) -> anyhow::Error {
     Usage(format!("{command} does not exist yet; {instead}")).into()
 }
 
-fn view(args: &ViewArgs, mut outputs: Outputs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+fn view(args: &ViewArgs, mut outputs: Outputs, config: &Config, stop: &CancelToken) -> anyhow::Result<()> {
     let options = ViewOptions {
         scans: args.scans.clone(),
         headset: match args.headset {
@@ -80,7 +81,7 @@ fn view(args: &ViewArgs, mut outputs: Outputs, config: &Config, stop: &Stop) -> 
     view::run(&options, config, stop)
 }
 
-fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, stop: &Stop) -> anyhow::Result<()> {
+fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, task: &Task) -> anyhow::Result<()> {
     let options = ShotOptions {
         scans: args.scans.clone(),
         out: outputs.take(OutputKind::Picture),
@@ -97,13 +98,13 @@ fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, stop: &Stop)
         depth: outputs.take(OutputKind::Depth),
         metrics: outputs.take_one(OutputKind::Metrics),
     };
-    shot::run(&options, config, stop)
+    shot::run(&options, config, task)
 }
 
-fn synth(args: &SynthArgs, mut outputs: Outputs, stop: &Stop) -> anyhow::Result<()> {
+fn synth(args: &SynthArgs, mut outputs: Outputs, task: &Task) -> anyhow::Result<()> {
     let SynthArgs { kind, points, seed, .. } = *args;
     if let Some(out) = outputs.take_one(OutputKind::Scan) {
-        synth::write(&SynthOptions { kind, out, points, seed }, stop)?;
+        synth::write(&SynthOptions { kind, out, points, seed }, task)?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::desktop::{self, Server};
-use base::progress::Stop;
+use base::task::CancelToken;
 use render::gpu::{Atomics, Gpu};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -31,7 +31,7 @@ impl Check {
 }
 
 /// Looks, and prints what it found: as JSON for programs, else as lines. Finding a lack is no failure.
-pub(super) fn run(config: &Config, json: bool, stop: &Stop) -> anyhow::Result<()> {
+pub(super) fn run(config: &Config, json: bool, stop: &CancelToken) -> anyhow::Result<()> {
     let mut checks = gpu(config);
     checks.push(display(stop));
     checks.push(headset());
@@ -95,7 +95,7 @@ fn gpu(config: &Config) -> Vec<Check> {
 }
 
 /// Something that a window can open on.
-fn display(stop: &Stop) -> Check {
+fn display(stop: &CancelToken) -> Check {
     match desktop::server(stop) {
         Ok(Server::Wayland(name)) => Check::good("display", format!("Wayland, {name}")),
         Ok(Server::X11 { name, no_wayland: None }) => Check::good("display", format!("X11, {name}")),

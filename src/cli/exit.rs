@@ -3,7 +3,7 @@
 use crate::config::ConfigError;
 use anyhow::Error;
 use base::output::{OutputError, Partials};
-use base::progress::Stop;
+use base::task::CancelToken;
 use lab::synth::SynthError;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -61,8 +61,8 @@ fn one_line(error: &Error) -> String {
 }
 
 /// Ctrl-C and SIGTERM ask the work to end; a second one ends the program at once, and its partial files with it.
-pub(super) fn stop_on_signals(partials: &Partials) -> Stop {
-    let stop = Stop::default();
+pub(super) fn stop_on_signals(partials: &Partials) -> CancelToken {
+    let stop = CancelToken::default();
     let (asked, partials) = (stop.clone(), partials.clone());
     let mut signalled = false;
     let installed = ctrlc::set_handler(move || {
@@ -70,7 +70,7 @@ pub(super) fn stop_on_signals(partials: &Partials) -> Stop {
             partials.discard();
             std::process::exit(INTERRUPTED);
         }
-        asked.request();
+        asked.cancel();
         let _ = writeln!(io::stderr(), "scanwalk: stopping; once more to stop at once");
     });
     if let Err(error) = installed {

@@ -18,9 +18,9 @@
 //! ```no_run
 //! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::link::Command>) {}
 //! # fn main() -> anyhow::Result<()> {
-//! use scanwalk::{config::Config, desktop, gpu::Gpu, progress::Stop, walk::link};
+//! use scanwalk::{config::Config, desktop, gpu::Gpu, progress::CancelToken, walk::link};
 //! let gpu = std::sync::Arc::new(Gpu::open(None)?);
-//! let (stop, config) = (Stop::default(), Config::default());
+//! let (stop, config) = (CancelToken::default(), Config::default());
 //! let (walk_end, commands, viewer) = link::link();
 //! let frames = std::thread::spawn(move || walk(walk_end, commands)); // its end requests `stop`
 //! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
@@ -57,7 +57,7 @@ pub use server::{Server, is_named, server};
 
 use crate::config::Config;
 use crate::walk::link::ViewerEnd;
-use base::progress::Stop;
+use base::task::CancelToken;
 use render::gpu::Gpu;
 use std::sync::Arc;
 use winit::event_loop::EventLoop;
@@ -120,7 +120,7 @@ impl Display {
     ///
     /// # Panics
     /// On another thread than the main one, and when called again in a process after a success: winit's rules.
-    pub fn open(stop: &Stop) -> Result<Self, DesktopError> {
+    pub fn open(stop: &CancelToken) -> Result<Self, DesktopError> {
         server::event_loop(stop).map(Self)
     }
 
@@ -136,7 +136,7 @@ impl Display {
         viewer: ViewerEnd,
         facts: WindowFacts,
         config: &Config,
-        stop: Stop,
+        stop: CancelToken,
     ) -> Result<(), DesktopError> {
         let mut app = window::App::new(gpu, viewer, facts, config, stop);
         self.0

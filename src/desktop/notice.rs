@@ -3,7 +3,7 @@
 use super::numbers;
 use super::style::{self, BAD, FAINT, GOOD};
 use crate::walk::link::LoadState;
-use base::progress::Done;
+use base::task::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};
 

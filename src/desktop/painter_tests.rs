@@ -6,7 +6,7 @@ use super::painter::{EguiPicture, Painter};
 use super::{WindowFacts, help, keys, notice, panel, style};
 use crate::config::{Mirror, WindowConfig};
 use crate::walk::link::{LoadState, MirrorImages};
-use base::progress::Done;
+use base::task::Done;
 use render::gpu::Gpu;
 use render::options::Overlay;
 use std::time::Instant;

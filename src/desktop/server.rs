@@ -3,7 +3,7 @@
 //! container that inherited its name) is found before.
 
 use super::DesktopError;
-use base::progress::Stop;
+use base::task::CancelToken;
 use std::env;
 use std::io;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -43,7 +43,7 @@ pub fn is_named() -> bool {
 ///
 /// # Errors
 /// Why there is none, in words.
-pub fn server(stop: &Stop) -> Result<Server, String> {
+pub fn server(stop: &CancelToken) -> Result<Server, String> {
     if !cfg!(target_os = "linux") {
         return Ok(Server::System);
     }
@@ -94,7 +94,7 @@ fn variable(name: &str) -> Option<String> {
 
 /// Whether a compositor answers at a Wayland socket: a path, or a name in XDG_RUNTIME_DIR.
 #[cfg(unix)]
-fn wayland_answers(name: &str, patience: Duration, stop: &Stop) -> Result<(), String> {
+fn wayland_answers(name: &str, patience: Duration, stop: &CancelToken) -> Result<(), String> {
     let mut socket = std::path::PathBuf::from(name);
     if socket.is_relative() {
         let folder = variable("XDG_RUNTIME_DIR").ok_or("but XDG_RUNTIME_DIR is not set")?;
@@ -116,13 +116,13 @@ fn wayland_answers(name: &str, patience: Duration, stop: &Stop) -> Result<(), St
 }
 
 #[cfg(not(unix))]
-fn wayland_answers(_: &str, _: Duration, _: &Stop) -> Result<(), String> {
+fn wayland_answers(_: &str, _: Duration, _: &CancelToken) -> Result<(), String> {
     Ok(())
 }
 
 /// Whether an X server is not silent. One that is not there, or refuses, is winit's to tell of: it knows more ways there.
 #[cfg(target_os = "linux")]
-fn x11_answers(name: &str, patience: Duration, stop: &Stop) -> Result<(), String> {
+fn x11_answers(name: &str, patience: Duration, stop: &CancelToken) -> Result<(), String> {
     let name = name.to_owned();
     let answer =
         within(patience, stop, move || x11rb::connect(Some(&name)).map(drop).map_err(io::Error::other));
@@ -130,7 +130,7 @@ fn x11_answers(name: &str, patience: Duration, stop: &Stop) -> Result<(), String
 }
 
 #[cfg(not(target_os = "linux"))]
-fn x11_answers(_: &str, _: Duration, _: &Stop) -> Result<(), String> {
+fn x11_answers(_: &str, _: Duration, _: &CancelToken) -> Result<(), String> {
     Ok(())
 }
 
@@ -138,7 +138,7 @@ fn x11_answers(_: &str, _: Duration, _: &Stop) -> Result<(), String> {
 /// waiting: nothing ends a wait inside a library.
 fn within<T: Send + 'static>(
     patience: Duration,
-    stop: &Stop,
+    stop: &CancelToken,
     ask: impl FnOnce() -> io::Result<T> + Send + 'static,
 ) -> Option<io::Result<T>> {
     let (sender, answer) = channel();
@@ -148,7 +148,7 @@ fn within<T: Send + 'static>(
         return Some(Err(error));
     }
     let deadline = Instant::now() + patience;
-    while !stop.requested() && Instant::now() < deadline {
+    while !stop.is_cancelled() && Instant::now() < deadline {
         match answer.recv_timeout(LOOK_EVERY) {
             Ok(answer) => return Some(answer),
             Err(RecvTimeoutError::Timeout) => {}
@@ -160,7 +160,7 @@ fn within<T: Send + 'static>(
 
 /// winit's connection to the server.
 #[cfg(target_os = "linux")]
-pub(super) fn event_loop(stop: &Stop) -> Result<EventLoop<()>, DesktopError> {
+pub(super) fn event_loop(stop: &CancelToken) -> Result<EventLoop<()>, DesktopError> {
     use winit::platform::wayland::EventLoopBuilderExtWayland;
     use winit::platform::x11::EventLoopBuilderExtX11;
     let no_display = |reason: String| DesktopError::NoDisplay { reason };
@@ -193,7 +193,7 @@ pub(super) fn event_loop(stop: &Stop) -> Result<EventLoop<()>, DesktopError> {
 
 /// winit's connection to the server.
 #[cfg(not(target_os = "linux"))]
-pub(super) fn event_loop(_: &Stop) -> Result<EventLoop<()>, DesktopError> {
+pub(super) fn event_loop(_: &CancelToken) -> Result<EventLoop<()>, DesktopError> {
     EventLoop::new().map_err(|error| match error {
         EventLoopError::Os(error) => {
             DesktopError::NoDisplay { reason: format!("the display does not answer ({})", words(&error)) }
@@ -257,12 +257,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
         let listener = std::os::unix::net::UnixListener::bind(path("alive")).unwrap();
-        let (stop, soon) = (Stop::default(), Duration::from_millis(200));
+        let (stop, soon) = (CancelToken::default(), Duration::from_millis(200));
         // The system takes the connection and the request; nobody reads them.
         let silent = wayland_answers(&path("alive"), soon, &stop).unwrap_err();
         assert!(silent.contains("does not answer"), "{silent}");
-        let asked = Stop::default();
-        asked.request();
+        let asked = CancelToken::default();
+        asked.cancel();
         let began = Instant::now();
         assert!(wayland_answers(&path("alive"), Duration::from_secs(60), &asked).is_err());
         assert!(began.elapsed() < Duration::from_secs(30), "whoever asks it to stop is not made to wait");

@@ -7,7 +7,7 @@ use super::screen::Screen;
 use super::{DesktopError, WindowFacts, help, notice, panel, server, style};
 use crate::config::{Config, WindowConfig};
 use crate::walk::link::{Command, LoadState, ViewerEnd};
-use base::progress::Stop;
+use base::task::CancelToken;
 use render::gpu::Gpu;
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
@@ -33,7 +33,7 @@ pub(super) struct App {
     viewer: ViewerEnd,
     facts: WindowFacts,
     config: WindowConfig,
-    stop: Stop,
+    stop: CancelToken,
     controls: Controls,
     history: History,
     load: LoadState,
@@ -73,7 +73,7 @@ impl App {
         viewer: ViewerEnd,
         facts: WindowFacts,
         config: &Config,
-        stop: Stop,
+        stop: CancelToken,
     ) -> Self {
         let config = config.window.clone();
         let controls = Controls::new(View::new(&config));
@@ -143,7 +143,7 @@ impl App {
     /// The user, or the walk's end, ends it all.
     fn leave(&mut self, events: &ActiveEventLoop) {
         self.send(Some(Command::Quit));
-        self.stop.request();
+        self.stop.cancel();
         events.exit();
     }
 
@@ -319,7 +319,7 @@ impl ApplicationHandler for App {
             if !self.take_in(now) {
                 return self.leave(events);
             }
-            if self.stop.requested() {
+            if self.stop.is_cancelled() {
                 return events.exit();
             }
             if let Some(shown) = &self.shown {

@@ -2,7 +2,7 @@
 //! rows that nobody takes are dropped, commands queue up, the mirror's textures change hands only at start
 //! and when their size changes.
 
-use base::progress::{Count, Done};
+use base::task::{Count, Done};
 use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};

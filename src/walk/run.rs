@@ -9,8 +9,8 @@ use super::screenshot::Screenshots;
 use super::waiting::Waiting;
 use crate::config::Config;
 use crate::resolve;
-use base::progress::Stop;
 use base::space::{Pose, View};
+use base::task::CancelToken;
 use render::gpu::Gpu;
 use render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
 use std::collections::VecDeque;
@@ -61,7 +61,7 @@ pub struct Walk<'a> {
     /// Stop so long after the first frame that showed a scan.
     pub max_time: Option<Duration>,
     /// Set from outside to end the walk.
-    pub stop: Stop,
+    pub stop: CancelToken,
 }
 
 /// What a walk was.
@@ -87,14 +87,14 @@ impl Walk<'_> {
         let mut exit_requested = false;
         loop {
             if !exit_requested
-                && (self.stop.requested() || self.limit_reached(&frames) || frames.are_in_vain())
+                && (self.stop.is_cancelled() || self.limit_reached(&frames) || frames.are_in_vain())
             {
                 headset.request_exit();
                 exit_requested = true;
             }
             frames.take_loaded(&self)?;
             if frames.take_commands(&self.commands) {
-                self.stop.request();
+                self.stop.cancel();
             }
             let waited = Instant::now();
             match headset.wait()? {

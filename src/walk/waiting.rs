@@ -2,8 +2,8 @@
 
 use super::link::WalkEnd;
 use super::locomotion::head_of;
-use base::progress::Done;
 use base::space::{Eye, Pose};
+use base::task::Done;
 use glam::DVec3;
 use render::Renderer;
 use render::gpu::QueueGuard;

@@ -2,7 +2,7 @@
 //! into the mirror images at 30 Hz, offers rows, and prints the commands that come.
 
 use super::fault;
-use base::progress::{Job, Progress, Stop};
+use base::task::{CancelToken, Task};
 use render::gpu::Gpu;
 use scanwalk::config::Config;
 use scanwalk::desktop::{Display, WindowFacts};
@@ -34,7 +34,7 @@ pub fn play(role: &str) {
         return println!("ended well");
     }
     let (walk, commands, viewer) = link::link();
-    let stop = Stop::default();
+    let stop = CancelToken::default();
     let frames = std::thread::spawn({
         let (gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
         move || {
@@ -48,11 +48,11 @@ pub fn play(role: &str) {
                 for command in commands.try_iter() {
                     println!("command {command:?}");
                 }
-                if stop.requested() || (role == "vanish" && frame == 45) {
+                if stop.is_cancelled() || (role == "vanish" && frame == 45) {
                     return;
                 }
                 if role == "stop" && frame == 45 {
-                    stop.request();
+                    stop.cancel();
                 }
                 if let Some(images) = &images {
                     paint(&gpu, images);
@@ -68,8 +68,8 @@ pub fn play(role: &str) {
     let outcome = Display::open(&stop)
         .and_then(|display| display.run(Arc::clone(&gpu), viewer, facts, &config, stop.clone()));
     // An error of the window ends the stand-in too.
-    let stopped = stop.requested();
-    stop.request();
+    let stopped = stop.is_cancelled();
+    stop.cancel();
     frames.join().expect("the stand-in for the frame thread");
     match outcome {
         Ok(()) => println!("ended well, stop requested: {stopped}"),
@@ -81,8 +81,9 @@ fn prepare(role: &str, walk: &WalkEnd) {
     if role == "loading" {
         // Of 52 million points, 40 % are sorted.
         let observer = walk.clone();
-        let job = Job::observed(&Stop::default(), move |count| observer.set_doing(Some(Arc::clone(count))));
-        Progress::new("sorting", "points", 52_391_020, &job).add(20_956_408);
+        let task = Task::new(&CancelToken::default())
+            .observed(move |count| observer.set_doing(Some(Arc::clone(count))));
+        task.begin("sorting", "points", 52_391_020).add(20_956_408);
     }
     walk.update_load(|load| match role {
         "broken" => {

@@ -1,7 +1,7 @@
 //! What files are colored by, from the file to the bytes that are drawn: bits by distribution, one color everywhere, few
 //! colored points, points without a color. Files are made up as text.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use kit::las_files::save;
 use points::{ColorSource, ReadOptions, Scan, read};
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ fn file(color: impl Fn(usize) -> [u16; 3]) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn read_one(path: &Path) -> Scan {
-    read(&[path.to_owned()], &ReadOptions::default(), &Stop::default()).unwrap()
+    read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
 }
 
 fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
@@ -334,7 +334,7 @@ fn tiles_of_8_bit_intensities_are_as_bright_as_those_of_16() {
     };
     let both = |white: f64| {
         let paths = [tile("a.ply", 65535.0), tile("b.ply", white)];
-        read(&paths, &ReadOptions::default(), &Stop::default()).unwrap()
+        read(&paths, &ReadOptions::default(), &CancelToken::default()).unwrap()
     };
     let brightest = |scan: &Scan, file: usize| {
         let greens = (0..NUM_POINTS).map(|at| scan.files[file].color(at).to_le_bytes()[1]);

@@ -1,7 +1,7 @@
 //! Many files at once: more than a process may open, a bad one among good ones, one named twice, and files that only
 //! lie beside scans.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use kit::las_files::Fixture;
 use points::{Project, ReadOptions, Scan, ScanError, Unit, Up, read};
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ const STRICT: ReadOptions = ReadOptions {
 };
 
 fn read_all(paths: &[PathBuf]) -> Result<Scan, ScanError> {
-    read(paths, &ReadOptions::default(), &Stop::default())
+    read(paths, &ReadOptions::default(), &CancelToken::default())
 }
 
 /// A folder with a file for each name.
@@ -76,7 +76,7 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
         assert_eq!(read_all(&paths.map(Clone::clone)).unwrap().num_points(), num_points);
     }
     let refused = |paths: &[PathBuf], options: &ReadOptions| {
-        read(paths, options, &Stop::default()).map(|scan| scan.num_points()).unwrap_err().to_string()
+        read(paths, options, &CancelToken::default()).map(|scan| scan.num_points()).unwrap_err().to_string()
     };
     assert!(refused(&paths, &STRICT).contains("bad_1.las: "));
     let bad = [paths[2].clone(), paths[0].clone()];
@@ -102,7 +102,7 @@ fn what_is_not_whole_is_refused_when_told_to_be_strict() {
         ("row.ply", bad_row.as_bytes()),
     ]);
     let strictly = |paths: &[PathBuf]| {
-        let scan = read(paths, &STRICT, &Stop::default());
+        let scan = read(paths, &STRICT, &CancelToken::default());
         scan.map(|scan| scan.num_points()).map_err(|error| error.to_string())
     };
     let [las, ply, parts @ ..] = &paths[..] else { panic!("{paths:?}") };

@@ -1,8 +1,8 @@
 //! What an octree promises, for clouds of every odd shape: nothing lost, nothing twice, nodes inside their
 //! parents, points inside their nodes and apart from each other, the same result on any number of threads.
 
-use base::progress::{Progress, Stop};
 use base::space::{Bounds, Eye, Fov, Pose, View};
+use base::task::{CancelToken, Cancelled, Progress};
 use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
@@ -382,8 +382,9 @@ fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
     assert!(seen.iter().copied().eq(0..octree.nodes.len()), "each once, in order");
     assert!(runs.len() > 2 && runs[0] == 1, "the root, and several runs: {runs:?}");
     // Whoever takes them may end it.
-    let ended = build_nodes(&scan, &Progress::hidden(), &mut |_, _| Err(BuildError::Stopped)).unwrap_err();
-    assert_eq!(ended, BuildError::Stopped);
+    let ended = build_nodes(&scan, &Progress::hidden(), &mut |_, _| Err(BuildError::Cancelled(Cancelled)))
+        .unwrap_err();
+    assert_eq!(ended, BuildError::Cancelled(Cancelled));
 }
 
 /// The batches are a flat cloud: the stages that draw such clouds draw this one, all of its points.
@@ -424,10 +425,10 @@ fn small_and_impossible_clouds() {
 
     let build = |scan: &Scan, progress: &Progress| build_octree(scan, progress).unwrap_err();
     assert_eq!(build(&Scan::default(), &Progress::hidden()), BuildError::Empty);
-    let stop = Stop::default();
-    stop.request();
+    let stop = CancelToken::default();
+    stop.cancel();
     let scan = scan_of(vec![[1, 2, 3]; 5]);
-    assert_eq!(build(&scan, &Progress::new("test", "points", 10, &stop)), BuildError::Stopped);
+    assert_eq!(build(&scan, &Progress::silent(&stop)), BuildError::Cancelled(Cancelled));
 }
 
 /// Four places, thousands of points in each: nodes of the first level stand right over the deepest ones, whose codes

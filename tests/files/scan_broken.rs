@@ -1,7 +1,7 @@
 //! Broken input: a clear error or the part that can be read; never a panic, a hang, or memory that is only
 //! claimed.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use kit::damage::{MOST_KIB, assert_sound, damaged, peak_kib};
 use kit::las_files::{Fixture, save};
 use points::{ReadOptions, Scan, ScanError, read};
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
     let (_folder, path) = save("scan.las", bytes);
-    read(&[path], &ReadOptions::default(), &Stop::default())
+    read(&[path], &ReadOptions::default(), &CancelToken::default())
 }
 
 /// The message, which must name the file and hold `expected`.
@@ -158,13 +158,14 @@ fn a_lost_chunk_table_loses_nothing() {
 #[test]
 fn what_is_no_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let refusal =
-        |path: PathBuf| read(&[path], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
+    let refusal = |path: PathBuf| {
+        read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap_err().to_string()
+    };
     assert!(refusal(folder.path().into()).contains("is a folder"));
     let missing = refusal(folder.path().join("missing.laz"));
     assert!(missing.contains("missing.laz") && missing.contains("No such file"), "{missing}");
     assert!(
-        read(&[], &ReadOptions::default(), &Stop::default())
+        read(&[], &ReadOptions::default(), &CancelToken::default())
             .unwrap_err()
             .to_string()
             .contains("no scan was named")

@@ -1,12 +1,12 @@
 //! Every point format and version, read by us and by the las crate, point by point.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use kit::las_files::{Fixture, save};
 use points::{ColorSource, Points, ReadOptions, Scan, peek, read};
 use std::path::Path;
 
 fn read_one(path: &Path) -> Scan {
-    read(&[path.to_owned()], &ReadOptions::default(), &Stop::default()).unwrap()
+    read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
 }
 
 /// The columns as the las crate's own reader sees them, from its points back to the lattice.
@@ -95,7 +95,7 @@ fn the_lattice_is_kept_exactly() {
 fn several_files_keep_their_order_and_share_nothing_but_the_ramp() {
     let a = save("a.laz", &Fixture::new(1).compressed().bytes());
     let b = save("b.las", &Fixture::new(1).with_points(10).bytes());
-    let scan = read(&[a.1.clone(), b.1.clone()], &ReadOptions::default(), &Stop::default()).unwrap();
+    let scan = read(&[a.1.clone(), b.1.clone()], &ReadOptions::default(), &CancelToken::default()).unwrap();
     assert_eq!(scan.num_points(), 1010);
     assert_eq!([&scan.files[0].path, &scan.files[1].path], [&a.1, &b.1]);
     assert_eq!(scan.files[0].color, scan.files[1].color);
@@ -106,8 +106,8 @@ fn several_files_keep_their_order_and_share_nothing_but_the_ramp() {
 
 #[test]
 fn reading_stops_when_asked() {
-    let stop = Stop::default();
-    stop.request();
+    let stop = CancelToken::default();
+    stop.cancel();
     for bytes in [Fixture::new(3).bytes(), Fixture::new(3).compressed().bytes()] {
         let (_folder, path) = save("scan.las", &bytes);
         let error = read(&[path], &ReadOptions::default(), &stop).unwrap_err().to_string();

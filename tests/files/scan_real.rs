@@ -1,6 +1,6 @@
 //! Real scans, where `SCANWALK_TEST_DATA` names a folder of them: counts and boxes as other readers found them.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use kit::real_scans::{folder, read_in};
 use points::{ColorSource, ReadOptions, Scan, read};
 
@@ -72,7 +72,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
             let name: &'static str = format!("las-point-formats/10_points_format_{format}.{kind}").leak();
             // Some of them are marked as withheld.
             let all = ReadOptions { show_withheld: true, ..ReadOptions::default() };
-            let scan = read(&[folder.join(name)], &all, &Stop::default()).unwrap();
+            let scan = read(&[folder.join(name)], &all, &CancelToken::default()).unwrap();
             assert_eq!(difference(&scan, &(name, 10, NINE.0, NINE.1)), None);
         }
     }
@@ -81,7 +81,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
 #[test]
 fn a_wrong_row_is_noticed() {
     let (_folder, path) = kit::las_files::save("a.las", &kit::las_files::Fixture::new(0).bytes());
-    let scan = read(&[path], &ReadOptions::default(), &Stop::default()).unwrap();
+    let scan = read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap();
     let (min, max) = (scan.bounds().min.to_array(), scan.bounds().max.to_array());
     assert_eq!(difference(&scan, &("a", 1000, min, max)), None);
     assert!(difference(&scan, &("a", 999, min, max)).is_some());
@@ -108,7 +108,7 @@ fn the_same_points_are_the_same_in_every_packing() {
 fn four_tiles_hold_the_points_of_the_whole() {
     let Some(folder) = folder() else { return };
     let tiles: Vec<_> = (1..=4).map(|i| folder.join(format!("laz-tiles-lone-star/split-{i}.laz"))).collect();
-    let tiles = read(&tiles, &ReadOptions::default(), &Stop::default()).unwrap();
+    let tiles = read(&tiles, &ReadOptions::default(), &CancelToken::default()).unwrap();
     let whole = read_in(&folder, "copc/lone-star.copc.laz").unwrap();
     let sorted = |scan: &Scan| {
         // Steps of 0.25 mm, which all five files share.

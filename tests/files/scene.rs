@@ -1,8 +1,8 @@
 //! The first view shows the scan, however small it is and whatever lies far from it; nothing far costs the scene its
 //! precision; what is deleted or noise is said. The program and the library from outside, on files made here.
 
-use base::progress::{Progress, Stop};
 use base::space::Bounds;
+use base::task::{CancelToken, Progress};
 use cloud::octree::build_octree;
 use cloud::{Cloud, Order, build, quantize};
 use glam::DVec3;
@@ -80,7 +80,7 @@ impl Files {
 }
 
 fn read(paths: &[PathBuf]) -> Scan {
-    points::read(paths, &ReadOptions::default(), &Stop::default()).unwrap()
+    points::read(paths, &ReadOptions::default(), &CancelToken::default()).unwrap()
 }
 
 fn scanwalk(args: &[&str]) -> Output {
@@ -349,7 +349,7 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
             assert!(scan.bounds().size().z < 9.0, "{what}");
             assert!(scan.warnings[0].contains("withheld.las: has 60 points that are withheld"), "{what}");
             let shown = ReadOptions { show_withheld: true, ..ReadOptions::default() };
-            let shown = points::read(&[path], &shown, &Stop::default()).unwrap();
+            let shown = points::read(&[path], &shown, &CancelToken::default()).unwrap();
             assert_eq!((shown.num_points(), shown.warnings.len()), (1060, 0), "{what}");
             assert_eq!(shown.scene.bounds, scan.scene.bounds, "{what}");
 
@@ -378,7 +378,8 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
     // Nothing but deleted points: that is the reason.
     let path =
         files.save("gone.las", &las_bytes(&scene, 6, true, 0.001, |point, _| point.is_withheld = true));
-    let error = points::read(&[path], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
+    let error =
+        points::read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap_err().to_string();
     assert!(error.contains("gone.las: holds no points: all 1000 are withheld"), "{error}");
 }
 
@@ -400,6 +401,7 @@ fn files_far_apart_are_named_and_the_larger_part_is_seen() {
 fn coordinates_that_nothing_has_name_their_file() {
     let files = Files::new();
     let path = files.save("broken.las", &las_bytes(&building(10, 1e30), 0, false, 1e24, |_, _| ()));
-    let error = points::read(&[path], &ReadOptions::default(), &Stop::default()).unwrap_err().to_string();
+    let error =
+        points::read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap_err().to_string();
     assert!(error.contains("broken.las: has points ") && error.contains("e29 units from zero"), "{error}");
 }

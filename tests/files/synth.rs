@@ -2,7 +2,7 @@
 //! each device, the same bytes again, nothing left behind when something goes wrong.
 
 use base::output::{Files, Output, OutputKind, Partials};
-use base::progress::Stop;
+use base::task::CancelToken;
 use lab::synth::{Kind, Summary, SynthError, SynthOptions, viewpoints, write};
 use las::{Point, Reader};
 use std::fs;
@@ -22,7 +22,7 @@ fn output(path: &Path) -> Output {
 fn make(folder: &Path, name: &str, kind: Kind, points: u64, seed: u64) -> (PathBuf, Summary) {
     let out = folder.join(name);
     let options = SynthOptions { kind, out: output(&out), points, seed };
-    let summary = write(&options, &Stop::default()).unwrap();
+    let summary = write(&options, &CancelToken::default()).unwrap();
     (out, summary)
 }
 
@@ -204,20 +204,20 @@ fn an_interrupted_run_leaves_nothing_and_harms_nothing() {
     let out = folder.path().join("scan.las");
     fs::write(&out, "what was there before").unwrap();
     for (kind, wait_ms) in [(Kind::Terrestrial, 0), (Kind::Terrestrial, 400), (Kind::Aerial, 200)] {
-        let stop = Stop::default();
+        let stop = CancelToken::default();
         let (options, stopper) = (
             SynthOptions { kind, out: output(&out), points: 2_000_000_000, seed: 0 },
             std::thread::spawn({
                 let stop = stop.clone();
                 move || {
                     std::thread::sleep(Duration::from_millis(wait_ms));
-                    stop.request();
+                    stop.cancel();
                 }
             }),
         );
         let error = write(&options, &stop).unwrap_err();
         stopper.join().unwrap();
-        assert!(matches!(error, SynthError::Stopped { .. }), "{error}");
+        assert!(matches!(error, SynthError::Cancelled { .. }), "{error}");
         assert_eq!(num_files(folder.path()), 1);
         assert_eq!(fs::read(&out).unwrap(), b"what was there before");
     }
@@ -228,7 +228,7 @@ fn errors_name_the_file_and_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let fails = |out: PathBuf, points| {
         let options = SynthOptions { kind: Kind::Photogrammetry, out: output(&out), points, seed: 0 };
-        write(&options, &Stop::default()).unwrap_err()
+        write(&options, &CancelToken::default()).unwrap_err()
     };
     assert!(matches!(fails(folder.path().join("scan.las"), 0), SynthError::NoPoints));
     assert!(matches!(fails(folder.path().join("scan.las"), 1 << 33), SynthError::TooManyPoints { .. }));
@@ -239,7 +239,7 @@ fn errors_name_the_file_and_the_remedy() {
         points: 10,
         seed: 0,
     };
-    assert!(matches!(write(&options, &Stop::default()).unwrap_err(), SynthError::NoMesh { .. }));
+    assert!(matches!(write(&options, &CancelToken::default()).unwrap_err(), SynthError::NoMesh { .. }));
 
     assert_eq!(num_files(folder.path()), 0);
 }
@@ -250,7 +250,8 @@ fn the_statue_is_a_mesh_too() {
     let (path, summary) = make(folder.path(), "statue.ply", Kind::Photogrammetry, 30_000, 1);
     assert_eq!(summary.file_bytes, fs::metadata(&path).unwrap().len());
     let scan =
-        points::read(std::slice::from_ref(&path), &points::ReadOptions::default(), &Stop::default()).unwrap();
+        points::read(std::slice::from_ref(&path), &points::ReadOptions::default(), &CancelToken::default())
+            .unwrap();
     let (file, num_points) = (&scan.files[0], scan.num_points());
     assert_eq!((num_points as u64, scan.warnings.len()), (summary.num_points, 0));
     assert!((27_000..33_000).contains(&num_points), "{num_points}");

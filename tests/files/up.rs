@@ -1,6 +1,6 @@
 //! Which axis of a file points up: by its header, its coordinates, its surfaces, or as the user says. Files are made up.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use glam::DVec3;
 use kit::las_files::save;
 use points::{ReadOptions, Scan, Up, read};
@@ -11,7 +11,7 @@ const TOWER: [[f64; 3]; 5] =
 
 fn read_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Scan {
     let (_folder, path) = save(name, bytes);
-    read(&[path], options, &Stop::default()).unwrap()
+    read(&[path], options, &CancelToken::default()).unwrap()
 }
 
 /// Places of the points in the world.

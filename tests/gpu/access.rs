@@ -1,7 +1,7 @@
 //! How shaders reach memory changes no bit of the picture: early-z's look by a plain load, shaders without checks, and wide
 //! points that threads draw together or alone.
 
-use base::progress::Progress;
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use kit::frames::{Canvas, gpu, made_up, stereo};
 use lab::synth::{self, Kind};

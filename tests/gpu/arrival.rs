@@ -1,8 +1,8 @@
 //! A scan arrives while frames are drawn: the root first, then run after run of nodes. No frame is missed for it, none is
 //! empty, and the frame thread makes nothing on the GPU.
 
-use base::progress::{Progress, Stop};
 use base::space::{Fov, Pose};
+use base::task::{CancelToken, Progress};
 use cloud::octree::{Hierarchy, NodeBlock, Octree, build_nodes, build_octree};
 use glam::{DQuat, DVec3};
 use kit::frames::{Canvas, gpu, random_points, scan_of, stereo};
@@ -212,7 +212,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     let (loaded_sender, loaded) = channel();
     // Without room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
-    let stop = Stop::default();
+    let stop = CancelToken::default();
     let walk = Walk {
         gpu: gpu(),
         config: &config,
@@ -240,7 +240,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
             upload.write_blocks(&hierarchy, run).expect("more nodes");
         }
         see(12);
-        stop.request();
+        stop.cancel();
         pictures.extend(seen.iter());
         frames.join().expect("no panic").expect("a walk");
     });

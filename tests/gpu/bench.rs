@@ -1,6 +1,6 @@
 //! `scanwalk bench` at a size where nothing is worth timing: every row is there, and what it counts is true.
 
-use base::progress::Stop;
+use base::task::{CancelToken, Task};
 use lab::bench::{self, BenchOptions, Table};
 use lab::report::{BenchResults, BenchRow, bench_markdown, bench_page};
 use points::ReadOptions;
@@ -28,7 +28,7 @@ fn measure_some(table: Table, points: u64, methods: &[&str]) -> BenchResults {
         num_runs: 1,
         size_px: Some([96, 54]),
     };
-    bench::run(&options, &Stop::default()).expect("a software driver has all it takes")
+    bench::run(&options, &Task::new(&CancelToken::default())).expect("a software driver has all it takes")
 }
 
 fn row<'a>(results: &'a BenchResults, method: &str, order: &str, viewpoint: &str) -> &'a BenchRow {

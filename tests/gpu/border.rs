@@ -1,8 +1,8 @@
 //! A picture's border looks like its middle: any part of a picture, drawn alone, is that part of the larger picture, bit
 //! for bit. Points whose middle lies outside reach in, and dilation takes what lies beyond the edge.
 
-use base::progress::Progress;
 use base::space::{Eye, Fov, Pose, View};
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, Random, gpu, scan_of, sizes, tiers};

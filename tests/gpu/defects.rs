@@ -108,7 +108,7 @@ fn every_stored_color_comes_out_as_it_went_in() {
         .map(|i| [[i % 256, 0, 255], [0, i % 256, 7], [i % 256; 3]][usize::from(i / 256)])
         .collect();
     let want: Vec<[u16; 3]> = scan.files[0].points.rgb.clone();
-    let cloud = cloud::build(&scan, Order::Original, &base::progress::Progress::hidden()).expect("cloud");
+    let cloud = cloud::build(&scan, Order::Original, &base::task::Progress::hidden()).expect("cloud");
     let view = look_north([320, 320], 1.0);
     let drawn = draw(&cloud, &view, true, 0);
     let hits = hits(&drawn, 0, 320);

@@ -1,8 +1,8 @@
 //! GPU stages against their CPU twins: integer buffers match bit for bit.
 
 use base::output::{Output, OutputKind};
-use base::progress::{Progress, Stop};
 use base::space::View;
+use base::task::{CancelToken, Progress};
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Drawn, cloud_of, draw, gpu, plain, random_points, stereo};
@@ -55,7 +55,7 @@ fn whole_scans_equal_their_twin() {
         points: 300_000,
         seed: 7,
     };
-    synth::write(&options, &Stop::default()).expect("a courtyard");
+    synth::write(&options, &CancelToken::default()).expect("a courtyard");
     let cloud = cloud_from(&out);
     for place in synth::viewpoints(Kind::Terrestrial) {
         assert_twin(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
@@ -71,8 +71,8 @@ fn whole_scans_equal_their_twin() {
 }
 
 fn cloud_from(path: &Path) -> Cloud {
-    let scan =
-        points::read(&[path.to_path_buf()], &ReadOptions::default(), &Stop::default()).expect("a scan");
+    let scan = points::read(&[path.to_path_buf()], &ReadOptions::default(), &CancelToken::default())
+        .expect("a scan");
     build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud")
 }
 

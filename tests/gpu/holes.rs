@@ -9,7 +9,7 @@ mod holes;
 #[path = "../../benches/quality/scene.rs"]
 mod scene;
 
-use base::progress::Progress;
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
 use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};

@@ -1,7 +1,7 @@
 //! Layered clouds and high-quality shading: GPU stages against their CPU twins, in every tier, bit for bit.
 
-use base::progress::Progress;
 use base::space::{Eye, Fov, Pose, View};
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, Order, build};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Meshes: triangles and discs in one picture, against their CPU twins, against rays, and far and near.
 
-use base::progress::Progress;
 use base::space::{Eye, Fov, Pose, View};
+use base::task::Progress;
 use cloud::octree::build_octree;
 use cloud::spt::SequentialCloud;
 use cloud::{Order, build};

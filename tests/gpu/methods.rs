@@ -1,7 +1,7 @@
 //! The papers' methods draw the same picture; orders change nothing but which of equal depths is drawn.
 
-use base::progress::Progress;
 use base::space::{Eye, View};
+use base::task::Progress;
 use cloud::octree::build_octree;
 use cloud::{Cloud, GROUP_POINTS, Order};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Overlays: what they draw over copies of the eyes' images is what the frame knows, and the images stay as they are.
 
-use base::progress::Progress;
 use base::space::{Eye, View};
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, Order};
 use glam::DVec3;

@@ -4,8 +4,8 @@
 //! The head stands still, and level of detail goes on as if it walked: what changes, changes by level of detail
 //! alone. (On a walk, points that come from behind others change more than any of it; `benches/quality` has both.)
 
-use base::progress::Progress;
 use base::space::{Eye, Fov, Pose, View};
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use kit::frames::{Canvas, gpu};
 use lab::synth::{self, Kind, Viewpoint};

@@ -1,7 +1,7 @@
 //! Far from the origin and in a huge cloud, a millimetre is still a millimetre, and it stays where it is.
 
-use base::progress::Progress;
 use base::space::{Eye, Fov, Pose, View};
+use base::task::Progress;
 use cloud::quantize::{Cells, cells_of};
 use cloud::{Batch, Cloud, Order, build};
 use glam::{DVec3, DVec4};

@@ -4,7 +4,7 @@
 //! enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
 use base::output::{self, OutputKind};
-use base::progress::Stop;
+use base::task::CancelToken;
 use lab::synth::{self, Kind, SynthOptions, Viewpoint};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -28,7 +28,7 @@ fn courtyard(folder: &Path, points: u64) -> PathBuf {
         points,
         seed: 3,
     };
-    synth::write(&options, &Stop::default()).expect("a courtyard");
+    synth::write(&options, &CancelToken::default()).expect("a courtyard");
     out
 }
 

@@ -1,8 +1,8 @@
 //! Sequential point trees on the GPU: the stages against their CPU twins bit for bit, what is culled, and the picture
 //! against the octree's.
 
-use base::progress::Progress;
 use base::space::View;
+use base::task::Progress;
 use cloud::octree::build_octree;
 use cloud::spt::{self, SequentialCloud};
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! What the walks look at: a made-up courtyard, and a red ball close before the viewer.
 
 use base::output::{Output, OutputKind};
-use base::progress::Stop;
 use base::space::Pose;
+use base::task::CancelToken;
 use glam::DVec3;
 use lab::synth::{self, Kind, SynthOptions};
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ impl Scene {
             points: 400_000,
             seed: 1,
         };
-        synth::write(&options, &Stop::default()).expect("a courtyard");
+        synth::write(&options, &CancelToken::default()).expect("a courtyard");
         let place =
             synth::viewpoints(Kind::Terrestrial).iter().find(|v| v.name == "court").expect("a viewpoint");
         let head = Pose::look_at(place.eye, place.target, DVec3::Z);

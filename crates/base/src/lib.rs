@@ -3,7 +3,7 @@
 
 pub mod output;
 pub mod percentile;
-pub mod progress;
 pub mod random;
 pub mod space;
+pub mod task;
 pub mod words;

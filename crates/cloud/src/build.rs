@@ -4,8 +4,8 @@ use super::index::Index;
 use super::quantize::{Cells, planes};
 use super::{Batch, Cloud, GROUP_POINTS, Order, morton};
 use crate::format::{BATCH_POINTS, POINTS_PER_LOAD};
-use base::progress::Progress;
 use base::space::{Bounds, Split};
+use base::task::{Cancelled, Progress};
 use glam::DVec3;
 use points::{FARTHEST, Scan, Scene};
 use rayon::prelude::*;
@@ -40,8 +40,8 @@ pub enum BuildError {
     #[error("the scan's box is {0} units wide: its coordinates or its scale are broken")]
     TooWide(String),
     /// The user asked to stop.
-    #[error("interrupted")]
-    Stopped,
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Ids of 32 bits, two for each point, and room for the gaps between batches.
@@ -83,8 +83,8 @@ pub fn build_in_batches(
         Order::Shuffled => Some(parted(&index, &scene.bounds, shuffled(num_points).into_par_iter())),
         Order::ShuffledMorton => Some(shuffled_groups(sort(&index, &bounds, &scene.bounds))),
     };
-    if progress.stopped() {
-        return Err(BuildError::Stopped);
+    if progress.is_cancelled() {
+        return Err(Cancelled.into());
     }
     let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
 
@@ -100,7 +100,7 @@ pub fn build_in_batches(
         .enumerate()
         .map_init(Vec::new, |positions, (number, (((hi, mid), lo), colors))| {
             let Piece { first, first_point, count } = cut.piece(number);
-            if progress.stopped() {
+            if progress.is_cancelled() {
                 return Batch { first_point: 0, num_points: 0, min: DVec3::ZERO, cell: [0.0; 3] };
             }
             positions.clear();
@@ -124,8 +124,8 @@ pub fn build_in_batches(
             }
         })
         .collect();
-    if progress.stopped() {
-        return Err(BuildError::Stopped);
+    if progress.is_cancelled() {
+        return Err(Cancelled.into());
     }
     let (split, planes) = (Split::of(&scene.bounds, &bounds), [hi, mid, lo]);
     Ok(Cloud { split, bounds, scene, batches, planes, colors, num_points: num_points as u64 })

@@ -8,8 +8,8 @@ use render::gpu::{Atomics, Gpu, readback};
 use render::options::Quality;
 
 use base::output::{Output, OutputKind};
-use base::progress::{Progress, Stop};
 use base::space::{Bounds, Eye, Fov, Pose, View};
+use base::task::{CancelToken, Progress};
 use lab::synth::{self, Kind, SynthOptions};
 use lab::twin::Frame;
 use lab::twin::resolve::{EMPTY, Pixel};
@@ -52,8 +52,9 @@ pub fn made_up(kind: Kind, points: u64) -> Scan {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("made-up.las");
     let output = Output::new(&out, OutputKind::Scan).expect("a folder");
-    synth::write(&SynthOptions { kind, out: output, points, seed: 7 }, &Stop::default()).expect("a file");
-    points::read(&[out], &ReadOptions::default(), &Stop::default()).expect("a scan")
+    synth::write(&SynthOptions { kind, out: output, points, seed: 7 }, &CancelToken::default())
+        .expect("a file");
+    points::read(&[out], &ReadOptions::default(), &CancelToken::default()).expect("a scan")
 }
 
 /// Points in a box of `edge` world units, in steps of a millimetre.

@@ -1,6 +1,6 @@
 //! Real scans, where `SCANWALK_TEST_DATA` names a folder of them.
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use points::{ReadOptions, Scan, read};
 use std::path::{Path, PathBuf};
 
@@ -15,5 +15,6 @@ pub fn folder() -> Option<PathBuf> {
 
 /// A file of it, or the message.
 pub fn read_in(folder: &Path, name: &str) -> Result<Scan, String> {
-    read(&[folder.join(name)], &ReadOptions::default(), &Stop::default()).map_err(|error| error.to_string())
+    read(&[folder.join(name)], &ReadOptions::default(), &CancelToken::default())
+        .map_err(|error| error.to_string())
 }

@@ -1,5 +1,6 @@
 //! What can go wrong with a file; every message names the file, the place in it, and what to do.
 
+use base::task::Cancelled;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -20,8 +21,8 @@ pub enum ScanError {
         path: PathBuf,
     },
     /// The user asked to stop.
-    #[error("reading was stopped before the end")]
-    Stopped,
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The operating system refused.
     #[error("{path}: cannot be read{place}: {error}{advice}", path = path.display(), place = at(*offset), advice = advice(error))]
     Io {
@@ -150,7 +151,7 @@ impl ScanError {
     /// named it.
     pub(crate) fn is_of_one_file(&self) -> bool {
         match self {
-            Self::NoFiles | Self::OnlySidecars { .. } | Self::Stopped | Self::Memory { .. } => false,
+            Self::NoFiles | Self::OnlySidecars { .. } | Self::Cancelled(_) | Self::Memory { .. } => false,
             Self::Io { error, .. } => error.kind() != io::ErrorKind::NotFound,
             _ => true,
         }

@@ -4,8 +4,8 @@ use super::{
     Blank, ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanFile, UpAxis, WorldFromFile, read,
     unit,
 };
-use base::progress::Stop;
 use base::space::Bounds;
+use base::task::Task;
 use base::words::{agreeing, counted, grouped};
 use glam::DVec3;
 use serde::Serialize;
@@ -51,9 +51,9 @@ struct FileDescription {
 ///
 /// # Errors
 /// What [`super::read()`] reports; a closed standard output.
-pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, stop: &Stop) -> anyhow::Result<()> {
+pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, task: &Task) -> anyhow::Result<()> {
     let options = ReadOptions { show_withheld: true, ..options.clone() };
-    let (mut scan, headers) = read::read_with_headers(paths, &options, stop)?;
+    let (mut scan, headers) = read::read_with_headers(paths, &options, task)?;
     let asides: Vec<String> = scan.files.iter().zip(&headers).flat_map(asides).collect();
     scan.warnings.extend(asides);
     let text = if json {

@@ -40,8 +40,8 @@ pub use unit::Unit;
 pub use up::{Evidence, Up, UpAxis};
 pub use world::{Project, WorldFromFile};
 
-use base::progress::Progress;
 use base::space::Bounds;
+use base::task::Progress;
 use glam::DVec3;
 use source::Source;
 use stats::Stats;

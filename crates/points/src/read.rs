@@ -7,8 +7,8 @@ use super::{
     Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
     WorldFromFile, sniff, uncolored, world,
 };
-use base::progress::{Job, Progress};
 use base::space::Bounds;
+use base::task::Task;
 use base::words::{agreeing, counted};
 use std::path::{Path, PathBuf};
 
@@ -21,9 +21,9 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// The first file of which nothing can be read, or not all if `options` are strict, with the reason and what to do;
-/// [`ScanError::Stopped`].
-pub fn read(paths: &[PathBuf], options: &ReadOptions, job: impl Into<Job>) -> Result<Scan, ScanError> {
-    Ok(read_with_headers(paths, options, job)?.0)
+/// [`ScanError::Cancelled`].
+pub fn read(paths: &[PathBuf], options: &ReadOptions, task: impl Into<Task>) -> Result<Scan, ScanError> {
+    Ok(read_with_headers(paths, options, task)?.0)
 }
 
 /// Reads the headers only.
@@ -38,7 +38,7 @@ pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
 pub(super) fn read_with_headers(
     paths: &[PathBuf],
     options: &ReadOptions,
-    job: impl Into<Job>,
+    task: impl Into<Task>,
 ) -> Result<(Scan, Vec<Header>), ScanError> {
     let Inputs { paths, remarks } = inputs::choose(paths)?;
     let mut failures = Failures { strict: options.strict, errors: Vec::new() };
@@ -48,7 +48,7 @@ pub(super) fn read_with_headers(
         announced.extend(failures.sort(header)?.map(|num_points| (path, num_points)));
     }
     let expected = announced.iter().fold(0u64, |sum, (_, num_points)| sum.saturating_add(*num_points));
-    let progress = Progress::new("reading", "points", expected, job);
+    let progress = task.into().begin("reading", "points", expected);
     let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
     for (path, _) in announced {
         // Opened again: the system allows fewer open files than a scan may have.

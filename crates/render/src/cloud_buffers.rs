@@ -3,8 +3,8 @@
 
 use crate::gpu::Gpu;
 use crate::layout::{Batch, ChunkUniform, MAX_EXTRA_SLICES, VisibleBatch};
-use base::progress::Progress;
 use base::space::Split;
+use base::task::Progress;
 use cloud::Cloud;
 use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;

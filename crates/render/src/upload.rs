@@ -5,8 +5,8 @@ use crate::cloud_buffers::{Beside, CloudBuffers, Room, num_extra_slices};
 use crate::gpu::Gpu;
 use crate::layout::{Batch, CHILD_ABSENT, NO_CHILD, NODE_RESIDENT, Node, PAGE_POINTS, POINTS_PER_LOAD};
 use crate::pool::Places;
-use base::progress::Progress;
 use base::space::Split;
+use base::task::{Cancelled, Progress};
 use cloud::Cloud;
 use cloud::octree::{self, Hierarchy, NodeBlock, Octree};
 use cloud::spt::SequentialCloud;
@@ -35,8 +35,8 @@ pub enum UploadError {
     #[error("the GPU stopped answering while the scan was sent to it: {0}")]
     Lost(#[from] wgpu::PollError),
     /// The user asked to stop.
-    #[error("interrupted")]
-    Stopped,
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// A cloud before its points are there.
@@ -349,8 +349,8 @@ impl<'a> CloudUpload<'a> {
     /// Writes bytes piece by piece, waiting for the GPU now and then.
     fn send(&mut self, buffer: &wgpu::Buffer, offset: u64, contents: &[u8]) -> Result<(), UploadError> {
         for (number, piece) in contents.chunks(PIECE_BYTES).enumerate() {
-            if self.progress.stopped() {
-                return Err(UploadError::Stopped);
+            if self.progress.is_cancelled() {
+                return Err(Cancelled.into());
             }
             let submission = {
                 let queue = self.gpu.queue.lock();

@@ -3,7 +3,7 @@
 
 mod contradicted;
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use glam::DVec3;
 use kit::las_files::save;
 use points::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
@@ -86,7 +86,7 @@ impl Las {
 
 fn read_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Scan {
     let (_folder, path) = save(name, bytes);
-    read(&[path], options, &Stop::default()).unwrap()
+    read(&[path], options, &CancelToken::default()).unwrap()
 }
 
 /// Places of the points in the world.
@@ -276,8 +276,8 @@ fn files_of_a_scan_share_one_frame() {
     let (_a, a) = save("a.las", &tile(&degrees[..2], &keys));
     let (_b, b) = save("b.las", &tile(&degrees[2..], &keys));
     let (_all, all) = save("all.las", &tile(&degrees, &keys));
-    let two = read(&[a, b], &ReadOptions::default(), &Stop::default()).unwrap();
-    let one = read(&[all], &ReadOptions::default(), &Stop::default()).unwrap();
+    let two = read(&[a, b], &ReadOptions::default(), &CancelToken::default()).unwrap();
+    let one = read(&[all], &ReadOptions::default(), &CancelToken::default()).unwrap();
     for (p, q) in world(&two).iter().zip(world(&one)) {
         assert!((*p - q).length() < 1e-3, "{p} {q}");
     }
@@ -427,7 +427,7 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
         let (_a, a) = save("m.las", &tile(1.0, shift(false), &metres));
         let (_b, b) = save("ft.las", &tile(0.3048, shift(true), &feet));
         let paths = if feet_first { [b, a] } else { [a, b] };
-        let scan = read(&paths, &ReadOptions::default(), &Stop::default()).unwrap();
+        let scan = read(&paths, &ReadOptions::default(), &CancelToken::default()).unwrap();
         let unit_m = if feet_first { 0.3048 } else { 1.0 };
         assert_eq!(scan.unit_m, Some(unit_m));
         for (p, right) in world(&scan).iter().zip(&both) {
@@ -442,13 +442,13 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
         assert!(warning.contains(other), "{warning}");
         // Whoever says what the unit is, says it of all.
         let options = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
-        let scan = read(&paths, &options, &Stop::default()).unwrap();
+        let scan = read(&paths, &options, &CancelToken::default()).unwrap();
         assert!(!scan.warnings.iter().any(|w| w.contains("another unit")), "{:?}", scan.warnings);
         assert_eq!(scan.bounds(), scan.bounds_in_file());
     }
     // Beside a file that states none, nothing is scaled.
     let (_a, a) = save("m.las", &tile(1.0, 0.0, &metres));
     let (_b, b) = save("none.las", &tile(1.0, 20.0, &[]));
-    let scan = read(&[b, a], &ReadOptions::default(), &Stop::default()).unwrap();
+    let scan = read(&[b, a], &ReadOptions::default(), &CancelToken::default()).unwrap();
     assert_eq!((scan.warnings.len(), scan.unit_m), (0, Some(1.0)), "{:?}", scan.warnings);
 }

@@ -6,7 +6,7 @@ mod made;
 mod real;
 mod world;
 
-use base::progress::Stop;
+use base::task::CancelToken;
 use made::{Encoding, Face, Made, Point};
 use points::{ColorSource, ReadOptions, Scan, ScanError, ScanFile, peek, read};
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.ply");
     std::fs::write(&path, bytes).unwrap();
-    read(&[path], &ReadOptions::default(), &Stop::default())
+    read(&[path], &ReadOptions::default(), &CancelToken::default())
 }
 
 fn read_one(bytes: &[u8]) -> (ScanFile, Vec<String>) {
@@ -155,8 +155,8 @@ fn the_header_says_what_is_in_the_file() {
 #[test]
 fn reading_stops_when_asked() {
     let folder = tempfile::tempdir().unwrap();
-    let stop = Stop::default();
-    stop.request();
+    let stop = CancelToken::default();
+    stop.cancel();
     for encoding in Encoding::ALL {
         let path = folder.path().join("scan.ply");
         std::fs::write(&path, Made::new(20).bytes(encoding)).unwrap();

@@ -7,8 +7,8 @@ use crate::format::{BATCH_POINTS, COORDINATE_BITS, PAGE_POINTS, SPACING_EXPONENT
 use crate::index::Index;
 use crate::quantize::{Cells, planes};
 use crate::{Batch, BuildError};
-use base::progress::Progress;
 use base::space::{Bounds, Split};
+use base::task::{Cancelled, Progress};
 use points::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -126,15 +126,15 @@ pub(super) fn fill<E: From<BuildError>>(
         let block = |number: usize| {
             let (node, (keys, cells)) = (&hierarchy.nodes[number], &origins[number]);
             let mut block = NodeBlock::empty(number, node.num_points as usize);
-            if !progress.stopped() {
+            if !progress.is_cancelled() {
                 block.fill(source, &octants, node, keys.clone(), cells);
                 progress.add(u64::from(node.num_points));
             }
             block
         };
         let blocks = run.into_par_iter().map(block).collect();
-        if progress.stopped() {
-            return Err(BuildError::Stopped.into());
+        if progress.is_cancelled() {
+            return Err(BuildError::from(Cancelled).into());
         }
         take(&hierarchy, blocks)?;
     }

@@ -36,8 +36,8 @@ use super::build::{Checked, check};
 use super::format::PAGE_POINTS;
 use super::index::Index;
 use super::{Batch, BuildError, Cloud};
-use base::progress::Progress;
 use base::space::{Bounds, Split};
+use base::task::{Cancelled, Progress};
 use glam::DVec3;
 use points::{Scan, Scene};
 use std::ops::Range;
@@ -240,13 +240,13 @@ pub fn build_nodes<E: From<BuildError>>(
     let index = Index::new(scan);
     let root = keys::Root::new(&bounds);
     let mut keys = keys::sorted(&index, &root);
-    if progress.stopped() {
-        return Err(BuildError::Stopped.into());
+    if progress.is_cancelled() {
+        return Err(BuildError::from(Cancelled).into());
     }
     let mut levels = vec![0; keys.len()];
     let draft = tree::Builder { index: &index, root, progress }.build(&mut keys, &mut levels);
-    if progress.stopped() {
-        return Err(BuildError::Stopped.into());
+    if progress.is_cancelled() {
+        return Err(BuildError::from(Cancelled).into());
     }
     let source = fill::Source { index: &index, keys: &keys, levels: &levels };
     fill::fill(&source, fill::Plan::new(&root, bounds, scene, draft)?, progress, take)

@@ -6,7 +6,7 @@ use super::sample::{Sample, Sampler};
 use super::spacing::{Spacing, spacing};
 use super::{GRID_BITS, LEAF_POINTS, MAX_CROWD, MAX_LEVEL, MAX_NODE_POINTS};
 use crate::index::Index;
-use base::progress::Progress;
+use base::task::Progress;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -115,7 +115,7 @@ impl Builder<'_> {
     }
 
     fn subtree(&self, frame: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
-        if level == MAX_LEVEL || self.progress.stopped() {
+        if level == MAX_LEVEL || self.progress.is_cancelled() {
             return self.leaf(frame, level, part);
         }
         // A leaf that is dense in one place would be drawn whole wherever it is drawn at all.

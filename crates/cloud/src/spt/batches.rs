@@ -10,8 +10,8 @@ use super::tree::PointTree;
 use crate::format::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::quantize::{Cells, planes};
 use crate::{Batch, BuildError, Cloud};
-use base::progress::Progress;
 use base::space::{Bounds, Split};
+use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -123,8 +123,8 @@ impl SequentialCloud {
         }
         let mut columns = [(); 5].map(|()| vec![0u32; size as usize]);
         let filled = fill(tree, &plans, &mut columns, progress);
-        if progress.stopped() {
-            return Err(BuildError::Stopped);
+        if progress.is_cancelled() {
+            return Err(Cancelled.into());
         }
         let bounds_of = |batches: &Range<u32>| {
             let of_run = &filled[batches.start as usize..batches.end as usize];
@@ -183,7 +183,7 @@ fn fill(
         let positions = || nodes.iter().map(|&node| tree.position(node as usize));
         let bounds = positions().fold(Bounds::EMPTY, Bounds::with);
         let cells = Cells::covering(&bounds);
-        if !progress.stopped() {
+        if !progress.is_cancelled() {
             for (i, (p, &node)) in positions().zip(nodes).enumerate() {
                 [hi[i], mid[i], lo[i]] = planes(cells.quantize(p));
                 colors[i] = tree.nodes[node as usize].color;

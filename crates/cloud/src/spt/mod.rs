@@ -75,7 +75,7 @@ pub use tree::{Node, PointTree};
 use super::BuildError;
 use super::build::{Checked, check, sort};
 use super::index::Index;
-use base::progress::Progress;
+use base::task::{Cancelled, Progress};
 use points::Scan;
 
 /// The radians that the tolerance may span at most where the eye looks: ε / pixels per radian.
@@ -138,12 +138,12 @@ pub fn build_point_tree(scan: &Scan, with_sides: bool, progress: &Progress) -> R
     let sorted = Sorted { index, keys };
     let mut leaves = neighbors::leaves(&sorted, progress);
     mesh::inform(&mut leaves, &sorted, scan, with_sides);
-    if progress.stopped() {
-        return Err(BuildError::Stopped);
+    if progress.is_cancelled() {
+        return Err(Cancelled.into());
     }
     let mut tree = tree::build(&sorted, &leaves, bounds, scene, progress);
-    if progress.stopped() {
-        return Err(BuildError::Stopped);
+    if progress.is_cancelled() {
+        return Err(Cancelled.into());
     }
     tree.triangles = mesh::triangles(scan, &sorted, &tree);
     Ok(tree)

@@ -8,7 +8,7 @@ use super::tree::{Leaf, NO_SIDE};
 use super::{Key, Sorted, normals};
 use crate::build::FAR;
 use crate::morton::{BITS, compact, spread};
-use base::progress::Progress;
+use base::task::Progress;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -39,7 +39,7 @@ pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
     let of_task = |task: &Cube| {
         let mut search = Search { sorted, candidates: Vec::new(), nearest: Vec::new() };
         let mut leaves = Vec::with_capacity(task.keys.len());
-        if !progress.stopped() {
+        if !progress.is_cancelled() {
             task.cut(&sorted.keys, CUBE_POINTS, &mut |cube| search.cube(&cube, &mut leaves));
             progress.add(task.keys.len() as u64);
         }

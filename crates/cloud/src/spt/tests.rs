@@ -1,8 +1,8 @@
 //! What the tree and the list promise, each promise as a checker, and each checker shown a tree that breaks it.
 
 use super::*;
-use base::progress::Stop;
 use base::space::Bounds;
+use base::task::{CancelToken, Cancelled};
 use glam::DVec3;
 use points::{ColorSource, Lattice, Points, ScanFile};
 use proptest::prelude::*;
@@ -408,10 +408,10 @@ fn threads_change_nothing_and_a_stop_is_heard() {
     let (serial, parallel) = (one.install(|| tree_of(&scan)), tree_of(&scan));
     assert_eq!(serial.nodes, parallel.nodes);
     assert_eq!((check_spheres(&parallel), check_errors(&parallel)), (Ok(()), Ok(())));
-    let stop = Stop::default();
-    stop.request();
+    let stop = CancelToken::default();
+    stop.cancel();
     let stopped = build_point_tree(&scan, false, &Progress::silent(&stop));
-    assert_eq!(stopped.err(), Some(BuildError::Stopped));
+    assert_eq!(stopped.err(), Some(BuildError::Cancelled(Cancelled)));
 }
 
 #[test]

@@ -4,8 +4,8 @@ use super::cubes::Cube;
 use super::error::{self, Disc};
 use super::mesh::Triangle;
 use super::{Sorted, normals};
-use base::progress::Progress;
 use base::space::Bounds;
+use base::task::Progress;
 use glam::DVec3;
 use points::Scene;
 use rayon::prelude::*;
@@ -122,7 +122,7 @@ pub(super) fn build(
     let root = Cube::root(&sorted.keys);
     small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
     let of_cube = |cube: &Cube| {
-        if progress.stopped() {
+        if progress.is_cancelled() {
             return Part { nodes: Vec::new(), sums: Sums::default() };
         }
         let mut builder = Builder { sorted, leaves, tree: PointTree { ..tree.clone() }, parts: None };
@@ -131,7 +131,7 @@ pub(super) fn build(
         Part { nodes: builder.tree.nodes, sums }
     };
     let parts: Vec<Part> = cubes.par_iter().map(of_cube).collect();
-    if progress.stopped() {
+    if progress.is_cancelled() {
         return tree;
     }
     let num_nodes = parts.iter().map(|part| part.nodes.len() + 1).sum();

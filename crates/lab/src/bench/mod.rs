@@ -14,7 +14,7 @@ mod way;
 
 use crate::report::{BenchResults, in_order};
 use anyhow::{Context, Result, ensure};
-use base::progress::Stop;
+use base::task::Task;
 use glam::DVec3;
 use points::{ReadOptions, Scene};
 use render::Look;
@@ -85,7 +85,7 @@ pub fn methods(tables: &[Table]) -> Vec<&'static str> {
 ///
 /// # Errors
 /// A GPU that tells no times or lacks 64-bit atomics, an unreadable scan, too little memory.
-pub fn run(options: &BenchOptions, stop: &Stop) -> Result<BenchResults> {
+pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
     ensure!(options.num_runs > 0, "--runs 0: a median needs a run");
     let gpu = Arc::new(Gpu::open(Some(&options.adapter))?);
     let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
@@ -107,7 +107,7 @@ pub fn run(options: &BenchOptions, stop: &Stop) -> Result<BenchResults> {
         num_runs: options.num_runs,
         size_px: options.size_px,
         methods: &options.methods,
-        stop,
+        task,
     };
     let mut results = BenchResults {
         device: gpu.name(),
@@ -129,7 +129,7 @@ pub fn run(options: &BenchOptions, stop: &Stop) -> Result<BenchResults> {
         Ok(())
     };
     if let Some(path) = &options.scan {
-        measure(&Subject::read(path, options, stop)?)?;
+        measure(&Subject::read(path, options, task)?)?;
     } else {
         let sizes =
             if options.points.is_empty() { vec![default_points(&gpu)] } else { options.points.clone() };
@@ -137,7 +137,7 @@ pub fn run(options: &BenchOptions, stop: &Stop) -> Result<BenchResults> {
             for model in
                 in_order(options.tables.iter().flat_map(|&table| tables::models(table).iter().copied()))
             {
-                measure(&Subject::made_up(model, points, stop).context("the made-up scan")?)?;
+                measure(&Subject::made_up(model, points, task).context("the made-up scan")?)?;
             }
         }
     }

@@ -4,8 +4,8 @@ use super::BenchOptions;
 use crate::synth::{self, Kind, SynthOptions};
 use anyhow::Result;
 use base::output::{Output, OutputKind};
-use base::progress::{Progress, Stop};
 use base::space::{Bounds, Eye, Fov, Pose, View};
+use base::task::{Progress, Task};
 use cloud::octree::{Octree, build_octree};
 use cloud::spt::{SequentialCloud, build_spt};
 use cloud::{self, Cloud, Order};
@@ -72,7 +72,7 @@ impl Subject {
     ///
     /// # Errors
     /// If there is no room for its file, or on request.
-    pub fn made_up(model: Model, points: u64, stop: &Stop) -> Result<Self> {
+    pub fn made_up(model: Model, points: u64, task: &Task) -> Result<Self> {
         let (kind, inside) = match model {
             Model::Landscape => (Kind::Aerial, "village"),
             Model::Statue => (Kind::Photogrammetry, "face"),
@@ -81,8 +81,8 @@ impl Subject {
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("made-up.las");
         let output = Output::new(&out, OutputKind::Scan)?;
-        synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, stop)?;
-        let scan = points::read(&[out], &ReadOptions::default(), stop)?;
+        synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, task)?;
+        let scan = points::read(&[out], &ReadOptions::default(), task)?;
         let own =
             || synth::viewpoints(kind).iter().map(|p| Place { name: p.name, eye: p.eye, target: p.target });
         let place = |name| own().find(|place| place.name == name).map(|place| (place.eye, place.target));
@@ -106,10 +106,10 @@ impl Subject {
     ///
     /// # Errors
     /// If it cannot be read or is empty.
-    pub fn read(path: &Path, options: &BenchOptions, stop: &Stop) -> Result<Self> {
+    pub fn read(path: &Path, options: &BenchOptions, task: &Task) -> Result<Self> {
         let paths: [PathBuf; 1] = [path.to_owned()];
-        let scan = points::read(&paths, &options.read, stop)?;
-        let cloud = cloud::build(&scan, Order::Original, &Progress::silent(stop))?;
+        let scan = points::read(&paths, &options.read, task)?;
+        let cloud = cloud::build(&scan, Order::Original, &Progress::silent(task.cancel_token()))?;
         let [overview, inside] = (options.eyes)(&cloud.scene, scan.unit_m.unwrap_or(1.0));
         let (center, ahead) = (cloud.scene.bounds.center(), inside + DVec3::Y);
         let places = places(&scan.scene.bounds, (overview, center), (inside, ahead));
@@ -126,8 +126,8 @@ impl Subject {
     ///
     /// # Errors
     /// On request.
-    pub fn flat(&self, order: Order, stop: &Stop) -> Result<Cloud> {
-        let sorting = Progress::new("sorting", "points", self.num_points(), stop);
+    pub fn flat(&self, order: Order, task: &Task) -> Result<Cloud> {
+        let sorting = task.begin("sorting", "points", self.num_points());
         Ok(cloud::build(&self.scan, order, &sorting)?)
     }
 
@@ -135,8 +135,8 @@ impl Subject {
     ///
     /// # Errors
     /// On request.
-    pub fn in_batches(&self, batch_points: u32, stop: &Stop) -> Result<Cloud> {
-        let sorting = Progress::new("sorting", "points", self.num_points(), stop);
+    pub fn in_batches(&self, batch_points: u32, task: &Task) -> Result<Cloud> {
+        let sorting = task.begin("sorting", "points", self.num_points());
         Ok(cloud::build_in_batches(&self.scan, Order::Morton, batch_points, &sorting)?)
     }
 
@@ -144,9 +144,9 @@ impl Subject {
     ///
     /// # Errors
     /// On request.
-    pub fn sequential(&self, stop: &Stop) -> Result<SequentialCloud> {
+    pub fn sequential(&self, task: &Task) -> Result<SequentialCloud> {
         // Points are counted twice, discs once.
-        let building = Progress::new("building the point tree", "points", 7 * self.num_points() / 2, stop);
+        let building = task.begin("building the point tree", "points", 7 * self.num_points() / 2);
         Ok(build_spt(&self.scan, false, &building)?)
     }
 
@@ -154,8 +154,8 @@ impl Subject {
     ///
     /// # Errors
     /// On request.
-    pub fn layered(&self, stop: &Stop) -> Result<Octree> {
-        let building = Progress::new("building the octree", "points", 2 * self.num_points(), stop);
+    pub fn layered(&self, task: &Task) -> Result<Octree> {
+        let building = task.begin("building the octree", "points", 2 * self.num_points());
         Ok(build_octree(&self.scan, &building)?)
     }
 }

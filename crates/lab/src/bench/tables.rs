@@ -7,8 +7,8 @@ use super::subject::{Model, Place, Subject};
 use super::way::{Form, Way};
 use crate::report::BenchRow;
 use anyhow::{Result, ensure};
-use base::progress::{Progress, Stop};
 use base::space::View;
+use base::task::{Progress, Task};
 use cloud::{Cloud, Order};
 use render::CloudBuffers;
 use render::Look;
@@ -69,7 +69,7 @@ pub struct Bench<'a> {
     pub size_px: Option<[u32; 2]>,
     /// Only these, beside hardware points; empty: all.
     pub methods: &'a [String],
-    pub stop: &'a Stop,
+    pub task: &'a Task,
 }
 
 /// The ways that a table compares, each with its renderer and the one that counts.
@@ -207,7 +207,7 @@ impl Bench<'_> {
         let mut contestants = self.contestants(vec![Way::paper_2021(Method::ReduceEarlyZ)], SIZE_2021_PX)?;
         let mut rows = Vec::new();
         for (name, node_points) in NODE_POINTS {
-            let cloud = subject.in_batches(node_points.min(BATCH_POINTS), self.stop)?;
+            let cloud = subject.in_batches(node_points.min(BATCH_POINTS), self.task)?;
             let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
             drop(cloud);
             hardware.set_draw_points(node_points);
@@ -224,7 +224,7 @@ impl Bench<'_> {
     /// scanner costs [2022 §4.2].
     pub fn table_2022(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_2022(), SIZE_2022_PX)?;
-        let cloud = subject.flat(Order::Morton, self.stop)?;
+        let cloud = subject.flat(Order::Morton, self.task)?;
         let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
         drop(cloud);
         clouds.layered = Some(self.layered(subject)?);
@@ -247,12 +247,12 @@ impl Bench<'_> {
     /// Sequential point trees beside octrees and every point [SPT §4].
     pub fn table_spt(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_spt(), SIZE_2022_PX)?;
-        let cloud = subject.flat(Order::Morton, self.stop)?;
+        let cloud = subject.flat(Order::Morton, self.task)?;
         let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
         drop(cloud);
         clouds.layered = Some(self.layered(subject)?);
-        let spt = subject.sequential(self.stop)?;
-        let silent = Progress::silent(self.stop);
+        let spt = subject.sequential(self.task)?;
+        let silent = Progress::silent(self.task.cancel_token());
         clouds.sequential = Some(CloudBuffers::upload_sequential(self.gpu, &spt, self.chunk_limit, &silent)?);
         drop(spt);
         let places = subject.places(places(Table::Spt, subject.model));
@@ -280,13 +280,18 @@ impl Bench<'_> {
     /// A flat cloud, for hardware points and for all others.
     fn flat(&self, cloud: &Cloud, size_px: [u32; 2]) -> Result<(Hardware, Clouds)> {
         let hardware = Hardware::new(self.gpu, cloud, size_px)?;
-        let flat = CloudBuffers::upload(self.gpu, cloud, self.chunk_limit, &Progress::silent(self.stop))?;
+        let flat = CloudBuffers::upload(
+            self.gpu,
+            cloud,
+            self.chunk_limit,
+            &Progress::silent(self.task.cancel_token()),
+        )?;
         Ok((hardware, Clouds { flat: Some(flat), ..Clouds::default() }))
     }
 
     fn layered(&self, subject: &Subject) -> Result<CloudBuffers> {
-        let octree = subject.layered(self.stop)?;
-        let silent = Progress::silent(self.stop);
+        let octree = subject.layered(self.task)?;
+        let silent = Progress::silent(self.task.cancel_token());
         Ok(CloudBuffers::upload_layered(self.gpu, &octree, self.chunk_limit, &silent)?)
     }
 
@@ -298,7 +303,7 @@ impl Bench<'_> {
         contestants: &mut Contestants,
         places: &[Place],
     ) -> Result<Vec<BenchRow>> {
-        let cloud = of.subject.flat(order, self.stop)?;
+        let cloud = of.subject.flat(order, self.task)?;
         let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
         drop(cloud);
         self.rows(of, contestants, &mut hardware, &mut clouds, places)
@@ -327,7 +332,7 @@ impl Bench<'_> {
                 all.push(Timed { name: way.name.into(), load, samples: Vec::new() });
             }
             for turn in 0..WARM_UP + self.num_runs {
-                ensure!(!self.stop.requested(), "interrupted");
+                ensure!(!self.task.cancel_token().is_cancelled(), "interrupted");
                 let mut samples = vec![hardware.draw(&view, TURN_FRAMES)?];
                 for (way, compute, _) in &mut contestants.ways {
                     samples.push(compute.draw(clouds.of(way), &view, TURN_FRAMES)?);
@@ -381,7 +386,7 @@ impl Bench<'_> {
         let load_one = Counter::new(self.gpu, &[size_px], look)?.load(cloud, &one_eye)?;
         let (mut of_both, mut of_one) = (Vec::new(), Vec::new());
         for turn in 0..WARM_UP + self.num_runs {
-            ensure!(!self.stop.requested(), "interrupted");
+            ensure!(!self.task.cancel_token().is_cancelled(), "interrupted");
             let samples =
                 (both.draw(cloud, &both_eyes, TURN_FRAMES)?, one.draw(cloud, &one_eye, TURN_FRAMES)?);
             if turn >= WARM_UP {

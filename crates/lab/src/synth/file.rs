@@ -5,8 +5,8 @@ use super::header::{Header, Totals};
 use super::record::Layout;
 use super::{Kind, Summary};
 use base::output::{Output, OutputError, OutputFile};
-use base::progress::Progress;
 use base::random::Rng;
+use base::task::Progress;
 
 use laz::ParLasZipCompressor;
 use rayon::prelude::*;
@@ -67,9 +67,9 @@ pub enum SynthError {
         /// Why.
         source: las::Error,
     },
-    /// Stopped on request.
+    /// The user asked to stop.
     #[error("stopped before {path} was whole; nothing was kept")]
-    Stopped {
+    Cancelled {
         /// The file.
         path: PathBuf,
     },
@@ -84,7 +84,7 @@ impl SynthError {
                 true
             }
             Self::Output(error) => error.is_usage(),
-            Self::Write { .. } | Self::Header { .. } | Self::Stopped { .. } => false,
+            Self::Write { .. } | Self::Header { .. } | Self::Cancelled { .. } => false,
         }
     }
 }
@@ -161,7 +161,7 @@ impl<'a> Target<'a> {
             WriteError::Header(source) => SynthError::Header { path: path(), source },
         })?;
         if !whole {
-            return Err(SynthError::Stopped { path: path() });
+            return Err(SynthError::Cancelled { path: path() });
         }
         self.output.keep(file)?;
         Ok(Summary {
@@ -197,13 +197,13 @@ fn write_points(
     let group = |first: u64| -> Vec<Block> {
         let blocks = (first..num_blocks.min(first + GROUP_BLOCKS)).into_par_iter();
         blocks
-            .filter(|_| !progress.stopped())
+            .filter(|_| !progress.is_cancelled())
             .map(|block| Block::measure(device, seed, block * lines_per_block, lines_per_block, progress))
             .collect()
     };
     let mut ready = group(0);
     for next in (GROUP_BLOCKS..num_blocks + GROUP_BLOCKS).step_by(GROUP_BLOCKS as usize) {
-        if progress.stopped() {
+        if progress.is_cancelled() {
             return Ok(false);
         }
         // One thread writes while the others make the next blocks.
@@ -214,7 +214,7 @@ fn write_points(
         }
         ready = made;
     }
-    Ok(!progress.stopped())
+    Ok(!progress.is_cancelled())
 }
 
 /// Consecutive lines as bytes.

@@ -5,8 +5,8 @@
 //! vertex lies on an edge of tetrahedra: from a corner of the grid in one of seven directions, which name it.
 
 use super::statue;
-use base::progress::Progress;
 use base::random::Rng;
+use base::task::Progress;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -59,10 +59,10 @@ pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
     let triangles = corners.par_iter().map(|keys| keys.map(number)).collect();
     let vertex = |&key: &u64| {
         progress.add(1);
-        (!progress.stopped()).then(|| grid.vertex(key))
+        (!progress.is_cancelled()).then(|| grid.vertex(key))
     };
     let vertices = keys.par_iter().map(vertex).collect::<Option<Vec<Vertex>>>()?;
-    (!progress.stopped()).then_some(Mesh { vertices, triangles })
+    (!progress.is_cancelled()).then_some(Mesh { vertices, triangles })
 }
 
 /// Cubes round the statue.
@@ -94,12 +94,12 @@ impl Grid {
         let near = |block: &[u32; 3]| {
             statue::distance(self.corner(*block) + 0.5 * block_edge).abs() < 1.5 * block_edge + 0.02
         };
-        all.into_par_iter().filter(|block| !progress.stopped() && near(block)).collect()
+        all.into_par_iter().filter(|block| !progress.is_cancelled() && near(block)).collect()
     }
 
     /// The triangles in a block, each of three vertices' keys.
     fn cut(&self, first: [u32; 3], progress: &Progress) -> Vec<[u64; 3]> {
-        if progress.stopped() {
+        if progress.is_cancelled() {
             return Vec::new();
         }
         let place = |x, y, z| self.corner([first[0] + x, first[1] + y, first[2] + z]);

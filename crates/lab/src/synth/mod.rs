@@ -35,8 +35,8 @@ mod terrestrial;
 pub use file::SynthError;
 
 use base::output::Output;
-use base::progress::{Progress, Stop};
 use base::space::Bounds;
+use base::task::Task;
 use glam::DVec3;
 
 /// What made the scan.
@@ -99,10 +99,10 @@ pub fn viewpoints(kind: Kind) -> &'static [Viewpoint] {
 /// Makes a scan and writes it; memory does not grow with the number of points, except for a mesh.
 ///
 /// # Errors
-/// When the options make no sense, when the file cannot be written, and when `stop` was requested. In each
+/// When the options make no sense, when the file cannot be written, and when the task was cancelled. In each
 /// case nothing is left behind, and what was at `options.out` before is untouched.
-pub fn write(options: &SynthOptions, stop: &Stop) -> Result<Summary, SynthError> {
-    let progress = Progress::new("making", "points", options.points, stop);
+pub fn write(options: &SynthOptions, task: impl Into<Task>) -> Result<Summary, SynthError> {
+    let progress = task.into().begin("making", "points", options.points);
     let SynthOptions { kind, points, seed, .. } = *options;
     let target = file::Target::check(&options.out, kind, points)?;
     if target.is_mesh() {

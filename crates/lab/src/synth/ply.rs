@@ -4,8 +4,8 @@ use super::Summary;
 use super::file::{SynthError, Target};
 use super::mesh::{self, Mesh};
 use base::output::OutputFile;
-use base::progress::Progress;
 use base::space::Bounds;
+use base::task::Progress;
 use std::io::{self, BufWriter, Write};
 
 /// Bytes of a vertex: six floats, three bytes of colour.
@@ -19,7 +19,7 @@ impl Target<'_> {
         let path = || self.output.path().to_path_buf();
         let file = self.output.begin()?;
         let mesh =
-            mesh::of_statue(points, seed, progress).ok_or_else(|| SynthError::Stopped { path: path() })?;
+            mesh::of_statue(points, seed, progress).ok_or_else(|| SynthError::Cancelled { path: path() })?;
         let (num_points, num_triangles) = (mesh.vertices.len() as u64, mesh.triangles.len() as u64);
         let needed_mb = (num_points * VERTEX_BYTES + num_triangles * TRIANGLE_BYTES).div_ceil(1_000_000);
         let (file, file_bytes) =

@@ -7,7 +7,7 @@ use super::record::Flags;
 use crate::source::Source;
 use crate::stats::Stats;
 use crate::{Columns, Points, ScanError, guard};
-use base::progress::Progress;
+use base::task::{Cancelled, Progress};
 use base::words::{agreeing, counted};
 use laz::LazVlr;
 use rayon::prelude::*;
@@ -128,8 +128,8 @@ impl Laz {
             let (now, appended) = rayon::join(|| decode().collect(), || assembly.append(source, before));
             appended?;
             decoded = now;
-            if progress.stopped() {
-                return Err(ScanError::Stopped);
+            if progress.is_cancelled() {
+                return Err(Cancelled.into());
             }
         }
         assembly.append(source, decoded)?;
@@ -138,7 +138,7 @@ impl Laz {
 
     fn read_chunk(&self, reading: &Reading, chunk: &Chunk) -> Decoded {
         let Reading { source, progress, show_withheld, .. } = *reading;
-        if progress.stopped() {
+        if progress.is_cancelled() {
             return Ok((Points::default(), Stats::EMPTY));
         }
         let bytes = source.bytes(chunk.offset, chunk.num_bytes).map_err(|error| error.to_string())?;
@@ -166,8 +166,8 @@ impl Laz {
         let announced = if header.announced_points == 0 { most } else { header.announced_points.min(most) };
         let points = &mut columns.points;
         while points.num_read(show_withheld) < announced {
-            if progress.stopped() {
-                return Err(ScanError::Stopped);
+            if progress.is_cancelled() {
+                return Err(Cancelled.into());
             }
             let (before, num_withheld) = (points.xyz.len(), points.num_withheld);
             let num_read = points.num_read(show_withheld);

@@ -11,7 +11,7 @@ mod vlr;
 use super::crs::{self, Crs};
 use super::source::Source;
 use super::{Columns, Format, Header, ReadOptions, Reader, ScanError};
-use base::progress::Progress;
+use base::task::Progress;
 use base::words::{agreeing, counted};
 use header::LasHeader;
 use laz::Laz;

@@ -5,7 +5,7 @@ use super::record::{Block, Kept, Layout};
 use crate::source::Source;
 use crate::stats::Stats;
 use crate::{Columns, Points, ScanError};
-use base::progress::Progress;
+use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::io;
 use std::ops::Range;
@@ -41,14 +41,14 @@ pub(super) fn read(
         .enumerate()
         .map_init(Vec::new, |buffer, (index, block)| {
             let offset = header.points_offset + index as u64 * block_bytes;
-            let task = Task { source, layout: &layout, show_withheld, progress };
-            let end = task.read(block, offset, buffer);
+            let piece = Piece { source, layout: &layout, show_withheld, progress };
+            let end = piece.read(block, offset, buffer);
             progress.add(end.num_read as u64);
             end
         })
         .collect();
-    if progress.stopped() {
-        return Err(ScanError::Stopped);
+    if progress.is_cancelled() {
+        return Err(Cancelled.into());
     }
     join(source, points, ends)
 }
@@ -72,7 +72,7 @@ pub(super) fn num_points(source: &Source, header: &LasHeader) -> u64 {
 }
 
 /// How blocks are read.
-struct Task<'a> {
+struct Piece<'a> {
     source: &'a Source,
     layout: &'a Layout,
     show_withheld: bool,
@@ -88,10 +88,10 @@ struct BlockEnd {
     error: Option<io::Error>,
 }
 
-impl Task<'_> {
+impl Piece<'_> {
     fn read(&self, mut block: Block, offset: u64, buffer: &mut Vec<u8>) -> BlockEnd {
         let (layout, num_wanted) = (self.layout, block.xyz.len());
-        if self.progress.stopped() {
+        if self.progress.is_cancelled() {
             let (kept, stats) = (Kept::default(), Stats::EMPTY);
             return BlockEnd { num_read: 0, whole: false, kept, stats, error: None };
         }

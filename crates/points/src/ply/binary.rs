@@ -5,7 +5,7 @@ use super::plan::{Plan, Purpose, Row};
 use super::value::{Bytes, Record};
 use crate::ScanError;
 use crate::source::Source;
-use base::progress::Progress;
+use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::io::{self, BufReader};
 
@@ -73,8 +73,8 @@ impl<S: Sink> File<'_, S> {
             // One group is parsed while the one before is put behind the others.
             let (now, appended) =
                 rayon::join(|| blocks.parse(first, end, block_rows), || self.append(&blocks, before));
-            if self.progress.stopped() {
-                return Err(ScanError::Stopped);
+            if self.progress.is_cancelled() {
+                return Err(Cancelled.into());
             }
             if !appended? {
                 return Ok(u64::MAX);
@@ -114,8 +114,8 @@ impl<S: Sink> File<'_, S> {
                 if matches!(plan.purpose, Purpose::Points(_)) {
                     self.progress.add(S::progress(ROWS_BETWEEN_LOOKS.min(plan.count - number)));
                 }
-                if self.progress.stopped() {
-                    return Err(ScanError::Stopped);
+                if self.progress.is_cancelled() {
+                    return Err(Cancelled.into());
                 }
             }
         }
@@ -161,7 +161,7 @@ impl<S: Sink> Blocks<'_, S> {
     fn parse_block(&self, first: u64, wanted: u64, buffer: &mut Vec<u8>, row: &mut Row) -> Block<S> {
         let part = self.empty.part(self.first_point + first, wanted as usize);
         let mut block = Block { part, first, num_rows: 0, wanted, error: None };
-        if self.progress.stopped() {
+        if self.progress.is_cancelled() {
             return block;
         }
         // A block is small; the cast keeps it whole.

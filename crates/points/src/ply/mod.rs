@@ -24,7 +24,7 @@ mod window;
 
 use super::source::Source;
 use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, uncolored};
-use base::progress::Progress;
+use base::task::Progress;
 use base::words::{agreeing, counted};
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};

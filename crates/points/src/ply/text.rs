@@ -11,7 +11,7 @@ use super::value::{Words, parts_words, without_blanks};
 use super::window::{self, Window, is_blank};
 use crate::ScanError;
 use crate::source::Source;
-use base::progress::Progress;
+use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Text of a task for a core.
@@ -94,8 +94,8 @@ impl<S: Sink> Text<'_, S> {
         // Packed points need to know their number, which lines do not tell before they are counted.
         let mut by_lines = !matches!(plan.purpose, Purpose::Points(has) if has.chunked);
         while left > 0 {
-            if self.progress.stopped() {
-                return Err(ScanError::Stopped);
+            if self.progress.is_cancelled() {
+                return Err(Cancelled.into());
             }
             let taken =
                 if by_lines { self.take_lines(plan, left) } else { self.take_words(plan, left, more_follow) };

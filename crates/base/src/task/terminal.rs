@@ -1,7 +1,7 @@
 //! The terminal's look at a count: a bar that is drawn over and over, or, where stderr is no terminal, a line every few
 //! seconds. It looks by itself, from a thread of its own, so that counting costs the workers nothing.
 
-use super::{Count, Done};
+use super::{Count, Done, Watch};
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -43,6 +43,8 @@ impl Terminal {
         Some(Self { end: Some(end), thread: Some(thread) })
     }
 }
+
+impl Watch for Terminal {}
 
 impl Drop for Terminal {
     fn drop(&mut self) {
