@@ -131,7 +131,7 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow
         };
         let frames = scope.spawn(move || {
             let _guard = ending.guard();
-            let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error)).ok();
+            let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error.into())).ok();
             // Whatever ended the walk ends the window and the loader too, but that there is no scan: see the loader.
             if !ending.has_failed() {
                 stop.cancel();

@@ -17,4 +17,4 @@ mod surroundings;
 mod tube;
 mod waiting;
 
-pub use run::{Loaded, Walk, WalkSummary};
+pub use run::{Loaded, Walk, WalkError, WalkSummary};

@@ -12,7 +12,7 @@ use crate::resolve;
 use base::space::{Pose, View};
 use base::task::CancelToken;
 use render::gpu::Gpu;
-use render::{CloudBuffers, EyeImage, FrameTimes, Renderer, Setup, tier};
+use render::{CloudBuffers, EyeImage, FrameTimes, NoSuchTier, Renderer, Setup, TargetTooLarge, tier};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use timing::log::FrameLog;
 use timing::pose_path::PosePath;
 use timing::{FrameRow, Phase, STAGES};
-use xr::{Beat, Headset, StageEye};
+use xr::{Beat, End, Fault, Headset, StageEye};
 
 /// Rows that wait for their GPU times; a frame's times come back a few frames late.
 const MAX_PENDING_ROWS: usize = 32;
@@ -64,6 +64,20 @@ pub struct Walk<'a> {
     pub stop: CancelToken,
 }
 
+/// Why a walk cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum WalkError {
+    /// The settings ask for what the GPU does not have.
+    #[error(transparent)]
+    Tier(#[from] NoSuchTier),
+    /// The headset's images are too large for the GPU.
+    #[error(transparent)]
+    Target(#[from] TargetTooLarge),
+    /// The headset, its runtime or the GPU.
+    #[error(transparent)]
+    Headset(#[from] Fault),
+}
+
 /// What a walk was.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WalkSummary {
@@ -71,8 +85,8 @@ pub struct WalkSummary {
     pub frames: u64,
     /// Frames that showed a scan.
     pub scan_frames: u64,
-    /// Why it ended, for people.
-    pub ended: &'static str,
+    /// Why it ended.
+    pub ended: End,
     /// The last frame's eyes, if a scan was shown.
     pub last_view: Option<View>,
 }
@@ -81,8 +95,8 @@ impl Walk<'_> {
     /// Draws frame after frame until the headset, the user or a limit ends it, or no scan is to come.
     ///
     /// # Errors
-    /// If the device or the runtime fails.
-    pub fn run(self, headset: &mut dyn Headset) -> anyhow::Result<WalkSummary> {
+    /// See [`WalkError`].
+    pub fn run(self, headset: &mut dyn Headset) -> Result<WalkSummary, WalkError> {
         let mut frames = Frames::new(&self, headset)?;
         let mut exit_requested = false;
         loop {
@@ -91,6 +105,9 @@ impl Walk<'_> {
             {
                 headset.request_exit();
                 exit_requested = true;
+            }
+            if let Some(reason) = self.gpu.lost() {
+                return Err(Fault::DeviceLost(reason.into()).into());
             }
             frames.take_loaded(&self)?;
             if frames.take_commands(&self.commands) {
@@ -153,7 +170,7 @@ struct Frames {
 }
 
 impl Frames {
-    fn new(walk: &Walk, headset: &dyn Headset) -> anyhow::Result<Self> {
+    fn new(walk: &Walk, headset: &dyn Headset) -> Result<Self, WalkError> {
         let sizes_px = headset.eye_sizes();
         let setup = Setup {
             sizes_px: sizes_px.to_vec(),
@@ -194,7 +211,7 @@ impl Frames {
     }
 
     /// The newest scan that has become ready, if any.
-    fn take_loaded(&mut self, walk: &Walk) -> anyhow::Result<()> {
+    fn take_loaded(&mut self, walk: &Walk) -> Result<(), WalkError> {
         let began = Instant::now();
         while self.arriving {
             let Loaded { cloud, start } = match walk.loaded.try_recv() {
@@ -252,7 +269,7 @@ impl Frames {
         predicted_display_ns: i64,
         period_ns: i64,
         wait_ms: f32,
-    ) -> anyhow::Result<()> {
+    ) -> Result<(), WalkError> {
         let record_began = Instant::now();
         let seconds = self.last_display_ns.map_or(0.0, |last| (predicted_display_ns - last) as f64 * 1e-9);
         let input = headset.input()?;
@@ -328,7 +345,7 @@ impl Frames {
     }
 
     /// Draws from now on with what the governor wants.
-    fn settle(&mut self, headset: &mut dyn Headset) -> anyhow::Result<()> {
+    fn settle(&mut self, headset: &mut dyn Headset) -> Result<(), WalkError> {
         let settings = self.governor.begin(self.frame);
         if settings == self.settings {
             return Ok(());
@@ -418,7 +435,7 @@ impl Frames {
     }
 
     /// Waits for the last frames' times, so that the log ends with the last frame.
-    fn finish(mut self, walk: &Walk, ended: &'static str) -> WalkSummary {
+    fn finish(mut self, walk: &Walk, ended: End) -> WalkSummary {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LAST_FRAMES_WAIT) };
         // If it fails, the rows go without times.
         let _ = walk.gpu.device.poll(wait);

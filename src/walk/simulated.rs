@@ -2,7 +2,6 @@
 //! resolution and refresh rate from the configuration.
 
 use crate::config::SimulatedConfig;
-use anyhow::Context;
 use base::space::{Fov, Pose};
 use glam::{DQuat, DVec3};
 use render::IMAGE_USAGES;
@@ -10,7 +9,7 @@ use render::gpu::Gpu;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use xr::{Beat, ControllerInput, EyeImages, Headset, StageEye};
+use xr::{Beat, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
 
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;
@@ -89,14 +88,14 @@ impl Headset for SimulatedHeadset {
         true
     }
 
-    fn wait(&mut self) -> anyhow::Result<Beat> {
+    fn wait(&mut self) -> Result<Beat, Fault> {
         if self.exit_requested {
-            return Ok(Beat::Ended("as asked"));
+            return Ok(Beat::Ended(End::ByUser));
         }
         while self.in_flight.len() >= MAX_IN_FLIGHT {
             let submission_index = self.in_flight.pop_front();
             let wait = wgpu::PollType::Wait { submission_index, timeout: None };
-            self.gpu.device.poll(wait).context("the GPU stopped answering")?;
+            self.gpu.device.poll(wait).map_err(|error| Fault::DeviceLost(error.to_string()))?;
         }
         // The next display that can still be met; those that passed meanwhile are missed.
         let elapsed = self.began.elapsed();
@@ -112,19 +111,19 @@ impl Headset for SimulatedHeadset {
         })
     }
 
-    fn input(&mut self) -> anyhow::Result<ControllerInput> {
+    fn input(&mut self) -> Result<ControllerInput, Fault> {
         Ok(ControllerInput::default())
     }
 
-    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+    fn acquire(&mut self) -> Result<EyeImages, Fault> {
         Ok(EyeImages { color: self.images.clone(), depth: None })
     }
 
-    fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {
+    fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
         Ok(Self::eyes(&self.config))
     }
 
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()> {
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
         if let Some(commands) = commands {
             let commands = commands.finish();
             self.in_flight.push_back(self.gpu.queue.lock().submit([commands]));

@@ -14,12 +14,13 @@ use render::{CloudBuffers, CloudUpload, EyeImage};
 use scanwalk::config::Config;
 use scanwalk::resolve;
 use scanwalk::walk::locomotion::Start;
+use scanwalk::walk::simulated::SimulatedHeadset;
 use scanwalk::walk::start::start;
-use scanwalk::walk::{Loaded, Walk, link};
+use scanwalk::walk::{Loaded, Walk, WalkError, link};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
 use timing::FrameRow;
-use xr::{Beat, ControllerInput, EyeImages, Headset, StageEye};
+use xr::{Beat, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
 
 const SIZE_PX: [u32; 2] = [97, 65];
 
@@ -151,21 +152,21 @@ impl Headset for Witness {
     fn image_format(&self) -> wgpu::TextureFormat {
         self.images[0].format()
     }
-    fn wait(&mut self) -> anyhow::Result<Beat> {
+    fn wait(&mut self) -> Result<Beat, Fault> {
         if self.ended {
-            return Ok(Beat::Ended("as asked"));
+            return Ok(Beat::Ended(End::ByUser));
         }
         self.display += 1;
         let period_ns = 13_888_889;
         Ok(Beat::Frame { predicted_display_ns: self.display * period_ns, period_ns, should_render: true })
     }
-    fn input(&mut self) -> anyhow::Result<ControllerInput> {
+    fn input(&mut self) -> Result<ControllerInput, Fault> {
         Ok(ControllerInput::default())
     }
-    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+    fn acquire(&mut self) -> Result<EyeImages, Fault> {
         Ok(EyeImages { color: self.images.clone(), depth: None })
     }
-    fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {
+    fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
         let eye = |x: f64| StageEye {
             stage_from_view: Pose { position: DVec3::new(x, 1.6, 0.0), orientation: DQuat::IDENTITY },
             fov: Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 },
@@ -173,12 +174,12 @@ impl Headset for Witness {
         };
         Ok([eye(-0.03), eye(0.03)])
     }
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()> {
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
         let Some(commands) = commands else { return Ok(()) };
         gpu().queue.lock().submit([commands.finish()]);
         let (mut num_lit, mut colors) = (0, 0);
         for image in &self.images {
-            for pixel in readback::read_texture(&gpu(), image)?.chunks_exact(4) {
+            for pixel in readback::read_texture(&gpu(), image).expect("readback").chunks_exact(4) {
                 num_lit += usize::from(pixel[..3] != [0; 3]);
                 colors += pixel[..3].iter().map(|&c| u64::from(c)).sum::<u64>();
             }
@@ -272,4 +273,39 @@ fn no_frame_is_missed_or_empty_while_nodes_arrive() {
     assert!(rows[arrived - 1].visible_nodes == 1 && rows[arrived].visible_nodes > 1);
     let resident = changes(rows.iter().map(|row| row.points_resident));
     assert!(resident.len() == 2 && rows.last().unwrap().points_resident == scan.num_points() as u64);
+}
+
+/// A lost device is a fault that says so, in the frame that follows.
+#[test]
+fn a_lost_gpu_ends_the_walk_with_its_reason() {
+    let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
+    assert_eq!(gpu.lost(), None);
+    let mut config = Config::default();
+    config.simulated.size_px = SIZE_PX;
+    let (frame_link, commands, _viewer) = link::link();
+    let (loaded_sender, loaded) = channel();
+    let walk = Walk {
+        gpu: Arc::clone(&gpu),
+        config: &config,
+        loaded,
+        commands,
+        link: frame_link,
+        mirrored: false,
+        log: None,
+        pose_path: None,
+        max_frames: None,
+        max_time: None,
+        stop: CancelToken::default(),
+    };
+    let mut headset = SimulatedHeadset::new(&gpu, &config.simulated);
+    gpu.device.destroy();
+    // Vulkan's devices are destroyed once nobody uses them: that is when the callback comes.
+    while gpu.lost().is_none() {
+        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        std::thread::yield_now();
+    }
+    let error = walk.run(&mut headset).expect_err("no GPU");
+    assert!(matches!(error, WalkError::Headset(Fault::DeviceLost(_))), "{error:?}");
+    assert!(error.to_string().contains("the GPU was lost"), "{error}");
+    drop(loaded_sender);
 }

@@ -10,7 +10,7 @@ use lab::twin::{clear, fixed40, points};
 use render::CloudBuffers;
 use render::Look;
 use render::Method;
-use render::gpu::{Atomics, Gpu, Queue};
+use render::gpu::{Atomics, Gpu};
 use render::layout::{Detail, REACH_MASK, ViewUniform, VisibleBatch, guarded, without_guard};
 use render::options::{Dilate, Quality};
 use std::sync::Arc;
@@ -80,7 +80,7 @@ fn without_subgroups() -> Arc<Gpu> {
     let mut context = Context::from_waker(Waker::noop());
     // Vulkan's devices are open at once.
     let Poll::Ready(Ok((device, queue))) = opening.poll(&mut context) else { panic!("no device") };
-    Arc::new(Gpu { device, queue: Queue::new(queue), ..gpu })
+    Arc::new(Gpu::new(gpu.instance, gpu.adapter, device, queue))
 }
 
 /// A workgroup's memory stands in where there are no subgroups.

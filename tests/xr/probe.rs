@@ -134,7 +134,7 @@ fn probe() {
         end
     });
     match end {
-        Ok((reason, focused)) => report(&json!({ "ended": reason, "reached_focus": focused })),
+        Ok((reason, focused)) => report(&json!({ "ended": reason.to_string(), "reached_focus": focused })),
         Err(error) => report(&json!({ "error": format!("{error:#}") })),
     }
 }
@@ -174,7 +174,7 @@ struct Loop<'a> {
 
 impl Loop<'_> {
     /// Frames until the end: the reason, and whether the session was ever in focus.
-    fn run(&mut self) -> anyhow::Result<(&'static str, bool)> {
+    fn run(&mut self) -> anyhow::Result<(xr::End, bool)> {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {
             anyhow::ensure!(Instant::now() < deadline, "no end after 60 s");
@@ -190,7 +190,7 @@ impl Loop<'_> {
         let input = self.headset.input()?;
         if !should_render {
             report(&json!({ "hidden_frame": format!("{:?}", self.headset.state()) }));
-            return self.headset.submit(None);
+            return Ok(self.headset.submit(None)?);
         }
         let images = self.headset.acquire()?;
         let EyeImages { color, depth } = &images;

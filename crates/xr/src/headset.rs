@@ -1,5 +1,6 @@
 //! What a frame loop asks of a headset, whether an OpenXR runtime stands behind it or a simulation.
 
+use crate::fault::{End, Fault};
 use crate::hidden_area::HiddenArea;
 use base::space::{Fov, Pose};
 use glam::DVec3;
@@ -19,8 +20,8 @@ pub enum Beat {
     },
     /// No session runs just now; ask again.
     Idle,
-    /// The session is over: the user or the runtime ended it. The reason, for people.
-    Ended(&'static str),
+    /// The session is over.
+    Ended(End),
 }
 
 /// An eye as the headset reports it, in stage space (metres, y up).
@@ -58,6 +59,8 @@ pub struct EyeImages {
 
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
+///
+/// Calls fail with a [`Fault`], which says what was lost; whether the walk goes on without it is for the caller to decide.
 pub trait Headset: Send {
     /// For the log: "Monado(XRT) 25.0.0", "simulated".
     fn runtime(&self) -> String;
@@ -85,16 +88,16 @@ pub trait Headset: Send {
     /// display stretches them over the whole view. At first it is all of them.
     fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
     /// Handles events, then blocks until the next frame should begin.
-    fn wait(&mut self) -> anyhow::Result<Beat>;
+    fn wait(&mut self) -> Result<Beat, Fault>;
     /// Controllers, as of now.
-    fn input(&mut self) -> anyhow::Result<ControllerInput>;
+    fn input(&mut self) -> Result<ControllerInput, Fault>;
     /// The eyes' images to draw into; valid until `submit`.
-    fn acquire(&mut self) -> anyhow::Result<EyeImages>;
+    fn acquire(&mut self) -> Result<EyeImages, Fault>;
     /// The eyes at the frame's predicted display time. Called as late as possible.
-    fn locate(&mut self) -> anyhow::Result<[StageEye; 2]>;
+    fn locate(&mut self) -> Result<[StageEye; 2], Fault>;
     /// Hands the recorded commands to the GPU and the images to the display. `None`: nothing was drawn
     /// (`should_render` was false, `acquire` and `locate` not called).
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()>;
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault>;
     /// Asks the runtime to end the session; `wait` then returns [`Beat::Ended`] in time.
     fn request_exit(&mut self);
     /// How long an idle loop should sleep before it asks again.

@@ -7,6 +7,7 @@
 //! [`render::gpu::QueueGuard`], since the window presents on the same queue.
 
 mod eyes;
+mod fault;
 mod frames;
 mod gaze;
 mod headset;
@@ -19,6 +20,7 @@ mod runtime;
 mod session;
 mod swapchain;
 
+pub use fault::{End, Fault};
 pub use headset::{Beat, ControllerInput, EyeImages, Headset, StageEye};
 pub use missing::XrMissing;
 pub use openxr::SessionState;
@@ -26,7 +28,7 @@ pub use runtime::Offers;
 
 use hidden_area::HiddenArea;
 use raw::device::{RuntimeGpu, Wanted};
-use render::gpu::{Gpu, Queue, instance_flags, required_features};
+use render::gpu::{Gpu, instance_flags, required_features};
 use runtime::Runtime;
 use session::XrSession;
 use std::sync::Arc;
@@ -77,7 +79,7 @@ fn open_gpu(runtime: &Runtime) -> Result<(RuntimeGpu, Arc<Gpu>), XrMissing> {
     let wanted = Wanted { flags: instance_flags(), features: &features };
     let (runtime_gpu, wrapped) = RuntimeGpu::open(&runtime.xr, runtime.system, &wanted)?;
     let raw::device::Wrapped { instance, adapter, device, queue } = wrapped;
-    Ok((runtime_gpu, Arc::new(Gpu { instance, adapter, device, queue: Queue::new(queue) })))
+    Ok((runtime_gpu, Arc::new(Gpu::new(instance, adapter, device, queue))))
 }
 
 /// Names of the runtime and of the headset that is connected, without opening either: a look for
@@ -164,23 +166,23 @@ impl Headset for XrHeadset {
         self.session_mut().hidden_area()
     }
 
-    fn wait(&mut self) -> anyhow::Result<Beat> {
+    fn wait(&mut self) -> Result<Beat, Fault> {
         self.session_mut().wait()
     }
 
-    fn input(&mut self) -> anyhow::Result<ControllerInput> {
+    fn input(&mut self) -> Result<ControllerInput, Fault> {
         self.session_mut().input()
     }
 
-    fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+    fn acquire(&mut self) -> Result<EyeImages, Fault> {
         self.session_mut().acquire()
     }
 
-    fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {
+    fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
         self.session_mut().locate()
     }
 
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()> {
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
         self.session_mut().submit(commands)
     }
 

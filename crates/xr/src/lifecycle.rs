@@ -7,6 +7,7 @@
 //!  └──────end── STOPPING ◀────┘        EXITING, LOSS_PENDING: over
 //! ```
 
+use crate::fault::{End, Fault};
 use openxr as xr;
 use openxr::SessionState;
 use std::time::{Duration, Instant};
@@ -14,18 +15,9 @@ use std::time::{Duration, Instant};
 /// How long a runtime may take to wind a session down before we leave on our own.
 const EXIT_PATIENCE: Duration = Duration::from_secs(3);
 
-/// Sentences for `Beat::Ended`.
-pub(super) mod ended {
-    pub const BY_US: &str = "the walk was ended";
-    pub const BY_RUNTIME: &str = "the headset's software ended the session";
-    pub const SESSION_LOST: &str =
-        "the headset was lost (unplugged, switched off, or its software stopped); connect it and start again";
-    pub const RUNTIME_LOST: &str = "the headset's software stopped; start it and then this program again";
-}
-
 /// What to do about a new state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Task {
+pub(super) enum Duty {
     /// Call xrBeginSession.
     Begin,
     /// Call xrEndSession.
@@ -39,7 +31,7 @@ pub(super) struct Lifecycle {
     running: bool,
     reached_focus: bool,
     exit_asked: Option<Instant>,
-    ended: Option<&'static str>,
+    ended: Option<End>,
 }
 
 impl Lifecycle {
@@ -69,60 +61,58 @@ impl Lifecycle {
     }
 
     /// The reason once it is over.
-    pub fn ended(&self) -> Option<&'static str> {
+    pub fn ended(&self) -> Option<End> {
         self.ended
     }
 
     /// The runtime announced a state.
-    pub fn enter(&mut self, state: SessionState) -> Option<Task> {
+    pub fn enter(&mut self, state: SessionState) -> Option<Duty> {
         self.state = state;
         match state {
             SessionState::READY if !self.running => {
                 self.running = true;
-                return Some(Task::Begin);
+                return Some(Duty::Begin);
             }
             SessionState::STOPPING if self.running => {
                 self.running = false;
-                return Some(Task::End);
+                return Some(Duty::End);
             }
             SessionState::FOCUSED => self.reached_focus = true,
             SessionState::EXITING => {
-                self.end(if self.exit_asked.is_some() { ended::BY_US } else { ended::BY_RUNTIME });
+                self.end(if self.exit_asked.is_some() { End::ByUser } else { End::ByRuntime });
             }
-            SessionState::LOSS_PENDING => self.end(ended::SESSION_LOST),
+            SessionState::LOSS_PENDING => self.end(End::SessionLost),
             _ => {}
         }
         None
     }
 
     /// It is over. The first reason is the one that is told.
-    pub fn end(&mut self, reason: &'static str) {
+    pub fn end(&mut self, reason: End) {
         self.ended.get_or_insert(reason);
         self.running = false;
     }
 
     /// A call's result. A loss ends the session and yields `None`; other failures are errors.
-    pub fn survive<T>(&mut self, call: &'static str, result: xr::Result<T>) -> anyhow::Result<Option<T>> {
+    pub fn survive<T>(&mut self, call: &'static str, result: xr::Result<T>) -> Result<Option<T>, Fault> {
         match result {
             Ok(value) => Ok(Some(value)),
             Err(xr::sys::Result::ERROR_SESSION_LOST) => {
-                self.end(ended::SESSION_LOST);
+                self.end(End::SessionLost);
                 Ok(None)
             }
             Err(xr::sys::Result::ERROR_INSTANCE_LOST) => {
-                self.end(ended::RUNTIME_LOST);
+                self.end(End::RuntimeLost);
                 Ok(None)
             }
-            Err(result) => anyhow::bail!(
-                "the headset's OpenXR runtime failed ({call}: {result:?}): restart it and start again"
-            ),
+            Err(result) => Err(Fault::Call { call, result }),
         }
     }
 
     /// The user asked to leave at `now`. True: tell the runtime; false: there is no running session to end.
     pub fn ask_exit(&mut self, now: Instant) -> bool {
         if !self.running() {
-            self.end(ended::BY_US);
+            self.end(End::ByUser);
             return false;
         }
         self.exit_asked.replace(now).is_none()
@@ -131,7 +121,7 @@ impl Lifecycle {
     /// Leaves anyway if the runtime has not let us go in time.
     pub fn lose_patience(&mut self, now: Instant) {
         if self.exit_asked.is_some_and(|asked| now.saturating_duration_since(asked) > EXIT_PATIENCE) {
-            self.end(ended::BY_US);
+            self.end(End::ByUser);
         }
     }
 }
@@ -145,7 +135,7 @@ mod tests {
         let mut life = Lifecycle::new();
         assert_eq!(life.enter(SessionState::IDLE), None);
         assert!(!life.running());
-        assert_eq!(life.enter(SessionState::READY), Some(Task::Begin));
+        assert_eq!(life.enter(SessionState::READY), Some(Duty::Begin));
         for state in [SessionState::SYNCHRONIZED, SessionState::VISIBLE] {
             assert_eq!(life.enter(state), None);
             assert!(life.running() && !life.reached_focus());
@@ -161,11 +151,11 @@ mod tests {
         assert!(life.ask_exit(Instant::now()));
         assert!(!life.ask_exit(Instant::now()), "the runtime is told once");
         assert!(life.running(), "frames go on until the runtime says stop");
-        assert_eq!(life.enter(SessionState::STOPPING), Some(Task::End));
+        assert_eq!(life.enter(SessionState::STOPPING), Some(Duty::End));
         assert!(!life.running() && life.ended().is_none());
         life.enter(SessionState::IDLE);
         life.enter(SessionState::EXITING);
-        assert_eq!(life.ended(), Some(ended::BY_US));
+        assert_eq!(life.ended(), Some(End::ByUser));
     }
 
     #[test]
@@ -173,16 +163,16 @@ mod tests {
         let mut life = focused();
         life.enter(SessionState::STOPPING);
         life.enter(SessionState::EXITING);
-        assert_eq!(life.ended(), Some(ended::BY_RUNTIME));
+        assert_eq!(life.ended(), Some(End::ByRuntime));
     }
 
     #[test]
     fn a_headset_taken_off_can_be_put_on_again() {
         let mut life = focused();
-        assert_eq!(life.enter(SessionState::STOPPING), Some(Task::End));
+        assert_eq!(life.enter(SessionState::STOPPING), Some(Duty::End));
         life.enter(SessionState::IDLE);
         assert!(life.ended().is_none());
-        assert_eq!(life.enter(SessionState::READY), Some(Task::Begin));
+        assert_eq!(life.enter(SessionState::READY), Some(Duty::Begin));
         assert!(life.running());
     }
 
@@ -190,18 +180,17 @@ mod tests {
     fn loss_ends_it_and_the_first_reason_stays() {
         let mut life = focused();
         life.enter(SessionState::LOSS_PENDING);
-        life.end(ended::RUNTIME_LOST);
-        assert_eq!(life.ended(), Some(ended::SESSION_LOST));
+        life.end(End::RuntimeLost);
+        assert_eq!(life.ended(), Some(End::SessionLost));
         assert!(!life.running());
     }
 
     #[test]
     fn lost_calls_end_it_and_failed_calls_are_errors() {
         use xr::sys::Result as Code;
-        for (code, reason) in [
-            (Code::ERROR_SESSION_LOST, ended::SESSION_LOST),
-            (Code::ERROR_INSTANCE_LOST, ended::RUNTIME_LOST),
-        ] {
+        for (code, reason) in
+            [(Code::ERROR_SESSION_LOST, End::SessionLost), (Code::ERROR_INSTANCE_LOST, End::RuntimeLost)]
+        {
             let mut life = focused();
             assert!(life.survive::<()>("xrWaitFrame", Err(code)).unwrap().is_none());
             assert_eq!(life.ended(), Some(reason));
@@ -217,7 +206,7 @@ mod tests {
     fn leaving_before_the_session_runs_ends_at_once() {
         let mut life = Lifecycle::new();
         assert!(!life.ask_exit(Instant::now()));
-        assert_eq!(life.ended(), Some(ended::BY_US));
+        assert_eq!(life.ended(), Some(End::ByUser));
     }
 
     #[test]
@@ -227,6 +216,6 @@ mod tests {
         life.lose_patience(start + EXIT_PATIENCE / 2);
         assert_eq!(life.ended(), None);
         life.lose_patience(start + EXIT_PATIENCE * 2);
-        assert_eq!(life.ended(), Some(ended::BY_US));
+        assert_eq!(life.ended(), Some(End::ByUser));
     }
 }

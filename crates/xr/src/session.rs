@@ -1,9 +1,10 @@
 //! A session: events, frames, images and input together, as the frame thread uses them.
 
 use super::eyes::{EYE_HEIGHT_M, Eyes};
+use super::fault::{End, Fault};
 use super::frames::{Frames, locate};
 use super::input::Input;
-use super::lifecycle::{Lifecycle, Task, ended};
+use super::lifecycle::{Duty, Lifecycle};
 use super::mask::VisibilityMask;
 use super::missing::XrMissing;
 use super::runtime::{Runtime, STEREO, scaled_size};
@@ -117,8 +118,10 @@ impl XrSession {
     }
 
     /// Handles events, then waits for the next frame's time and begins it.
-    pub fn wait(&mut self) -> anyhow::Result<Beat> {
-        anyhow::ensure!(self.frame.is_none(), "the frame before this one was not submitted");
+    pub fn wait(&mut self) -> Result<Beat, Fault> {
+        if self.frame.is_some() {
+            return Err(Fault::Order("the frame before this one was not submitted"));
+        }
         self.handle_events()?;
         self.life.lose_patience(Instant::now());
         if !self.life.running() {
@@ -142,17 +145,17 @@ impl XrSession {
 
     /// What `wait` says after a loss.
     fn ended_beat(&self) -> Beat {
-        Beat::Ended(self.life.ended().unwrap_or(ended::SESSION_LOST))
+        Beat::Ended(self.life.ended().unwrap_or(End::SessionLost))
     }
 
-    fn handle_events(&mut self) -> anyhow::Result<()> {
+    fn handle_events(&mut self) -> Result<(), Fault> {
         let mut storage = xr::EventDataBuffer::new();
         while self.life.ended().is_none() {
             let polled = self.xr.poll_event(&mut storage);
             let Some(Some(event)) = self.life.survive("xrPollEvent", polled)? else { break };
             match event {
                 xr::Event::SessionStateChanged(event) => self.enter(event.state())?,
-                xr::Event::InstanceLossPending(_) => self.life.end(ended::RUNTIME_LOST),
+                xr::Event::InstanceLossPending(_) => self.life.end(End::RuntimeLost),
                 xr::Event::ReferenceSpaceChangePending(event) => {
                     // Recentred by the user. The runtime moves the space under us at the change time; all
                     // that we remember in it is the last good pose, which the next `locate` replaces.
@@ -180,11 +183,11 @@ impl XrSession {
         Ok(())
     }
 
-    fn enter(&mut self, state: xr::SessionState) -> anyhow::Result<()> {
+    fn enter(&mut self, state: xr::SessionState) -> Result<(), Fault> {
         tracing::info!("headset session: {state:?}");
         let (call, result) = match self.life.enter(state) {
-            Some(Task::Begin) => ("xrBeginSession", self.session.begin(STEREO)),
-            Some(Task::End) => ("xrEndSession", self.session.end()),
+            Some(Duty::Begin) => ("xrBeginSession", self.session.begin(STEREO)),
+            Some(Duty::End) => ("xrEndSession", self.session.end()),
             None => return Ok(()),
         };
         self.life.survive(call, result)?;
@@ -192,21 +195,23 @@ impl XrSession {
     }
 
     /// Controllers; at rest after a loss.
-    pub fn input(&mut self) -> anyhow::Result<ControllerInput> {
+    pub fn input(&mut self) -> Result<ControllerInput, Fault> {
         let read = self.input.read(&self.session);
         Ok(self.life.survive("xrSyncActions", read)?.unwrap_or_default())
     }
 
     /// The images to draw into.
-    pub fn acquire(&mut self) -> anyhow::Result<EyeImages> {
+    pub fn acquire(&mut self) -> Result<EyeImages, Fault> {
         let acquired = self.images.acquire(&self.gpu.queue);
         self.life.survive("xrAcquireSwapchainImage", acquired)?;
         Ok(self.images.images())
     }
 
     /// The eyes at the display time; where they were last after a loss.
-    pub fn locate(&mut self) -> anyhow::Result<[StageEye; 2]> {
-        let Some(frame) = &mut self.frame else { anyhow::bail!("no frame has begun to locate the eyes for") };
+    pub fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
+        let Some(frame) = &mut self.frame else {
+            return Err(Fault::Order("no frame has begun to locate the eyes for"));
+        };
         let located = locate(&self.session, &self.stage, frame.display_time, &mut self.eyes);
         self.life.survive("xrLocateViews", located)?;
         frame.located = true;
@@ -215,10 +220,12 @@ impl XrSession {
     }
 
     /// Submits the commands, releases the images and ends the frame, under one lock of the queue.
-    pub fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> anyhow::Result<()> {
-        let Some(frame) = self.frame.take() else { anyhow::bail!("no frame has begun to submit") };
+    pub fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
+        let Some(frame) = self.frame.take() else { return Err(Fault::Order("no frame has begun to submit")) };
         let shows = commands.is_some();
-        anyhow::ensure!(!shows || frame.located, "a frame was drawn without locating the eyes");
+        if shows && !frame.located {
+            return Err(Fault::Order("a frame was drawn without locating the eyes"));
+        }
         let closed = commands.map(|commands| self.images.close(commands));
 
         let queue = self.gpu.queue.lock();
@@ -245,7 +252,7 @@ impl XrSession {
             && let Err(result) = self.session.request_exit()
         {
             tracing::warn!("xrRequestExitSession: {result:?}");
-            self.life.end(ended::BY_US);
+            self.life.end(End::ByUser);
         }
     }
 }

@@ -12,6 +12,8 @@ pub mod timer;
 pub use open::{Atomics, GpuError, block_on, instance_flags, required_features};
 pub use queue::{Queue, QueueGuard};
 
+use std::sync::{Arc, OnceLock};
+
 /// A GPU, opened: by us ([`Gpu::open`]) or by an OpenXR runtime (`xr::vulkan`).
 #[derive(Debug)]
 pub struct Gpu {
@@ -23,9 +25,33 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// The queue behind its lock: the only way to submit, present or configure.
     pub queue: Queue,
+    lost: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
+    /// Of wgpu's objects, whose device is watched from now on: see [`Self::lost`].
+    #[must_use]
+    pub fn new(
+        instance: wgpu::Instance,
+        adapter: wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Self {
+        let lost: Arc<OnceLock<String>> = Arc::default();
+        let watched = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            // Only the first reason counts.
+            let _ = watched.set(if message.is_empty() { format!("{reason:?}") } else { message });
+        });
+        Self { instance, adapter, device, queue: Queue::new(queue), lost }
+    }
+
+    /// Why the device is lost, once it is: nothing more comes of what is submitted.
+    #[must_use]
+    pub fn lost(&self) -> Option<&str> {
+        self.lost.get().map(String::as_str)
+    }
+
     /// "NAME (driver VERSION)" for logs and people.
     #[must_use]
     pub fn name(&self) -> String {

@@ -1,6 +1,6 @@
 //! Choosing an adapter and opening it without a headset runtime.
 
-use super::{Gpu, Queue};
+use super::Gpu;
 
 /// Why no GPU could be opened; each sentence says what to do.
 #[derive(Debug, thiserror::Error)]
@@ -167,7 +167,7 @@ impl Gpu {
         };
         let (device, queue) = block_on(adapter.request_device(&descriptor))
             .map_err(|source| GpuError::Open { name, source })?;
-        Ok(Self { instance, adapter, device, queue: Queue::new(queue) })
+        Ok(Self::new(instance, adapter, device, queue))
     }
 }
 
