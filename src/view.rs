@@ -82,7 +82,7 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow
     let (gpu, mut headset) = open_headset(options.headset, config)?;
     let facts = facts(options, config, &gpu, &*headset);
     let log = options.log.as_ref().map(|output| FrameLog::start(output, &facts)).transpose()?;
-    let (link, commands, viewer) = link::link();
+    let (link, actions, viewer) = link::link();
     let windowed = display.is_some();
     let ending = Ending::new(stop);
     let (loaded_sender, loaded) = std::sync::mpsc::channel();
@@ -120,7 +120,7 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow
             gpu: Arc::clone(&gpu),
             config,
             loaded,
-            commands,
+            actions,
             link,
             mirrored: windowed,
             log: log.as_ref(),
@@ -432,7 +432,7 @@ mod tests {
             .into(),
         ];
         for error in errors {
-            let (link, _commands, viewer) = link::link();
+            let (link, _actions, viewer) = link::link();
             let reason = error.to_string();
             stay_flat(error, &link).expect("the walk goes on");
             let [warning] = &viewer.load().warnings[..] else { panic!("{reason}") };
@@ -442,11 +442,11 @@ mod tests {
             );
         }
         for stopped in [BuildError::from(Cancelled).into(), UploadError::Cancelled(Cancelled).into()] {
-            let (link, _commands, viewer) = link::link();
+            let (link, _actions, viewer) = link::link();
             stay_flat(stopped, &link).expect_err("nothing more is wanted");
             assert!(viewer.load().warnings.is_empty());
         }
-        let (link, _commands, viewer) = link::link();
+        let (link, _actions, viewer) = link::link();
         stay_flat(UploadError::Lost(wgpu::PollError::Timeout).into(), &link)
             .expect_err("there is no GPU any more");
         assert!(viewer.load().warnings.is_empty());
@@ -464,7 +464,7 @@ mod tests {
         let positions = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
         let bounds = positions.fold(base::space::Bounds::EMPTY, base::space::Bounds::with);
         let scan = Scan { files: vec![points::ScanFile { bounds, ..file }], ..Default::default() };
-        let (link, _commands, _viewer) = link::link();
+        let (link, _actions, _viewer) = link::link();
         let (sender, loaded) = std::sync::mpsc::channel();
         let config = Config::default();
         // What has come when the walk is told: observed on the loader's own thread, between two runs of nodes.

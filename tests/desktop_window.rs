@@ -13,7 +13,7 @@ use kit::screen::{Picture, Screen, wait_for};
 const CASES: &[(&str, fn())] = &[
     ("the_mirror_shows_exact_colors_and_keeps_its_shape", the_mirror_shows_exact_colors_and_keeps_its_shape),
     ("panel_and_help_come_and_go", panel_and_help_come_and_go),
-    ("keys_and_mouse_become_commands", keys_and_mouse_become_commands),
+    ("keys_and_mouse_become_actions", keys_and_mouse_become_actions),
     ("losing_the_keyboard_stops_moving", losing_the_keyboard_stops_moving),
     ("closing_the_window_ends_the_walk", closing_the_window_ends_the_walk),
     ("the_end_of_the_walk_closes_the_window", the_end_of_the_walk_closes_the_window),
@@ -125,7 +125,7 @@ fn panel_and_help_come_and_go() {
     assert_silent(window.wait_end());
 }
 
-fn keys_and_mouse_become_commands() {
+fn keys_and_mouse_become_actions() {
     let screen = Screen::start();
     let window = Window::open("walk", &screen);
     let moving = |direction: &str, fast: bool| format!("Move {{ direction: {direction}, fast: {fast} }}");
@@ -155,8 +155,7 @@ fn keys_and_mouse_become_commands() {
         ("r", "Reset"),
         ("Left", "Snap(-1)"),
         ("period", "Snap(1)"),
-        ("o", "Overlay(Rings)"),
-        ("o", "Overlay(Nodes)"),
+        ("o", "NextOverlay"),
         ("F12", "Screenshot"),
     ] {
         let already = window.commands().len();
@@ -168,7 +167,7 @@ fn keys_and_mouse_become_commands() {
     window.xdotool(&["mousemove", "730", "280", "mouseup", "1", "mousemove", "100", "600"]);
     window.wait_command("Look { delta_px: [30.0, -20.0] }", already);
     window.xdotool(&["mousemove", "700", "300", "click", "4"]);
-    window.wait_command("ScaleSpeed(1.25)", already);
+    window.wait_command("Faster(1.0)", already);
 
     // On the panel the mouse is egui's.
     window.xdotool(&["mousemove", "100", "200"]);
@@ -177,7 +176,7 @@ fn keys_and_mouse_become_commands() {
     window.xdotool(&["key", "r"]);
     window.wait_command("Reset", already);
     let since = window.commands()[already..].to_vec();
-    assert_eq!(since, ["Reset"], "neither Look nor ScaleSpeed came from the panel");
+    assert_eq!(since, ["Reset"], "neither Look nor Faster came from the panel");
     close(window);
 }
 

@@ -1,17 +1,12 @@
-//! From keys and mouse to commands for the frame thread and to what the window shows. Knows no window: events
-//! go in, at most one command comes out of each.
+//! From keys and mouse to actions for the frame thread and to what the window shows. Knows no window: events
+//! go in, at most one action comes out of each.
 
-use super::keys::{self, Action, Input};
+use super::keys::{self, Input, KeyAction};
 use crate::config::{Mirror, WindowConfig};
-use crate::walk::link::Command;
-use render::options::Overlay;
+use crate::walk::state::Action;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
 
-/// Factor on the speed a step of the wheel.
-const SPEED_STEP: f32 = 1.25;
-/// The speed stays within this factor of where it began, up and down.
-pub(super) const SPEED_LIMIT: f32 = 64.0;
 /// How long a first Esc waits for the second.
 const LEAVE_WINDOW: Duration = Duration::from_secs(2);
 
@@ -20,8 +15,6 @@ const LEAVE_WINDOW: Duration = Duration::from_secs(2);
 pub(super) struct View {
     /// Eyes mirrored.
     pub mirror: Mirror,
-    /// Drawn over the mirror; the frame thread does it.
-    pub overlay: Overlay,
     /// Panel shown.
     pub panel: bool,
     /// Help shown.
@@ -31,36 +24,14 @@ pub(super) struct View {
     /// The user wants to leave.
     pub leave: bool,
     leave_asked: Option<Instant>,
-    speed: f32,
 }
 
 impl View {
     /// At start.
     pub(super) fn new(config: &WindowConfig) -> Self {
-        let WindowConfig { mirror, panel, overlay, .. } = *config;
+        let WindowConfig { mirror, panel, .. } = *config;
         let (help, full_screen, leave) = (false, false, false);
-        Self { mirror, overlay, panel, help, full_screen, leave, leave_asked: None, speed: 1.0 }
-    }
-
-    /// Chooses an overlay; the command that tells the frame thread.
-    pub(super) fn set_overlay(&mut self, overlay: Overlay) -> Option<Command> {
-        let before = std::mem::replace(&mut self.overlay, overlay);
-        (overlay != before).then_some(Command::Overlay(overlay))
-    }
-
-    /// Speed as a factor on where it began.
-    pub(super) fn speed(&self) -> f32 {
-        self.speed
-    }
-
-    /// Sets the speed; the command that brings the frame thread there.
-    pub(super) fn set_speed(&mut self, speed: f32) -> Option<Command> {
-        let speed = speed.clamp(1.0 / SPEED_LIMIT, SPEED_LIMIT);
-        // The last bits of repeated steps: ×1 is to read as ×1 again.
-        let speed = if (speed - 1.0).abs() < 1e-3 { 1.0 } else { speed };
-        let change = speed / self.speed;
-        self.speed = speed;
-        (change != 1.0).then_some(Command::ScaleSpeed(change))
+        Self { mirror, panel, help, full_screen, leave, leave_asked: None }
     }
 
     /// True while a second Esc would quit.
@@ -87,12 +58,12 @@ pub(super) struct Controls {
     /// What the window shows.
     pub view: View,
     held: Vec<KeyCode>,
-    sent: Command,
+    sent: Action,
     drag_from_px: Option<[f64; 2]>,
     pointer_px: [f64; 2],
 }
 
-const AT_REST: Command = Command::Move { direction: [0.0; 3], fast: false };
+const AT_REST: Action = Action::Move { direction: [0.0; 3], fast: false };
 
 impl Controls {
     /// Nothing held.
@@ -101,9 +72,9 @@ impl Controls {
     }
 
     /// A key went down (once, not its repeats) or up.
-    pub(super) fn key(&mut self, key: KeyCode, pressed: bool, now: Instant) -> Option<Command> {
+    pub(super) fn key(&mut self, key: KeyCode, pressed: bool, now: Instant) -> Option<Action> {
         let action = keys::action(Input::Key(key))?;
-        if let Action::Move(..) | Action::Fast = action {
+        if let KeyAction::Move(..) | KeyAction::Fast = action {
             self.held.retain(|held| *held != key);
             if pressed {
                 self.held.push(key);
@@ -115,15 +86,14 @@ impl Controls {
         }
         let view = &mut self.view;
         match action {
-            Action::Send(command) => return Some(command),
-            Action::Speed(steps) => return view.set_speed(view.speed * SPEED_STEP.powf(steps)),
-            Action::Panel => view.panel = !view.panel,
-            Action::NextMirror => view.mirror = next(view.mirror),
-            Action::NextOverlay => return view.set_overlay(view.overlay.next()),
-            Action::FullScreen => view.full_screen = !view.full_screen,
-            Action::Help => view.help = !view.help,
-            Action::Back => view.back(now),
-            Action::Move(..) | Action::Fast | Action::Look => {}
+            KeyAction::Send(action) => return Some(action),
+            KeyAction::Speed(steps) => return Some(Action::Faster(steps)),
+            KeyAction::Panel => view.panel = !view.panel,
+            KeyAction::NextMirror => view.mirror = next(view.mirror),
+            KeyAction::FullScreen => view.full_screen = !view.full_screen,
+            KeyAction::Help => view.help = !view.help,
+            KeyAction::Back => view.back(now),
+            KeyAction::Move(..) | KeyAction::Fast | KeyAction::Look => {}
         }
         None
     }
@@ -144,44 +114,42 @@ impl Controls {
     }
 
     /// The pointer is here now, physical pixels.
-    pub(super) fn pointer(&mut self, at_px: [f64; 2]) -> Option<Command> {
+    pub(super) fn pointer(&mut self, at_px: [f64; 2]) -> Option<Action> {
         self.pointer_px = at_px;
         let from_px = self.drag_from_px.as_mut().map(|from| std::mem::replace(from, at_px))?;
         let delta_px = [(at_px[0] - from_px[0]) as f32, (at_px[1] - from_px[1]) as f32];
-        (keys::action(Input::Drag) == Some(Action::Look) && delta_px != [0.0; 2])
-            .then_some(Command::Look { delta_px })
+        (keys::action(Input::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
+            .then_some(Action::Look { delta_px })
     }
 
     /// The wheel turned by so many lines, up is positive.
-    pub(super) fn wheel(&mut self, lines: f32) -> Option<Command> {
+    pub(super) fn wheel(&mut self, lines: f32) -> Option<Action> {
         match keys::action(Input::Wheel)? {
-            Action::Speed(steps) if lines.is_finite() => {
-                self.view.set_speed(self.view.speed * SPEED_STEP.powf(steps * lines))
-            }
+            KeyAction::Speed(steps) if lines.is_finite() => Some(Action::Faster(steps * lines)),
             _ => None,
         }
     }
 
     /// Lets go of everything: the window lost the keyboard and will not see the keys go up.
-    pub(super) fn release_all(&mut self) -> Option<Command> {
+    pub(super) fn release_all(&mut self) -> Option<Action> {
         self.held.clear();
         self.drag_from_px = None;
         self.movement()
     }
 
     /// The movement that the held keys ask for, if it changed.
-    fn movement(&mut self) -> Option<Command> {
+    fn movement(&mut self) -> Option<Action> {
         let mut moving = [0.0f32; 3];
         let mut fast = false;
         for key in &self.held {
             match keys::action(Input::Key(*key)) {
-                Some(Action::Move(axis, by)) => moving[axis] += by,
-                Some(Action::Fast) => fast = true,
+                Some(KeyAction::Move(axis, by)) => moving[axis] += by,
+                Some(KeyAction::Fast) => fast = true,
                 _ => {}
             }
         }
-        let command = Command::Move { direction: moving.map(|m| m.clamp(-1.0, 1.0)), fast };
-        (command != std::mem::replace(&mut self.sent, command)).then_some(command)
+        let action = Action::Move { direction: moving.map(|m| m.clamp(-1.0, 1.0)), fast };
+        (action != std::mem::replace(&mut self.sent, action)).then_some(action)
     }
 }
 
@@ -202,8 +170,8 @@ mod tests {
         Controls::new(View::new(&WindowConfig::default()))
     }
 
-    fn moving(direction: [f32; 3], fast: bool) -> Option<Command> {
-        Some(Command::Move { direction, fast })
+    fn moving(direction: [f32; 3], fast: bool) -> Option<Action> {
+        Some(Action::Move { direction, fast })
     }
 
     #[test]
@@ -236,37 +204,19 @@ mod tests {
         let mut c = controls();
         assert_eq!(c.pointer([10.0, 10.0]), None);
         c.button(true);
-        assert_eq!(c.pointer([13.0, 6.0]), Some(Command::Look { delta_px: [3.0, -4.0] }));
+        assert_eq!(c.pointer([13.0, 6.0]), Some(Action::Look { delta_px: [3.0, -4.0] }));
         assert_eq!(c.pointer([13.0, 6.0]), None);
-        assert_eq!(c.pointer([14.0, 6.0]), Some(Command::Look { delta_px: [1.0, 0.0] }));
+        assert_eq!(c.pointer([14.0, 6.0]), Some(Action::Look { delta_px: [1.0, 0.0] }));
         c.button(false);
         assert_eq!(c.pointer([50.0, 50.0]), None);
     }
 
     #[test]
-    fn the_wheel_changes_speed_within_limits_and_comes_back_to_one() {
+    fn wheel_and_keys_change_the_speed() {
         let mut c = controls();
-        assert_eq!(c.wheel(1.0), Some(Command::ScaleSpeed(SPEED_STEP)));
-        c.wheel(2.0);
-        c.wheel(-3.0);
-        assert_eq!(c.view.speed(), 1.0);
-        c.wheel(1e9);
-        assert_eq!(c.view.speed(), SPEED_LIMIT);
-        assert_eq!(c.wheel(1.0), None, "already at the limit");
+        assert_eq!(c.wheel(2.5), Some(Action::Faster(2.5)));
         assert_eq!(c.wheel(f32::NAN), None);
-        assert_eq!(c.key(KeyCode::Minus, true, Instant::now()), Some(Command::ScaleSpeed(1.0 / SPEED_STEP)));
-    }
-
-    #[test]
-    fn the_frame_threads_speed_is_the_product_of_the_commands() {
-        let mut c = controls();
-        let mut theirs = 1.0;
-        for lines in [3.0, 0.5, -7.0, 40.0, -90.0, 12.0] {
-            if let Some(Command::ScaleSpeed(by)) = c.wheel(lines) {
-                theirs *= by;
-            }
-        }
-        assert!((theirs / c.view.speed() - 1.0).abs() < 1e-3);
+        assert_eq!(c.key(KeyCode::Minus, true, Instant::now()), Some(Action::Faster(-1.0)));
     }
 
     #[test]
@@ -297,12 +247,8 @@ mod tests {
             assert_eq!(c.key(KeyCode::KeyM, true, now), None);
             assert_eq!(c.view.mirror, mirror);
         }
-        for overlay in Overlay::ALL.into_iter().cycle().skip(1).take(Overlay::ALL.len()) {
-            assert_eq!(c.key(KeyCode::KeyO, true, now), Some(Command::Overlay(overlay)));
-            assert_eq!(c.view.overlay, overlay);
-        }
-        assert_eq!(c.view.set_overlay(Overlay::None), None, "it is so already");
-        assert_eq!(c.key(KeyCode::KeyR, true, now), Some(Command::Reset));
+        assert_eq!(c.key(KeyCode::KeyO, true, now), Some(Action::NextOverlay));
+        assert_eq!(c.key(KeyCode::KeyR, true, now), Some(Action::Reset));
         assert_eq!(c.key(KeyCode::KeyR, false, now), None);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Keys are physical positions, so that W, A, S, D form their cross on every keyboard layout.
 
-use crate::walk::link::Command;
+use crate::walk::state::Action;
 use winit::keyboard::KeyCode;
 
 /// Something that a hand can do.
@@ -18,23 +18,21 @@ pub(super) enum Input {
 
 /// What comes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Action {
+pub(super) enum KeyAction {
     /// Moves while held, along right (0), up (1) or forward (2), by −1 or 1.
     Move(usize, f32),
     /// Moves faster while held.
     Fast,
     /// Goes to the frame thread as it is.
-    Send(Command),
+    Send(Action),
     /// Looks around.
     Look,
-    /// Faster (> 0) or slower (< 0) by so many steps.
+    /// Faster (> 0) or slower (< 0) by so many steps; of the wheel, by so many a line.
     Speed(f32),
     /// Shows or hides the panel.
     Panel,
     /// Mirrors the next of left, right, both.
     NextMirror,
-    /// Draws the next overlay over the mirror.
-    NextOverlay,
     /// Full screen and back.
     FullScreen,
     /// Shows or hides the help.
@@ -49,17 +47,17 @@ pub(super) struct Binding {
     /// Any of these.
     pub inputs: &'static [Input],
     /// Does this.
-    pub action: Action,
+    pub action: KeyAction,
     /// And in words, for the help.
     pub does: &'static str,
 }
 
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[Binding] = {
-    use Action::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, NextOverlay, Panel, Send, Speed};
     use Input::{Drag, Key, Wheel};
+    use KeyAction::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
     use KeyCode as K;
-    const fn bind(inputs: &'static [Input], action: Action, does: &'static str) -> Binding {
+    const fn bind(inputs: &'static [Input], action: KeyAction, does: &'static str) -> Binding {
         Binding { inputs, action, does }
     }
     &[
@@ -73,13 +71,13 @@ pub(super) const BINDINGS: &[Binding] = {
         bind(&[Key(K::ShiftLeft), Key(K::ShiftRight)], Fast, "Faster while held"),
         bind(&[Wheel, Key(K::Equal), Key(K::NumpadAdd)], Speed(1.0), "Faster from now on"),
         bind(&[Key(K::Minus), Key(K::NumpadSubtract)], Speed(-1.0), "Slower from now on"),
-        bind(&[Key(K::ArrowLeft), Key(K::Comma)], Send(Command::Snap(-1)), "Turn left by a step"),
-        bind(&[Key(K::ArrowRight), Key(K::Period)], Send(Command::Snap(1)), "Turn right by a step"),
-        bind(&[Key(K::KeyF), Key(K::Home)], Send(Command::WholeView), "See the whole scan"),
-        bind(&[Key(K::KeyR)], Send(Command::Reset), "Back to the starting place"),
+        bind(&[Key(K::ArrowLeft), Key(K::Comma)], Send(Action::Snap(-1)), "Turn left by a step"),
+        bind(&[Key(K::ArrowRight), Key(K::Period)], Send(Action::Snap(1)), "Turn right by a step"),
+        bind(&[Key(K::KeyF), Key(K::Home)], Send(Action::WholeView), "See the whole scan"),
+        bind(&[Key(K::KeyR)], Send(Action::Reset), "Back to the starting place"),
         bind(&[Key(K::KeyM)], NextMirror, "Mirror left, right or both eyes"),
-        bind(&[Key(K::KeyO)], NextOverlay, "Next overlay on the mirror: rings, nodes, …, none"),
-        bind(&[Key(K::F12), Key(K::KeyP)], Send(Command::Screenshot), "Save both eyes' images"),
+        bind(&[Key(K::KeyO)], Send(Action::NextOverlay), "Next overlay on the mirror: rings, nodes, …, none"),
+        bind(&[Key(K::F12), Key(K::KeyP)], Send(Action::Screenshot), "Save both eyes' images"),
         bind(&[Key(K::Tab)], Panel, "Show or hide the panel"),
         bind(&[Key(K::F11)], FullScreen, "Full screen"),
         bind(&[Key(K::F1)], Help, "This help"),
@@ -88,7 +86,7 @@ pub(super) const BINDINGS: &[Binding] = {
 };
 
 /// What `input` does, if anything.
-pub(super) fn action(input: Input) -> Option<Action> {
+pub(super) fn action(input: Input) -> Option<KeyAction> {
     BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
 }
 
@@ -138,21 +136,21 @@ mod tests {
 
     #[test]
     fn the_table_binds() {
-        assert_eq!(action(Input::Key(KeyCode::KeyW)), Some(Action::Move(2, 1.0)));
-        assert_eq!(action(Input::Key(KeyCode::Home)), Some(Action::Send(Command::WholeView)));
-        assert_eq!(action(Input::Drag), Some(Action::Look));
+        assert_eq!(action(Input::Key(KeyCode::KeyW)), Some(KeyAction::Move(2, 1.0)));
+        assert_eq!(action(Input::Key(KeyCode::Home)), Some(KeyAction::Send(Action::WholeView)));
+        assert_eq!(action(Input::Drag), Some(KeyAction::Look));
         assert_eq!(action(Input::Key(KeyCode::F5)), None);
     }
 
     #[test]
     fn labels_are_short_and_single() {
-        let labels = |wanted: Action| {
+        let labels = |wanted: KeyAction| {
             BINDINGS.iter().find(|b| b.action == wanted).map(|b| b.labels().join(" ")).unwrap_or_default()
         };
-        assert_eq!(labels(Action::Move(1, -1.0)), "Q Ctrl");
-        assert_eq!(labels(Action::Fast), "Shift");
-        assert_eq!(labels(Action::Send(Command::Snap(-1))), "Left ,");
-        assert_eq!(labels(Action::Help), "F1");
+        assert_eq!(labels(KeyAction::Move(1, -1.0)), "Q Ctrl");
+        assert_eq!(labels(KeyAction::Fast), "Shift");
+        assert_eq!(labels(KeyAction::Send(Action::Snap(-1))), "Left ,");
+        assert_eq!(labels(KeyAction::Help), "F1");
         for binding in BINDINGS {
             assert!(binding.labels().iter().all(|l| !l.is_empty() && l.len() <= 12), "{binding:?}");
         }

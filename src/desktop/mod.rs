@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! main thread                                        frame thread
-//!   Display::run ── winit events ─▶ controls ──Command──▶ walk
+//!   Display::run ── winit events ─▶ controls ──Action──▶ walk
 //!        │                            │ View                │
 //!        ▼                            ▼                     │
 //!     painter ◀── panel, help (egui) ◀── history ◀──rows────┤
@@ -16,13 +16,13 @@
 //! How a program uses it, on its main thread (winit's demand), once a process (winit's too):
 //!
 //! ```no_run
-//! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::link::Command>) {}
+//! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::state::Action>) {}
 //! # fn main() -> anyhow::Result<()> {
 //! use scanwalk::{config::Config, desktop, gpu::Gpu, progress::CancelToken, walk::link};
 //! let gpu = std::sync::Arc::new(Gpu::open(None)?);
 //! let (stop, config) = (CancelToken::default(), Config::default());
-//! let (walk_end, commands, viewer) = link::link();
-//! let frames = std::thread::spawn(move || walk(walk_end, commands)); // its end requests `stop`
+//! let (walk_end, actions, viewer) = link::link();
+//! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end requests `stop`
 //! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
 //! match desktop::Display::open(&stop) {
 //!     Ok(display) => display.run(gpu, viewer, facts, &config, stop.clone())?,
@@ -125,7 +125,7 @@ impl Display {
     }
 
     /// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
-    /// [`Command::Quit`](crate::walk::link::Command::Quit) and requests `stop`; a failure does not, for a walk may go
+    /// [`Action::Quit`](crate::walk::state::Action::Quit) and requests `stop`; a failure does not, for a walk may go
     /// on without a window.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use super::painter::{EguiPicture, Painter};
 use super::{WindowFacts, help, keys, notice, panel, style};
 use crate::config::{Mirror, WindowConfig};
 use crate::walk::link::{LoadState, MirrorImages};
+use crate::walk::state::AppState;
 use base::task::Done;
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -128,8 +129,9 @@ fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String 
     let facts =
         WindowFacts { scan: "hall.laz".into(), device: "Some GPU".into(), runtime: "Monado 25".into() };
     let now = Instant::now();
-    let contents = panel::Contents { facts: &facts, history, load, eye_px: Some([1440, 1600]), now };
-    let mut view = View::new(&WindowConfig { overlay, ..WindowConfig::default() });
+    let state = AppState::new(overlay);
+    let contents = panel::Contents { facts: &facts, history, load, state, eye_px: Some([1440, 1600]), now };
+    let mut view = View::new(&WindowConfig::default());
     painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), None))
 }
 

@@ -1,11 +1,12 @@
 //! The panel: how the frames go, what is seen, a few choices.
 
-use super::controls::{SPEED_LIMIT, View};
+use super::controls::View;
 use super::history::{History, Spread};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
 use super::{WindowFacts, numbers, plot};
 use crate::config::Mirror;
-use crate::walk::link::{Command, LoadState};
+use crate::walk::link::LoadState;
+use crate::walk::state::{Action, SPEED_LIMIT, Snapshot};
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
 use render::options::{Overlay, Quality};
 use std::time::Instant;
@@ -24,18 +25,20 @@ pub(super) struct Contents<'a> {
     pub history: &'a History,
     /// Of the scan.
     pub load: &'a LoadState,
+    /// Of the application.
+    pub state: Snapshot,
     /// Pixels of an eye's image.
     pub eye_px: Option<[u32; 2]>,
     /// Now.
     pub now: Instant,
 }
 
-/// Draws the panel if the view wants it; the command that the user gave in it.
-pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Command> {
+/// Draws the panel if the view wants it; the action that the user asked for in it.
+pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> {
     if !view.panel {
         return None;
     }
-    let mut command = None;
+    let mut action = None;
     let height = ui.ctx().content_rect().height() - 2.0 * MARGIN - 26.0;
     let area = Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]);
     area.show(ui.ctx(), |ui| {
@@ -50,13 +53,13 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<
                 section(ui);
                 points(ui, contents.history.newest());
                 section(ui);
-                command = choices(ui, contents.history.newest(), view);
+                action = choices(ui, contents.history.newest(), contents.state, view);
                 scan(ui, contents.load);
                 machine(ui, contents);
             });
         });
     });
-    command
+    action
 }
 
 fn section(ui: &mut Ui) {
@@ -161,9 +164,8 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
 }
 
 /// Mirror, overlay, speed, help.
-fn choices(ui: &mut Ui, row: Option<&FrameRow>, view: &mut View) -> Option<Command> {
-    let mut speed = view.speed();
-    let mut overlay = view.overlay;
+fn choices(ui: &mut Ui, row: Option<&FrameRow>, state: Snapshot, view: &mut View) -> Option<Action> {
+    let (mut speed, mut overlay) = (state.speed(), state.overlay);
     Grid::new("choices").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
         ui.label(RichText::new("Mirror").color(FAINT));
         ui.horizontal(|ui| {
@@ -200,8 +202,8 @@ fn choices(ui: &mut Ui, row: Option<&FrameRow>, view: &mut View) -> Option<Comma
         }
     });
     // A hand changes one thing a picture.
-    let chosen = view.set_overlay(overlay);
-    chosen.or_else(|| (speed != view.speed()).then(|| view.set_speed(speed)).flatten())
+    let chosen = (overlay != state.overlay).then_some(Action::SetOverlay(overlay));
+    chosen.or_else(|| (speed != state.speed()).then_some(Action::SetSpeed(speed)))
 }
 
 /// What an overlay's colours mean. `row`: of the newest frame.

@@ -6,7 +6,8 @@ use super::painter::{EguiPicture, Painter};
 use super::screen::Screen;
 use super::{DesktopError, WindowFacts, help, notice, panel, server, style};
 use crate::config::{Config, WindowConfig};
-use crate::walk::link::{Command, LoadState, ViewerEnd};
+use crate::walk::link::{LoadState, ViewerEnd};
+use crate::walk::state::{Action, Snapshot};
 use base::task::CancelToken;
 use render::gpu::Gpu;
 use std::sync::Arc;
@@ -37,6 +38,8 @@ pub(super) struct App {
     controls: Controls,
     history: History,
     load: LoadState,
+    /// As it was when last looked at.
+    state: Snapshot,
     shown: Option<Shown>,
     failure: Option<DesktopError>,
     next_tick: Instant,
@@ -77,7 +80,7 @@ impl App {
     ) -> Self {
         let config = config.window.clone();
         let controls = Controls::new(View::new(&config));
-        let load = viewer.load();
+        let (load, state) = (viewer.load(), viewer.snapshot());
         Self {
             gpu,
             viewer,
@@ -87,6 +90,7 @@ impl App {
             controls,
             history: History::default(),
             load,
+            state,
             shown: None,
             failure: None,
             next_tick: Instant::now(),
@@ -142,14 +146,14 @@ impl App {
 
     /// The user, or the walk's end, ends it all.
     fn leave(&mut self, events: &ActiveEventLoop) {
-        self.send(Some(Command::Quit));
+        self.send(Some(Action::Quit));
         self.stop.cancel();
         events.exit();
     }
 
-    fn send(&self, command: Option<Command>) {
+    fn send(&self, action: Option<Action>) {
         // Nobody listens: the walk has ended, and the window will with the next look at the rows.
-        let _ = command.map(|command| self.viewer.commands.send(command));
+        let _ = action.map(|action| self.viewer.actions.send(action));
     }
 
     /// Takes in what the frame thread offered. False once the walk is over and nothing is left to read.
@@ -163,9 +167,9 @@ impl App {
             }
             news = true;
         };
-        let load = self.viewer.load();
-        if load != self.load {
-            self.load = load;
+        let (load, state) = (self.viewer.load(), self.viewer.snapshot());
+        if load != self.load || state != self.state {
+            (self.load, self.state) = (load, state);
             news = true;
         }
         if let Some(shown) = &mut self.shown {
@@ -182,13 +186,13 @@ impl App {
         if pressed && (event.repeat || synthetic) {
             return;
         }
-        let command = self.controls.key(key, pressed, Instant::now());
-        self.send(command);
+        let action = self.controls.key(key, pressed, Instant::now());
+        self.send(action);
     }
 
     /// Mouse and the rest; `ours` if the pointer is on the picture, not on the panel.
     fn other(&mut self, event: &WindowEvent, ours: bool) {
-        let command = match *event {
+        let action = match *event {
             WindowEvent::Focused(false) => self.controls.release_all(),
             WindowEvent::MouseInput { state, button: MouseButton::Left | MouseButton::Right, .. } => {
                 let pressed = state == ElementState::Pressed;
@@ -204,7 +208,7 @@ impl App {
             }),
             _ => None,
         };
-        self.send(command);
+        self.send(action);
     }
 
     /// Brings the window to what the view wishes for.
@@ -231,14 +235,15 @@ impl App {
             facts: &self.facts,
             history: &self.history,
             load: &self.load,
+            state: self.state,
             eye_px: images.as_ref().map(|images| images.drawn_px[0]),
             now,
         };
         let dragging = self.controls.dragging();
         let view = &mut self.controls.view;
-        let mut command = None;
+        let mut action = None;
         let mut output = context.run_ui(input, |ui| {
-            command = panel::show(ui, &contents, view).or(command);
+            action = panel::show(ui, &contents, view).or(action);
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
             notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
@@ -256,7 +261,7 @@ impl App {
         let size_px = [picture.texture.width(), picture.texture.height()];
         let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, ui);
         shown.screen.present(commands, picture);
-        self.send(command);
+        self.send(action);
         Ok(())
     }
 }

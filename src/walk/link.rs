@@ -1,44 +1,14 @@
 //! The link between the frame thread and the desktop window. Neither end ever makes the frame thread wait:
-//! rows that nobody takes are dropped, commands queue up, the mirror's textures change hands only at start
+//! rows that nobody takes are dropped, actions queue up, the mirror's textures change hands only at start
 //! and when their size changes.
 
+use super::state::{Action, AppState, Snapshot};
 use base::task::{Count, Done};
 use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use timing::FrameRow;
-
-/// What the user asks of the walk from the desktop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command {
-    /// Keys now held: right, up, forward, each −1 to 1, in the viewer's own directions; and the fast key.
-    Move {
-        /// Right, up, forward.
-        direction: [f32; 3],
-        /// Fast key held.
-        fast: bool,
-    },
-    /// Mouse moved while looking: pixels right, pixels down.
-    Look {
-        /// Pixels right, pixels down.
-        delta_px: [f32; 2],
-    },
-    /// Faster (> 1) or slower (< 1) from now on: the mouse wheel.
-    ScaleSpeed(f32),
-    /// Turn by this many snap steps; right is positive.
-    Snap(i32),
-    /// Back to the starting place.
-    Reset,
-    /// Move back until the whole scan is in view.
-    WholeView,
-    /// Draw this over the mirror from now on.
-    Overlay(Overlay),
-    /// Save both eyes' images.
-    Screenshot,
-    /// End the walk.
-    Quit,
-}
 
 /// What loading has come to, for the window's panel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,13 +42,14 @@ impl MirrorImages {
 }
 
 /// State that changes rarely, read by the window once a frame of its own.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Shared {
     mirror: Option<MirrorImages>,
     load: LoadState,
     /// What [`LoadState::doing`] is read from.
     doing: Option<Arc<Count>>,
     notice: Option<(Instant, String)>,
+    snapshot: Snapshot,
 }
 
 /// The frame thread's (and the loader's) end.
@@ -94,18 +65,25 @@ pub struct ViewerEnd {
     /// Finished rows of the frame log, oldest first.
     pub rows: Receiver<FrameRow>,
     /// To the frame thread.
-    pub commands: Sender<Command>,
+    pub actions: Sender<Action>,
     shared: Arc<Mutex<Shared>>,
 }
 
-/// Makes the two ends, and the receiver of commands for the frame thread.
+/// Makes the two ends, and the receiver of actions for the frame thread.
 #[must_use]
-pub fn link() -> (WalkEnd, Receiver<Command>, ViewerEnd) {
+pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (row_sender, rows) = sync_channel(512);
-    let (commands, command_receiver) = channel();
-    let shared = Arc::new(Mutex::new(Shared::default()));
+    let (actions, action_receiver) = channel();
+    let shared = Shared {
+        mirror: None,
+        load: LoadState::default(),
+        doing: None,
+        notice: None,
+        snapshot: AppState::new(Overlay::None),
+    };
+    let shared = Arc::new(Mutex::new(shared));
     let walk = WalkEnd { rows: row_sender, shared: Arc::clone(&shared) };
-    (walk, command_receiver, ViewerEnd { rows, commands, shared })
+    (walk, action_receiver, ViewerEnd { rows, actions, shared })
 }
 
 impl WalkEnd {
@@ -117,6 +95,11 @@ impl WalkEnd {
     /// New mirror textures, or another part of them: at start and when the eyes' sizes change.
     pub fn set_mirror(&self, images: MirrorImages) {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror = Some(images);
+    }
+
+    /// The state has changed.
+    pub fn publish(&self, snapshot: Snapshot) {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).snapshot = snapshot;
     }
 
     /// Tells the user something, once.
@@ -147,6 +130,12 @@ impl ViewerEnd {
     #[must_use]
     pub fn mirror(&self) -> Option<MirrorImages> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror.clone()
+    }
+
+    /// The state as it was when it last changed.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).snapshot
     }
 
     /// What the user was told last, and when.

@@ -1,7 +1,7 @@
 //! Getting about: where the stage (the headset's play space) stands in the world, and how sticks, keys and mouse
 //! move it. Pure arithmetic in f64; the frame thread calls it once a frame.
 
-use super::link::Command;
+use super::state::Action;
 use crate::config::LocomotionConfig;
 use base::space::{Eye, Pose, View};
 use glam::{DQuat, DVec3};
@@ -42,7 +42,6 @@ pub struct Locomotion {
     may_pitch: bool,
     /// The head's place in the stage, as last located; turns are about it.
     head_in_stage: DVec3,
-    speed_factor: f64,
     held: ([f32; 3], bool),
     snap_ready: bool,
 }
@@ -59,7 +58,6 @@ impl Locomotion {
             pitch: 0.0,
             may_pitch,
             head_in_stage: DVec3::ZERO,
-            speed_factor: 1.0,
             held: ([0.0; 3], false),
             snap_ready: true,
         }
@@ -71,40 +69,37 @@ impl Locomotion {
         self.reset();
     }
 
-    /// Metres a second at full deflection.
+    /// Metres a second at full deflection, until the user changes it.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        let base = if self.config.speed > 0.0 {
-            self.config.speed
-        } else {
-            // Round a small object one moves slowly.
-            let extent_m = self.start.extent_m;
-            (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0)
-        };
-        base * self.speed_factor
+        if self.config.speed > 0.0 {
+            return self.config.speed;
+        }
+        // Round a small object one moves slowly.
+        let extent_m = self.start.extent_m;
+        (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0)
     }
 
-    /// A command from the desktop. [`Command::Quit`] is not for here.
-    pub fn command(&mut self, command: Command) {
-        match command {
-            Command::Move { direction, fast } => self.held = (direction, fast),
-            Command::Look { delta_px } => {
+    /// Applies what moves the viewer.
+    pub fn apply(&mut self, action: Action) {
+        match action {
+            Action::Move { direction, fast } => self.held = (direction, fast),
+            Action::Look { delta_px } => {
                 let radians = self.config.look_deg_per_px.to_radians();
                 self.turn(-f64::from(delta_px[0]) * radians);
                 if self.may_pitch {
                     self.pitch = (self.pitch - f64::from(delta_px[1]) * radians).clamp(-FRAC_PI_2, FRAC_PI_2);
                 }
             }
-            Command::ScaleSpeed(factor) => {
-                self.speed_factor = (self.speed_factor * f64::from(factor)).clamp(0.01, 100.0);
-            }
-            Command::Snap(steps) => self.turn(-f64::from(steps) * self.config.snap_deg.to_radians()),
-            Command::Reset => self.reset(),
-            Command::WholeView => {
+            Action::Snap(steps) => self.turn(-f64::from(steps) * self.config.snap_deg.to_radians()),
+            Action::Reset => self.reset(),
+            Action::WholeView => {
                 (self.floor_in_world, self.yaw) = self.start.overview;
                 self.pitch = 0.0;
             }
-            Command::Overlay(_) | Command::Screenshot | Command::Quit => {}
+            // The state's, or the walk's.
+            Action::Faster(_) | Action::SetSpeed(_) | Action::SetOverlay(_) | Action::NextOverlay => {}
+            Action::Screenshot | Action::Quit => {}
         }
     }
 
@@ -121,9 +116,15 @@ impl Locomotion {
         (self.floor_in_world, self.yaw, self.pitch) = (self.start.floor_in_world, self.start.yaw, 0.0);
     }
 
-    /// Moves by what is held for `seconds`. `stage_from_head` is the head as last located: forward is where it
-    /// looks.
-    pub fn advance(&mut self, seconds: f64, controllers: &ControllerInput, stage_from_head: &Pose) {
+    /// Moves by what is held for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the head as last
+    /// located: forward is where it looks.
+    pub fn advance(
+        &mut self,
+        seconds: f64,
+        faster: f32,
+        controllers: &ControllerInput,
+        stage_from_head: &Pose,
+    ) {
         self.head_in_stage = stage_from_head.position;
         let dead = |v: f32| if v.abs() < DEAD_ZONE { 0.0 } else { f64::from(v) };
         let [right, up, forward] = self.held.0.map(f64::from);
@@ -132,7 +133,7 @@ impl Locomotion {
         let direction = DVec3::new(right * fast + stick_right, 0.0, -(forward * fast + stick_forward));
         let in_world = self.world_from_head(stage_from_head).orientation * direction + DVec3::Z * up * fast;
         // A hitch of the program must not throw the viewer through a wall.
-        let step = self.speed() * self.start.units_per_m * seconds.clamp(0.0, 0.1);
+        let step = self.speed() * f64::from(faster) * self.start.units_per_m * seconds.clamp(0.0, 0.1);
         self.floor_in_world += in_world * step;
 
         let turn = controllers.right_stick[0];
@@ -264,7 +265,7 @@ mod tests {
         let forward = ControllerInput { left_stick: [0.0, 1.0], ..Default::default() };
         // The head looks left (west) and up by 45 degrees.
         let orientation = DQuat::from_rotation_y(FRAC_PI_2) * DQuat::from_rotation_x(FRAC_PI_2 / 2.0);
-        walk.advance(0.1, &forward, &Pose { position: DVec3::ZERO, orientation });
+        walk.advance(0.1, 1.0, &forward, &Pose { position: DVec3::ZERO, orientation });
         let moved = walk.floor_in_world - start().floor_in_world;
         let step = 0.1 * walk.speed();
         assert!(
@@ -278,13 +279,13 @@ mod tests {
         let mut walk = walk();
         let push = ControllerInput { right_stick: [1.0, 0.0], ..Default::default() };
         for _ in 0..5 {
-            walk.advance(0.01, &push, &Pose::IDENTITY);
+            walk.advance(0.01, 1.0, &push, &Pose::IDENTITY);
         }
         assert!((walk.yaw + 30f64.to_radians()).abs() < 1e-12, "one snap to the right");
-        walk.advance(0.01, &ControllerInput::default(), &Pose::IDENTITY);
-        walk.advance(0.01, &push, &Pose::IDENTITY);
+        walk.advance(0.01, 1.0, &ControllerInput::default(), &Pose::IDENTITY);
+        walk.advance(0.01, 1.0, &push, &Pose::IDENTITY);
         assert!((walk.yaw + 60f64.to_radians()).abs() < 1e-12);
-        walk.advance(0.01, &ControllerInput { reset: true, ..Default::default() }, &Pose::IDENTITY);
+        walk.advance(0.01, 1.0, &ControllerInput { reset: true, ..Default::default() }, &Pose::IDENTITY);
         assert_eq!(walk.yaw, 0.0);
     }
 
@@ -295,9 +296,9 @@ mod tests {
         for eye in &mut off_center {
             eye.stage_from_view.position += DVec3::new(0.8, 0.0, -1.2);
         }
-        walk.advance(0.01, &ControllerInput::default(), &head_of(&off_center));
+        walk.advance(0.01, 1.0, &ControllerInput::default(), &head_of(&off_center));
         let before = seen(&walk, &off_center).head_in_world();
-        walk.command(Command::Snap(3));
+        walk.apply(Action::Snap(3));
         let after = seen(&walk, &off_center);
         assert!((after.head_in_world() - before).length() < 1e-9);
         let forward = after.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
@@ -307,7 +308,7 @@ mod tests {
     #[test]
     fn the_mouse_never_pitches_a_real_head() {
         let mut walk = Locomotion::new(&LocomotionConfig::default(), start(), false);
-        walk.command(Command::Look { delta_px: [0.0, -200.0] });
+        walk.apply(Action::Look { delta_px: [0.0, -200.0] });
         let view = seen(&walk, &eyes());
         assert!((view.eyes[0].world_from_view.orientation * DVec3::NEG_Z).z.abs() < 1e-12);
     }
@@ -317,12 +318,13 @@ mod tests {
         let mut walk = walk();
         walk.advance(
             0.1,
+            1.0,
             &ControllerInput { left_stick: [0.1, -0.1], ..Default::default() },
             &Pose::IDENTITY,
         );
         assert_eq!(walk.floor_in_world, start().floor_in_world);
-        walk.command(Command::Move { direction: [0.0, 0.0, 1.0], fast: true });
-        walk.advance(60.0, &ControllerInput::default(), &Pose::IDENTITY);
+        walk.apply(Action::Move { direction: [0.0, 0.0, 1.0], fast: true });
+        walk.advance(60.0, 1.0, &ControllerInput::default(), &Pose::IDENTITY);
         let moved = (walk.floor_in_world - start().floor_in_world).length();
         assert!((moved - 0.1 * 4.0 * walk.speed()).abs() < 1e-6, "a tenth of a second at most");
     }
@@ -330,7 +332,7 @@ mod tests {
     #[test]
     fn looking_up_turns_the_eyes_about_the_head() {
         let mut walk = walk();
-        walk.command(Command::Look { delta_px: [0.0, -200.0] });
+        walk.apply(Action::Look { delta_px: [0.0, -200.0] });
         let view = seen(&walk, &eyes());
         assert!((view.head_in_world() - DVec3::new(5e5, 4e6, 101.7)).length() < 1e-9);
         let forward = view.eyes[0].world_from_view.orientation * DVec3::NEG_Z;

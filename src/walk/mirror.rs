@@ -10,7 +10,8 @@ use render::{Overlays, Renderer};
 #[derive(Debug)]
 pub(super) struct Mirror {
     overlays: Overlays,
-    overlay: Overlay,
+    /// What `overlays` was last drawn for.
+    drawn: Overlay,
     /// Made once they are needed.
     copies: Option<Copies>,
     /// What the window has been told of.
@@ -26,20 +27,8 @@ struct Copies {
 
 impl Mirror {
     /// Of the images that `renderer` draws.
-    pub fn new(renderer: &Renderer, overlay: Overlay) -> Self {
-        Self { overlays: Overlays::new(renderer), overlay, copies: None, shown: None }
-    }
-
-    /// Draws this over the mirror from the next frame on.
-    pub fn set_overlay(&mut self, overlay: Overlay) {
-        self.overlay = overlay;
-        // An overlay that is not drawn must not keep a cloud's memory.
-        self.overlays.release();
-    }
-
-    /// What is drawn over the mirror.
-    pub fn overlay(&self) -> Overlay {
-        self.overlay
+    pub fn new(renderer: &Renderer) -> Self {
+        Self { overlays: Overlays::new(renderer), drawn: Overlay::None, copies: None, shown: None }
     }
 
     /// What the window shows, once there is a frame.
@@ -47,8 +36,9 @@ impl Mirror {
         self.shown.as_ref()
     }
 
-    /// To be called after the renderer has recorded it, into `images`. `images_last`: they are still there when the
-    /// window draws.
+    /// To be called after the renderer has recorded it, into `images`, with what is to be drawn over them. `images_last`:
+    /// they are still there when the window draws.
+    #[expect(clippy::too_many_arguments, reason = "what a frame has at hand, used once")]
     pub fn record(
         &mut self,
         gpu: &Gpu,
@@ -57,15 +47,20 @@ impl Mirror {
         encoder: &mut wgpu::CommandEncoder,
         images: &[wgpu::Texture; 2],
         images_last: bool,
+        overlay: Overlay,
     ) {
+        if overlay != std::mem::replace(&mut self.drawn, overlay) {
+            // An overlay that is not drawn must not keep a cloud's memory.
+            self.overlays.release();
+        }
         let drawn = &renderer.targets().drawn_px;
         let drawn_px = [drawn[0], drawn[1]];
-        let textures = if images_last && self.overlay == Overlay::None {
+        let textures = if images_last && overlay == Overlay::None {
             images.clone()
         } else {
             let copies = self.copies.get_or_insert_with(|| Copies::new(gpu, images));
             copy(encoder, images, &copies.textures, drawn_px);
-            self.overlays.record(renderer, encoder, self.overlay, &copies.views.each_ref());
+            self.overlays.record(renderer, encoder, overlay, &copies.views.each_ref());
             copies.textures.clone()
         };
         let shown = MirrorImages { textures, drawn_px };

@@ -9,12 +9,15 @@ pub mod locomotion;
 mod masks;
 mod mirror;
 mod part;
+mod rows;
 mod run;
 mod screenshot;
 pub mod simulated;
 pub mod start;
+pub mod state;
 mod surroundings;
 mod tube;
+mod views;
 mod waiting;
 
 pub use run::{Loaded, Walk, WalkError, WalkSummary};

@@ -1,19 +1,21 @@
 //! The frame thread's loop.
 
 use super::governor::{Governor, Settings};
-use super::link::{Command, WalkEnd};
+use super::link::WalkEnd;
 use super::locomotion::{Locomotion, Start, head_of};
 use super::masks::Masks;
 use super::mirror::Mirror;
+use super::rows::{Rows, ms, pass_on};
 use super::screenshot::Screenshots;
+use super::state::{Action, AppState};
+use super::views::Views;
 use super::waiting::Waiting;
 use crate::config::Config;
 use crate::resolve;
 use base::space::{Pose, View};
 use base::task::CancelToken;
 use render::gpu::Gpu;
-use render::{CloudBuffers, EyeImage, FrameTimes, NoSuchTier, Renderer, Setup, TargetTooLarge, tier};
-use std::collections::VecDeque;
+use render::{CloudBuffers, EyeImage, NoSuchTier, Renderer, Setup, TargetTooLarge, tier};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
@@ -21,9 +23,6 @@ use timing::log::FrameLog;
 use timing::pose_path::PosePath;
 use timing::{FrameRow, Phase, STAGES};
 use xr::{Beat, End, Fault, Headset, StageEye};
-
-/// Rows that wait for their GPU times; a frame's times come back a few frames late.
-const MAX_PENDING_ROWS: usize = 32;
 
 /// How long the end of a walk waits for the GPU.
 const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
@@ -46,8 +45,8 @@ pub struct Walk<'a> {
     pub config: &'a Config,
     /// The scan, as soon as something of it can be drawn; the loader lets go of the other end when all of it can.
     pub loaded: Receiver<Loaded>,
-    /// From the desktop.
-    pub commands: Receiver<Command>,
+    /// From those who show the walk.
+    pub actions: Receiver<Action>,
     /// To the desktop.
     pub link: WalkEnd,
     /// A window shows the mirror.
@@ -110,7 +109,7 @@ impl Walk<'_> {
                 return Err(Fault::DeviceLost(reason.into()).into());
             }
             frames.take_loaded(&self)?;
-            if frames.take_commands(&self.commands) {
+            if frames.take_actions(&self) {
                 self.stop.cancel();
             }
             let waited = Instant::now();
@@ -128,14 +127,15 @@ impl Walk<'_> {
     }
 
     fn limit_reached(&self, frames: &Frames) -> bool {
-        self.max_frames.is_some_and(|max| frames.scan_frames >= max)
-            || self.max_time.zip(frames.scan_shown).is_some_and(|(max, since)| since.elapsed() >= max)
+        self.max_frames.is_some_and(|max| frames.rows.scan_frames >= max)
+            || self.max_time.zip(frames.rows.scan_shown).is_some_and(|(max, since)| since.elapsed() >= max)
     }
 }
 
 /// State from one frame to the next.
 struct Frames {
     renderer: Renderer,
+    state: AppState,
     locomotion: Option<Locomotion>,
     /// If a window shows it.
     mirror: Option<Mirror>,
@@ -152,20 +152,11 @@ struct Frames {
     drawn_px: [[u32; 2]; 2],
     locomotion_config: crate::config::LocomotionConfig,
     may_pitch: bool,
-    frame: u64,
-    scan_frames: u64,
-    began: Instant,
-    scan_shown: Option<Instant>,
+    rows: Rows,
     /// The loader is not done.
     arriving: bool,
     waiting: Waiting,
-    /// What clouds took of this thread since the last row, for that row's `record_ms`.
-    load_ms: f32,
-    last_display_ns: Option<i64>,
     stage_from_head: Pose,
-    pending: VecDeque<FrameRow>,
-    /// Bytes sent to the GPU up to the frame before, by whomever.
-    written_bytes: u64,
     last_view: Option<View>,
 }
 
@@ -181,9 +172,12 @@ impl Frames {
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
         let renderer = Renderer::new(&walk.gpu, setup, resolve::look(walk.config))?;
-        let mirror = walk.mirrored.then(|| Mirror::new(&renderer, walk.config.window.overlay));
+        let mirror = walk.mirrored.then(|| Mirror::new(&renderer));
+        let state = AppState::new(walk.config.window.overlay);
+        walk.link.publish(state);
         Ok(Self {
             renderer,
+            state,
             locomotion: None,
             mirror,
             screenshots: Screenshots::default(),
@@ -195,17 +189,10 @@ impl Frames {
             drawn_px: sizes_px,
             locomotion_config: walk.config.locomotion.clone(),
             may_pitch: headset.is_simulated(),
-            frame: 0,
-            scan_frames: 0,
-            began: Instant::now(),
-            scan_shown: None,
+            rows: Rows::new(walk.gpu.queue.written_bytes()),
             arriving: true,
             waiting: Waiting::default(),
-            load_ms: 0.0,
-            last_display_ns: None,
             stage_from_head: Pose::IDENTITY,
-            pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
-            written_bytes: walk.gpu.queue.written_bytes(),
             last_view: None,
         })
     }
@@ -231,7 +218,7 @@ impl Frames {
                 }
             }
         }
-        self.load_ms += ms(began.elapsed());
+        self.rows.add_load(began.elapsed());
         Ok(())
     }
 
@@ -240,25 +227,25 @@ impl Frames {
         !self.arriving && self.locomotion.is_none()
     }
 
-    /// Applies what the desktop asked for; true if that is to end the walk.
-    fn take_commands(&mut self, commands: &Receiver<Command>) -> bool {
-        loop {
-            match commands.try_recv() {
-                Ok(Command::Quit) => return true,
-                Ok(Command::Overlay(overlay)) => {
-                    if let Some(mirror) = &mut self.mirror {
-                        mirror.set_overlay(overlay);
-                    }
-                }
-                Ok(Command::Screenshot) => self.screenshots.ask(),
-                Ok(command) => {
+    /// Applies what was asked for; true if that is to end the walk.
+    fn take_actions(&mut self, walk: &Walk) -> bool {
+        let before = self.state;
+        while let Ok(action) = walk.actions.try_recv() {
+            match action {
+                Action::Quit => return true,
+                Action::Screenshot => self.screenshots.ask(),
+                action => {
+                    self.state.apply(action);
                     if let Some(locomotion) = &mut self.locomotion {
-                        locomotion.command(command);
+                        locomotion.apply(action);
                     }
                 }
-                Err(TryRecvError::Empty | TryRecvError::Disconnected) => return false,
             }
         }
+        if self.state != before {
+            walk.link.publish(self.state);
+        }
+        false
     }
 
     /// One frame: input, images, commands, eyes as late as possible, submit.
@@ -271,10 +258,10 @@ impl Frames {
         wait_ms: f32,
     ) -> Result<(), WalkError> {
         let record_began = Instant::now();
-        let seconds = self.last_display_ns.map_or(0.0, |last| (predicted_display_ns - last) as f64 * 1e-9);
+        let seconds = self.rows.since_display_s(predicted_display_ns);
         let input = headset.input()?;
         if let Some(locomotion) = &mut self.locomotion {
-            locomotion.advance(seconds, &input, &self.stage_from_head);
+            locomotion.advance(seconds, self.state.speed(), &input, &self.stage_from_head);
         }
         self.settle(headset)?;
         let images = headset.acquire()?;
@@ -286,9 +273,9 @@ impl Frames {
             color: &color[eye],
             depth: depth.as_ref().map(|views| &views[eye]),
         });
-        self.renderer.record(&mut encoder, self.frame, &eyes);
+        self.renderer.record(&mut encoder, self.rows.frame, &eyes);
         self.record_copies(walk, headset, &mut encoder, &images.color);
-        let record_ms = ms(record_began.elapsed()) + std::mem::take(&mut self.load_ms);
+        let record_ms = ms(record_began.elapsed()) + self.rows.take_load_ms();
 
         let submit_began = Instant::now();
         let eyes = headset.locate()?;
@@ -307,10 +294,9 @@ impl Frames {
         self.renderer.submitted();
         self.screenshots.submitted(&walk.gpu, &walk.link);
 
-        let written_bytes = walk.gpu.queue.written_bytes();
-        self.note(FrameRow {
-            frame: self.frame,
-            time_s: record_began.duration_since(self.began).as_secs_f64(),
+        let row = FrameRow {
+            frame: self.rows.frame,
+            time_s: self.rows.seconds(record_began),
             predicted_display_ns,
             wait_ms,
             record_ms,
@@ -318,20 +304,19 @@ impl Frames {
             stage_ms: [f32::NAN; STAGES.len()],
             gpu_ms: f32::NAN,
             budget_ms: (1000.0 / headset.refresh_hz()) as f32,
-            missed_periods: self.missed_periods(predicted_display_ns, period_ns),
+            missed_periods: self.rows.missed_periods(predicted_display_ns, period_ns),
             visible_nodes: 0,
             points_read: 0,
             points_resident: self.renderer.resident().0,
             lod_scale: self.settings.lod_scale,
             resolution_scale: self.settings.resolution_scale,
             quality: self.settings.quality.name(),
-            upload_bytes: written_bytes - self.written_bytes,
+            upload_bytes: self.rows.uploaded(walk.gpu.queue.written_bytes()),
             world_from_head,
             phase: self.phase(),
             visible_batches: 0,
-        });
-        self.written_bytes = written_bytes;
-        self.last_display_ns = Some(predicted_display_ns);
+        };
+        self.rows.note(row, self.renderer.split().is_some());
         Ok(())
     }
 
@@ -346,7 +331,7 @@ impl Frames {
 
     /// Draws from now on with what the governor wants.
     fn settle(&mut self, headset: &mut dyn Headset) -> Result<(), WalkError> {
-        let settings = self.governor.begin(self.frame);
+        let settings = self.governor.begin(self.rows.frame);
         if settings == self.settings {
             return Ok(());
         }
@@ -367,15 +352,8 @@ impl Frames {
         let locomotion = self.locomotion.as_ref()?;
         Some(match walk.pose_path {
             None => locomotion.world_from_head(&head_of(eyes)),
-            Some(path) => path.at(self.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64())),
+            Some(path) => path.at(self.rows.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64())),
         })
-    }
-
-    /// Display periods without an image of ours since the frame before.
-    fn missed_periods(&self, predicted_display_ns: i64, period_ns: i64) -> u32 {
-        let Some(last) = self.last_display_ns.filter(|_| period_ns > 0) else { return 0 };
-        let periods = (predicted_display_ns - last + period_ns / 2) / period_ns;
-        u32::try_from(periods - 1).unwrap_or(0)
     }
 
     /// Skips the pixels that the lenses hide, as soon as it is known which.
@@ -402,36 +380,39 @@ impl Frames {
         if let Some(mirror) = &mut self.mirror {
             // A real headset's images go back to the runtime at submit.
             let images_last = headset.is_simulated();
-            mirror.record(&walk.gpu, &walk.link, &self.renderer, encoder, images, images_last);
+            mirror.record(
+                &walk.gpu,
+                &walk.link,
+                &self.renderer,
+                encoder,
+                images,
+                images_last,
+                self.state.overlay,
+            );
         }
-        self.screenshots.record(&walk.gpu, encoder, images, self.drawn_px, self.mirror.as_ref());
+        self.screenshots.record(
+            &walk.gpu,
+            encoder,
+            images,
+            self.drawn_px,
+            self.mirror.as_ref(),
+            self.state.overlay,
+        );
     }
 
-    fn note(&mut self, row: FrameRow) {
-        self.pending.push_back(row);
-        self.frame += 1;
-        if self.renderer.split().is_some() {
-            self.scan_frames += 1;
-            self.scan_shown.get_or_insert_with(Instant::now);
-        }
-    }
-
-    /// Joins GPU times that came back with their rows, and passes the rows on in order.
+    /// Joins GPU times that came back with their rows, and passes the rows on in order; the governor sees each.
     fn collect(&mut self, walk: &Walk) {
-        while let Some(times) = self.renderer.collect_times() {
-            while let Some(row) = self.pending.pop_front_if(|row| row.frame <= times.frame) {
-                let row = if row.frame == times.frame { with_times(row, &times) } else { row };
-                if let Some(step) = self.governor.observe(row.frame, row.phase, row.gpu_ms, row.budget_ms) {
-                    tracing::info!("frame {}: {step}", self.frame);
+        let Self { rows, governor, renderer, .. } = self;
+        let frame = rows.frame;
+        while let Some(times) = renderer.collect_times() {
+            rows.join(&times, &mut |row| {
+                if let Some(step) = governor.observe(row.frame, row.phase, row.gpu_ms, row.budget_ms) {
+                    tracing::info!("frame {frame}: {step}");
                 }
-                pass_on(walk, row);
-            }
+                pass_on(walk.log, &walk.link, row);
+            });
         }
-        while self.pending.len() > MAX_PENDING_ROWS {
-            if let Some(row) = self.pending.pop_front() {
-                pass_on(walk, row);
-            }
-        }
+        rows.give_up(false, &mut |row| pass_on(walk.log, &walk.link, row));
     }
 
     /// Waits for the last frames' times, so that the log ends with the last frame.
@@ -440,47 +421,9 @@ impl Frames {
         // If it fails, the rows go without times.
         let _ = walk.gpu.device.poll(wait);
         self.collect(walk);
-        while let Some(row) = self.pending.pop_front() {
-            pass_on(walk, row);
-        }
+        self.rows.give_up(true, &mut |row| pass_on(walk.log, &walk.link, row));
         self.screenshots.finish();
-        WalkSummary { frames: self.frame, scan_frames: self.scan_frames, ended, last_view: self.last_view }
+        let Rows { frame, scan_frames, .. } = self.rows;
+        WalkSummary { frames: frame, scan_frames, ended, last_view: self.last_view }
     }
-}
-
-/// Views of the headset's few images, made once each.
-#[derive(Default)]
-struct Views(Vec<(wgpu::Texture, wgpu::TextureView)>);
-
-impl Views {
-    fn of(&mut self, image: &wgpu::Texture) -> wgpu::TextureView {
-        if let Some((_, view)) = self.0.iter().find(|(texture, _)| texture == image) {
-            return view.clone();
-        }
-        let view = image.create_view(&wgpu::TextureViewDescriptor::default());
-        self.0.push((image.clone(), view.clone()));
-        view
-    }
-}
-
-fn with_times(row: FrameRow, times: &FrameTimes) -> FrameRow {
-    FrameRow {
-        stage_ms: times.stage_ms,
-        gpu_ms: times.gpu_ms,
-        visible_nodes: times.visible_nodes,
-        visible_batches: times.visible_batches,
-        points_read: times.points_read,
-        ..row
-    }
-}
-
-fn pass_on(walk: &Walk, row: FrameRow) {
-    if let Some(log) = walk.log {
-        log.push(row);
-    }
-    walk.link.offer_row(row);
-}
-
-fn ms(duration: Duration) -> f32 {
-    (duration.as_secs_f64() * 1000.0) as f32
 }

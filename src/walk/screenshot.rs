@@ -28,7 +28,7 @@ impl Screenshots {
         self.asked = true;
     }
 
-    /// To be called after a frame and its mirror were recorded into `images`.
+    /// To be called after a frame and its mirror, with an overlay or none, were recorded into `images`.
     pub fn record(
         &mut self,
         gpu: &Gpu,
@@ -36,6 +36,7 @@ impl Screenshots {
         images: &[wgpu::Texture; 2],
         drawn_px: [[u32; 2]; 2],
         mirror: Option<&Mirror>,
+        overlay: Overlay,
     ) {
         let is_writing = self.writing.as_ref().is_some_and(|thread| !thread.is_finished());
         if is_writing || !std::mem::take(&mut self.asked) {
@@ -50,10 +51,10 @@ impl Screenshots {
             self.copied.extend(names.into_iter().zip(copies));
         };
         take(images, "");
-        if let Some((mirror, shown)) = mirror.and_then(|m| Some((m, m.shown()?)))
-            && mirror.overlay() != Overlay::None
+        if let Some(shown) = mirror.and_then(Mirror::shown)
+            && overlay != Overlay::None
         {
-            take(&shown.textures, &format!(".{}", mirror.overlay().name()));
+            take(&shown.textures, &format!(".{}", overlay.name()));
         }
     }
 

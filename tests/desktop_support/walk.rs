@@ -4,9 +4,11 @@
 use super::fault;
 use base::task::{CancelToken, Task};
 use render::gpu::Gpu;
+use render::options::Overlay;
 use scanwalk::config::Config;
 use scanwalk::desktop::{Display, WindowFacts};
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
+use scanwalk::walk::state::AppState;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use timing::{FrameRow, Phase};
@@ -33,20 +35,24 @@ pub fn play(role: &str) {
         fault::write_twice_without_a_barrier(&gpu);
         return println!("ended well");
     }
-    let (walk, commands, viewer) = link::link();
+    let (walk, actions, viewer) = link::link();
     let stop = CancelToken::default();
     let frames = std::thread::spawn({
         let (gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
         move || {
             let begin = Instant::now();
+            let mut state = AppState::new(Overlay::None);
             prepare(&role, &walk);
             let images = (role != "broken" && role != "loading").then(|| images(&gpu));
             if let Some(images) = &images {
                 walk.set_mirror(images.clone());
             }
             for frame in 0.. {
-                for command in commands.try_iter() {
-                    println!("command {command:?}");
+                for action in actions.try_iter() {
+                    println!("command {action:?}");
+                    if state.apply(action) {
+                        walk.publish(state);
+                    }
                 }
                 if stop.is_cancelled() || (role == "vanish" && frame == 45) {
                     return;

@@ -209,7 +209,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     // So near that the points fill the view.
     let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
     let start = Start { floor_in_world: place, ..outside };
-    let (frame_link, commands, viewer) = link::link();
+    let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
     // Without room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
@@ -218,7 +218,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
         gpu: gpu(),
         config: &config,
         loaded,
-        commands,
+        actions,
         link: frame_link,
         mirrored: false,
         log: None,
@@ -282,13 +282,13 @@ fn a_lost_gpu_ends_the_walk_with_its_reason() {
     assert_eq!(gpu.lost(), None);
     let mut config = Config::default();
     config.simulated.size_px = SIZE_PX;
-    let (frame_link, commands, _viewer) = link::link();
+    let (frame_link, actions, _viewer) = link::link();
     let (loaded_sender, loaded) = channel();
     let walk = Walk {
         gpu: Arc::clone(&gpu),
         config: &config,
         loaded,
-        commands,
+        actions,
         link: frame_link,
         mirrored: false,
         log: None,

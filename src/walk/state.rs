@@ -1,0 +1,120 @@
+//! The application's state that more than one surface shows: owned and changed by the frame thread alone. Surfaces (the
+//! window, later a panel in the headset) send [`Action`]s and get [`Snapshot`]s.
+
+use render::options::Overlay;
+
+/// Factor on the speed of a step of the wheel.
+pub const SPEED_STEP: f32 = 1.25;
+/// The speed stays within this factor of where it began, up and down.
+pub const SPEED_LIMIT: f32 = 64.0;
+
+/// What the user asks of the walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Keys now held: right, up, forward, each −1 to 1, in the viewer's own directions; and the fast key.
+    Move {
+        /// Right, up, forward.
+        direction: [f32; 3],
+        /// Fast key held.
+        fast: bool,
+    },
+    /// Mouse moved while looking: pixels right, pixels down.
+    Look {
+        /// Pixels right, pixels down.
+        delta_px: [f32; 2],
+    },
+    /// Faster (> 0) or slower (< 0) from now on, by so many steps of [`SPEED_STEP`].
+    Faster(f32),
+    /// So many times as fast as at first, from now on.
+    SetSpeed(f32),
+    /// Turn by this many snap steps; right is positive.
+    Snap(i32),
+    /// Back to the starting place.
+    Reset,
+    /// Move back until the whole scan is in view.
+    WholeView,
+    /// Draw this over the mirror from now on.
+    SetOverlay(Overlay),
+    /// Draw the next overlay over the mirror from now on.
+    NextOverlay,
+    /// Save both eyes' images.
+    Screenshot,
+    /// End the walk.
+    Quit,
+}
+
+/// The state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AppState {
+    /// Drawn over the mirror.
+    pub overlay: Overlay,
+    speed: f32,
+}
+
+/// The state as it was at some moment, for those who show it.
+pub type Snapshot = AppState;
+
+impl AppState {
+    /// At start.
+    #[must_use]
+    pub fn new(overlay: Overlay) -> Self {
+        Self { overlay, speed: 1.0 }
+    }
+
+    /// Speed as a factor on where it began.
+    #[must_use]
+    pub fn speed(&self) -> f32 {
+        self.speed
+    }
+
+    /// Applies what changes the state; true if it did. What moves the viewer or ends the walk is for others.
+    pub fn apply(&mut self, action: Action) -> bool {
+        let before = *self;
+        match action {
+            Action::Faster(steps) if steps.is_finite() => self.set_speed(self.speed * SPEED_STEP.powf(steps)),
+            Action::SetSpeed(speed) if speed.is_finite() => self.set_speed(speed),
+            Action::SetOverlay(overlay) => self.overlay = overlay,
+            Action::NextOverlay => self.overlay = self.overlay.next(),
+            _ => {}
+        }
+        *self != before
+    }
+
+    fn set_speed(&mut self, speed: f32) {
+        let speed = speed.clamp(1.0 / SPEED_LIMIT, SPEED_LIMIT);
+        // The last bits of repeated steps: ×1 is to read as ×1 again.
+        self.speed = if (speed - 1.0).abs() < 1e-3 { 1.0 } else { speed };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_speed_changes_within_limits_and_comes_back_to_one() {
+        let mut state = AppState::new(Overlay::None);
+        assert!(state.apply(Action::Faster(1.0)));
+        assert_eq!(state.speed(), SPEED_STEP);
+        state.apply(Action::Faster(2.0));
+        state.apply(Action::Faster(-3.0));
+        assert_eq!(state.speed(), 1.0);
+        state.apply(Action::Faster(1e9));
+        assert_eq!(state.speed(), SPEED_LIMIT);
+        assert!(!state.apply(Action::Faster(1.0)), "already at the limit");
+        assert!(!state.apply(Action::Faster(f32::NAN)) && !state.apply(Action::SetSpeed(f32::INFINITY)));
+        assert!(state.apply(Action::SetSpeed(0.5)));
+        assert_eq!(state.speed(), 0.5);
+    }
+
+    #[test]
+    fn overlays_go_round() {
+        let mut state = AppState::new(Overlay::None);
+        for overlay in Overlay::ALL.into_iter().cycle().skip(1).take(Overlay::ALL.len()) {
+            assert!(state.apply(Action::NextOverlay));
+            assert_eq!(state.overlay, overlay);
+        }
+        assert!(!state.apply(Action::SetOverlay(Overlay::None)), "it is so already");
+        assert!(!state.apply(Action::Reset));
+    }
+}
