@@ -96,10 +96,13 @@ fn what_has_come_is_drawn() {
     assert!(blocks.len() > 8, "{}", blocks.len());
     let center = scan.bounds().center();
     let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
+    // All nodes are large enough.
+    let mut fine = look(Quality::Hqs);
+    fine.detail.threshold_px = [1.0; 3];
     let silent = Progress::hidden();
     let device = gpu();
     let mut upload = CloudUpload::layered(&device, &hierarchy, 0, &silent).expect("room");
-    let mut canvas = Canvas::new(&kit::frames::sizes(&view), look(Quality::Hqs), device.atomics());
+    let mut canvas = Canvas::new(&kit::frames::sizes(&view), fine, device.atomics());
     canvas.renderer.set_cloud(upload.buffers()).expect("room");
     let mut drawn = canvas.draw(&view);
     assert_eq!((drawn.visible.len(), canvas.renderer.resident().0), (0, 0), "nothing has come");
@@ -118,7 +121,7 @@ fn what_has_come_is_drawn() {
         assert_eq!(canvas.renderer.resident().0, resident);
     }
     assert!(num_drawn.is_sorted() && num_drawn[0] > 0 && num_drawn[0] < num_drawn[3], "{num_drawn:?}");
-    let whole = Canvas::layered(&octree(&scan), &view, look(Quality::Hqs), device.atomics(), 0).draw(&view);
+    let whole = Canvas::layered(&octree(&scan), &view, fine, device.atomics(), 0).draw(&view);
     assert!(drawn.images == whole.images && drawn.visible == whole.visible, "all has come");
 }
 
@@ -282,7 +285,7 @@ fn a_lost_gpu_ends_the_walk_with_its_reason() {
     assert_eq!(gpu.lost(), None);
     let mut config = Config::default();
     config.simulated.size_px = SIZE_PX;
-    let (frame_link, actions, _viewer) = link::link();
+    let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
     let walk = Walk {
         gpu: Arc::clone(&gpu),
@@ -297,14 +300,12 @@ fn a_lost_gpu_ends_the_walk_with_its_reason() {
         max_time: None,
         stop: CancelToken::default(),
     };
-    let mut headset = SimulatedHeadset::new(&gpu, &config.simulated);
-    gpu.device.destroy();
-    // Vulkan's devices are destroyed once nobody uses them: that is when the callback comes.
-    while gpu.lost().is_none() {
-        let _ = gpu.device.poll(wgpu::PollType::Poll);
-        std::thread::yield_now();
-    }
-    let error = walk.run(&mut headset).expect_err("no GPU");
+    let error = std::thread::scope(|scope| {
+        let frames = scope.spawn(|| walk.run(&mut SimulatedHeadset::new(&gpu, &config.simulated)));
+        viewer.rows.recv().expect("a frame");
+        gpu.device.destroy();
+        frames.join().expect("no panic").expect_err("no GPU")
+    });
     assert!(matches!(error, WalkError::Headset(Fault::DeviceLost(_))), "{error:?}");
     assert!(error.to_string().contains("the GPU was lost"), "{error}");
     drop(loaded_sender);

@@ -43,6 +43,11 @@ impl Gpu {
             // Only the first reason counts.
             let _ = watched.set(if message.is_empty() { format!("{reason:?}") } else { message });
         });
+        let watched = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |error| {
+            // Of a device that is lost, all objects are invalid: the loss is told, what follows from it is not.
+            assert!(watched.get().is_some(), "a mistake in the use of the GPU: {error}");
+        }));
         Self { instance, adapter, device, queue: Queue::new(queue), lost }
     }
 
