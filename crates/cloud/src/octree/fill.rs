@@ -1,6 +1,6 @@
 //! From a tree of drafts to a hierarchy of nodes, and then to their points, block after block, the root first.
 
-use super::keys::{Cube, Key, Root};
+use super::keys::{Cube, Placed, Root};
 use super::tree::{Draft, Octant};
 use super::{GRID_BITS, Hierarchy, Node, NodeBlock};
 use crate::format::{BATCH_POINTS, COORDINATE_BITS, PAGE_POINTS, SPACING_EXPONENT_SHIFT};
@@ -22,7 +22,7 @@ const BLOCK_KEYS: usize = 64;
 pub(super) struct Source<'a> {
     pub index: &'a Index<'a>,
     /// Sorted, with filtered colours.
-    pub keys: &'a [Key],
+    pub keys: &'a [Placed],
     /// Level of the node that owns each key.
     pub levels: &'a [u8],
 }

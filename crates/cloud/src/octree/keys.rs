@@ -19,6 +19,23 @@ pub(super) struct Key {
     pub color: u32,
 }
 
+/// A key once its place is known, in half the memory. As aligned as a key, so that a list of keys becomes one of these where it
+/// is.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(8))]
+pub(super) struct Placed {
+    /// Number in the [`Index`].
+    pub point: u32,
+    /// As [`Key::color`].
+    pub color: u32,
+}
+
+impl From<Key> for Placed {
+    fn from(Key { point, color, .. }: Key) -> Self {
+        Self { point, color }
+    }
+}
+
 /// The root's cube: all others are halves of halves of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
