@@ -6,8 +6,8 @@ pub const WORKGROUP_SIZE: u32 = 128;
 pub const BATCH_POINTS: u32 = 10_240;
 /// Points a thread loads at once, as one 128-bit load [2022 §3.4].
 pub const POINTS_PER_LOAD: u32 = 4;
-/// Points of a page: an octree's batches begin with a page of their own, so that a node can come and go. A node's last page is
-/// half empty on average, which is 0.5 % of a full batch.
+/// Points of a page of the pool: an octree's node has pages of its own, so that it can come and go. Its last one is half empty
+/// on average: some 0.3 % of a node.
 pub const PAGE_POINTS: u32 = 128;
 /// Bits of a quantised coordinate; three planes of [`PLANE_BITS`].
 pub const COORDINATE_BITS: u32 = 30;

@@ -3,7 +3,7 @@
 
 use crate::cloud_buffers::{Beside, CloudBuffers, Room, num_extra_slices};
 use crate::gpu::Gpu;
-use crate::layout::{Batch, CHILD_ABSENT, NO_CHILD, NODE_RESIDENT, Node, PAGE_POINTS, POINTS_PER_LOAD};
+use crate::layout::{Batch, CHILD_ABSENT, NO_CHILD, NODE_RESIDENT, Node};
 use crate::pool::Places;
 use base::space::Split;
 use base::task::{Cancelled, Progress};
@@ -44,8 +44,8 @@ struct Outline<'a> {
     split: Split,
     num_points: u64,
     batches: &'a [cloud::Batch],
-    /// Points of a page.
-    page: u32,
+    /// Words of a plane.
+    num_words: usize,
     nodes: Vec<Node>,
     /// The node of each batch.
     node_of: Vec<u32>,
@@ -129,7 +129,7 @@ impl<'a> CloudUpload<'a> {
             split: cloud.split,
             num_points: cloud.num_points,
             batches: &cloud.batches,
-            page: POINTS_PER_LOAD,
+            num_words: cloud.planes[0].len(),
             nodes: vec![Node::FLAT],
             node_of: vec![0; cloud.batches.len()],
             beside: None,
@@ -154,7 +154,7 @@ impl<'a> CloudUpload<'a> {
             split: cloud.split,
             num_points: spt.num_points,
             batches: &cloud.batches,
-            page: POINTS_PER_LOAD,
+            num_words: cloud.planes[0].len(),
             nodes: spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect(),
             node_of: (0..cloud.batches.len()).map(run_of).collect(),
             beside: Some(Beside::Shapes),
@@ -187,7 +187,7 @@ impl<'a> CloudUpload<'a> {
             split: *split,
             num_points,
             batches,
-            page: PAGE_POINTS,
+            num_words: octree::num_words(nodes),
             nodes: (0..nodes.len()).map(absent).collect(),
             node_of,
             beside: Some(Beside::FilteredColors),
@@ -203,11 +203,13 @@ impl<'a> CloudUpload<'a> {
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<Self, UploadError> {
-        let Outline { split, num_points, batches, page, nodes, node_of, beside } = outline;
+        let Outline { split, num_points, batches, num_words, nodes, node_of, beside } = outline;
         let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
         let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         let max_batches = max_groups - num_extra_slices(beside);
-        let places = Places::new(batches.iter().map(|batch| batch.num_points), page, limit, max_batches);
+        let starts: Vec<u32> = batches.iter().map(|batch| batch.first_point).collect();
+        // Ids of 32 bits: the builders make no more.
+        let places = Places::new(&starts, num_words as u32, limit, max_batches);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let mut room = Room { gpu, bytes: 0 };
         let storage = wgpu::BufferUsages::STORAGE;
@@ -254,13 +256,10 @@ impl<'a> CloudUpload<'a> {
         columns: &[&[u32]],
         batch: &dyn Fn(usize, u32) -> Batch,
     ) -> Result<(), UploadError> {
-        debug_assert!(self.places.places.iter().zip(&cloud.batches).all(|(place, batch)| {
-            self.places.chunks[place.chunk].first_index + place.first_point == batch.first_point
-        }));
         for number in 0..self.cloud.chunks.len() {
             let (chunk, range) = (self.cloud.chunks[number].clone(), self.places.batches[number].clone());
             let first = cloud.batches[range.start].first_point as usize;
-            let end = (first + chunk.uniform.num_points as usize).min(columns[0].len());
+            let end = first + chunk.uniform.num_points as usize;
             for (buffer, column) in chunk.columns().zip(columns) {
                 self.send(buffer, 0, bytemuck::cast_slice(&column[first..end]))?;
             }

@@ -3,7 +3,7 @@
 use super::keys::{Cube, Placed, Root};
 use super::tree::{Draft, Octant};
 use super::{GRID_BITS, Hierarchy, Node, NodeBlock};
-use crate::format::{BATCH_POINTS, COORDINATE_BITS, PAGE_POINTS, SPACING_EXPONENT_SHIFT};
+use crate::format::{BATCH_POINTS, COORDINATE_BITS, PAGE_POINTS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
 use crate::index::Index;
 use crate::quantize::{Cells, planes};
 use crate::{Batch, BuildError};
@@ -79,7 +79,7 @@ impl Plan {
         let Hierarchy { nodes, batches, .. } = &mut self.hierarchy;
         let first_batch = batches.len() as u32;
         let num_batches = node.num_points.div_ceil(BATCH_POINTS).max(1);
-        let size = node.num_points.div_ceil(num_batches).next_multiple_of(PAGE_POINTS);
+        let size = node.num_points.div_ceil(num_batches).next_multiple_of(POINTS_PER_LOAD);
         let mut done = 0;
         while done < node.num_points {
             let num_points = size.min(node.num_points - done);

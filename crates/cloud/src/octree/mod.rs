@@ -189,9 +189,8 @@ impl Octree {
     /// Room for all points of a hierarchy.
     fn empty(hierarchy: &Hierarchy) -> Self {
         let Hierarchy { split, bounds, scene, nodes, batches, num_points } = hierarchy.clone();
-        // At least one node, since there is at least one point.
-        let size = nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(PAGE_POINTS));
-        let plane = || vec![0u32; size as usize];
+        let size = num_words(&nodes);
+        let plane = || vec![0u32; size];
         let planes = [plane(), plane(), plane()];
         let cloud = Cloud { split, bounds, scene, batches, planes, colors: plane(), num_points };
         Self { cloud, filtered_colors: plane(), nodes }
@@ -213,6 +212,12 @@ impl Octree {
             column[place.clone()].copy_from_slice(points);
         }
     }
+}
+
+/// Words of a plane of all of these nodes.
+#[must_use]
+pub fn num_words(nodes: &[Node]) -> usize {
+    nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(PAGE_POINTS)) as usize
 }
 
 /// See [`Hierarchy::is_crowded`].

@@ -71,7 +71,10 @@ impl<'a> Scene<'a> {
         let cloud = &spt.cloud;
         let nodes = spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect();
         let batches = spt.runs.iter().enumerate().flat_map(|(number, run)| {
-            run.batches.clone().map(move |i| Batch::of_discs(spt, i as usize, number as u32, 0))
+            run.batches.clone().map(move |i| {
+                let first_point = spt.cloud.batches[i as usize].first_point;
+                Batch::of_discs(spt, i as usize, number as u32, first_point)
+            })
         });
         let (batches, shapes) = (batches.collect(), Some(&spt.shapes[..]));
         let step_base = spt.scale.base;

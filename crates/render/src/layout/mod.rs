@@ -134,13 +134,13 @@ impl Batch {
         Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval: 0 }
     }
 
-    /// The GPU's form of batch `number` of a sequential point tree, of run number `run`, in a chunk that begins
-    /// with point `first_index`.
+    /// The GPU's form of batch `number` of a sequential point tree, of run number `run`, whose points begin
+    /// at `first_point` of its chunk.
     #[must_use]
-    pub fn of_discs(spt: &spt::SequentialCloud, number: usize, run: u32, first_index: u32) -> Self {
+    pub fn of_discs(spt: &spt::SequentialCloud, number: usize, run: u32, first_point: u32) -> Self {
         let batch = &spt.cloud.batches[number];
         let [from, until] = spt.intervals[number].map(u32::from);
-        let plain = Self::new(&spt.cloud.split, batch, run, batch.first_point - first_index);
+        let plain = Self::new(&spt.cloud.split, batch, run, first_point);
         Self { interval: from | until << 8, ..plain }
     }
 }
