@@ -4,6 +4,12 @@
 @group(0) @binding(4) var<storage, read> sums: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> wide: array<vec4<u32>>;
 
+// Of packed sums: green's bits in the low word, and where green and blue stand in the high one.
+const GREEN_LOW_BITS: u32 = 32u - PACKED_GREEN_SHIFT;
+const HIGH_BLUE_SHIFT: u32 = PACKED_BLUE_SHIFT - 32u;
+const HIGH_GREEN_MASK: u32 = (1u << HIGH_BLUE_SHIFT) - 1u;
+const PACKED_CHANNEL_MASK: u32 = (1u << (PACKED_GREEN_SHIFT - PACKED_RED_SHIFT)) - 1u;
+
 // Red, green, blue, count; the low word of a u64 comes first.
 fn sum_of(pixel: u32) -> vec4<u32> {
     if SUMS == WIDE || SUMS == PAIRS {
@@ -11,10 +17,13 @@ fn sum_of(pixel: u32) -> vec4<u32> {
     }
     let sum = sums[pixel];
     if SUMS == PACKED {
-        let green = (sum.x >> 28u) | ((sum.y & 0x3fffu) << 4u);
-        return vec4<u32>((sum.x >> 10u) & 0x3ffffu, green, sum.y >> 14u, sum.x & 0x3ffu);
+        let red = (sum.x >> PACKED_RED_SHIFT) & PACKED_CHANNEL_MASK;
+        let green = (sum.x >> PACKED_GREEN_SHIFT) | ((sum.y & HIGH_GREEN_MASK) << GREEN_LOW_BITS);
+        return vec4<u32>(red, green, sum.y >> HIGH_BLUE_SHIFT, sum.x & PACKED_COUNT_MASK);
     }
-    let first = vec4<u32>(sum.x >> 16u, sum.y & 0xffffu, sum.y >> 16u, sum.x & 0xffffu);
+    // Each word's high half is as far up as red.
+    let shift = PROTECTED_RED_SHIFT;
+    let first = vec4<u32>(sum.x >> shift, sum.y & PROTECTED_MASK, sum.y >> shift, sum.x & PROTECTED_MASK);
     if first.w < PROTECTED_POINTS {
         return first;
     }
@@ -32,5 +41,5 @@ fn surface_color(pixel: u32) -> u32 {
     if SUMS != PACKED && sum.w >= MAX_MEAN_COUNT {
         rgb = (sum.xyz + sum.w / 2u) / sum.w;
     }
-    return rgb.x | (rgb.y << 8u) | (rgb.z << 16u) | 0xff000000u;
+    return rgb.x | (rgb.y << GREEN_SHIFT) | (rgb.z << BLUE_SHIFT) | OPAQUE;
 }

@@ -8,8 +8,6 @@
 /// num_visible and what follows it; see CullCounters.
 @group(0) @binding(7) var<storage, read> counters: array<u32>;
 
-/// Cells that a box edge has.
-const CELLS: f32 = 1073741824.0;
 /// How strongly an edge covers the image, before and behind surfaces.
 const EDGE_ALPHA: vec2<f32> = vec2<f32>(0.9, 0.2);
 
@@ -97,7 +95,7 @@ fn batch_box(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
         return NO_EDGE;
     }
     let low = batch.offset - vec3<f32>(batch.head_cell) * batch.cell;
-    return box_vertex(vertex, low, CELLS * batch.cell, palette((batch.flags & 3u) - 1u));
+    return box_vertex(vertex, low, CELLS * batch.cell, palette((batch.flags & VISIBLE_PLANES) - 1u));
 }
 
 @fragment

@@ -10,9 +10,9 @@ fn show(pixel: u32, w: u32, id: u32) {
         surface[pixel] = vec2<u32>(EMPTY_DEPTH, 0u);
         return;
     }
-    let point = (id >> 1u) - chunk.first_index;
+    let point = (id >> ID_SHIFT) - chunk.first_index;
     if point < chunk.num_points {
-        if (id & 1u) != 0u {
+        if (id & ID_ODD) != 0u {
             surface[pixel] = vec2<u32>(w, filtered_colors[point]);
         } else {
             surface[pixel] = vec2<u32>(w, colors[point]);

@@ -6,21 +6,23 @@
 
 // Count in 10 bits, red, green, blue in 18 each.
 fn packed(color: u32) -> u64 {
-    return 1lu | (u64(color & 255u) << 10u) | (u64((color >> 8u) & 255u) << 28u)
-        | (u64((color >> 16u) & 255u) << 46u);
+    return 1lu | (u64(color & CHANNEL_MASK) << PACKED_RED_SHIFT)
+        | (u64((color >> GREEN_SHIFT) & CHANNEL_MASK) << PACKED_GREEN_SHIFT)
+        | (u64((color >> BLUE_SHIFT) & CHANNEL_MASK) << PACKED_BLUE_SHIFT);
 }
 
 // Count, red, green, blue in 16 bits each.
 fn protected_form(color: u32) -> u64 {
-    return 1lu | (u64(color & 255u) << 16u) | (u64((color >> 8u) & 255u) << 32u)
-        | (u64((color >> 16u) & 255u) << 48u);
+    return 1lu | (u64(color & CHANNEL_MASK) << PROTECTED_RED_SHIFT)
+        | (u64((color >> GREEN_SHIFT) & CHANNEL_MASK) << PROTECTED_GREEN_SHIFT)
+        | (u64((color >> BLUE_SHIFT) & CHANNEL_MASK) << PROTECTED_BLUE_SHIFT);
 }
 
 fn num_points_in(eye: u32, pixel: u32) -> u64 {
     if eye == 0u {
-        return atomicLoad(&sums_left[pixel]) & 0xfffflu;
+        return atomicLoad(&sums_left[pixel]) & u64(PROTECTED_MASK);
     }
-    return atomicLoad(&sums_right[pixel]) & 0xfffflu;
+    return atomicLoad(&sums_right[pixel]) & u64(PROTECTED_MASK);
 }
 
 // What was there before.
@@ -42,7 +44,7 @@ fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     }
     if num_points_in(eye, pixel) < u64(PROTECTED_POINTS) {
         let before = add(eye, pixel, protected_form(color));
-        if (before & 0xfffflu) < u64(PROTECTED_POINTS) {
+        if (before & u64(PROTECTED_MASK)) < u64(PROTECTED_POINTS) {
             return;
         }
         // Others were faster: take it back. Unsigned addition wraps.

@@ -1,13 +1,22 @@
 // What a way of drawing does, counted rather than timed: for `bench`, which draws a frame of its own with it. Each
-// workgroup has a bin, so that few threads meet in one; the host adds the bins up. Struct layout::Counts.
+// workgroup has a bin, so that few threads meet in one; the host adds the bins up.
 
-@group(0) @binding(18) var<storage, read_write> count_bins: array<array<atomic<u32>, 8>, COUNT_BINS>;
+struct Counts {
+    num_drawn: atomic<u32>,
+    num_asked: atomic<u32>,
+    num_looks: atomic<u32>,
+    num_colors: atomic<u32>,
+    num_chosen: atomic<u32>,
+    reserved: array<u32, 3>,
+}
+
+@group(0) @binding(18) var<storage, read_write> count_bins: array<Counts, COUNT_BINS>;
 
 /// True once the point at hand has asked for a pixel.
 var<private> has_asked: bool;
 
-fn add_count(kind: u32, amount: u32) {
-    atomicAdd(&count_bins[this_group % COUNT_BINS][kind], amount);
+fn bin() -> u32 {
+    return this_group % COUNT_BINS;
 }
 
 // Whether the point at hand has asked; then the next one is at hand.
@@ -26,28 +35,28 @@ fn count_point() {
 fn count_once(is_drawn: bool) {
     has_asked = false;
     if is_drawn {
-        add_count(0u, 1u);
+        atomicAdd(&count_bins[bin()].num_drawn, 1u);
     }
 }
 
 // An atomic, or a write, for a pixel.
 fn count_ask() {
     has_asked = true;
-    add_count(1u, 1u);
+    atomicAdd(&count_bins[bin()].num_asked, 1u);
 }
 
 // A pixel's word was loaded, to see whether it is worth an atomic.
 fn count_look() {
-    add_count(2u, 1u);
+    atomicAdd(&count_bins[bin()].num_looks, 1u);
 }
 
 // A point's color was loaded.
 fn count_color() {
-    add_count(3u, 1u);
+    atomicAdd(&count_bins[bin()].num_colors, 1u);
 }
 
 // Discs of a turn that the tolerance draws, in the picture or not.
 fn count_chosen(chosen: vec4<bool>) {
     let ones = select(vec4<u32>(0u), vec4<u32>(1u), chosen);
-    add_count(4u, ones.x + select(ones.y + ones.z + ones.w, 0u, BASIC));
+    atomicAdd(&count_bins[bin()].num_chosen, ones.x + select(ones.y + ones.z + ones.w, 0u, BASIC));
 }

@@ -1,7 +1,7 @@
 // cull: which batches of the nodes that `lod` chose does either eye see, at which precision, and where are they
 // in head space? One thread a batch. [2022 §3.2, 3.3]; docs/FRAME.md §2 to §4.
 
-struct Counters {
+struct CullCounters {
     num_visible: atomic<u32>,
     workgroups_y: u32,
     workgroups_z: u32,
@@ -16,14 +16,12 @@ struct Counters {
 @group(0) @binding(2) var<storage, read> nodes: array<Node>;
 @group(0) @binding(3) var<storage, read> states: array<u32>;
 @group(0) @binding(4) var<storage, read_write> visible: array<VisibleBatch>;
-@group(0) @binding(5) var<storage, read_write> counters: Counters;
+@group(0) @binding(5) var<storage, read_write> counters: CullCounters;
 // Nodes that are among those of `counters.num_nodes` already: one may have several batches, in several chunks.
 @group(0) @binding(6) var<storage, read_write> counted: array<atomic<u32>>;
 
 /// Half as many cells as a box edge has.
-const HALF_CELLS: f32 = 536870912.0;
-/// Share of a plane's terms that rounding may cost; culling must never lose a point that depth would draw.
-const SLACK: f32 = 1e-5;
+const HALF_CELLS: f32 = 0.5 * CELLS;
 
 // True unless the box is certainly outside. The terms are added in the twin's order.
 fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
@@ -32,7 +30,7 @@ fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     let distance = plane.x * center.x + plane.y * center.y + plane.z * center.z + plane.w;
     let radius = n.x * half_edge.x + n.y * half_edge.y + n.z * half_edge.z;
     let magnitude = n.x * c.x + n.y * c.y + n.z * c.z + n.w;
-    return distance + radius + SLACK * magnitude >= 0.0;
+    return distance + radius + CULL_SLACK * magnitude >= 0.0;
 }
 
 // Discs of points beyond the image reach into it.
@@ -46,12 +44,12 @@ fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool 
         && in_front(eye.row_w * end.y - eye.row_y, center, half_edge);
 }
 
-// Planes that a box whose edge is drawn so large asks for: 1 below the threshold, 2 below 1024 times that, else 3.
+// Planes that a box whose edge is drawn so large asks for: 1 below the first threshold, 2 below the second, else 3.
 fn planes_needed(edge_px: f32) -> u32 {
     if edge_px < PRECISION_THRESHOLD_PX {
         return 1u;
     }
-    return select(3u, 2u, edge_px < PRECISION_THRESHOLD_PX * 1024.0);
+    return select(3u, 2u, edge_px < FINE_THRESHOLD_PX);
 }
 
 // The widest square in each ring that a point of a box is to close whose edge is drawn so large: see `open_px`, in which the
@@ -92,9 +90,9 @@ fn is_needed(batch: Batch, node: Node, number: u32, center: vec3<f32>, half_edge
     let middle = tolerance_of(number, from_eye.x, from_eye.y, from_eye.z);
     let least = max(eye.tolerance_rad * nearest, middle - change);
     let most = min(outer_tolerance_rad(eye) * farthest, middle + change);
-    let slack = SLACK * outer_tolerance_rad(eye) * farthest;
-    if step_below(max(least - slack, 0.0)) >= batch.interval >> 8u
-        || step_below(most + slack) < (batch.interval & 255u) {
+    let slack = CULL_SLACK * outer_tolerance_rad(eye) * farthest;
+    if step_below(max(least - slack, 0.0)) >= batch.interval >> UNTIL_SHIFT
+        || step_below(most + slack) < (batch.interval & STEP_MASK) {
         return false;
     }
     if (node.flags & NODE_ONE_SIDED) == 0u {
@@ -106,7 +104,7 @@ fn is_needed(batch: Batch, node: Node, number: u32, center: vec3<f32>, half_edge
     let distance_sq = from_eye.x * from_eye.x + from_eye.y * from_eye.y + from_eye.z * from_eye.z;
     let across = sqrt(max(distance_sq - along * along, 0.0));
     let inside = along * behind.w - across * sqrt(1.0 - behind.w * behind.w);
-    return inside < radius + SLACK * sqrt(distance_sq);
+    return inside < radius + CULL_SLACK * sqrt(distance_sq);
 }
 
 // The largest of a node's eight shares.
@@ -122,21 +120,21 @@ fn spacing_drawn(node: Node, drawn: u32) -> f32 {
     if (node.flags & NODE_ROOT) == 0u || drawn == DRAWN_WHOLE {
         return node.sample_spacing;
     }
-    return node.sample_spacing / sqrt(f32((drawn >> 8u) + 1u) / 16777216.0);
+    return node.sample_spacing / sqrt(f32((drawn >> STATE_SHIFT) + 1u) / f32(STATE_PARTS));
 }
 
-// State of the child in each octant, in 8 bits; 255 where there is none, 0 where it is not on the GPU.
+// State of the child in each octant, in OWN_BITS; OWN_NONE where there is none, 0 where it is not on the GPU.
 fn own_colors(node: Node) -> vec2<u32> {
     var own = vec2<u32>(0u);
     for (var octant = 0u; octant < 8u; octant += 1u) {
         let child = node.children[octant];
-        var drawn = 255u;
+        var drawn = OWN_NONE;
         if child == CHILD_ABSENT {
             drawn = 0u;
         } else if child != NO_CHILD {
-            drawn = states[child] >> 24u;
+            drawn = states[child] >> OWN_SHIFT;
         }
-        own[octant >> 2u] |= drawn << (8u * (octant & 3u));
+        own[octant / OWN_PER_WORD] |= drawn << (OWN_BITS * (octant % OWN_PER_WORD));
     }
     return own;
 }
@@ -144,7 +142,7 @@ fn own_colors(node: Node) -> vec2<u32> {
 // Workgroups that draw a batch of triangles: more than one where one of them may cover many pixels. The longest side
 // says how many.
 fn num_slices_of_triangles(batch: Batch, eye: EyeUniform, depth: f32) -> u32 {
-    let side_px = length_of(batch.interval >> 8u) * eye.pixels_per_radian / depth;
+    let side_px = length_of(batch.interval >> UNTIL_SHIFT) * eye.pixels_per_radian / depth;
     let num_pixels = min(side_px * side_px, f32(eye.width) * f32(eye.height));
     return u32(clamp(num_pixels / f32(SLICE_PIXELS), 1.0, f32(MAX_SLICES)));
 }
@@ -185,7 +183,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let is_seen = (view.flags & KEEP_UNSEEN) != 0u || in_frustum(view.eyes[eye], center, half_edge);
         if is_seen && (!DISCS || is_needed(batch, node, eye, center, half_edge)) {
-            flags |= 16u << eye;
+            flags |= VISIBLE_BY_EYE << eye;
         }
     }
     if flags == 0u {
@@ -214,10 +212,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let far = sqrt(corner.x * corner.x + corner.y * corner.y + corner.z * corner.z) / depth;
         let open_px = widest_open_px(view.eyes[eye], edge_px, far, widest, sample_spacing);
         // False if no point is to close more than its ring's kernel does.
-        if any(open_px > (1.0 - SLACK) * view.fill_reach_px) {
+        if any(open_px > (1.0 - CULL_SLACK) * view.fill_reach_px) {
             flags |= VISIBLE_FILL;
         }
-        let radius = radius_of((1.0 + SLACK) * max(open_px.x, max(open_px.y, open_px.z)));
+        let radius = radius_of((1.0 + CULL_SLACK) * max(open_px.x, max(open_px.y, open_px.z)));
         if radius > f32(OWN_FILL_RADIUS) {
             flags |= VISIBLE_WIDE;
         }

@@ -39,6 +39,11 @@ var<workgroup> row_sums: array<vec2<u32>, ROW_STRIDE * NUM_ROWS>;
 alias Run = array<u32, 10>;
 /// Fourteen: eight neighbours and what they reach.
 alias Row = array<u32, 14>;
+/// Two sums share a word, a half each: red below blue, green below the weights.
+const HALF_BITS: u32 = 16u;
+const HALF_MASK: u32 = (1u << HALF_BITS) - 1u;
+/// A channel's bits in each half.
+const CHANNELS_MASK: u32 = CHANNEL_MASK | (CHANNEL_MASK << HALF_BITS);
 /// What each of four neighbours sees of a run, at the distances −3 to 3.
 alias Taps = array<vec4<u32>, 7>;
 /// A part of each of four values.
@@ -133,7 +138,7 @@ fn surface_around(pixel: vec2<u32>) -> vec2<u32> {
 }
 
 fn keep_color(at: u32, color: u32) {
-    tile_color[at] = (color & 0xffffffu) | 0x01000000u;
+    tile_color[at] = (color & RGB_MASK) | (1u << ALPHA_SHIFT);
 }
 
 fn first_run(v: Row) -> Run {
@@ -150,8 +155,8 @@ fn sum_row(to: u32, depth: Run, color: Run) {
     let nearest = nearest_of(d);
     let end = surface_end(nearest);
     let c = taps(color);
-    let rb = weigh(end, d, c, Part(0u, 0x00ff00ffu));
-    let gw = weigh(end, d, c, Part(8u, 0x00ff00ffu));
+    let rb = weigh(end, d, c, Part(0u, CHANNELS_MASK));
+    let gw = weigh(end, d, c, Part(GREEN_SHIFT, CHANNELS_MASK));
     for (var i = 0u; i < 4u; i += 1u) {
         row_nearest[to + i] = nearest[i];
         row_sums[to + i] = vec2(rb[i], gw[i]);
@@ -190,11 +195,11 @@ fn blend_columns(i: u32, end: vec4<u32>, d: Taps) -> vec4<u32> {
     let gw = taps(Run(run[0].y, run[1].y, run[2].y, run[3].y, run[4].y, run[5].y, run[6].y, run[7].y, run[8].y,
         run[9].y));
     // Where nothing counts there is no colour either, and no division by 0.
-    let weights = max(weigh(end, d, gw, Part(16u, 0xffffu)), vec4<u32>(1u));
-    let r = mean(weigh(end, d, rb, Part(0u, 0xffffu)), weights);
-    let g = mean(weigh(end, d, gw, Part(0u, 0xffffu)), weights);
-    let b = mean(weigh(end, d, rb, Part(16u, 0xffffu)), weights);
-    return r | g << vec4<u32>(8u) | b << vec4<u32>(16u);
+    let weights = max(weigh(end, d, gw, Part(HALF_BITS, HALF_MASK)), vec4<u32>(1u));
+    let r = mean(weigh(end, d, rb, Part(0u, HALF_MASK)), weights);
+    let g = mean(weigh(end, d, gw, Part(0u, HALF_MASK)), weights);
+    let b = mean(weigh(end, d, rb, Part(HALF_BITS, HALF_MASK)), weights);
+    return r | g << vec4<u32>(GREEN_SHIFT) | b << vec4<u32>(BLUE_SHIFT);
 }
 
 @compute @workgroup_size(NUM_THREADS)

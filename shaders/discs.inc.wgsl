@@ -24,14 +24,15 @@ fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f
         step[i] = step_below(tolerance_of(eye, dx[i], dy[i], dz[i]));
     }
     let shape = shapes_of(load, turn);
-    let chosen = (step >= (shape & vec4<u32>(255u))) & (step < ((shape >> vec4<u32>(8u)) & vec4<u32>(255u)));
+    let mask = vec4<u32>(STEP_MASK);
+    let chosen = (step >= (shape & mask)) & (step < ((shape >> vec4<u32>(UNTIL_SHIFT)) & mask));
     count_chosen(chosen);
     return chosen;
 }
 
 // World units that discs are wide: as far as they are apart.
 fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
-    let step = (shapes_of(load, turn) >> vec4<u32>(16u)) & vec4<u32>(255u);
+    let step = (shapes_of(load, turn) >> vec4<u32>(DIAMETER_SHIFT)) & vec4<u32>(STEP_MASK);
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
 }
 

@@ -1,8 +1,5 @@
 // Depths in 40-bit integers: ranges of distance, each with a precision of its own. [2019 §2.1]
 
-/// A pixel without points.
-const EMPTY40: u64 = 0xfffffffffflu;
-
 fn depth40_of(depth: f64) -> u64 {
     var steps = depth * RANGE_A_STEPS;
     var first = 0lu;

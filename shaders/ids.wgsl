@@ -10,9 +10,9 @@
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     if eye == 0u {
         if bitcast<u32>(w) == depth_left[pixel] {
-            atomicMin(&ids_left[pixel], 2u * chunk.first_index + id);
+            atomicMin(&ids_left[pixel], (chunk.first_index << ID_SHIFT) + id);
         }
     } else if bitcast<u32>(w) == depth_right[pixel] {
-        atomicMin(&ids_right[pixel], 2u * chunk.first_index + id);
+        atomicMin(&ids_right[pixel], (chunk.first_index << ID_SHIFT) + id);
     }
 }

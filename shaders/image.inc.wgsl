@@ -8,8 +8,8 @@
 @group(0) @binding(8) var<uniform> resolve: ResolveUniform;
 
 fn is_hidden(at: vec2<u32>) -> bool {
-    let words = (resolve.size_px.x + 31u) / 32u;
-    return ((hidden[at.y * words + at.x / 32u] >> (at.x % 32u)) & 1u) != 0u;
+    let words = (resolve.size_px.x + MASK_WORD_PX - 1u) / MASK_WORD_PX;
+    return ((hidden[at.y * words + at.x / MASK_WORD_PX] >> (at.x % MASK_WORD_PX)) & 1u) != 0u;
 }
 
 // Puts a pixel of the image with its guard band there; the guard band itself goes nowhere. `color` is r | g≪8 | b≪16.
@@ -23,9 +23,10 @@ fn into_image(pixel: vec2<u32>, depth: u32, color: u32, tile_hides: bool) {
     if tile_hides && is_hidden(at) {
         w = EMPTY_DEPTH;
     }
-    var word = color | 0xff000000u;
+    var word = color | OPAQUE;
     if resolve.is_bgra != 0u {
-        word = (word & 0xff00ff00u) | ((word >> 16u) & 0xffu) | ((word & 0xffu) << 16u);
+        let kept = word & ~(CHANNEL_MASK | (CHANNEL_MASK << BLUE_SHIFT));
+        word = kept | ((word >> BLUE_SHIFT) & CHANNEL_MASK) | ((word & CHANNEL_MASK) << BLUE_SHIFT);
     }
     let number = at.y * image_pitch_px(resolve.size_px.x) + at.x;
     image_color[number] = select(word, resolve.background, w == EMPTY_DEPTH);

@@ -8,7 +8,7 @@
 alias Key = u64;
 
 fn key_of(w: f32, id: u32) -> Key {
-    return (u64(bitcast<u32>(w)) << 32u) | u64(2u * chunk.first_index + id);
+    return (u64(bitcast<u32>(w)) << KEY_DEPTH_SHIFT) | u64((chunk.first_index << ID_SHIFT) + id);
 }
 
 fn key_in(eye: u32, pixel: u32) -> Key {

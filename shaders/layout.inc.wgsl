@@ -21,6 +21,7 @@ struct Node {
     level: u32,
     sample_spacing: f32,
     spacing_step: f32,
+    reserved: u32,
 }
 
 struct EyeUniform {

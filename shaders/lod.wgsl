@@ -11,9 +11,6 @@
 @group(0) @binding(2) var<storage, read_write> states: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counted: array<u32>;
 
-/// Half a cube's diagonal, as a share of its edge.
-const RADIUS: f32 = 0.8660254;
-
 // Pixels that the edge of a cube needs round `center` (from the eye), by its distance from the gaze.
 fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
     let along = center.x * gaze.x + center.y * gaze.y + center.z * gaze.z;
@@ -43,7 +40,7 @@ fn importance(eye: EyeUniform, center: vec3<f32>, edge: f32) -> f32 {
     let reach = 0.5 * edge * (abs(eye.row_w.x) + abs(eye.row_w.y) + abs(eye.row_w.z));
     let depth = nearest_depth(eye, center, vec3<f32>(0.5 * edge), reach);
     let edge_px = edge * eye.pixels_per_radian / depth;
-    return edge_px / threshold_px(eye.gaze_in_head, from_eye, RADIUS * edge);
+    return edge_px / threshold_px(eye.gaze_in_head, from_eye, CUBE_RADIUS * edge);
 }
 
 // A share, 0 to 1, of all points as a node's state; at least one point.
@@ -51,7 +48,7 @@ fn state_of(share: f32) -> u32 {
     if share >= 1.0 {
         return DRAWN_WHOLE;
     }
-    return (min(u32(share * 16777216.0), 16777215u) << 8u) | 255u;
+    return (min(u32(share * f32(STATE_PARTS)), STATE_PARTS - 1u) << STATE_SHIFT) | STATE_LOW;
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -15,12 +15,16 @@ fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
     return select(select(values.z, values.y, ring == 1u), values.x, ring == 0u);
 }
 
+/// The place of a float's exponent.
+const EXPONENT_SHIFT: u32 = 23u;
+
 // The edge of the finest nodes that are drawn whole where a point of a node with this edge lies: edges halve from level to
 // level, and the finest is more than half of `undivided_px`. While nodes below them fade in, with four times as many
 // samples, these lie less far apart, and the edge is as much shorter.
 fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
-    let octaves = (bitcast<u32>(max(edge_px, undivided_px)) >> 23u) - (bitcast<u32>(undivided_px) >> 23u);
-    let near_px = bitcast<f32>(bitcast<u32>(edge_px) - (octaves << 23u));
+    let larger = bitcast<u32>(max(edge_px, undivided_px)) >> EXPONENT_SHIFT;
+    let octaves = larger - (bitcast<u32>(undivided_px) >> EXPONENT_SHIFT);
+    let near_px = bitcast<f32>(bitcast<u32>(edge_px) - (octaves << EXPONENT_SHIFT));
     let whole_px = near_px * select(select(1.0, 0.5, near_px > undivided_px), 2.0, near_px <= 0.5 * undivided_px);
     if (view.flags & LOD_FADE) == 0u {
         return whole_px;

@@ -3,8 +3,8 @@
 @group(0) @binding(9) var<storage, read> filtered_colors: array<u32>;
 
 fn color_of(id: u32) -> u32 {
-    if (id & 1u) != 0u {
-        return filtered_colors[id >> 1u];
+    if (id & ID_ODD) != 0u {
+        return filtered_colors[id >> ID_SHIFT];
     }
-    return colors[id >> 1u];
+    return colors[id >> ID_SHIFT];
 }

@@ -58,9 +58,9 @@ fn num_points(pixel: u32) -> u32 {
         return wide[pixel].w;
     }
     if SUMS == PACKED {
-        return sums[pixel].x & 0x3ffu;
+        return sums[pixel].x & PACKED_COUNT_MASK;
     }
-    let first = sums[pixel].x & 0xffffu;
+    let first = sums[pixel].x & PROTECTED_MASK;
     if first < PROTECTED_POINTS {
         return first;
     }

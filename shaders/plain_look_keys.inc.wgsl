@@ -10,7 +10,7 @@
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
     count_look();
     if eye == 0u {
-        return u32(key >> 32u) <= seen_left[pixel].y;
+        return u32(key >> KEY_DEPTH_SHIFT) <= seen_left[pixel].y;
     }
-    return u32(key >> 32u) <= seen_right[pixel].y;
+    return u32(key >> KEY_DEPTH_SHIFT) <= seen_right[pixel].y;
 }

@@ -12,13 +12,8 @@
 const POINTS_PER_TURN: u32 = select(POINTS_PER_LOAD, 1u, BASIC);
 const TURNS_PER_LOAD: u32 = POINTS_PER_LOAD / POINTS_PER_TURN;
 
-const MASK: u32 = (1u << PLANE_BITS) - 1u;
-
 // Points inside the eye's image, or its guard band, have a pixel number; the others NO_PIXEL.
-const NO_PIXEL: u32 = 0xffffffffu;
-
-/// Cells that a box edge has.
-const CELLS: f32 = 1073741824.0;
+const NO_PIXEL: u32 = ~0u;
 
 struct Cells {
     x: vec4<u32>,
@@ -49,7 +44,7 @@ struct Projected {
 }
 
 fn sees(eye: u32, batch: VisibleBatch) -> bool {
-    return (batch.flags & (16u << eye)) != 0u;
+    return (batch.flags & (VISIBLE_BY_EYE << eye)) != 0u;
 }
 
 fn row(r: vec4<f32>, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<f32> {
@@ -108,20 +103,27 @@ fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
 // Coordinates in 30-bit cells. Bits that are not read stand at half: the centre of the coarser cell.
 fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
     let hi = hi_of(load, turn);
-    var x = ((hi & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
-    var y = (((hi >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(20u)) | vec4<u32>(0x80000u);
-    var z = (hi & vec4<u32>(MASK << 20u)) | vec4<u32>(0x80000u);
+    let mask = vec4<u32>(PLANE_MASK);
+    let coarse_center = vec4<u32>(COARSE_CENTER);
+    var x = ((hi & mask) << vec4<u32>(COARSE_SHIFT)) | coarse_center;
+    var y = (((hi >> vec4<u32>(Y_SHIFT)) & mask) << vec4<u32>(COARSE_SHIFT)) | coarse_center;
+    // z lies where it belongs, below the spacing exponent.
+    var z = (hi & vec4<u32>(PLANE_MASK << Z_SHIFT)) | coarse_center;
     if planes >= 2u {
         let mid = mid_of(load, turn);
-        x = (x & vec4<u32>(0xfff00000u)) | ((mid & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
-        y = (y & vec4<u32>(0xfff00000u)) | (((mid >> vec4<u32>(10u)) & vec4<u32>(MASK)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
-        z = (z & vec4<u32>(0xfff00000u)) | ((mid >> vec4<u32>(20u)) << vec4<u32>(10u)) | vec4<u32>(0x200u);
+        let coarse = vec4<u32>(COARSE_MASK);
+        let shift = vec4<u32>(MIDDLE_SHIFT);
+        let center = vec4<u32>(MIDDLE_CENTER);
+        x = (x & coarse) | ((mid & mask) << shift) | center;
+        y = (y & coarse) | (((mid >> vec4<u32>(Y_SHIFT)) & mask) << shift) | center;
+        z = (z & coarse) | ((mid >> vec4<u32>(Z_SHIFT)) << shift) | center;
     }
     if planes == 3u {
         let lo = lo_of(load, turn);
-        x = (x & vec4<u32>(0xfffffc00u)) | (lo & vec4<u32>(MASK));
-        y = (y & vec4<u32>(0xfffffc00u)) | ((lo >> vec4<u32>(10u)) & vec4<u32>(MASK));
-        z = (z & vec4<u32>(0xfffffc00u)) | (lo >> vec4<u32>(20u));
+        let above = vec4<u32>(MIDDLE_MASK);
+        x = (x & above) | (lo & mask);
+        y = (y & above) | ((lo >> vec4<u32>(Y_SHIFT)) & mask);
+        z = (z & above) | (lo >> vec4<u32>(Z_SHIFT));
     }
     return Cells(x, y, z);
 }
@@ -129,7 +131,7 @@ fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
 // A turn of a batch.
 fn points_of(batch: VisibleBatch, turn: u32) -> Turn {
     let load = batch.first_point / POINTS_PER_LOAD + turn / TURNS_PER_LOAD;
-    let cells = cells_of(load, turn, batch.flags & 3u);
+    let cells = cells_of(load, turn, batch.flags & VISIBLE_PLANES);
     // The integer difference is exact: see VisibleBatch.
     let x = vec4<f32>(vec4<i32>(cells.x) - batch.head_cell.x) * batch.cell.x + batch.offset.x;
     let y = vec4<f32>(vec4<i32>(cells.y) - batch.head_cell.y) * batch.cell.y + batch.offset.y;
@@ -142,14 +144,15 @@ fn points_of(batch: VisibleBatch, turn: u32) -> Turn {
         exists = exists & (rank < vec4<u32>(batch.drawn));
     }
     // The octant says of which child the color and the spacing depend.
-    let octant = (cells.x >> vec4<u32>(29u)) | ((cells.y >> vec4<u32>(29u)) << vec4<u32>(1u))
-        | ((cells.z >> vec4<u32>(29u)) << vec4<u32>(2u));
-    var id = (vec4<u32>(batch.first_point) + number) << vec4<u32>(1u);
-    if (batch.own.x & batch.own.y) != 0xffffffffu {
-        let word = select(vec4<u32>(batch.own.x), vec4<u32>(batch.own.y), octant >= vec4<u32>(4u));
-        let own = (word >> ((octant & vec4<u32>(3u)) << vec4<u32>(3u))) & vec4<u32>(255u);
-        let is_filtered = (own != vec4<u32>(255u)) & ((rank >> vec4<u32>(24u)) >= own);
-        id |= select(vec4<u32>(0u), vec4<u32>(1u), is_filtered);
+    let octant = (cells.x >> vec4<u32>(OCTANT_SHIFT)) | ((cells.y >> vec4<u32>(OCTANT_SHIFT)) << vec4<u32>(1u))
+        | ((cells.z >> vec4<u32>(OCTANT_SHIFT)) << vec4<u32>(2u));
+    var id = (vec4<u32>(batch.first_point) + number) << vec4<u32>(ID_SHIFT);
+    if (batch.own.x & batch.own.y) != OWN_NONE_WORD {
+        let word = select(vec4<u32>(batch.own.x), vec4<u32>(batch.own.y), octant >= vec4<u32>(OWN_PER_WORD));
+        let place = (octant & vec4<u32>(OWN_PER_WORD - 1u)) * OWN_BITS;
+        let own = (word >> place) & vec4<u32>(OWN_NONE);
+        let is_filtered = (own != vec4<u32>(OWN_NONE)) & ((rank >> vec4<u32>(OWN_SHIFT)) >= own);
+        id |= select(vec4<u32>(0u), vec4<u32>(ID_ODD), is_filtered);
     }
     return Turn(load, turn, octant, x, y, z, id, exists);
 }

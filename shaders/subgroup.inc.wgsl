@@ -21,7 +21,7 @@ fn least_of_same(key: u32, value: u32) -> u32 {
     while subgroupAny(waits) {
         let first = subgroupMin(select(NO_PIXEL, key, waits));
         let is_first = waits && key == first;
-        let first_least = subgroupMin(select(0xffffffffu, value, is_first));
+        let first_least = subgroupMin(select(~0u, value, is_first));
         if is_first {
             least = first_least;
             waits = false;

@@ -22,7 +22,7 @@ fn counts(eye: u32, pixel: u32, w: f32) -> bool {
 }
 
 fn add_wide(eye: u32, pixel: u32, color: u32) {
-    let rgb = vec3<u32>(color, color >> 8u, color >> 16u) & vec3<u32>(255u);
+    let rgb = vec3<u32>(color, color >> GREEN_SHIFT, color >> BLUE_SHIFT) & vec3<u32>(CHANNEL_MASK);
     let first = 4u * pixel;
     if eye == 0u {
         atomicAdd(&wide_left[first], rgb.r);

@@ -9,7 +9,7 @@ fn tile_of(group: vec3<u32>, groups: vec3<u32>) -> u32 {
 }
 
 fn first_pixel(tile: u32) -> vec2<u32> {
-    return vec2<u32>(tile & 0xffffu, (tile & ~TILE_HIDES) >> 16u) * TILE_PX;
+    return vec2<u32>(tile & TILE_COLUMN_MASK, (tile & ~TILE_HIDES) >> TILE_ROW_SHIFT) * TILE_PX;
 }
 
 fn hides(tile: u32) -> bool {

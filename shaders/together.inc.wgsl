@@ -7,6 +7,9 @@ const TEAM: u32 = 32u;
 const BEFORE_PX: i32 = i32(MAX_FILL_RADIUS);
 /// A pixel of a waiting disc was asked for.
 const WAITING_ASKED: u32 = 0x80000000u;
+/// The place of y in a waiting disc's pixel.
+const WAITING_Y_SHIFT: u32 = 16u;
+const WAITING_X_MASK: u32 = (1u << WAITING_Y_SHIFT) - 1u;
 
 /// Discs that wait: their pixel, x | y≪16, plus BEFORE_PX each; depth; id; radius, and WAITING_ASKED.
 var<workgroup> waiting_discs: array<vec4<u32>, WORKGROUP_SIZE * POINTS_PER_TURN>;
@@ -18,7 +21,7 @@ fn waits(center: vec2<i32>, w: f32, id: u32, radius: i32) -> bool {
         return false;
     }
     let pixel = vec2<u32>(center + BEFORE_PX);
-    let disc = vec4<u32>(pixel.x | (pixel.y << 16u), bitcast<u32>(w), id, u32(radius));
+    let disc = vec4<u32>(pixel.x | (pixel.y << WAITING_Y_SHIFT), bitcast<u32>(w), id, u32(radius));
     waiting_discs[atomicAdd(&num_waiting_discs, 1u)] = disc;
     return true;
 }
@@ -31,7 +34,7 @@ fn put_waiting(eye: u32) {
     for (var i = this_thread / TEAM; i < num_discs; i += WORKGROUP_SIZE / TEAM) {
         let disc = waiting_discs[i];
         let radius = i32(disc.w & ~WAITING_ASKED);
-        let corner = vec2<i32>(vec2<u32>(disc.x & 0xffffu, disc.x >> 16u)) - BEFORE_PX - radius;
+        let corner = vec2<i32>(vec2<u32>(disc.x & WAITING_X_MASK, disc.x >> WAITING_Y_SHIFT)) - BEFORE_PX - radius;
         let side = 2 * radius + 1;
         let per_side = 1.0 / f32(side);
         for (var at = i32(this_thread % TEAM); at < side * side; at += i32(TEAM)) {

@@ -41,11 +41,11 @@ fn word_of(point: u32) -> u32 {
 fn corner_in_head(batch: VisibleBatch, point: u32) -> vec3<f32> {
     let load = point / POINTS_PER_LOAD;
     let lane = point % POINTS_PER_LOAD;
-    let shift = vec3<u32>(0u, PLANE_BITS, 2u * PLANE_BITS);
-    let hi = (vec3<u32>(plane_hi[load][lane]) >> shift) & vec3<u32>(MASK);
-    let mid = (vec3<u32>(plane_mid[load][lane]) >> shift) & vec3<u32>(MASK);
-    let lo = (vec3<u32>(plane_lo[load][lane]) >> shift) & vec3<u32>(MASK);
-    let cells = (hi << vec3<u32>(20u)) | (mid << vec3<u32>(10u)) | lo;
+    let shift = vec3<u32>(0u, Y_SHIFT, Z_SHIFT);
+    let hi = (vec3<u32>(plane_hi[load][lane]) >> shift) & vec3<u32>(PLANE_MASK);
+    let mid = (vec3<u32>(plane_mid[load][lane]) >> shift) & vec3<u32>(PLANE_MASK);
+    let lo = (vec3<u32>(plane_lo[load][lane]) >> shift) & vec3<u32>(PLANE_MASK);
+    let cells = (hi << vec3<u32>(COARSE_SHIFT)) | (mid << vec3<u32>(MIDDLE_SHIFT)) | lo;
     return vec3<f32>(vec3<i32>(cells) - batch.head_cell) * batch.cell + batch.offset;
 }
 
@@ -61,7 +61,8 @@ fn triangle_of(eye: u32, batch: VisibleBatch, number: u32) -> Triangle {
         return t;
     }
     let word = word_of(batch.first_point + number);
-    t.points = vec3<u32>(batch.first_point) + ((vec3<u32>(word) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u));
+    let shift = vec3<u32>(0u, SECOND_CORNER_SHIFT, THIRD_CORNER_SHIFT);
+    t.points = vec3<u32>(batch.first_point) + ((vec3<u32>(word) >> shift) & vec3<u32>(CORNER_MASK));
     let a = corner_in_head(batch, t.points.x);
     let b = corner_in_head(batch, t.points.y);
     let c = corner_in_head(batch, t.points.z);
@@ -78,7 +79,7 @@ fn triangle_of(eye: u32, batch: VisibleBatch, number: u32) -> Triangle {
         tolerance_of(eye, dx.x, dy.x, dz.x),
         min(tolerance_of(eye, dx.y, dy.y, dz.y), tolerance_of(eye, dx.z, dy.z, dz.z)),
     );
-    if step_below(tolerance) >= word >> 24u {
+    if step_below(tolerance) >= word >> SIDE_SHIFT {
         return t;
     }
 
@@ -135,7 +136,7 @@ fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
     point = select(t.points.z, point, max(shares.x, shares.y) >= shares.z);
     let corner = px - vec2<i32>(view.eyes[eye].first_px);
     let pixel = u32(corner.y) * view.eyes[eye].width + u32(corner.x);
-    put_seen(eye, select(NO_PIXEL, pixel, is_inside), w, (point << 1u) | 1u);
+    put_seen(eye, select(NO_PIXEL, pixel, is_inside), w, (point << ID_SHIFT) | ID_ODD);
 }
 
 fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {

@@ -45,11 +45,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             if reaching(vec2(x, y), id.xy) <= end {
                 let w = weight(x, y, id.xy);
                 let color = surface[y * width + x].y;
-                sums += w * (vec3<u32>(color, color >> 8u, color >> 16u) & vec3<u32>(0xffu));
+                sums += w * (vec3<u32>(color, color >> GREEN_SHIFT, color >> BLUE_SHIFT) & vec3<u32>(CHANNEL_MASK));
                 weights += w;
             }
         }
     }
     let color = (sums + weights / 2u) / weights;
-    into_image(id.xy, nearest & ~REACH_MASK, color.r | color.g << 8u | color.b << 16u, false);
+    into_image(id.xy, nearest & ~REACH_MASK, color.r | color.g << GREEN_SHIFT | color.b << BLUE_SHIFT, false);
 }

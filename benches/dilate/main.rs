@@ -8,6 +8,7 @@ mod timed;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
+use render::bindings::{Eye, OfEye};
 use render::gpu::stage::Stage;
 use render::gpu::timer::Timer;
 use render::gpu::{Gpu, readback};
@@ -114,7 +115,8 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let size = u64::from(4 * layout::image_pitch_px(size_px[0]) * size_px[1]);
     let images = NAMES.map(|name| gpu.buffer(name, size, usage));
     let depths = NAMES.map(|name| gpu.buffer(name, size, usage));
-    let stages = [
+    let unused = gpu.buffer("unused", 16, BufferUsages::STORAGE);
+    let stages: [Stage<Eye>; 2] = [
         Stage::new(gpu, "dilate", &shaders::source("dilate", Variant::eyes(1))),
         Stage::new(gpu, "direct", &direct_source()),
     ];
@@ -122,17 +124,18 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         .iter()
         .zip(images.iter().zip(&depths))
         .map(|(stage, (image, depth))| {
-            let resources = [
-                ("view", &view),
-                ("dilate", &dilate),
-                ("tiles", &tiles),
-                ("surface", &surface),
-                ("resolve", &resolve),
-                ("hidden", &hidden),
-                ("image_color", image),
-                ("image_depth", depth),
-            ];
-            stage.bind(gpu, &resources.map(|(name, buffer)| (name, buffer.as_entire_binding())))
+            let of_name = |name| match name {
+                "view" => &view,
+                "dilate" => &dilate,
+                "tiles" => &tiles,
+                "surface" => &surface,
+                "resolve" => &resolve,
+                "hidden" => &hidden,
+                "image_color" => image,
+                "image_depth" => depth,
+                _ => &unused,
+            };
+            stage.bind(gpu, OfEye::by_name(|name| of_name(name).as_entire_binding()))
         })
         .collect();
 

@@ -63,7 +63,7 @@ fn put(eye: u32, pixel: u32, w: f32, id: u32) {
             if seen < depth {
                 waits = false;
             } else if lock(eye, pixel, seen) {
-                write_id(eye, pixel, 2u * chunk.first_index + id, depth < seen);
+                write_id(eye, pixel, (chunk.first_index << ID_SHIFT) + id, depth < seen);
                 unlock(eye, pixel, depth);
                 waits = false;
             }

@@ -4,7 +4,7 @@
 @group(0) @binding(13) var<storage, read_write> pairs_right: array<atomic<u64>>;
 
 fn add_pair(eye: u32, at: u32, first: u32, second: u32) {
-    let pair = u64(first) | (u64(second) << 32u);
+    let pair = u64(first) | (u64(second) << PAIR_SHIFT);
     if eye == 0u {
         atomicAdd(&pairs_left[at], pair);
     } else {
@@ -15,7 +15,7 @@ fn add_pair(eye: u32, at: u32, first: u32, second: u32) {
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     if counts(eye, pixel, w) {
         let color = color_of(id);
-        add_pair(eye, 2u * pixel, color & 255u, (color >> 8u) & 255u);
-        add_pair(eye, 2u * pixel + 1u, (color >> 16u) & 255u, 1u);
+        add_pair(eye, 2u * pixel, color & CHANNEL_MASK, (color >> GREEN_SHIFT) & CHANNEL_MASK);
+        add_pair(eye, 2u * pixel + 1u, (color >> BLUE_SHIFT) & CHANNEL_MASK, 1u);
     }
 }

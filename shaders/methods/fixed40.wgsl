@@ -7,7 +7,7 @@
 fn exact_depth(eye: u32, point: u32) -> f64 {
     let batch = visible[this_group];
     let lane = point % POINTS_PER_LOAD;
-    let cells = cells_of(point / POINTS_PER_LOAD, lane, batch.flags & 3u);
+    let cells = cells_of(point / POINTS_PER_LOAD, lane, batch.flags & VISIBLE_PLANES);
     let at = select(lane, 0u, BASIC);
     let steps = vec3<i32>(vec3<u32>(cells.x[at], cells.y[at], cells.z[at])) - batch.head_cell;
     let x = f64(steps.x) * f64(batch.cell.x) + f64(batch.offset.x);
@@ -18,13 +18,13 @@ fn exact_depth(eye: u32, point: u32) -> f64 {
 }
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
-    let is_triangle = DISCS && (id & 1u) != 0u;
+    let is_triangle = DISCS && (id & ID_ODD) != 0u;
     var depth = f64(w);
     if !is_triangle {
-        depth = exact_depth(eye, id >> 1u);
+        depth = exact_depth(eye, id >> ID_SHIFT);
     }
-    let color = color_of(select(id, id ^ 1u, is_triangle));
-    let key = (depth40_of(depth) << 24u) | u64(color & 0xffffffu);
+    let color = color_of(select(id, id ^ ID_ODD, is_triangle));
+    let key = (depth40_of(depth) << DEPTH40_SHIFT) | u64(color & RGB_MASK);
     if key < key_in(eye, pixel) {
         min_key(eye, pixel, key);
     }

@@ -32,7 +32,7 @@ fn vertex_of(eye: u32, instance: u32, number: u32) -> Vertex {
     let at = 2.0 * center / size_px - 1.0;
     let bits = bitcast<u32>(p.w.x);
     let depth = bitcast<f32>(bits - bitcast<u32>(view.near) + LEAST);
-    return Vertex(vec4<f32>(at.x, -at.y, depth, 1.0), vec2<u32>(2u * chunk.first_index + points.id.x, bits));
+    return Vertex(vec4<f32>(at.x, -at.y, depth, 1.0), vec2<u32>((chunk.first_index << ID_SHIFT) + points.id.x, bits));
 }
 
 @vertex

@@ -4,11 +4,12 @@
 
 fn finish(pixel: u32) {
     let key = keys[pixel];
-    keys[pixel] = 0xfffffffffffffffflu;
-    let depth40 = key >> 24u;
+    keys[pixel] = EMPTY_KEY;
+    let depth40 = key >> DEPTH40_SHIFT;
     if depth40 == EMPTY40 {
         surface[pixel] = vec2<u32>(EMPTY_DEPTH, 0u);
         return;
     }
-    surface[pixel] = vec2<u32>(bitcast<u32>(f32(depth_of(depth40))) & ~REACH_MASK, u32(key & 0xfffffflu) | 0xff000000u);
+    let color = (u32(key) & RGB_MASK) | OPAQUE;
+    surface[pixel] = vec2<u32>(bitcast<u32>(f32(depth_of(depth40))) & ~REACH_MASK, color);
 }

@@ -6,6 +6,7 @@ use cloud::octree::{Octree, build_octree};
 use kit::frames::{Canvas, gpu, made_up, stereo};
 use lab::synth::{self, Kind};
 use lab::twin::{self, Scene};
+use render::bindings::Geometry;
 use render::gpu::Atomics;
 use render::gpu::readback;
 use render::gpu::stage::Bindings;
@@ -100,7 +101,7 @@ fn plain_looks_are_another_shader() {
     for shader in ["depth", "depth32", "reduce"] {
         let [atomic, plain] = [false, true].map(|plain_looks| {
             let text = source(shader, Variant { plain_looks, ..Variant::eyes(2) });
-            (Bindings::of(shader, &text, "main"), text)
+            (Bindings::<Geometry>::of(shader, &text, "main"), text)
         });
         assert_ne!(atomic.0, plain.0, "{shader}");
         assert!(plain.1.contains("seen_left") && !atomic.1.contains("seen_left"), "{shader}");

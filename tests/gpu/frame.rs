@@ -10,7 +10,7 @@ use lab::synth::{self, Kind, SynthOptions};
 use lab::twin::{self, Scene};
 use points::{self, ReadOptions};
 use render::CloudBuffers;
-use render::layout::{Batch, DRAWN_WHOLE, Detail, Node, ViewUniform, VisibleBatch, guarded};
+use render::layout::{Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded};
 use std::path::Path;
 
 fn assert_twin(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
@@ -115,7 +115,7 @@ fn cull_equals_its_twin() {
         want.len(),
         batches.len()
     );
-    let precisions: Vec<u32> = want.iter().map(|v| v.flags & 3).collect();
+    let precisions: Vec<u32> = want.iter().map(|v| v.flags & VISIBLE_PLANES).collect();
     assert!(precisions.contains(&1) && precisions.contains(&2), "both precisions occur");
     // A batch that neither eye sees holds no point that would be drawn.
     let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();

@@ -12,7 +12,7 @@ use points::Scan;
 use proptest::prelude::*;
 use render::Access;
 use render::gpu::Atomics;
-use render::layout::{DRAWN_WHOLE, Detail, VISIBLE_FILL, ViewUniform};
+use render::layout::{DRAWN_WHOLE, Detail, PROTECTED_MASK, VISIBLE_FILL, ViewUniform};
 use render::options::{Dilate, Quality};
 use render::{Look, RINGS_REACH_PX};
 use std::sync::OnceLock;
@@ -158,7 +158,8 @@ fn a_hundred_thousand_points_in_one_pixel() {
         let hit = drawn.pixels[0].iter().find(|p| p[0] != u32::MAX).expect("a pixel");
         assert_eq!(hit[1] & 255, 153, "255 · 60 000 / 100 000");
         if tier == Atomics::Int64 {
-            let counts: Vec<u64> = drawn.keys[0].iter().map(|sum| sum & 0xffff).filter(|&c| c > 0).collect();
+            let counts: Vec<u64> =
+                drawn.keys[0].iter().map(|sum| sum & u64::from(PROTECTED_MASK)).filter(|&c| c > 0).collect();
             assert!(counts.contains(&255), "the first 255 are in the packed sums: {counts:?}");
         }
     }

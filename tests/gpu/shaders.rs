@@ -1,10 +1,15 @@
-//! Shaders without a GPU: naga parses and validates each, and the host's structs have the shaders' offsets.
+//! Shaders without a GPU: naga parses and validates each; what they share with the host is the host's.
+
+mod bindings;
+mod numbers;
+mod structs;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use render::gpu::Atomics;
 use render::layout::{self, Sums, Variant};
 use render::shaders::{SHADERS, Shader, source};
-use std::mem::offset_of;
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
 
 /// What each tier's adapters offer beyond plain WGSL.
 fn capabilities(atomics: Atomics) -> Capabilities {
@@ -26,8 +31,67 @@ fn capabilities(atomics: Atomics) -> Capabilities {
 const LOOPS: [(bool, bool, bool); 4] =
     [(false, false, true), (true, false, true), (true, true, true), (true, true, false)];
 
+/// Shaders that the host has outside of [`SHADERS`], and what they bind, with the numbers that stand in their host code.
+const OUTSIDE: [(&str, &str, &[(&str, u32)]); 3] = [
+    (
+        "mirror",
+        include_str!("../../shaders/mirror.wgsl"),
+        &[("image", 0), ("image_sampler", 1), ("drawn", 2)],
+    ),
+    ("waiting", include_str!("../../shaders/waiting.wgsl"), &[]),
+    ("vertex_list", include_str!("../../shaders/methods/vertex_list.wgsl"), &[("clip_from_cloud", 0)]),
+];
+
+const TIERS: [Atomics; 3] = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
+
+/// A shader in a variant.
+struct Text {
+    shader: Shader,
+    name: String,
+    wgsl: String,
+}
+
+/// What the tests want to know of a text, which is parsed once for all of them.
+struct Seen {
+    shader: Shader,
+    name: String,
+    /// Why naga refuses it.
+    error: Option<String>,
+    /// Its entry points.
+    entries: Vec<String>,
+    /// Names and groups of its resources.
+    declared: Vec<(String, u32)>,
+    /// Structs in its buffers.
+    structs: BTreeSet<String>,
+    /// What is wrong with those.
+    faults: Vec<String>,
+}
+
+/// All texts of all tiers.
+static SEEN: LazyLock<Vec<Seen>> = LazyLock::new(|| {
+    let hosts = structs::host_structs();
+    let see = &|atomics: Atomics, Text { shader, name, wgsl }: Text| {
+        let module = parse(&name, &wgsl);
+        let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
+        Seen {
+            error: validator.validate(&module).err().map(|e| e.emit_to_string(&wgsl)),
+            entries: module.entry_points.iter().map(|entry| entry.name.clone()).collect(),
+            declared: bindings::declared(&module),
+            structs: structs::shared_structs(&module),
+            faults: structs::faults(&module, &hosts),
+            name: format!("{atomics:?} {name}"),
+            shader,
+        }
+    };
+    let all = &|tier| texts(tier).into_iter().map(|text| see(tier, text)).collect::<Vec<_>>();
+    std::thread::scope(|scope| {
+        let tiers = TIERS.map(|tier| scope.spawn(move || all(tier)));
+        tiers.into_iter().flat_map(|tier| tier.join().expect("a tier's texts")).collect()
+    })
+});
+
 /// Every text that a tier's renderers hand to the driver.
-fn texts(atomics: Atomics) -> Vec<(String, String)> {
+fn texts(atomics: Atomics) -> Vec<Text> {
     let keys = atomics >= Atomics::Int64Minmax;
     let forms: &[Sums] =
         if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected, Sums::Pairs] } else { &[Sums::Wide] };
@@ -41,7 +105,8 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
         unused.extend(methods);
     }
     let mut texts = Vec::new();
-    for Shader { name, .. } in SHADERS.iter().filter(|s| !unused.contains(&s.name)) {
+    for shader in SHADERS.into_iter().filter(|s| !unused.contains(&s.name)) {
+        let name = shader.name;
         for (&sums, num_eyes) in forms.iter().flat_map(|s| [(s, 1), (s, 2)]) {
             for (fill, discs) in [(false, false), (true, false), (true, true)] {
                 let fixed40 = name.contains("40");
@@ -62,7 +127,8 @@ fn texts(atomics: Atomics) -> Vec<(String, String)> {
                             fixed40,
                             counts: num_eyes == 1 && !plain_looks,
                         };
-                        texts.push((format!("{name} {variant:?}"), source(name, variant)));
+                        let name = format!("{name} {variant:?}");
+                        texts.push(Text { shader, name, wgsl: shader.source(variant) });
                     }
                 }
             }
@@ -77,15 +143,24 @@ fn parse(name: &str, wgsl: &str) -> naga::Module {
 
 #[test]
 fn every_shader_is_valid_in_every_tier() {
-    for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
-        for (name, wgsl) in texts(atomics) {
-            let module = parse(&name, &wgsl);
-            let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
-            if let Err(e) = validator.validate(&module) {
-                panic!("{atomics:?} {name}: {}", e.emit_to_string(&wgsl));
-            }
-            assert!(!module.entry_points.is_empty(), "{name} has an entry point");
-        }
+    for Seen { name, error, .. } in SEEN.iter() {
+        assert!(error.is_none(), "{name}: {}", error.as_deref().unwrap_or_default());
+    }
+}
+
+/// Entry points of shaders that draw; the others have one, `main`.
+const DRAWN: [(&str, &[&str]); 4] = [
+    ("depth-image", &["vertex", "fragment"]),
+    ("overlay", &["whole", "rings", "depth", "overdraw"]),
+    ("boxes", &["node_box", "batch_box", "line"]),
+    ("point-list", &["left", "right", "fragment"]),
+];
+
+#[test]
+fn shaders_have_the_entry_points_that_the_host_names() {
+    for Seen { shader, name, entries, .. } in SEEN.iter() {
+        let drawn = DRAWN.iter().find(|(drawn, _)| *drawn == shader.name);
+        assert_eq!(entries, drawn.map_or(&["main"][..], |(_, entries)| entries), "{name}");
     }
 }
 
@@ -96,68 +171,6 @@ fn the_validator_refuses_what_the_tier_lacks() {
         let mut validator = Validator::new(ValidationFlags::all(), capabilities(lacking));
         assert!(validator.validate(&parse(name, &wgsl)).is_err(), "{name} in {lacking:?}");
     }
-}
-
-/// Name, size and (field, offset) of a host struct.
-type HostStruct = (&'static str, usize, Vec<(&'static str, usize)>);
-
-macro_rules! host {
-    ($name:ident: $($field:ident),+) => {
-        (stringify!($name), size_of::<layout::$name>(),
-         vec![$((stringify!($field), offset_of!(layout::$name, $field))),+])
-    };
-}
-
-fn host_structs() -> Vec<HostStruct> {
-    vec![
-        host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval),
-        host!(Node: min_hi, edge, min_lo, flags, spacing, children, level,
-            sample_spacing, spacing_step),
-        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
-            gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height,
-            tolerance_growth, reserved_end),
-        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
-            fill_reach_px, step_base, undivided_px, margin_px, eyes),
-        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
-            reserved, spacing_step, sample_spacing),
-        host!(ChunkUniform: first_index, num_points, reserved),
-        host!(ClearUniform: value, num_left, num_right, reserved),
-        host!(ResolveUniform: size_px, background, is_bgra),
-        host!(DilateUniform: eye, radius_px, reserved),
-    ]
-}
-
-/// What differs between a host struct and the shaders' struct of that name.
-fn difference(module: &naga::Module, (name, size, fields): &HostStruct) -> Option<String> {
-    let Some((_, ty)) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)) else {
-        return Some(format!("the shaders have no struct {name}"));
-    };
-    let naga::TypeInner::Struct { members, span } = &ty.inner else {
-        return Some(format!("{name} is no struct"));
-    };
-    let theirs: Vec<(&str, usize)> =
-        members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
-    (theirs != *fields || *span as usize != *size)
-        .then(|| format!("{name}: shader {theirs:?} of {span} bytes, host {fields:?} of {size}"))
-}
-
-#[test]
-fn host_structs_have_the_shaders_offsets() {
-    let module = parse("layout", &source("depth", Variant::eyes(2)));
-    for host in host_structs() {
-        assert_eq!(difference(&module, &host), None);
-    }
-    let counters = parse("cull", &source("cull", Variant::eyes(2)));
-    let mut host = host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved);
-    host.0 = "Counters";
-    assert_eq!(difference(&counters, &host), None);
-}
-
-#[test]
-fn the_offset_comparison_can_fail() {
-    let wgsl = source("depth", Variant::eyes(2))
-        .replace("min_lo: vec3<f32>,\n    num_points: u32,", "num_points: u32,\n    min_lo: vec3<f32>,");
-    assert!(difference(&parse("swapped", &wgsl), &host_structs()[0]).is_some());
 }
 
 #[test]

@@ -20,3 +20,54 @@ pub const SPACING_EXPONENT_SHIFT: u32 = 3 * PLANE_BITS;
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
 pub const ENDLESS_STEP: u32 = 255;
+
+/// Bits of an axis in a word of a plane.
+pub const PLANE_MASK: u32 = (1 << PLANE_BITS) - 1;
+/// The place of y in a word of a plane.
+pub const Y_SHIFT: u32 = PLANE_BITS;
+/// The place of z in a word of a plane.
+pub const Z_SHIFT: u32 = 2 * PLANE_BITS;
+/// The place of the coarse plane's bits in a coordinate.
+pub const COARSE_SHIFT: u32 = 2 * PLANE_BITS;
+/// The place of the middle plane's bits in a coordinate.
+pub const MIDDLE_SHIFT: u32 = PLANE_BITS;
+/// A coordinate's bits from the coarse plane, and the two above.
+pub const COARSE_MASK: u32 = u32::MAX << COARSE_SHIFT;
+/// A coordinate's bits from the coarse and the middle plane, and the two above.
+pub const MIDDLE_MASK: u32 = u32::MAX << MIDDLE_SHIFT;
+/// The middle of what the coarse plane leaves open of a coordinate.
+pub const COARSE_CENTER: u32 = 1 << (COARSE_SHIFT - 1);
+/// The middle of what the coarse and the middle plane leave open of a coordinate.
+pub const MIDDLE_CENTER: u32 = 1 << (MIDDLE_SHIFT - 1);
+/// The place of a coordinate's highest bit, by which points of a node are in one of its octants.
+pub const OCTANT_SHIFT: u32 = COORDINATE_BITS - 1;
+/// Cells that a box edge has.
+pub const CELLS: f32 = (1u32 << COORDINATE_BITS) as f32;
+
+/// A stored color: the place of green, above red.
+pub const GREEN_SHIFT: u32 = 8;
+/// A stored color: the place of blue.
+pub const BLUE_SHIFT: u32 = 16;
+/// A stored color: the place of alpha.
+pub const ALPHA_SHIFT: u32 = 24;
+/// A stored color: a channel's bits.
+pub const CHANNEL_MASK: u32 = 255;
+/// A stored color: the bits of red, green and blue.
+pub const RGB_MASK: u32 = (1 << ALPHA_SHIFT) - 1;
+/// A stored color: the alpha that all have.
+pub const OPAQUE: u32 = CHANNEL_MASK << ALPHA_SHIFT;
+
+/// A step's bits in words of discs and triangles.
+pub const STEP_MASK: u32 = 255;
+/// A disc's word: the place of the step that it is drawn until, above the one from which on; a batch's interval has the same.
+pub const UNTIL_SHIFT: u32 = 8;
+/// A disc's word: the place of its diameter's step.
+pub const DIAMETER_SHIFT: u32 = 16;
+/// A triangle's word: the place of its second corner, above the first.
+pub const SECOND_CORNER_SHIFT: u32 = 8;
+/// A triangle's word: the place of its third corner.
+pub const THIRD_CORNER_SHIFT: u32 = 16;
+/// A triangle's word: a corner's bits.
+pub const CORNER_MASK: u32 = 255;
+/// A triangle's word: the place of its longest side's step.
+pub const SIDE_SHIFT: u32 = 24;

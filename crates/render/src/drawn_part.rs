@@ -4,8 +4,8 @@
 use super::targets::Targets;
 use crate::gpu::Gpu;
 use crate::layout::{
-    ClearUniform, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GUARD_PX, ResolveUniform, TILE_HIDES, TILE_PX,
-    guarded, mask_words_per_row,
+    BLUE_SHIFT, CHANNEL_MASK, ClearUniform, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GUARD_PX,
+    MASK_WORD_PX, ResolveUniform, TILE_HIDES, TILE_PX, TILE_ROW_SHIFT, guarded, mask_words_per_row,
 };
 use wgpu::util::DeviceExt;
 
@@ -139,7 +139,8 @@ fn num_mask_words([width, height]: [u32; 2]) -> usize {
 
 /// A color with red and blue in each other's place.
 fn swapped(color: u32) -> u32 {
-    color & 0xff00_ff00 | color >> 16 & 0xff | (color & 0xff) << 16
+    let kept = color & !(CHANNEL_MASK | CHANNEL_MASK << BLUE_SHIFT);
+    kept | color >> BLUE_SHIFT & CHANNEL_MASK | (color & CHANNEL_MASK) << BLUE_SHIFT
 }
 
 /// Tiles, x | y≪16, of an image of this size with its guard band, in which or so near to which that dilation reaches it
@@ -149,7 +150,8 @@ fn swapped(color: u32) -> u32 {
 pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
     let [across, down] = TILE_PX;
     let words = mask_words_per_row(width);
-    let is_hidden = |x: u32, y: u32| hidden[(y * words + x / 32) as usize] >> (x % 32) & 1 == 1;
+    let is_hidden =
+        |x: u32, y: u32| hidden[(y * words + x / MASK_WORD_PX) as usize] >> (x % MASK_WORD_PX) & 1 == 1;
     // The image's pixels that a tile of this number and size has, and so many round it, along an axis.
     let around = |tile: u32, tile_px: u32, size_px: u32, reach_px: u32| {
         let first = (tile * tile_px).saturating_sub(GUARD_PX + reach_px);
@@ -162,7 +164,7 @@ pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
     let is_needed = |&tile: &(u32, u32)| any(tile, DILATE_REACH_PX, &|x, y| !is_hidden(x, y));
     let word = |tile: (u32, u32)| {
         let hides = if any(tile, 0, &is_hidden) { TILE_HIDES } else { 0 };
-        tile.0 | tile.1 << 16 | hides
+        tile.0 | tile.1 << TILE_ROW_SHIFT | hides
     };
     let [columns, rows] = guarded([width, height]);
     let tiles = (0..rows.div_ceil(down)).flat_map(|y| (0..columns.div_ceil(across)).map(move |x| (x, y)));

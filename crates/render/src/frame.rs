@@ -5,7 +5,7 @@ use super::pipelines::Depth;
 use super::point_list::PointList;
 use super::renderer::Renderer;
 use crate::gpu::QueueGuard;
-use crate::gpu::stage::Stage;
+use crate::gpu::stage::Compiled;
 use crate::layout::{
     COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
 };
@@ -184,7 +184,7 @@ impl Renderer {
     }
 
     /// One dispatch a chunk, a workgroup a visible batch.
-    fn dispatch_visible(&self, pass: &mut wgpu::ComputePass, stage: &Stage, groups: &[wgpu::BindGroup]) {
+    fn dispatch_visible(&self, pass: &mut wgpu::ComputePass, stage: &Compiled, groups: &[wgpu::BindGroup]) {
         for (number, group) in groups.iter().enumerate() {
             let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
             stage.dispatch_indirect(pass, group, &self.counters, arguments);
@@ -222,8 +222,8 @@ impl Renderer {
     fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
         let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
         let Look { quality, dilate, .. } = self.look;
-        let surface = match quality {
-            Quality::Closest => &pipelines.closest.shade,
+        let surface: &Compiled = match quality {
+            Quality::Closest => pipelines.closest.shade.compiled(),
             Quality::Hqs => &groups::hqs(pipelines, cloud).blend,
         };
         let image = groups::finishing(pipelines, cloud, quality, dilate);

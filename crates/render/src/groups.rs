@@ -2,9 +2,10 @@
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::{Clearing, DrawnPart};
-use super::pipelines::{Closest, Depth, Hqs, Pipelines};
+use super::pipelines::{Closest, Depth, Hqs, Pipelines, Shade};
 use super::point_list::PointImages;
 use super::targets::Targets;
+use crate::bindings::{Eye, OfChunk, OfClear, OfCloud, OfEye, OfPixels, OfPointImage};
 use crate::gpu::Gpu;
 use crate::gpu::stage::Stage;
 use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
@@ -61,12 +62,15 @@ pub(super) struct EyeGroups {
     pub depth: Option<wgpu::BindGroup>,
 }
 
-/// Named resources.
-type Resources<'a> = Vec<(&'static str, wgpu::BindingResource<'a>)>;
+/// What the geometry stages bind.
+type OfGeometry<'a> = (OfCloud<'a>, (OfChunk<'a>, OfPixels<'a>));
 
 impl Parts<'_> {
-    fn chunks(&self) -> &[Chunk] {
-        self.cloud.map_or(&[], |cloud| &cloud.chunks)
+    /// The cloud's chunks, with their numbers.
+    fn chunks(&self) -> impl Iterator<Item = (&CloudBuffers, &Chunk, usize)> {
+        self.cloud
+            .into_iter()
+            .flat_map(|cloud| (0..).zip(&cloud.chunks).map(move |(n, chunk)| (cloud, chunk, n)))
     }
 
     /// The `hqs` pipelines for the cloud's sums.
@@ -78,7 +82,7 @@ impl Parts<'_> {
         let mut groups = Groups {
             clear: self.clear(),
             clear_counters: self.clear_counters(),
-            lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, &self.of_cloud(cloud))),
+            lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, self.of_cloud(cloud))),
             cull: vec![],
             depth: vec![],
             ids: vec![],
@@ -90,20 +94,21 @@ impl Parts<'_> {
                 self.cleared(&self.targets.image_depth, &self.drawn.no_depths),
             ],
         };
-        for number in 0..self.chunks().len() {
-            let resources = self.of_chunk(number);
-            groups.cull.push(self.pipelines.cull.bind(self.gpu, &resources));
+        for (cloud, chunk, number) in self.chunks() {
+            let geometry = || self.of_geometry(cloud, chunk, number);
+            let of_chunk = (self.of_cloud(cloud), self.of_chunk(chunk, number));
+            groups.cull.push(self.pipelines.cull.bind(self.gpu, of_chunk));
             match self.quality {
                 Quality::Closest => {
                     let Closest { depth, ids, .. } = &self.pipelines.closest;
                     if let Depth::Compute(depth) = depth {
-                        groups.depth.push(depth.bind(self.gpu, &resources));
+                        groups.depth.push(depth.bind(self.gpu, geometry()));
                     }
-                    groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, &resources)));
+                    groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, geometry())));
                 }
                 Quality::Hqs => {
-                    groups.depth.push(self.hqs().depth.bind(self.gpu, &resources));
-                    groups.color.push(self.hqs().color.bind(self.gpu, &resources));
+                    groups.depth.push(self.hqs().depth.bind(self.gpu, geometry()));
+                    groups.color.push(self.hqs().color.bind(self.gpu, geometry()));
                 }
             }
         }
@@ -131,127 +136,149 @@ impl Parts<'_> {
 
     /// For a frame whose targets the one before has cleared.
     fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
-        let clears = self.pipelines.closest.shade_clears && self.quality == Quality::Closest;
+        let clears = self.pipelines.closest.shade.clears() && self.quality == Quality::Closest;
         clears.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
     }
 
     fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
-        let resources = [
-            ("clear", clearing.uniform.as_entire_binding()),
-            ("left", pair[0].as_entire_binding()),
-            ("right", pair[1].as_entire_binding()),
-            ("counters", self.counters.as_entire_binding()),
-        ];
-        (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words.max(1))
+        let resources = OfClear {
+            clear: clearing.uniform.as_entire_binding(),
+            left: pair[0].as_entire_binding(),
+            right: pair[1].as_entire_binding(),
+            counters: self.counters.as_entire_binding(),
+        };
+        (self.pipelines.clear.bind(self.gpu, resources), clearing.num_words.max(1))
     }
 
     /// What the hardware draws in an eye, if it does.
     fn point_list(&self) -> Vec<Vec<wgpu::BindGroup>> {
         let Some(point_list) = self.pipelines.closest.point_list() else { return vec![] };
-        let chunks = 0..self.chunks().len();
         let of_eye = |eye| {
-            let bind = |number| point_list.bind(self.gpu, eye, &self.of_chunk(number));
-            chunks.clone().map(bind).collect()
+            let bind = |(cloud, chunk, number)| {
+                point_list.bind(self.gpu, eye, (self.of_cloud(cloud), self.of_chunk(chunk, number)))
+            };
+            self.chunks().map(bind).collect()
         };
         (0..self.targets.sizes_px.len()).map(of_eye).collect()
     }
 
-    fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> Resources<'b> {
-        vec![
-            ("view", self.view.as_entire_binding()),
-            ("nodes", cloud.nodes.as_entire_binding()),
-            ("states", cloud.states.as_entire_binding()),
-            ("counted", cloud.counted.as_entire_binding()),
-        ]
+    fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> OfCloud<'b> {
+        OfCloud {
+            view: self.view.as_entire_binding(),
+            nodes: cloud.nodes.as_entire_binding(),
+            states: cloud.states.as_entire_binding(),
+            counted: cloud.counted.as_entire_binding(),
+        }
     }
 
-    /// Everything that `cull`, `depth` and `color` may bind, by the shaders' names.
-    fn of_chunk(&self, number: usize) -> Resources<'_> {
-        let chunk = &self.chunks()[number];
+    fn of_chunk<'b>(&'b self, chunk: &'b Chunk, number: usize) -> OfChunk<'b> {
         let counters = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: self.counters,
             offset: number as u64 * u64::from(COUNTERS_STRIDE),
             size: std::num::NonZeroU64::new(size_of::<CullCounters>() as u64),
         });
-        let Targets { keys, depth, wide, .. } = self.targets;
-        let mut resources = self.cloud.map_or_else(Vec::new, |cloud| self.of_cloud(cloud));
-        resources.extend([
-            ("chunk", chunk.chunk.as_entire_binding()),
-            ("batches", chunk.batches.as_entire_binding()),
-            ("visible", chunk.visible.as_entire_binding()),
-            ("counters", counters),
-            ("plane_hi", chunk.planes[0].as_entire_binding()),
-            ("plane_mid", chunk.planes[1].as_entire_binding()),
-            ("plane_lo", chunk.planes[2].as_entire_binding()),
-            ("colors", chunk.colors.as_entire_binding()),
-            ("filtered_colors", chunk.filtered_colors.as_entire_binding()),
-            ("shapes", chunk.shapes.as_entire_binding()),
-        ]);
-        resources.extend(self.counts.map(|counts| ("count_bins", counts.as_entire_binding())));
-        // What early-z looks at, bound a second time.
-        let is_key = self.quality == Quality::Closest && self.pipelines.closest.ids.is_none();
-        let names: [(&[wgpu::Buffer; 2], [&'static str; 2]); 8] = [
-            (if is_key { keys } else { depth }, ["seen_left", "seen_right"]),
-            (keys, ["keys_left", "keys_right"]),
-            (keys, ["sums_left", "sums_right"]),
-            (keys, ["ids_left", "ids_right"]),
-            (depth, ["depth_left", "depth_right"]),
-            (keys, ["words_left", "words_right"]),
-            (wide, ["wide_left", "wide_right"]),
-            (wide, ["pairs_left", "pairs_right"]),
-        ];
-        for (pair, names) in names {
-            resources.extend([0, 1].map(|eye| (names[eye], pair[eye].as_entire_binding())));
+        OfChunk {
+            chunk: chunk.chunk.as_entire_binding(),
+            batches: chunk.batches.as_entire_binding(),
+            visible: chunk.visible.as_entire_binding(),
+            counters,
+            plane_hi: chunk.planes[0].as_entire_binding(),
+            plane_mid: chunk.planes[1].as_entire_binding(),
+            plane_lo: chunk.planes[2].as_entire_binding(),
+            colors: chunk.colors.as_entire_binding(),
+            filtered_colors: chunk.filtered_colors.as_entire_binding(),
+            shapes: chunk.shapes.as_entire_binding(),
+            // Shaders that count nothing have no bins: any buffer can stand for them.
+            count_bins: self.counts.unwrap_or(self.counters).as_entire_binding(),
         }
-        resources
     }
 
-    /// Everything that the steps of `resolve` may bind of an eye.
-    fn of_eye(&self, eye: usize) -> Resources<'_> {
+    fn of_geometry<'b>(&'b self, cloud: &'b CloudBuffers, chunk: &'b Chunk, number: usize) -> OfGeometry<'b> {
+        let Targets { keys, depth, wide, .. } = self.targets;
+        let is_key = self.quality == Quality::Closest && self.pipelines.closest.ids.is_none();
+        let [[seen_left, seen_right], keys, depth, wide] =
+            [if is_key { keys } else { depth }, keys, depth, wide]
+                .map(|pair| pair.each_ref().map(|buffer| buffer.as_entire_binding()));
+        let ([keys_left, keys_right], [depth_left, depth_right], [wide_left, wide_right]) =
+            (keys, depth, wide);
+        let pixels = OfPixels {
+            seen_left,
+            seen_right,
+            sums_left: keys_left.clone(),
+            sums_right: keys_right.clone(),
+            ids_left: keys_left.clone(),
+            ids_right: keys_right.clone(),
+            words_left: keys_left.clone(),
+            words_right: keys_right.clone(),
+            keys_left,
+            keys_right,
+            depth_left,
+            depth_right,
+            pairs_left: wide_left.clone(),
+            pairs_right: wide_right.clone(),
+            wide_left,
+            wide_right,
+        };
+        (self.of_cloud(cloud), (self.of_chunk(chunk, number), pixels))
+    }
+
+    /// What the steps of `resolve` may bind of an eye.
+    fn of_eye(&self, eye: usize) -> OfEye<'_> {
         let (targets, part) = (self.targets, &self.drawn.eyes[eye]);
         // Where depth is a part of the key, `shade` reads both from there.
         let depth = match self.quality {
             Quality::Closest if self.pipelines.closest.ids.is_none() => &targets.keys[eye],
             _ => &targets.depth[eye],
         };
-        let mut resources = vec![
-            ("resolve", part.resolve.as_entire_binding()),
-            ("tiles", part.tiles.as_entire_binding()),
-            ("hidden", part.hidden.as_entire_binding()),
-            ("dilate", part.dilate.as_entire_binding()),
-            ("depth", depth.as_entire_binding()),
-            ("keys", targets.keys[eye].as_entire_binding()),
-            ("ids", targets.keys[eye].as_entire_binding()),
-            ("sums", targets.keys[eye].as_entire_binding()),
-            ("wide", targets.wide[eye].as_entire_binding()),
-            ("surface", targets.surface[eye].as_entire_binding()),
-            ("view", self.view.as_entire_binding()),
-            ("image_color", targets.image_color[eye].as_entire_binding()),
-            ("image_depth", targets.image_depth[eye].as_entire_binding()),
-        ];
-        let points = self.points.map(|images| wgpu::BindingResource::TextureView(&images.points[eye]));
-        resources.extend(points.map(|points| ("points", points)));
-        resources
+        OfEye {
+            resolve: part.resolve.as_entire_binding(),
+            tiles: part.tiles.as_entire_binding(),
+            hidden: part.hidden.as_entire_binding(),
+            dilate: part.dilate.as_entire_binding(),
+            depth: depth.as_entire_binding(),
+            keys: targets.keys[eye].as_entire_binding(),
+            ids: targets.keys[eye].as_entire_binding(),
+            sums: targets.keys[eye].as_entire_binding(),
+            wide: targets.wide[eye].as_entire_binding(),
+            surface: targets.surface[eye].as_entire_binding(),
+            view: self.view.as_entire_binding(),
+            image_color: targets.image_color[eye].as_entire_binding(),
+            image_depth: targets.image_depth[eye].as_entire_binding(),
+        }
+    }
+
+    /// The first step of `resolve` in `closest` quality.
+    fn shade(&self, eye: usize) -> Vec<wgpu::BindGroup> {
+        let of_chunk = |chunk, number| (self.of_chunk(chunk, number), self.of_eye(eye));
+        match (&self.pipelines.closest.shade, self.points) {
+            (Shade::Fixed40(shade), _) => vec![shade.bind(self.gpu, self.of_eye(eye))],
+            (Shade::Ids(shade), _) => {
+                self.chunks().map(|(_, chunk, n)| shade.bind(self.gpu, of_chunk(chunk, n))).collect()
+            }
+            (Shade::Points(shade), Some(images)) => {
+                let image =
+                    || OfPointImage { points: wgpu::BindingResource::TextureView(&images.points[eye]) };
+                let bind = |(_, chunk, n)| shade.bind(self.gpu, (of_chunk(chunk, n), image()));
+                self.chunks().map(bind).collect()
+            }
+            // The renderer has images where hardware draws.
+            (Shade::Points(_), None) => vec![],
+        }
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
-        let Pipelines { closest, depth_image, .. } = self.pipelines;
-        let resources = self.of_eye(eye);
-        let shade =
-            |number| closest.shade.bind(self.gpu, &[self.of_chunk(number), self.of_eye(eye)].concat());
         let surface = match self.quality {
             _ if self.cloud.is_none() => vec![],
-            Quality::Closest if closest.shade_clears => vec![closest.shade.bind(self.gpu, &resources)],
-            Quality::Closest => (0..self.chunks().len()).map(shade).collect(),
+            Quality::Closest => self.shade(eye),
             Quality::Hqs if self.dilate == Dilate::Rings => vec![],
-            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, &resources)],
+            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, self.of_eye(eye))],
         };
         let image = finishing(self.pipelines, self.cloud, self.quality, self.dilate);
         EyeGroups {
             num_tiles: self.drawn.eyes[eye].num_tiles,
             surface,
-            image: self.cloud.is_some().then(|| image.bind(self.gpu, &resources)),
-            depth: depth_image.as_ref().map(|pass| pass.bind(self.gpu, &resources)),
+            image: self.cloud.is_some().then(|| image.bind(self.gpu, self.of_eye(eye))),
+            depth: self.pipelines.depth_image.as_ref().map(|pass| pass.bind(self.gpu, self.of_eye(eye))),
         }
     }
 }
@@ -269,7 +296,7 @@ pub(super) fn finishing<'a>(
     cloud: Option<&CloudBuffers>,
     quality: Quality,
     dilate: Dilate,
-) -> &'a Stage {
+) -> &'a Stage<Eye> {
     match (dilate, quality) {
         (Dilate::Off, _) => &pipelines.show,
         (Dilate::Rings, Quality::Closest) => &pipelines.closest.dilate,

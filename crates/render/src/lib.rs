@@ -1,6 +1,7 @@
 //! The frame: from a cloud on the GPU and two eyes to two images. Knows no headset and no window: desktop,
 //! pictures and headsets share this path. docs/FRAME.md §1 lists the stages.
 
+pub mod bindings;
 mod cloud_buffers;
 mod drawn_part;
 mod frame;

@@ -5,7 +5,8 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::groups;
 use super::renderer::Renderer;
-use super::shaders;
+use super::shaders::{self, Of};
+use crate::bindings::{self, Cloud, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
 use crate::gpu::stage::Bindings;
@@ -45,7 +46,7 @@ struct Bound {
 #[derive(Debug)]
 struct Pass {
     pipeline: wgpu::RenderPipeline,
-    bindings: Bindings,
+    bindings: Bindings<(Cloud, bindings::Overlay)>,
 }
 
 /// Instances to draw, with their bind group.
@@ -56,10 +57,12 @@ impl Overlays {
     #[must_use]
     pub fn new(renderer: &Renderer) -> Self {
         let (gpu, format) = (&*renderer.gpu, renderer.setup.color_format);
-        let source = |name, sums| shaders::source(name, Variant { sums, ..Variant::eyes(2) });
-        let whole =
-            |entry, sums| Pass::new(gpu, "overlay", &source("overlay", sums), ["whole", entry], format);
-        let boxes = |entry| Pass::new(gpu, "boxes", &source("boxes", Sums::Packed), [entry, "line"], format);
+        let pass = |shader: Of<_>, sums, entries| {
+            let wgsl = shader.source(Variant { sums, ..Variant::eyes(2) });
+            Pass::new(gpu, shader.name(), &wgsl, entries, format)
+        };
+        let whole = |entry, sums| pass(shaders::OVERLAY, sums, ["whole", entry]);
+        let boxes = |entry| pass(shaders::BOXES, Sums::Packed, [entry, "line"]);
         let eye = |eye| {
             let uniform = DilateUniform { eye, ..DilateUniform::default() };
             gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -169,26 +172,27 @@ impl Overlays {
         chunk: usize,
     ) -> wgpu::BindGroup {
         let targets = &renderer.targets;
-        let resources = [
-            ("view", renderer.view.as_entire_binding()),
-            ("dilate", self.eyes[eye].as_entire_binding()),
-            ("image_depth", targets.image_depth[eye].as_entire_binding()),
-            ("sums", targets.keys[eye].as_entire_binding()),
-            ("wide", targets.wide[eye].as_entire_binding()),
-            (
-                "counters",
-                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &renderer.counters,
-                    offset: chunk as u64 * u64::from(COUNTERS_STRIDE),
-                    size: NonZeroU64::new(size_of::<CullCounters>() as u64),
-                }),
-            ),
-            ("nodes", cloud.nodes.as_entire_binding()),
-            ("states", cloud.states.as_entire_binding()),
-            ("visible", cloud.chunks[chunk].visible.as_entire_binding()),
-        ];
+        let counters = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &renderer.counters,
+            offset: chunk as u64 * u64::from(COUNTERS_STRIDE),
+            size: NonZeroU64::new(size_of::<CullCounters>() as u64),
+        });
+        let of_cloud = OfCloud {
+            view: renderer.view.as_entire_binding(),
+            nodes: cloud.nodes.as_entire_binding(),
+            states: cloud.states.as_entire_binding(),
+            counted: cloud.counted.as_entire_binding(),
+        };
+        let of_overlay = OfOverlay {
+            dilate: self.eyes[eye].as_entire_binding(),
+            image_depth: targets.image_depth[eye].as_entire_binding(),
+            sums: targets.keys[eye].as_entire_binding(),
+            wide: targets.wide[eye].as_entire_binding(),
+            counters,
+            visible: cloud.chunks[chunk].visible.as_entire_binding(),
+        };
         let layout = pass.pipeline.get_bind_group_layout(0);
-        pass.bindings.bind(&renderer.gpu.device, "overlay", &layout, &resources)
+        pass.bindings.bind(&renderer.gpu.device, "overlay", &layout, (of_cloud, of_overlay))
     }
 }
 

@@ -1,9 +1,10 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
 use super::point_list::PointList;
-use super::shaders;
+use super::shaders::{self, Of};
+use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, PointImage, Set};
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::{Bindings, Stage};
+use crate::gpu::stage::{Bindings, Compiled, Stage};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
 use crate::method::{Access, Method};
@@ -11,14 +12,14 @@ use crate::method::{Access, Method};
 /// Every pipeline that a renderer may need.
 #[derive(Debug)]
 pub(super) struct Pipelines {
-    pub clear: Stage,
-    pub lod: Stage,
-    pub cull: Stage,
+    pub clear: Stage<Clear>,
+    pub lod: Stage<Cloud>,
+    pub cull: Stage<(Cloud, Chunk)>,
     pub closest: Closest,
     /// Of each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
     /// The surface to the image, where gaps stay open.
-    pub show: Stage,
+    pub show: Stage<Eye>,
     /// Where there are depth images.
     pub depth_image: Option<DepthImage>,
 }
@@ -28,39 +29,48 @@ pub(super) struct Pipelines {
 pub(super) struct Closest {
     pub depth: Depth,
     /// Where depth and id do not fit one atomic.
-    pub ids: Option<Stage>,
-    pub shade: Stage,
-    pub dilate: Stage,
-    /// `shade` gets all from the keys, whatever chunk a point is of, and clears them.
-    pub shade_clears: bool,
+    pub ids: Option<Stage<Geometry>>,
+    pub shade: Shade,
+    pub dilate: Stage<Eye>,
 }
 
 /// The two ways to the nearest points.
 #[derive(Debug)]
 pub(super) enum Depth {
     /// The stage.
-    Compute(Stage),
+    Compute(Stage<Geometry>),
     /// The hardware's own points.
     PointList(PointList),
+}
+
+/// The ways from there to colors.
+#[derive(Debug)]
+pub(super) enum Shade {
+    /// From keys, or depths and ids, a chunk at a time.
+    Ids(Stage<(Chunk, Eye)>),
+    /// From what hardware drew, a chunk at a time.
+    Points(Stage<((Chunk, Eye), PointImage)>),
+    /// Gets all from the keys, whatever chunk a point is of, and clears them.
+    Fixed40(Stage<Eye>),
 }
 
 /// The point stages of `hqs` quality.
 #[derive(Debug)]
 pub(super) struct Hqs {
     pub sums: Sums,
-    pub depth: Stage,
-    pub color: Stage,
+    pub depth: Stage<Geometry>,
+    pub color: Stage<Geometry>,
     /// Where gaps stay open.
-    pub blend: Stage,
+    pub blend: Stage<Eye>,
     /// `blend` and `dilate` in one, where they are closed.
-    pub blend_dilate: Stage,
+    pub blend_dilate: Stage<Eye>,
 }
 
 /// The pass that writes an eye's depth image.
 #[derive(Debug)]
 pub(super) struct DepthImage {
     pub pipeline: wgpu::RenderPipeline,
-    pub bindings: Bindings,
+    pub bindings: Bindings<Eye>,
 }
 
 /// What the pipelines are made for.
@@ -92,20 +102,20 @@ impl Pipelines {
             counts,
             ..Variant::eyes(num_eyes)
         };
-        let stage = |name, variant| stage(gpu, access, name, variant);
+        let maker = Maker { gpu, access };
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
             let color = match sums {
-                Sums::Packed | Sums::Protected => "color",
-                Sums::Wide => "color32",
-                Sums::Pairs => "color-pairs",
+                Sums::Packed | Sums::Protected => shaders::COLOR,
+                Sums::Wide => shaders::COLOR32,
+                Sums::Pairs => shaders::COLOR_PAIRS,
             };
             Hqs {
                 sums,
-                depth: stage("depth32", variant),
-                color: stage(color, variant),
-                blend: stage("blend", variant),
-                blend_dilate: stage("blend-dilate", variant),
+                depth: maker.stage(shaders::DEPTH32, variant),
+                color: maker.stage(color, variant),
+                blend: maker.stage(shaders::BLEND, variant),
+                blend_dilate: maker.stage(shaders::BLEND_DILATE, variant),
             }
         };
         let forms = match method.sums() {
@@ -114,30 +124,26 @@ impl Pipelines {
             None => vec![Sums::Wide],
         };
         Self {
-            clear: stage("clear", variant),
-            lod: stage("lod", variant),
-            cull: stage("cull", variant),
+            clear: maker.stage(shaders::CLEAR, variant),
+            lod: maker.stage(shaders::LOD, variant),
+            cull: maker.stage(shaders::CULL, variant),
             closest: Closest {
                 depth: match method {
                     Method::PointList => Depth::PointList(PointList::new(gpu, variant)),
-                    _ => Depth::Compute(closest(gpu, access, method, variant)),
+                    _ => Depth::Compute(maker.closest(method, variant)),
                 },
-                ids: (!keys && method != Method::PointList).then(|| stage("ids", variant)),
-                shade: stage(
-                    match method {
-                        Method::Fixed40 => "shade40",
-                        Method::PointList => "shade-points",
-                        _ => "shade",
-                    },
-                    variant,
-                ),
-                dilate: stage("dilate", variant),
-                shade_clears: method == Method::Fixed40,
+                ids: (!keys && method != Method::PointList).then(|| maker.stage(shaders::IDS, variant)),
+                shade: match method {
+                    Method::Fixed40 => Shade::Fixed40(maker.stage(shaders::SHADE40, variant)),
+                    Method::PointList => Shade::Points(maker.stage(shaders::SHADE_POINTS, variant)),
+                    _ => Shade::Ids(maker.stage(shaders::SHADE, variant)),
+                },
+                dilate: maker.stage(shaders::DILATE, variant),
             },
             hqs: forms.into_iter().map(hqs).collect(),
-            show: stage("show", variant),
+            show: maker.stage(shaders::SHOW, variant),
             depth_image: depth_format
-                .map(|format| DepthImage::new(gpu, format, &shaders::source("depth-image", variant))),
+                .map(|format| DepthImage::new(gpu, format, &shaders::DEPTH_IMAGE.source(variant))),
         }
     }
 }
@@ -152,28 +158,55 @@ impl Closest {
     }
 }
 
-/// The method's way to the nearest point.
-fn closest(gpu: &Gpu, access: Access, method: Method, variant: Variant) -> Stage {
-    let name = match method {
-        Method::JustSet | Method::BusyLoop | Method::ExchangeLoop | Method::AtomicMin | Method::Fixed40 => {
-            method.name()
+impl Shade {
+    /// Its compiled shader.
+    pub fn compiled(&self) -> &Compiled {
+        match self {
+            Self::Ids(stage) => stage,
+            Self::Points(stage) => stage,
+            Self::Fixed40(stage) => stage,
         }
-        Method::PrefetchJustSet => "just-set",
-        Method::Reduce | Method::ReduceEarlyZ if gpu.has_subgroups() => "reduce",
-        Method::Reduce | Method::ReduceEarlyZ => "reduce-emulated",
-        Method::Dedup if gpu.has_subgroups() => "dedup",
-        Method::Dedup => "dedup-emulated",
-        // Those of high-quality shading too: the governor may ask for `closest`.
-        _ => "depth",
-    };
-    let (converged, early_z) = (method.is_converged(), method != Method::Reduce);
-    stage(gpu, access, name, Variant { converged, early_z, ..variant })
+    }
+
+    /// True if it clears the keys.
+    pub fn clears(&self) -> bool {
+        matches!(self, Self::Fixed40(_))
+    }
 }
 
-/// One of the frame's stages.
-fn stage(gpu: &Gpu, access: Access, name: &'static str, variant: Variant) -> Stage {
-    let compile = if access.checked { Stage::new } else { Stage::trusted };
-    compile(gpu, name, &shaders::source(name, variant))
+/// Makes the frame's stages.
+#[derive(Clone, Copy)]
+struct Maker<'a> {
+    gpu: &'a Gpu,
+    access: Access,
+}
+
+impl Maker<'_> {
+    /// One of them.
+    fn stage<S: Set>(self, shader: Of<S>, variant: Variant) -> Stage<S> {
+        let compile = if self.access.checked { Stage::new } else { Stage::trusted };
+        compile(self.gpu, shader.name(), &shader.source(variant))
+    }
+
+    /// The method's way to the nearest point.
+    fn closest(self, method: Method, variant: Variant) -> Stage<Geometry> {
+        let has_subgroups = self.gpu.has_subgroups();
+        let shader = match method {
+            Method::JustSet | Method::PrefetchJustSet => shaders::JUST_SET,
+            Method::BusyLoop => shaders::BUSY_LOOP,
+            Method::ExchangeLoop => shaders::EXCHANGE_LOOP,
+            Method::AtomicMin => shaders::ATOMIC_MIN,
+            Method::Fixed40 => shaders::FIXED40,
+            Method::Reduce | Method::ReduceEarlyZ if has_subgroups => shaders::REDUCE,
+            Method::Reduce | Method::ReduceEarlyZ => shaders::REDUCE_EMULATED,
+            Method::Dedup if has_subgroups => shaders::DEDUP,
+            Method::Dedup => shaders::DEDUP_EMULATED,
+            // Those of high-quality shading too: the governor may ask for `closest`.
+            _ => shaders::DEPTH,
+        };
+        let (converged, early_z) = (method.is_converged(), method != Method::Reduce);
+        self.stage(shader, Variant { converged, early_z, ..variant })
+    }
 }
 
 impl DepthImage {
@@ -191,7 +224,7 @@ impl DepthImage {
     }
 
     /// A bind group for the pass.
-    pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource)]) -> wgpu::BindGroup {
+    pub fn bind(&self, gpu: &Gpu, resources: OfEye) -> wgpu::BindGroup {
         self.bindings.bind(&gpu.device, "depth-image", &self.pipeline.get_bind_group_layout(0), resources)
     }
 }

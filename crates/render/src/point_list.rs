@@ -5,6 +5,7 @@
 use super::cloud_buffers::Chunk;
 use super::shaders;
 use super::targets::Targets;
+use crate::bindings::{self, Cloud, OfChunk, OfCloud};
 use crate::gpu::Gpu;
 use crate::gpu::points::{self, DEPTH_FORMAT, Points};
 use crate::gpu::stage::{Bindings, shader_module};
@@ -21,7 +22,7 @@ type DrawArguments = [u32; 4];
 /// The pipelines of both eyes.
 #[derive(Debug)]
 pub(super) struct PointList {
-    eyes: [(wgpu::RenderPipeline, Bindings); 2],
+    eyes: [(wgpu::RenderPipeline, Bindings<(Cloud, bindings::Chunk)>); 2],
 }
 
 /// What it draws into: each eye's points and the hardware's depths.
@@ -38,7 +39,7 @@ pub(super) struct Draws(wgpu::Buffer);
 
 impl PointList {
     pub fn new(gpu: &Gpu, variant: Variant) -> Self {
-        let wgsl = shaders::source("point-list", variant);
+        let wgsl = shaders::POINT_LIST.source(variant);
         let module = shader_module(&gpu.device, "point-list", &wgsl);
         let eye = |entry| {
             let bindings = Bindings::of("point-list", &wgsl, entry);
@@ -55,12 +56,7 @@ impl PointList {
     }
 
     /// A bind group to draw a chunk in an eye.
-    pub fn bind(
-        &self,
-        gpu: &Gpu,
-        eye: usize,
-        resources: &[(&str, wgpu::BindingResource)],
-    ) -> wgpu::BindGroup {
+    pub fn bind(&self, gpu: &Gpu, eye: usize, resources: (OfCloud, OfChunk)) -> wgpu::BindGroup {
         let (pipeline, bindings) = &self.eyes[eye];
         bindings.bind(&gpu.device, "point-list", &pipeline.get_bind_group_layout(0), resources)
     }

@@ -1,6 +1,8 @@
 //! The shaders' final texts: prelude of host constants, shared structs, the file itself.
 
+use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, Overlay, PointImage, Set};
 use crate::layout::{self, Variant};
+use std::marker::PhantomData;
 
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../../shaders/layout.inc.wgsl");
@@ -82,7 +84,7 @@ const LOOK_DEPTHS: Shared = |variant| match variant.plain_looks {
 const SUBGROUP: Shared = shared!("subgroup");
 const SUBGROUP_EMULATED: Shared = shared!("subgroup_emulated");
 /// Depths in 40-bit integers.
-const FIXED40: Shared = shared!("fixed40");
+const DEPTHS40: Shared = shared!("fixed40");
 /// The tiles that the steps of `resolve` work on.
 const TILES: Shared = shared!("tiles");
 /// Which points count for a pixel's color, and their sums in four u32.
@@ -110,112 +112,132 @@ const MEAN: Shared = shared!("mean");
 /// Stored colors to linear light.
 const SRGB: Shared = shared!("srgb");
 /// What overlays share.
-const OVERLAY: Shared = shared!("overlay");
+const OVERLAYS: Shared = shared!("overlay");
 
-/// A shader.
+/// A shader's text.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
     /// Its name, as the file's.
     pub name: &'static str,
+    /// Names of the resources that it may bind.
+    pub names: fn() -> Vec<&'static str>,
     /// What it shares with others.
     shared: &'static [Shared],
     /// Its own text.
     text: &'static str,
 }
 
-macro_rules! shader {
-    ($name:literal, $shared:expr) => {
-        shader!($name, $name, $shared)
-    };
-    ($name:literal, $file:literal, $shared:expr) => {
-        Shader {
-            name: $name,
-            shared: $shared,
-            text: include_str!(concat!("../../../shaders/", $file, ".wgsl")),
-        }
+/// A shader that binds resources of a set.
+#[derive(Debug)]
+pub struct Of<S> {
+    shader: Shader,
+    set: PhantomData<S>,
+}
+
+impl<S> Clone for Of<S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S> Copy for Of<S> {}
+
+impl<S> Of<S> {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.shader.name
+    }
+
+    /// Its WGSL, as the driver gets it.
+    #[must_use]
+    pub fn source(self, variant: Variant) -> String {
+        self.shader.source(variant)
+    }
+}
+
+impl Shader {
+    /// Its WGSL, as the driver gets it.
+    #[must_use]
+    pub fn source(&self, variant: Variant) -> String {
+        let shared: String = self.shared.iter().map(|shared| shared(variant)).collect();
+        format!("{}{LAYOUT}{shared}{}", layout::prelude(variant), self.text)
+    }
+}
+
+macro_rules! shaders {
+    ($($(#[$about:meta])* $shader:ident: $set:ty = $name:literal, $file:literal, $shared:expr;)+) => {
+        $(
+            #[doc = concat!("`shaders/", $file, ".wgsl`")]
+            pub const $shader: Of<$set> = Of {
+                shader: Shader {
+                    name: $name,
+                    names: <$set>::names,
+                    shared: $shared,
+                    text: include_str!(concat!("../../../shaders/", $file, ".wgsl")),
+                },
+                set: PhantomData,
+            };
+        )+
+
+        /// Every shader of the frame, in its order; then the overlays' and those of other methods.
+        pub const SHADERS: [Shader; [$($name),+].len()] = [$($shader.shader),+];
     };
 }
 
-/// Every shader of the frame, in its order; then the overlays' and those of other methods.
-pub const SHADERS: [Shader; 29] = [
-    shader!("clear", &[]),
-    shader!("lod", &[SIZES]),
-    shader!("cull", &[SIZES, STEPS, FILL]),
-    shader!("depth", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK]),
-    shader!(
-        "depth32",
-        "depth",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, DEPTHS, LOOK_DEPTHS]
-    ),
-    shader!("ids", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS]),
-    shader!("color", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS]),
-    shader!("color32", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS]),
-    shader!("shade", &[TILES, SURFACE, CHUNK_COLORS]),
-    shader!("blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE]),
-    shader!("dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE]),
-    shader!("blend-dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE]),
-    shader!("show", &[TILES, KEPT_SURFACE, IMAGE]),
-    shader!("depth-image", &[]),
-    shader!("overlay", &[RINGS, DILATION, SRGB, OVERLAY]),
-    shader!("boxes", &[RINGS, DILATION, SRGB, OVERLAY]),
-    shader!(
-        "just-set",
-        "methods/just_set",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS]
-    ),
-    shader!("busy-loop", "methods/busy_loop", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS]),
-    shader!(
-        "exchange-loop",
-        "methods/exchange_loop",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS]
-    ),
-    shader!(
-        "atomic-min",
-        "methods/atomic_min",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS]
-    ),
-    shader!(
-        "reduce",
-        "methods/reduce",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP]
-    ),
-    shader!(
-        "reduce-emulated",
-        "methods/reduce",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
-    ),
-    shader!(
-        "dedup",
-        "methods/dedup",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP]
-    ),
-    shader!(
-        "dedup-emulated",
-        "methods/dedup",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED]
-    ),
-    shader!(
-        "fixed40",
-        "methods/fixed40",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, COLORS, FIXED40]
-    ),
-    shader!("shade40", "methods/shade40", &[TILES, SURFACE, FIXED40]),
-    shader!("point-list", "methods/point_list", &[POINTS, CHOICE, NO_COUNTS]),
-    shader!("shade-points", "methods/shade_points", &[TILES, SURFACE, CHUNK_COLORS]),
-    shader!(
-        "color-pairs",
-        "methods/color_pairs",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS]
-    ),
-];
+shaders! {
+    CLEAR: Clear = "clear", "clear", &[];
+    LOD: Cloud = "lod", "lod", &[SIZES];
+    CULL: (Cloud, Chunk) = "cull", "cull", &[SIZES, STEPS, FILL];
+    DEPTH: Geometry = "depth", "depth",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK];
+    DEPTH32: Geometry = "depth32", "depth",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, DEPTHS, LOOK_DEPTHS];
+    IDS: Geometry = "ids", "ids", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS];
+    COLOR: Geometry = "color", "color",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS];
+    COLOR32: Geometry = "color32", "color32",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS];
+    SHADE: (Chunk, Eye) = "shade", "shade", &[TILES, SURFACE, CHUNK_COLORS];
+    BLEND: Eye = "blend", "blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE];
+    DILATE: Eye = "dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE];
+    BLEND_DILATE: Eye = "blend-dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE];
+    SHOW: Eye = "show", "show", &[TILES, KEPT_SURFACE, IMAGE];
+    DEPTH_IMAGE: Eye = "depth-image", "depth-image", &[];
+    OVERLAY: (Cloud, Overlay) = "overlay", "overlay", &[RINGS, DILATION, SRGB, OVERLAYS];
+    BOXES: (Cloud, Overlay) = "boxes", "boxes", &[RINGS, DILATION, SRGB, OVERLAYS];
+    JUST_SET: Geometry = "just-set", "methods/just_set",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS];
+    BUSY_LOOP: Geometry = "busy-loop", "methods/busy_loop",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS];
+    EXCHANGE_LOOP: Geometry = "exchange-loop", "methods/exchange_loop",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS];
+    ATOMIC_MIN: Geometry = "atomic-min", "methods/atomic_min",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS];
+    REDUCE: Geometry = "reduce", "methods/reduce",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP];
+    REDUCE_EMULATED: Geometry = "reduce-emulated", "methods/reduce",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED];
+    DEDUP: Geometry = "dedup", "methods/dedup",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP];
+    DEDUP_EMULATED: Geometry = "dedup-emulated", "methods/dedup",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED];
+    FIXED40: Geometry = "fixed40", "methods/fixed40",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, COLORS, DEPTHS40];
+    SHADE40: Eye = "shade40", "methods/shade40", &[TILES, SURFACE, DEPTHS40];
+    POINT_LIST: (Cloud, Chunk) = "point-list", "methods/point_list", &[POINTS, CHOICE, NO_COUNTS];
+    SHADE_POINTS: ((Chunk, Eye), PointImage) = "shade-points", "methods/shade_points",
+        &[TILES, SURFACE, CHUNK_COLORS];
+    COLOR_PAIRS: Geometry = "color-pairs", "methods/color_pairs",
+        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS];
+}
 
-/// The WGSL of shader `name`, as the driver gets it.
+/// The WGSL of shader `name`, as the driver gets it: for tests. The program has the shaders themselves.
 ///
 /// # Panics
-/// If there is no such shader: names are written in our own code only.
+/// If there is no such shader.
 #[must_use]
 pub fn source(name: &str, variant: Variant) -> String {
     let Some(shader) = SHADERS.iter().find(|s| s.name == name) else { panic!("no shader called {name}") };
-    let shared: String = shader.shared.iter().map(|shared| shared(variant)).collect();
-    format!("{}{LAYOUT}{shared}{}", layout::prelude(variant), shader.text)
+    shader.source(variant)
 }

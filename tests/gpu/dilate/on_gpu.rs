@@ -3,11 +3,12 @@
 use kit::frames::gpu;
 use lab::twin::color::Sum;
 use lab::twin::resolve::Pixel;
+use render::bindings::{Eye, OfEye};
 use render::gpu::readback;
 use render::gpu::stage::Stage;
 use render::layout::{
-    DilateUniform, GUARD_PX, ResolveUniform, Sums, Variant, ViewUniform, guarded, image_pitch_px,
-    mask_words_per_row, of_image,
+    DilateUniform, GUARD_PX, PACKED_BLUE_SHIFT, PACKED_GREEN_SHIFT, PACKED_RED_SHIFT, ResolveUniform, Sums,
+    Variant, ViewUniform, guarded, image_pitch_px, mask_words_per_row, of_image,
 };
 use render::{shaders, tiles};
 use wgpu::util::DeviceExt;
@@ -36,7 +37,8 @@ pub fn blended_on_gpu(
 
 /// 10 bits of a count, 18 of each channel.
 fn pack(words: [u32; 4]) -> u64 {
-    words.iter().zip([0, 10, 28, 46]).fold(0, |sum, (&word, shift)| sum | u64::from(word) << shift)
+    let shifts = [0, PACKED_RED_SHIFT, PACKED_GREEN_SHIFT, PACKED_BLUE_SHIFT];
+    words.iter().zip(shifts).fold(0, |sum, (&word, shift)| sum | u64::from(word) << shift)
 }
 
 /// What lenses hide, and how the image holds what they do not.
@@ -69,7 +71,7 @@ pub fn run_shown(
     shown: &Shown,
 ) -> Vec<Pixel> {
     let gpu = gpu();
-    let stage = Stage::new(&gpu, shader, &shaders::source(shader, variant));
+    let stage: Stage<Eye> = Stage::new(&gpu, shader, &shaders::source(shader, variant));
     let buffer = |label, contents: &[u8], usage| {
         let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
         gpu.device.create_buffer_init(&contents)
@@ -100,8 +102,9 @@ pub fn run_shown(
     let inputs =
         inputs.iter().map(|&(name, bytes)| (name, buffer(name, &with_guard(bytes, size_px), storage)));
     buffers.extend(inputs);
-    let resources: Vec<_> = buffers.iter().map(|(name, b)| (*name, b.as_entire_binding())).collect();
-    let group = stage.bind(&gpu, &resources);
+    let unused = buffer("unused", &[0; 16], storage);
+    let of_name = |name| buffers.iter().find(|(of, _)| *of == name).map_or(&unused, |(_, buffer)| buffer);
+    let group = stage.bind(&gpu, OfEye::by_name(|name| of_name(name).as_entire_binding()));
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.dispatch(&mut encoder.begin_compute_pass(&Default::default()), &group, tiles.len() as u32);
     gpu.queue.lock().submit([encoder.finish()]);

@@ -13,6 +13,7 @@
 //! is what their points are apart at least, so the guarantee holds for the points themselves.
 
 use super::keys::Key;
+use crate::format::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, OPAQUE};
 use crate::morton::{compact, spread};
 
 /// A point that stands for others.
@@ -31,7 +32,7 @@ pub(super) struct Sample {
 impl Sample {
     /// A point that stands for itself.
     pub fn of(key: &Key, number: usize) -> Self {
-        let channel = |shift: u32| u64::from(key.color >> shift & 255);
+        let channel = |shift: u32| u64::from(key.color >> shift & CHANNEL_MASK);
         let rgb = [channel(0), channel(8), channel(16)];
         Self { code: key.code, key: number as u32, num_points: 1, rgb }
     }
@@ -40,7 +41,7 @@ impl Sample {
     pub fn color(&self) -> u32 {
         let n = u64::from(self.num_points);
         let [r, g, b] = self.rgb.map(|sum| ((2 * sum + n) / (2 * n)) as u32);
-        r | g << 8 | b << 16 | 255 << 24
+        r | g << GREEN_SHIFT | b << BLUE_SHIFT | OPAQUE
     }
 
     fn absorb(&mut self, other: &Sample) {

@@ -1,5 +1,6 @@
 //! How far one disc is from the discs that it stands for [SPT §3.2–3.4, 3.9].
 
+use crate::format::CHANNEL_MASK;
 use glam::DVec3;
 
 /// A disc, relative to some origin near by.
@@ -83,7 +84,7 @@ pub fn geometric(disc: &Disc, children: &[Disc]) -> f64 {
 /// out: then the node's error is its diameter [SPT §3.9].
 #[must_use]
 pub fn is_colorful(mean: u32, children: impl IntoIterator<Item = u32>) -> bool {
-    let channel = |color: u32, shift: u32| color >> shift & 255;
+    let channel = |color: u32, shift: u32| color >> shift & CHANNEL_MASK;
     let leaves = |color: u32| {
         [0, 8, 16].iter().any(|&s| channel(color, s).abs_diff(channel(mean, s)) > COLOR_TOLERANCE)
     };

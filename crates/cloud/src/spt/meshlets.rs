@@ -7,7 +7,7 @@ use super::mesh::Triangle;
 use super::sequence::octave;
 use super::steps::Scale;
 use super::tree::PointTree;
-use crate::format::WORKGROUP_SIZE;
+use crate::format::{SECOND_CORNER_SHIFT, SIDE_SHIFT, THIRD_CORNER_SHIFT, WORKGROUP_SIZE};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -76,7 +76,9 @@ impl Open {
                 self.meshlet.nodes.len() as u32 - 1
             })
         });
-        self.meshlet.words.push(a | b << 8 | c << 16 | u32::from(step) << 24);
+        self.meshlet
+            .words
+            .push(a | b << SECOND_CORNER_SHIFT | c << THIRD_CORNER_SHIFT | u32::from(step) << SIDE_SHIFT);
         self.meshlet.max = self.meshlet.max.max(step);
     }
 

@@ -4,6 +4,7 @@ use super::cubes::Cube;
 use super::error::{self, Disc};
 use super::mesh::Triangle;
 use super::{Sorted, normals};
+use crate::format::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, OPAQUE};
 use base::space::Bounds;
 use base::task::Progress;
 use glam::DVec3;
@@ -210,7 +211,10 @@ impl Builder<'_> {
         let position = self.on_lattice(offset);
         let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
         self.tree.nodes.push(node);
-        Sums { position: offset, rgb: [0, 8, 16].map(|shift| u64::from(color >> shift & 255)) }
+        Sums {
+            position: offset,
+            rgb: [0, GREEN_SHIFT, BLUE_SHIFT].map(|shift| u64::from(color >> shift & CHANNEL_MASK)),
+        }
     }
 
     /// Appends the node that stands for all these.
@@ -219,7 +223,7 @@ impl Builder<'_> {
         let (normal, spread) = self.mean_normal(children);
         let count = num_points as u64;
         let [r, g, b] = sums.rgb.map(|sum| ((sum + count / 2) / count) as u32);
-        let color = r | g << 8 | b << 16 | 255 << 24;
+        let color = r | g << GREEN_SHIFT | b << BLUE_SHIFT | OPAQUE;
         let node = Node {
             position,
             normal: normals::pack(normal),

@@ -8,7 +8,7 @@ use cloud::Cloud;
 use render::Look;
 use render::Method;
 use render::gpu::{Gpu, readback};
-use render::layout::{COUNTERS_STRIDE, Counts, VISIBLE_DISCS, VisibleBatch};
+use render::layout::{COUNTERS_STRIDE, Counts, VISIBLE_DISCS, VISIBLE_PLANES, VisibleBatch};
 use render::options::{Quality, Tier};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, TargetTooLarge, tier};
 use std::sync::Arc;
@@ -167,7 +167,7 @@ impl Counter {
             num_batches += renderer.num_batches(number);
             for batch in batches.iter().take(count as usize).filter(|batch| batch.is_first_slice()) {
                 let words = 4 * num_passes * u64::from(batch.num_points);
-                planes += words * u64::from(batch.flags & 3);
+                planes += words * u64::from(batch.flags & VISIBLE_PLANES);
                 shapes += if batch.flags & VISIBLE_DISCS == 0 { 0 } else { words };
             }
         }

@@ -1,9 +1,7 @@
 //! Twin of `clear`.
 
-use render::layout::EMPTY_DEPTH;
-
 /// A key that no point has reached.
-pub const EMPTY: u64 = (EMPTY_DEPTH as u64) << 32 | EMPTY_DEPTH as u64;
+pub const EMPTY: u64 = render::layout::EMPTY_KEY;
 
 /// An eye's pixels, all of one value.
 #[must_use]

@@ -1,7 +1,7 @@
 //! Twin of `color`: sums of the colours of the points within the tolerance of each pixel's nearest.
 
 use super::points::Put;
-use render::layout::SURFACE_TOLERANCE;
+use render::layout::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, SURFACE_TOLERANCE};
 
 /// Red, green, blue, count.
 pub type Sum = [u32; 4];
@@ -10,8 +10,8 @@ pub type Sum = [u32; 4];
 pub fn add(sums: &mut [Vec<Sum>], depth: &[Vec<u32>], Put { eye, pixel, w, .. }: Put, color: u32) {
     if w <= SURFACE_TOLERANCE * f32::from_bits(depth[eye][pixel]) {
         let sum = &mut sums[eye][pixel];
-        for (channel, sum) in sum[..3].iter_mut().enumerate() {
-            *sum += color >> (8 * channel) & 255;
+        for (shift, sum) in [0, GREEN_SHIFT, BLUE_SHIFT].into_iter().zip(&mut *sum) {
+            *sum += color >> shift & CHANNEL_MASK;
         }
         sum[3] += 1;
     }

@@ -5,17 +5,16 @@ use super::sizes::nearest_depth;
 use super::tolerance;
 use cloud::spt::Scale;
 use render::layout::{
-    Batch, CHILD_ABSENT, DRAWN_WHOLE, EyeUniform, HEAD_CELL_LIMIT, HEAD_CELL_STEP, KEEP_UNSEEN,
-    MAX_EXTRA_SLICES, MAX_SLICES, NO_CHILD, NODE_DISCS, NODE_ONE_SIDED, NODE_ROOT, NODE_TRIANGLES,
-    NUM_SLICES_SHIFT, Node, OWN_FILL_RADIUS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX,
-    SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
-    ViewUniform, VisibleBatch, WORKGROUP_SIZE,
+    Batch, CELLS, CHILD_ABSENT, CULL_SLACK, DRAWN_WHOLE, EyeUniform, FINE_THRESHOLD_PX, HEAD_CELL_LIMIT,
+    HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES, MAX_SLICES, NO_CHILD, NODE_DISCS, NODE_ONE_SIDED,
+    NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS, OWN_NONE, OWN_PER_WORD,
+    OWN_SHIFT, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS,
+    SLICE_SHIFT, STATE_PARTS, STATE_SHIFT, STEP_MASK, UNTIL_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS,
+    VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch, WORKGROUP_SIZE,
 };
 
 /// Half as many cells as a box edge has.
-const HALF_CELLS: f32 = 536_870_912.0;
-/// Share of a plane's terms that rounding may cost.
-const SLACK: f32 = 1e-5;
+const HALF_CELLS: f32 = 0.5 * CELLS;
 
 /// The visible batches, in batch order (the GPU's order is any); `states` as `lod` left them.
 #[must_use]
@@ -61,7 +60,7 @@ fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
 /// Workgroups that draw a batch of triangles.
 fn num_slices_of_triangles(view: &ViewUniform, batch: &Batch, eye: &EyeUniform, depth: f32) -> u32 {
     let scale = Scale { base: view.step_base };
-    let side_px = scale.length((batch.interval >> 8) as u8) * eye.pixels_per_radian / depth;
+    let side_px = scale.length((batch.interval >> UNTIL_SHIFT) as u8) * eye.pixels_per_radian / depth;
     let num_pixels = (side_px * side_px).min(eye.width as f32 * eye.height as f32);
     (num_pixels / SLICE_PIXELS as f32).clamp(1.0, MAX_SLICES as f32) as u32
 }
@@ -72,16 +71,16 @@ pub fn num_nodes(visible: &[VisibleBatch], batches: &[Batch]) -> u32 {
     visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
 }
 
-/// State of the child in each octant, in 8 bits; 255 where there is none, 0 where it is not there yet.
+/// State of the child in each octant, in [`OWN_BITS`]; [`OWN_NONE`] where there is none, 0 where it is not there yet.
 fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
     let mut own = [0; 2];
-    for (octant, &child) in node.children.iter().enumerate() {
+    for (octant, &child) in (0..).zip(&node.children) {
         let drawn = match child {
-            NO_CHILD => 255,
+            NO_CHILD => OWN_NONE,
             CHILD_ABSENT => 0,
-            child => states[child as usize] >> 24,
+            child => states[child as usize] >> OWN_SHIFT,
         };
-        own[octant / 4] |= drawn << (8 * (octant % 4));
+        own[(octant / OWN_PER_WORD) as usize] |= drawn << (OWN_BITS * (octant % OWN_PER_WORD));
     }
     own
 }
@@ -91,7 +90,7 @@ fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
     if node.flags & NODE_ROOT == 0 || drawn == DRAWN_WHOLE {
         return node.sample_spacing;
     }
-    node.sample_spacing / (((drawn >> 8) + 1) as f32 / 16_777_216.0).sqrt()
+    node.sample_spacing / (((drawn >> STATE_SHIFT) + 1) as f32 / STATE_PARTS as f32).sqrt()
 }
 
 /// The batch, if it is seen, and the workgroups that draw it.
@@ -117,7 +116,7 @@ fn cull_batch(
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
         let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(view, eye, center, half_edge);
         if is_seen && is_needed(view, batch, node, eye, center, half_edge) {
-            flags |= 16 << number;
+            flags |= VISIBLE_BY_EYE << number;
         }
     }
     if flags == 0 {
@@ -147,11 +146,11 @@ fn cull_batch(
         if open_px
             .iter()
             .zip(view.fill_reach_px)
-            .any(|(&open_px, reach_px)| open_px > (1.0 - SLACK) * reach_px)
+            .any(|(&open_px, reach_px)| open_px > (1.0 - CULL_SLACK) * reach_px)
         {
             flags |= VISIBLE_FILL;
         }
-        let radius = radius(view, (1.0 + SLACK) * open_px.into_iter().fold(0.0, f32::max));
+        let radius = radius(view, (1.0 + CULL_SLACK) * open_px.into_iter().fold(0.0, f32::max));
         if radius > OWN_FILL_RADIUS as f32 {
             flags |= VISIBLE_WIDE;
         }
@@ -209,8 +208,10 @@ fn is_needed(
     let middle = tolerance::of(view, eye, from_eye);
     let least = (eye.tolerance_rad * dot(near, near).sqrt()).max(middle - change);
     let most = (tolerance::outer_rad(view, eye) * farthest).min(middle + change);
-    let slack = SLACK * tolerance::outer_rad(view, eye) * farthest;
-    if step((least - slack).max(0.0)) >= batch.interval >> 8 || step(most + slack) < batch.interval & 255 {
+    let slack = CULL_SLACK * tolerance::outer_rad(view, eye) * farthest;
+    if step((least - slack).max(0.0)) >= batch.interval >> UNTIL_SHIFT
+        || step(most + slack) < batch.interval & STEP_MASK
+    {
         return false;
     }
     if node.flags & NODE_ONE_SIDED == 0 {
@@ -221,7 +222,7 @@ fn is_needed(
     let distance_sq = dot(from_eye, from_eye);
     let across = (distance_sq - along * along).max(0.0).sqrt();
     let inside = along * sin - across * (1.0 - sin * sin).sqrt();
-    inside < dot(half_edge, half_edge).sqrt() + SLACK * distance_sq.sqrt()
+    inside < dot(half_edge, half_edge).sqrt() + CULL_SLACK * distance_sq.sqrt()
 }
 
 fn in_frustum(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], half_edge: [f32; 3]) -> bool {
@@ -243,13 +244,13 @@ fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
     let distance = plane[0] * center[0] + plane[1] * center[1] + plane[2] * center[2] + plane[3];
     let radius = n[0] * half_edge[0] + n[1] * half_edge[1] + n[2] * half_edge[2];
     let magnitude = n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + n[3];
-    distance + radius + SLACK * magnitude >= 0.0
+    distance + radius + CULL_SLACK * magnitude >= 0.0
 }
 
 fn planes_needed(edge_px: f32) -> u32 {
     match edge_px {
         px if px < PRECISION_THRESHOLD_PX => 1,
-        px if px < PRECISION_THRESHOLD_PX * 1024.0 => 2,
+        px if px < FINE_THRESHOLD_PX => 2,
         _ => 3,
     }
 }

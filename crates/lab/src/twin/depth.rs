@@ -1,10 +1,11 @@
 //! Twin of `depth`: the nearest point of each pixel of every eye.
 
 use super::points::Put;
+use render::layout::KEY_DEPTH_SHIFT;
 
 /// `closest` quality: depth ≪ 32 | id.
 pub fn key(keys: &mut [Vec<u64>], Put { eye, pixel, w, id, .. }: Put) {
-    let key = u64::from(w.to_bits()) << 32 | u64::from(id);
+    let key = u64::from(w.to_bits()) << KEY_DEPTH_SHIFT | u64::from(id);
     keys[eye][pixel] = keys[eye][pixel].min(key);
 }
 

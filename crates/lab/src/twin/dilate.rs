@@ -3,12 +3,9 @@
 use super::resolve::{EMPTY, Pixel};
 use super::rings::ring;
 use render::layout::{
-    DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, REACH_MASK, SURFACE_TOLERANCE,
-    ViewUniform,
+    BLUE_SHIFT, CHANNEL_MASK, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GREEN_SHIFT,
+    OPAQUE, REACH_MASK, SURFACE_TOLERANCE, ViewUniform,
 };
-
-/// Alpha of every colour.
-const OPAQUE: u32 = 0xff00_0000;
 
 /// What a pixel's row window holds.
 #[derive(Clone, Copy, Debug)]
@@ -115,7 +112,7 @@ fn filled(own: Pixel, column: impl Iterator<Item = (usize, Row)> + Clone) -> Pix
     if a == 0 {
         return EMPTY;
     }
-    let weights = a / 255;
+    let weights = a / CHANNEL_MASK;
     let mean = |sum: u32| (sum + weights / 2) / weights;
-    [nearest & !REACH_MASK, mean(r) | mean(g) << 8 | mean(b) << 16 | OPAQUE]
+    [nearest & !REACH_MASK, mean(r) | mean(g) << GREEN_SHIFT | mean(b) << BLUE_SHIFT | OPAQUE]
 }

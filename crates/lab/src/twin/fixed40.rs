@@ -1,10 +1,10 @@
 //! Twin of the method `fixed40`: depths in 40-bit integers [2019 §2.1].
 
 use super::points::cells;
-use render::layout::{EyeUniform, FIXED40_RANGES, VisibleBatch, fixed40_firsts};
+use render::layout::{EMPTY40, EyeUniform, FIXED40_RANGES, VISIBLE_PLANES, VisibleBatch, fixed40_firsts};
 
 /// A pixel without points.
-pub const EMPTY: u64 = (1 << 40) - 1;
+pub const EMPTY: u64 = EMPTY40;
 
 /// A depth, world units, as the integer of its range.
 #[must_use]
@@ -27,7 +27,7 @@ pub fn depth_of(depth40: u64) -> f64 {
 /// Depth of a point of a batch, whose planes hold `words`, before an eye: in f64, world units.
 #[must_use]
 pub fn exact_depth(eye: &EyeUniform, batch: &VisibleBatch, words: [u32; 3]) -> f64 {
-    let cells = cells(batch.flags & 3, words);
+    let cells = cells(batch.flags & VISIBLE_PLANES, words);
     let place = |axis: usize| {
         let steps = f64::from(cells[axis] - batch.head_cell[axis]);
         steps * f64::from(batch.cell[axis]) + f64::from(batch.offset[axis])

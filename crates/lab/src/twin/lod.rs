@@ -2,12 +2,9 @@
 
 use super::sizes::nearest_depth;
 use render::layout::{
-    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, HYSTERESIS, LOD_FADE, LOD_SMOOTH, NODE_RESIDENT,
-    NODE_ROOT, NODE_WHOLE, Node, ViewUniform,
+    CUBE_RADIUS, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, HYSTERESIS, LOD_FADE, LOD_SMOOTH,
+    NODE_RESIDENT, NODE_ROOT, NODE_WHOLE, Node, STATE_LOW, STATE_PARTS, STATE_SHIFT, ViewUniform,
 };
-
-/// Half a cube's diagonal, as a share of its edge.
-const RADIUS: f32 = 0.866_025_4;
 
 /// Each node's state; `states` are those of the frame before, all 0 in a cloud's first frame.
 pub fn lod(view: &ViewUniform, num_eyes: usize, nodes: &[Node], states: &mut [u32]) {
@@ -47,7 +44,7 @@ fn importance(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], edge: f32)
     let [x, y, z, _] = eye.row_w.map(f32::abs);
     let depth = nearest_depth(view, eye, center, [0.5 * edge; 3], 0.5 * edge * (x + y + z));
     let edge_px = edge * eye.pixels_per_radian / depth;
-    edge_px / threshold_px(view, eye.gaze_in_head, from_eye, RADIUS * edge)
+    edge_px / threshold_px(view, eye.gaze_in_head, from_eye, CUBE_RADIUS * edge)
 }
 
 fn threshold_px(view: &ViewUniform, gaze: [f32; 3], center: [f32; 3], radius: f32) -> f32 {
@@ -75,5 +72,5 @@ fn state_of(share: f32) -> u32 {
     if share >= 1.0 {
         return DRAWN_WHOLE;
     }
-    ((share * 16_777_216.0) as u32).min(16_777_215) << 8 | 255
+    ((share * STATE_PARTS as f32) as u32).min(STATE_PARTS - 1) << STATE_SHIFT | STATE_LOW
 }

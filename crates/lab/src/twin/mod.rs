@@ -21,7 +21,8 @@ use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;
 use render::Look;
 use render::layout::{
-    Batch, DilateUniform, EMPTY_DEPTH, Node, ViewUniform, VisibleBatch, guarded, without_guard,
+    Batch, DilateUniform, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch, guarded,
+    without_guard,
 };
 use render::options::{Dilate, Quality};
 
@@ -84,8 +85,8 @@ impl<'a> Scene<'a> {
     /// The colour that an id stands for.
     #[must_use]
     pub fn color(&self, id: u32) -> u32 {
-        let colors = if id & 1 == 1 { self.filtered_colors } else { &self.cloud.colors };
-        colors[(id >> 1) as usize]
+        let colors = if id & ID_ODD != 0 { self.filtered_colors } else { &self.cloud.colors };
+        colors[(id >> ID_SHIFT) as usize]
     }
 
     /// The colour that `hqs` adds to a pixel.

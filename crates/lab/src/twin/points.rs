@@ -6,13 +6,12 @@ use super::tolerance;
 use super::triangles::{Mixture, triangles};
 use cloud::spt::Scale;
 use render::layout::{
-    DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, LOD_FADE, MAX_FILL_RADIUS, PLANE_BITS,
-    POINTS_COVER, REACH_MASK, SAMPLES_COVER, SPACING_EXPONENT_SHIFT, VISIBLE_DISCS, VISIBLE_FILL,
-    VISIBLE_TRIANGLES, ViewUniform, VisibleBatch,
+    CELLS, COARSE_CENTER, COARSE_SHIFT, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, ID_ODD,
+    ID_SHIFT, LOD_FADE, MAX_FILL_RADIUS, MIDDLE_CENTER, MIDDLE_SHIFT, OCTANT_SHIFT, OWN_BITS, OWN_NONE,
+    OWN_PER_WORD, OWN_SHIFT, PLANE_BITS, PLANE_MASK, POINTS_COVER, REACH_MASK, SAMPLES_COVER,
+    SPACING_EXPONENT_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_PLANES, VISIBLE_TRIANGLES,
+    ViewUniform, VisibleBatch,
 };
-
-/// Cells that a box edge has.
-const CELLS: f32 = 1_073_741_824.0;
 
 /// A point in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,25 +55,27 @@ pub fn points(
             }
             let index = batch.first_point + i;
             let words = planes.map(|p| p[index as usize]);
-            let cells = cells(batch.flags & 3, words);
+            let cells = cells(batch.flags & VISIBLE_PLANES, words);
             let p_in_head = p_in_head(batch, cells);
-            let octant = (cells[0] >> 29 | cells[1] >> 29 << 1 | cells[2] >> 29 << 2) as usize;
-            let own = batch.own[octant / 4] >> (8 * (octant % 4)) & 255;
-            let is_filtered = own != 255 && rank >> 24 >= own;
-            let id = index << 1 | u32::from(is_filtered);
+            let [x, y, z] = cells.map(|cell| cell as u32 >> OCTANT_SHIFT);
+            let octant = x | y << 1 | z << 2;
+            let own = batch.own[(octant / OWN_PER_WORD) as usize] >> (OWN_BITS * (octant % OWN_PER_WORD))
+                & OWN_NONE;
+            let is_filtered = own != OWN_NONE && rank >> OWN_SHIFT >= own;
+            let id = index << ID_SHIFT | if is_filtered { ID_ODD } else { 0 };
             let disc = shapes.filter(|_| batch.flags & VISIBLE_DISCS != 0);
             let disc = disc.map(|shapes| Disc::of(view, shapes[index as usize]));
             let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
             let step = batch.spacing_step;
             let powers = [1.0, step, step * step, step * step * step];
             let power = powers[(words[0] >> SPACING_EXPONENT_SHIFT) as usize];
-            let spacing = edge * shares(batch.spacing)[octant] * power;
+            let spacing = edge * shares(batch.spacing)[octant as usize] * power;
             let is_disc = shapes.is_some();
             let length = disc.map_or(spacing, |disc| disc.diameter);
             let apart = if is_disc { Apart::Discs(length) } else { Apart::Points(length) };
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
                 let is_chosen = disc.is_none_or(|disc| disc.is_chosen(view, uniform, p_in_head));
-                if batch.flags & 16 << eye == 0 || !is_chosen {
+                if batch.flags & VISIBLE_BY_EYE << eye == 0 || !is_chosen {
                     continue;
                 }
                 let Some((at, w)) = project(uniform, view.near, p_in_head) else { continue };
@@ -206,13 +207,12 @@ fn pixels_round(eye: &EyeUniform, at: [f32; 2], radius: f32, each: &mut dyn FnMu
 /// Cell numbers from the planes that are read; bits that are not read stand at half.
 #[must_use]
 pub fn cells(num_planes: u32, [hi, mid, lo]: [u32; 3]) -> [i32; 3] {
-    let mask = (1 << PLANE_BITS) - 1;
     std::array::from_fn(|axis| {
-        let part = |plane: u32| plane >> (PLANE_BITS * axis as u32) & mask;
+        let part = |plane: u32| plane >> (PLANE_BITS * axis as u32) & PLANE_MASK;
         let cell = match num_planes {
-            1 => part(hi) << 20 | 0x80000,
-            2 => part(hi) << 20 | part(mid) << 10 | 0x200,
-            _ => part(hi) << 20 | part(mid) << 10 | part(lo),
+            1 => part(hi) << COARSE_SHIFT | COARSE_CENTER,
+            2 => part(hi) << COARSE_SHIFT | part(mid) << MIDDLE_SHIFT | MIDDLE_CENTER,
+            _ => part(hi) << COARSE_SHIFT | part(mid) << MIDDLE_SHIFT | part(lo),
         };
         cell as i32
     })

@@ -1,7 +1,7 @@
 //! Twin of `resolve`: what each pixel shows, before gaps are filled.
 
 use super::color::Sum;
-use render::layout::EMPTY_DEPTH;
+use render::layout::{BLUE_SHIFT, EMPTY_DEPTH, GREEN_SHIFT, KEY_DEPTH_SHIFT, OPAQUE};
 
 /// Bits of linear depth, and colour r | g≪8 | b≪16 | 255≪24 as stored.
 pub type Pixel = [u32; 2];
@@ -12,7 +12,7 @@ pub const EMPTY: Pixel = [EMPTY_DEPTH, 0];
 /// `closest` quality: an eye's keys to colours; `color_of` tells the colour of an id.
 #[must_use]
 pub fn shade(keys: &[u64], color_of: &dyn Fn(u32) -> u32) -> Vec<Pixel> {
-    let pixel = |&key: &u64| match (key >> 32) as u32 {
+    let pixel = |&key: &u64| match (key >> KEY_DEPTH_SHIFT) as u32 {
         EMPTY_DEPTH => EMPTY,
         depth => [depth, color_of(key as u32)],
     };
@@ -27,7 +27,7 @@ pub fn blend(depth: &[u32], sums: &[Sum]) -> Vec<Pixel> {
             return EMPTY;
         }
         let mean = |sum: u32| (sum + count / 2) / count;
-        [depth, mean(r) | mean(g) << 8 | mean(b) << 16 | 255 << 24]
+        [depth, mean(r) | mean(g) << GREEN_SHIFT | mean(b) << BLUE_SHIFT | OPAQUE]
     };
     depth.iter().zip(sums).map(pixel).collect()
 }

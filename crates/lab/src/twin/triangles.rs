@@ -3,7 +3,9 @@
 use super::points::{Put, cells, p_in_head, without_reach};
 use super::tolerance;
 use cloud::spt::Scale;
-use render::layout::{EyeUniform, TRIANGLE_SLACK_PX, ViewUniform, VisibleBatch};
+use render::layout::{
+    EyeUniform, ID_ODD, ID_SHIFT, TRIANGLE_SLACK_PX, VISIBLE_BY_EYE, ViewUniform, VisibleBatch,
+};
 
 /// What a pixel shows of a triangle beside the corner with the largest share: all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +51,7 @@ pub(super) fn triangles(
     for number in 0..batch.num_points {
         let word = shapes[(batch.first_point + number) as usize];
         for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
-            if batch.flags & 16 << eye == 0 {
+            if batch.flags & VISIBLE_BY_EYE << eye == 0 {
                 continue;
             }
             let Some(triangle) = Triangle::of(view, uniform, batch, planes, word) else { continue };
@@ -61,7 +63,7 @@ pub(super) fn triangles(
                     let mixture = Mixture { points: triangle.points, shares: shares.map(|s| s / sum) };
                     let [x, y] = [u - uniform.first_px[0] as i32, v - uniform.first_px[1] as i32];
                     let pixel = y as usize * uniform.width as usize + x as usize;
-                    let id = triangle.points[corner] << 1 | 1;
+                    let id = triangle.points[corner] << ID_SHIFT | ID_ODD;
                     put(Put { eye, pixel, w, id, mixture: Some(mixture) });
                 }
             }

@@ -1,83 +1,107 @@
 //! A compute stage: one shader, one entry point `main`, its resources bound by their names in the shader.
 
 use super::Gpu;
+use crate::bindings::Set;
+use std::fmt;
+use std::marker::PhantomData;
+use std::ops::Deref;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Workgroups of a dispatch along one dimension: Vulkan promises as many.
 const MAX_ROW: u32 = 65_535;
 
-/// A compiled compute stage.
+/// A compiled compute stage whose shader binds resources of a set.
 #[derive(Debug)]
-pub struct Stage {
-    name: &'static str,
-    pipeline: wgpu::ComputePipeline,
-    bindings: Bindings,
+pub struct Stage<S: Set> {
+    compiled: Compiled,
+    bindings: Bindings<S>,
 }
 
-/// Names and numbers of a shader's resources in group 0.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Bindings(Vec<(String, u32)>);
+/// A compiled shader.
+#[derive(Debug)]
+pub struct Compiled {
+    name: &'static str,
+    pipeline: wgpu::ComputePipeline,
+}
 
-impl Bindings {
+/// What a shader uses of a set of resources, in group 0: which, and the number that it has there.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Bindings<S: Set> {
+    used: Vec<(usize, u32)>,
+    set: PhantomData<S>,
+}
+
+impl<S: Set> fmt::Debug for Bindings<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = S::names();
+        f.debug_map().entries(self.used.iter().map(|&(index, binding)| (names[index], binding))).finish()
+    }
+}
+
+/// Names and numbers of what entry point `entry` of a shader uses in group 0.
+///
+/// # Errors
+/// If the text is not valid, or has no such entry point.
+pub fn used(wgsl: &str, entry: &str) -> Result<Vec<(String, u32)>, String> {
+    let module = naga::front::wgsl::parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
+    let mut validator = Validator::new(ValidationFlags::default(), Capabilities::all());
+    let info = validator.validate(&module).map_err(|e| e.emit_to_string(wgsl))?;
+    let number = module.entry_points.iter().position(|e| e.name == entry);
+    let uses = info.get_entry_point(number.ok_or_else(|| format!("there is no entry point {entry}"))?);
+    let used = module.global_variables.iter().filter(|(handle, _)| !uses[*handle].is_empty());
+    let numbered = used.filter_map(|(_, v)| {
+        let binding = v.binding.as_ref().filter(|b| b.group == 0)?.binding;
+        Some((v.name.clone().unwrap_or_default(), binding))
+    });
+    Ok(numbered.collect())
+}
+
+impl<S: Set> Bindings<S> {
     /// Reads from WGSL text what its entry point `entry` uses.
     ///
     /// # Panics
-    /// If the text is not valid: shaders are ours, and a test validates each.
+    /// If the text is not valid, or uses what is not of the set: shaders are ours, and a test looks at each.
     #[must_use]
     pub fn of(name: &str, wgsl: &str, entry: &str) -> Self {
-        let module = naga::front::wgsl::parse_str(wgsl)
-            .unwrap_or_else(|e| panic!("shader {name}: {}", e.emit_to_string(wgsl)));
-        let mut validator = Validator::new(ValidationFlags::default(), Capabilities::all());
-        let info = validator
-            .validate(&module)
-            .unwrap_or_else(|e| panic!("shader {name}: {}", e.emit_to_string(wgsl)));
-        let number = module.entry_points.iter().position(|e| e.name == entry);
-        let number = number.unwrap_or_else(|| panic!("shader {name} has no entry point {entry}"));
-        let uses = info.get_entry_point(number);
-        let named = module.global_variables.iter().filter(|(handle, _)| !uses[*handle].is_empty());
-        let numbered = named.filter_map(|(_, v)| {
-            Some((v.name.clone()?, v.binding.as_ref().filter(|b| b.group == 0)?.binding))
-        });
-        Self(numbered.collect())
+        let used = used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}"));
+        let names = S::names();
+        let in_set = |(used, binding): (String, u32)| {
+            let index = names.iter().position(|name| *name == used);
+            (index.unwrap_or_else(|| panic!("shader {name}: its set has no {used}")), binding)
+        };
+        Self { used: used.into_iter().map(in_set).collect(), set: PhantomData }
     }
 
     /// What both use: the halves of a pass.
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
-        self.0.extend(other.0);
-        self.0.sort();
-        self.0.dedup();
+        self.used.extend(other.used);
+        self.used.sort_unstable();
+        self.used.dedup();
         self
     }
 
-    /// A bind group of these resources. Every name of the shader must be given; others are ignored, so
-    /// that stages can be handed one list.
-    ///
-    /// # Panics
-    /// If a resource of the shader is not given.
+    /// A bind group of these resources, of which the shader takes what it uses.
     #[must_use]
     pub fn bind(
         &self,
         device: &wgpu::Device,
         label: &str,
         layout: &wgpu::BindGroupLayout,
-        resources: &[(&str, wgpu::BindingResource)],
+        resources: S::Resources<'_>,
     ) -> wgpu::BindGroup {
-        let entries: Vec<_> = self
-            .0
-            .iter()
-            .map(|(name, binding)| {
-                let found = resources.iter().find(|(n, _)| n == name);
-                let Some((_, resource)) = found else { panic!("{label}: no resource called {name}") };
-                wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() }
-            })
-            .collect();
+        let resources = S::list(resources);
+        let entry = |&(index, binding): &(usize, u32)| wgpu::BindGroupEntry {
+            binding,
+            resource: resources[index].clone(),
+        };
+        let entries: Vec<_> = self.used.iter().map(entry).collect();
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
     }
 }
 
-impl Stage {
+impl<S: Set> Stage<S> {
     /// Compiles `wgsl` (the whole text, prelude included).
     #[must_use]
     pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
@@ -99,15 +123,27 @@ impl Stage {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Self { name, pipeline, bindings: Bindings::of(name, wgsl, "main") }
+        Self { compiled: Compiled { name, pipeline }, bindings: Bindings::of(name, wgsl, "main") }
     }
 
     /// A bind group for this stage; see [`Bindings::bind`].
     #[must_use]
-    pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource)]) -> wgpu::BindGroup {
-        self.bindings.bind(&gpu.device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
+    pub fn bind(&self, gpu: &Gpu, resources: S::Resources<'_>) -> wgpu::BindGroup {
+        let layout = self.compiled.pipeline.get_bind_group_layout(0);
+        self.bindings.bind(&gpu.device, self.compiled.name, &layout, resources)
     }
+}
 
+/// Stages record as their shaders do, whatever they bind.
+impl<S: Set> Deref for Stage<S> {
+    type Target = Compiled;
+
+    fn deref(&self) -> &Compiled {
+        &self.compiled
+    }
+}
+
+impl Compiled {
     /// Records a dispatch of `num_groups` workgroups; in several rows, and up to a row more than asked for, where
     /// they are more than every GPU takes in one.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: u32) {

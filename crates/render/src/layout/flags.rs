@@ -22,6 +22,10 @@ pub const NODE_ONE_SIDED: u32 = 8;
 pub const NODE_TRIANGLES: u32 = 16;
 /// [`Node::flags`]: its points are there. Nothing is drawn of another.
 pub const NODE_RESIDENT: u32 = 32;
+/// [`VisibleBatch::flags`]: planes to read, 1 to 3.
+pub const VISIBLE_PLANES: u32 = 3;
+/// [`VisibleBatch::flags`]: seen by the left eye; moved up by one, by the right.
+pub const VISIBLE_BY_EYE: u32 = 16;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;
 /// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.

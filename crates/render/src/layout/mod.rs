@@ -5,27 +5,43 @@ mod flags;
 mod guard;
 mod prelude;
 mod view;
+mod words;
 
 pub use flags::{
     KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_RESIDENT, NODE_ROOT, NODE_TRIANGLES,
-    NODE_WHOLE, NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
+    NODE_WHOLE, NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_PLANES,
+    VISIBLE_TRIANGLES, VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use prelude::{Sums, Variant, prelude};
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
+pub use words::{
+    DEPTH40_SHIFT, EMPTY_KEY, EMPTY40, ID_ODD, ID_SHIFT, KEY_DEPTH_SHIFT, MASK_WORD_PX, OWN_BITS, OWN_NONE,
+    OWN_NONE_WORD, OWN_PER_WORD, OWN_SHIFT, PACKED_BLUE_SHIFT, PACKED_COUNT_MASK, PACKED_GREEN_SHIFT,
+    PACKED_RED_SHIFT, PAIR_SHIFT, PROTECTED_BLUE_SHIFT, PROTECTED_GREEN_SHIFT, PROTECTED_MASK,
+    PROTECTED_RED_SHIFT, STATE_LOW, STATE_PARTS, STATE_SHIFT, TILE_COLUMN_MASK, TILE_ROW_SHIFT,
+};
 
 pub use cloud::format::{
-    BATCH_POINTS, COORDINATE_BITS, ENDLESS_STEP, PAGE_POINTS, PLANE_BITS, POINTS_PER_LOAD,
-    SPACING_EXPONENT_SHIFT, STEP_SHIFT, WORKGROUP_SIZE,
+    ALPHA_SHIFT, BATCH_POINTS, BLUE_SHIFT, CELLS, CHANNEL_MASK, COARSE_CENTER, COARSE_MASK, COARSE_SHIFT,
+    COORDINATE_BITS, CORNER_MASK, DIAMETER_SHIFT, ENDLESS_STEP, GREEN_SHIFT, MIDDLE_CENTER, MIDDLE_MASK,
+    MIDDLE_SHIFT, OCTANT_SHIFT, OPAQUE, PAGE_POINTS, PLANE_BITS, PLANE_MASK, POINTS_PER_LOAD, RGB_MASK,
+    SECOND_CORNER_SHIFT, SIDE_SHIFT, SPACING_EXPONENT_SHIFT, STEP_MASK, STEP_SHIFT, THIRD_CORNER_SHIFT,
+    UNTIL_SHIFT, WORKGROUP_SIZE, Y_SHIFT, Z_SHIFT,
 };
 
 use base::space::Split;
 use bytemuck::{Pod, Zeroable};
 use cloud::{octree, spt};
 
-/// A batch whose longest side projects to fewer pixels than this is read at 10 bits; at 20 bits below
-/// 1024 times as many [2022 §3.3].
+/// A batch whose longest side projects to fewer pixels than this is read at 10 bits [2022 §3.3].
 pub const PRECISION_THRESHOLD_PX: f32 = 500.0;
+/// At fewer than this, 1024 times as many, it is read at 20 bits.
+pub const FINE_THRESHOLD_PX: f32 = PRECISION_THRESHOLD_PX * (1 << PLANE_BITS) as f32;
+/// Share of a plane's terms that rounding may cost in `cull`, which must never lose a point that `depth` would draw.
+pub const CULL_SLACK: f32 = 1e-5;
+/// Half a cube's diagonal, as a share of its edge.
+pub const CUBE_RADIUS: f32 = 0.866_025_4;
 /// The head's cell coordinate is a multiple of this, so that its product with a cell edge is exact in f32
 /// (12 + 12 bits of mantissa); see [`VisibleBatch`].
 pub const HEAD_CELL_STEP: i32 = 1 << 18;
@@ -120,7 +136,7 @@ pub struct Batch {
     pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
-    /// Of discs and triangles: the steps of tolerance that some of them are drawn at: from | until≪8.
+    /// Of discs and triangles: the steps of tolerance that some of them are drawn at: from, and until from [`UNTIL_SHIFT`] on.
     pub interval: u32,
 }
 
@@ -142,7 +158,7 @@ impl Batch {
         let batch = &spt.cloud.batches[number];
         let [from, until] = spt.intervals[number].map(u32::from);
         let plain = Self::new(&spt.cloud.split, batch, run, first_point);
-        Self { interval: from | until << 8, ..plain }
+        Self { interval: from | until << UNTIL_SHIFT, ..plain }
     }
 }
 
@@ -278,7 +294,7 @@ pub struct ClearUniform {
 /// begin with a word of their own.
 #[must_use]
 pub fn mask_words_per_row(width: u32) -> u32 {
-    width.div_ceil(32)
+    width.div_ceil(MASK_WORD_PX)
 }
 
 /// What the steps of `resolve` need to know of an eye's image.
@@ -310,13 +326,13 @@ pub struct VisibleBatch {
     pub num_points: u32,
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
-    /// Bits 0–1: planes to read (1–3); bit 4: seen by the left eye; bit 5: by the right; [`VISIBLE_FILL`],
+    /// [`VISIBLE_PLANES`]; [`VISIBLE_BY_EYE`], once for each eye that sees it; [`VISIBLE_FILL`],
     /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`], [`VISIBLE_WIDE`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
     /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
     pub flags: u32,
     /// [`Node::spacing`].
     pub spacing: [u32; 4],
-    /// State of the child in each octant in 8 bits, 255 where there is none: a point whose child is drawn has
+    /// State of the child in each octant in [`OWN_BITS`], [`OWN_NONE`] where there is none: a point whose child is drawn has
     /// its own color, else the filtered one, point by point as the child fades in.
     pub own: [u32; 2],
     /// State of the node, not 0; see [`DRAWN_WHOLE`].

@@ -1,16 +1,14 @@
 //! The shaders' prelude: every constant of the layout as WGSL text, and what differs between variants of a text.
 
-use super::{
-    BATCH_POINTS, CHILD_ABSENT, COORDINATE_BITS, COUNT_BINS, COUNTERS_STRIDE, DILATE_FALLOFF_BITS,
-    DILATE_REACH_PX, DRAWN_WHOLE, EMPTY_DEPTH, ENDLESS_STEP, FADE_BEGIN, FADE_END, FILL_OVERLAP,
-    FIXED40_RANGES, GUARD_PX, HEAD_CELL_LIMIT, HEAD_CELL_STEP, HYSTERESIS, IMAGE_PITCH_PX, KEEP_UNSEEN,
-    LOD_FADE, LOD_SMOOTH, MAX_EXTRA_SLICES, MAX_FILL_RADIUS, MAX_SLICES, NO_CHILD, NODE_DISCS,
-    NODE_ONE_SIDED, NODE_RESIDENT, NODE_ROOT, NODE_TRIANGLES, NODE_WHOLE, NUM_SLICES_SHIFT, OWN_FILL_RADIUS,
-    PLANE_BITS, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, PROTECTED_POINTS, REACH_MASK,
-    SAMPLES_COVER, SLICE_PIXELS, SLICE_SHIFT, SPACING_EXPONENT_SHIFT, STEP_SHIFT, SURFACE_TOLERANCE,
-    TILE_HIDES, TILE_PX, TRIANGLE_SLACK_PX, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE,
-    WORKGROUP_SIZE, fixed40_firsts,
-};
+// Every constant, by its name.
+use super::*;
+
+/// Lines of constants that have a type of both languages, by their names.
+macro_rules! constants {
+    ($($type:ident $suffix:literal: $($name:ident)+;)+) => {
+        concat_lines(&[$($((stringify!($name), stringify!($type), format!(concat!("{:?}", $suffix), $name)),)+)+])
+    };
+}
 
 /// How a pixel's colors are added up. All forms give the same sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,10 +82,32 @@ pub fn prelude(variant: Variant) -> String {
         variant;
     let sums = sums as u32;
     let [tile_width, tile_height] = TILE_PX;
-    // Not every GPU knows f64: only those hear of it who use it.
+    // Not every GPU knows f64 or u64: only those hear of them who use them.
     let ranges = if fixed40 { fixed40_prelude() } else { String::new() };
+    let constants = constants! {
+        u32 "u":
+            ALPHA_SHIFT BATCH_POINTS BLUE_SHIFT CHANNEL_MASK CHILD_ABSENT COARSE_CENTER COARSE_MASK
+            COARSE_SHIFT COORDINATE_BITS CORNER_MASK COUNTERS_STRIDE COUNT_BINS DEPTH40_SHIFT
+            DIAMETER_SHIFT DILATE_FALLOFF_BITS DILATE_REACH_PX DRAWN_WHOLE EMPTY_DEPTH ENDLESS_STEP
+            GREEN_SHIFT GUARD_PX ID_ODD ID_SHIFT IMAGE_PITCH_PX KEEP_UNSEEN KEY_DEPTH_SHIFT LOD_FADE
+            LOD_SMOOTH MASK_WORD_PX MAX_EXTRA_SLICES MAX_FILL_RADIUS MAX_SLICES MIDDLE_CENTER MIDDLE_MASK
+            MIDDLE_SHIFT NODE_DISCS NODE_ONE_SIDED NODE_RESIDENT NODE_ROOT NODE_TRIANGLES NODE_WHOLE
+            NO_CHILD NUM_SLICES_SHIFT OCTANT_SHIFT OPAQUE OWN_BITS OWN_FILL_RADIUS OWN_NONE OWN_NONE_WORD
+            OWN_PER_WORD OWN_SHIFT PACKED_BLUE_SHIFT PACKED_COUNT_MASK PACKED_GREEN_SHIFT
+            PACKED_RED_SHIFT PAIR_SHIFT PLANE_BITS PLANE_MASK POINTS_PER_LOAD PROTECTED_BLUE_SHIFT
+            PROTECTED_GREEN_SHIFT PROTECTED_MASK PROTECTED_POINTS PROTECTED_RED_SHIFT REACH_MASK RGB_MASK
+            SECOND_CORNER_SHIFT SIDE_SHIFT SLICE_PIXELS SLICE_SHIFT SPACING_EXPONENT_SHIFT STATE_LOW
+            STATE_PARTS STATE_SHIFT STEP_MASK STEP_SHIFT THIRD_CORNER_SHIFT TILE_COLUMN_MASK TILE_HIDES
+            TILE_ROW_SHIFT UNTIL_SHIFT VISIBLE_BY_EYE VISIBLE_DISCS VISIBLE_FILL VISIBLE_PLANES
+            VISIBLE_TRIANGLES VISIBLE_WIDE WORKGROUP_SIZE Y_SHIFT Z_SHIFT;
+        i32 "":
+            HEAD_CELL_LIMIT HEAD_CELL_STEP;
+        f32 "":
+            CELLS CUBE_RADIUS CULL_SLACK FADE_BEGIN FADE_END FILL_OVERLAP FINE_THRESHOLD_PX HYSTERESIS
+            POINTS_COVER PRECISION_THRESHOLD_PX SAMPLES_COVER SURFACE_TOLERANCE TRIANGLE_SLACK_PX;
+    };
     format!(
-        "{ranges}\
+        "{ranges}{constants}\
          const NUM_EYES: u32 = {num_eyes}u;\n\
          const FILL: bool = {fill};\n\
          const TOGETHER: bool = {together};\n\
@@ -97,68 +117,21 @@ pub fn prelude(variant: Variant) -> String {
          const BASIC: bool = {basic};\n\
          const CONVERGED: bool = {converged};\n\
          const EARLY_Z: bool = {early_z};\n\
-         const WORKGROUP_SIZE: u32 = {WORKGROUP_SIZE}u;\n\
-         const COUNT_BINS: u32 = {COUNT_BINS}u;\n\
-         const BATCH_POINTS: u32 = {BATCH_POINTS}u;\n\
-         const POINTS_PER_LOAD: u32 = {POINTS_PER_LOAD}u;\n\
-         const COORDINATE_BITS: u32 = {COORDINATE_BITS}u;\n\
-         const PLANE_BITS: u32 = {PLANE_BITS}u;\n\
-         const PRECISION_THRESHOLD_PX: f32 = {PRECISION_THRESHOLD_PX:?};\n\
-         const COUNTERS_STRIDE: u32 = {COUNTERS_STRIDE}u;\n\
-         const EMPTY_DEPTH: u32 = {EMPTY_DEPTH}u;\n\
-         const HEAD_CELL_STEP: i32 = {HEAD_CELL_STEP};\n\
-         const HEAD_CELL_LIMIT: i32 = {HEAD_CELL_LIMIT};\n\
          const PACKED: u32 = {}u;\n\
          const PROTECTED: u32 = {}u;\n\
          const WIDE: u32 = {}u;\n\
          const PAIRS: u32 = {}u;\n\
-         const NODE_RESIDENT: u32 = {NODE_RESIDENT}u;\n\
-         const NO_CHILD: u32 = {NO_CHILD}u;\n\
-         const CHILD_ABSENT: u32 = {CHILD_ABSENT}u;\n\
-         const NODE_WHOLE: u32 = {NODE_WHOLE}u;\n\
-         const NODE_ROOT: u32 = {NODE_ROOT}u;\n\
-         const NODE_DISCS: u32 = {NODE_DISCS}u;\n\
-         const NODE_ONE_SIDED: u32 = {NODE_ONE_SIDED}u;\n\
-         const NODE_TRIANGLES: u32 = {NODE_TRIANGLES}u;\n\
-         const DRAWN_WHOLE: u32 = {DRAWN_WHOLE}u;\n\
-         const HYSTERESIS: f32 = {HYSTERESIS:?};\n\
-         const FADE_BEGIN: f32 = {FADE_BEGIN:?};\n\
-         const FADE_END: f32 = {FADE_END:?};\n\
-         const MAX_FILL_RADIUS: u32 = {MAX_FILL_RADIUS}u;\n\
-         const OWN_FILL_RADIUS: u32 = {OWN_FILL_RADIUS}u;\n\
-         const FILL_OVERLAP: f32 = {FILL_OVERLAP:?};\n\
-         const POINTS_COVER: f32 = {POINTS_COVER:?};\n\
-         const SAMPLES_COVER: f32 = {SAMPLES_COVER:?};\n\
-         const REACH_MASK: u32 = {REACH_MASK}u;\n\
-         const SPACING_EXPONENT_SHIFT: u32 = {SPACING_EXPONENT_SHIFT}u;\n\
-         const PROTECTED_POINTS: u32 = {PROTECTED_POINTS}u;\n\
-         const VISIBLE_FILL: u32 = {VISIBLE_FILL}u;\n\
-         const VISIBLE_DISCS: u32 = {VISIBLE_DISCS}u;\n\
-         const VISIBLE_TRIANGLES: u32 = {VISIBLE_TRIANGLES}u;\n\
-         const VISIBLE_WIDE: u32 = {VISIBLE_WIDE}u;\n\
-         const TRIANGLE_SLACK_PX: f32 = {TRIANGLE_SLACK_PX:?};\n\
-         const SLICE_PIXELS: u32 = {SLICE_PIXELS}u;\n\
-         const MAX_SLICES: u32 = {MAX_SLICES}u;\n\
-         const MAX_EXTRA_SLICES: u32 = {MAX_EXTRA_SLICES}u;\n\
-         const SLICE_SHIFT: u32 = {SLICE_SHIFT}u;\n\
-         const NUM_SLICES_SHIFT: u32 = {NUM_SLICES_SHIFT}u;\n\
-         const STEP_SHIFT: u32 = {STEP_SHIFT}u;\n\
-         const ENDLESS_STEP: u32 = {ENDLESS_STEP}u;\n\
-         const LOD_FADE: u32 = {LOD_FADE}u;\n\
-         const LOD_SMOOTH: u32 = {LOD_SMOOTH}u;\n\
-         const KEEP_UNSEEN: u32 = {KEEP_UNSEEN}u;\n\
-         const SURFACE_TOLERANCE: f32 = {SURFACE_TOLERANCE:?};\n\
-         const TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n\
-         const TILE_HIDES: u32 = {TILE_HIDES}u;\n\
-         const DILATE_REACH_PX: u32 = {DILATE_REACH_PX}u;\n\
-         const IMAGE_PITCH_PX: u32 = {IMAGE_PITCH_PX}u;\n\
-         const GUARD_PX: u32 = {GUARD_PX}u;\n\
-         const DILATE_FALLOFF_BITS: u32 = {DILATE_FALLOFF_BITS}u;\n",
+         const TILE_PX: vec2<u32> = vec2<u32>({tile_width}u, {tile_height}u);\n",
         Sums::Packed as u32,
         Sums::Protected as u32,
         Sums::Wide as u32,
         Sums::Pairs as u32,
     )
+}
+
+/// Name, type and value of each.
+fn concat_lines(constants: &[(&str, &str, String)]) -> String {
+    constants.iter().map(|(name, of, value)| format!("const {name}: {of} = {value};\n")).collect()
 }
 
 fn fixed40_prelude() -> String {
@@ -170,5 +143,6 @@ fn fixed40_prelude() -> String {
              const RANGE_{name}_FIRST: u64 = {first}lu;\n"
         )
     });
-    lines.collect()
+    let empty = format!("const EMPTY40: u64 = {EMPTY40}lu;\nconst EMPTY_KEY: u64 = {EMPTY_KEY}lu;\n");
+    lines.chain([empty]).collect()
 }

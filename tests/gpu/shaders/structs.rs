@@ -1,0 +1,164 @@
+//! Structs that host and shaders share are the same ones, both ways: fields, offsets and sizes.
+
+use super::{OUTSIDE, SEEN, parse};
+use naga::{AddressSpace, Handle, Module, Type, TypeInner};
+use render::layout::{self, CullCounters, Variant};
+use render::shaders::source;
+use std::collections::BTreeSet;
+use std::mem::offset_of;
+
+/// Structs of shaders that the host has no struct for, and why.
+const EXCEPTIONS: [(&str, &str); 1] =
+    [("Drawn", "the window's: four f32 in src/desktop/mirror.rs, which makes and writes them in one place")];
+
+/// Name, size and (field, offset) of a host struct.
+pub type HostStruct = (&'static str, usize, Vec<(&'static str, usize)>);
+
+macro_rules! host {
+    ($name:ident: $($field:ident),+) => {{
+        // A field that is not named here is a build error.
+        let _ = |layout::$name { $($field: _),+ }: layout::$name| ();
+        (stringify!($name), size_of::<layout::$name>(),
+         vec![$((stringify!($field), offset_of!(layout::$name, $field))),+])
+    }};
+}
+
+/// The host's side.
+pub fn host_structs() -> Vec<HostStruct> {
+    vec![
+        host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval),
+        host!(Node: min_hi, edge, min_lo, flags, spacing, children, level, sample_spacing, spacing_step, reserved),
+        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
+            gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height,
+            tolerance_growth, reserved_end),
+        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
+            fill_reach_px, step_base, undivided_px, margin_px, eyes),
+        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
+            reserved, spacing_step, sample_spacing),
+        host!(ChunkUniform: first_index, num_points, reserved),
+        host!(ClearUniform: value, num_left, num_right, reserved),
+        host!(ResolveUniform: size_px, background, is_bgra),
+        host!(DilateUniform: eye, radius_px, reserved),
+        host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved),
+        host!(Counts: num_drawn, num_asked, num_looks, num_colors, num_chosen, reserved),
+    ]
+}
+
+/// The structs that a shader's buffers hold, those within others too.
+pub fn shared_structs(module: &Module) -> BTreeSet<String> {
+    fn add(module: &Module, of: Handle<Type>, names: &mut BTreeSet<String>) {
+        match &module.types[of].inner {
+            TypeInner::Struct { members, .. } => {
+                names.insert(module.types[of].name.clone().expect("structs of WGSL have names"));
+                members.iter().for_each(|member| add(module, member.ty, names));
+            }
+            TypeInner::Array { base, .. } => add(module, *base, names),
+            _ => {}
+        }
+    }
+    let mut names = BTreeSet::new();
+    for (_, variable) in module.global_variables.iter() {
+        if matches!(variable.space, AddressSpace::Uniform | AddressSpace::Storage { .. }) {
+            add(module, variable.ty, &mut names);
+        }
+    }
+    names
+}
+
+/// What differs between a host struct and the shaders' struct of that name.
+fn difference(module: &Module, (name, size, fields): &HostStruct) -> Option<String> {
+    let Some((_, ty)) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)) else {
+        return Some(format!("the shaders have no struct {name}"));
+    };
+    let TypeInner::Struct { members, span } = &ty.inner else {
+        return Some(format!("{name} is no struct"));
+    };
+    let theirs: Vec<(&str, usize)> =
+        members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
+    (theirs != *fields || *span as usize != *size)
+        .then(|| format!("{name}: shader {theirs:?} of {span} bytes, host {fields:?} of {size}"))
+}
+
+/// What is wrong with the structs of a shader's buffers.
+pub fn faults(module: &Module, hosts: &[HostStruct]) -> Vec<String> {
+    let is_exception = |name: &str| EXCEPTIONS.iter().any(|(exception, _)| *exception == name);
+    let fault = |name: &String| match hosts.iter().find(|(host, ..)| host == name) {
+        Some(host) => difference(module, host),
+        None if is_exception(name) => None,
+        None => Some(format!("the host has no struct {name}")),
+    };
+    shared_structs(module).iter().filter_map(fault).collect()
+}
+
+#[test]
+fn shared_structs_are_the_same_in_host_and_shaders() {
+    let hosts = host_structs();
+    let mut used = BTreeSet::new();
+    for seen in SEEN.iter() {
+        assert_eq!(seen.faults, [""; 0], "{}", seen.name);
+        used.extend(seen.structs.clone());
+    }
+    for (name, wgsl, _) in OUTSIDE {
+        let module = parse(name, wgsl);
+        assert_eq!(faults(&module, &hosts), [""; 0], "{name}");
+        used.extend(shared_structs(&module));
+    }
+    let names = hosts.iter().map(|(name, ..)| *name).chain(EXCEPTIONS.map(|(name, _)| name));
+    assert!(
+        used.iter().map(String::as_str).eq(names.collect::<BTreeSet<_>>()),
+        "no shader lacks one: {used:?}"
+    );
+}
+
+#[test]
+fn every_struct_of_the_layout_is_compared() {
+    let hosts = host_structs();
+    let files = ["mod.rs", "view.rs", "flags.rs", "guard.rs", "words.rs", "prelude.rs"];
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/render/src/layout");
+    let mut num_found = 0;
+    for entry in std::fs::read_dir(&folder).expect("the layout's folder") {
+        let path = entry.expect("a file").path();
+        assert!(files.iter().any(|file| path.ends_with(file)), "{path:?} is looked at");
+        let text = std::fs::read_to_string(path).expect("a source file");
+        for of_c in text.split("#[repr(C)]").skip(1) {
+            let name = of_c.split("pub struct ").nth(1).and_then(|s| s.split_whitespace().next());
+            let name = name.expect("a struct");
+            assert!(hosts.iter().any(|(host, ..)| *host == name), "{name}");
+            num_found += 1;
+        }
+    }
+    assert_eq!(num_found, hosts.len());
+}
+
+/// `clear` writes counters as words, `boxes` reads the first.
+#[test]
+fn counters_are_cleared_as_the_struct_has_them() {
+    let cleared = CullCounters { workgroups_y: 1, workgroups_z: 1, ..CullCounters::default() };
+    assert_eq!(bytemuck::cast::<_, [u32; 8]>(cleared), [0, 1, 1, 0, 0, 0, 0, 0]);
+    let text = source("clear", Variant::eyes(2));
+    assert!(text.contains("vec4<u32>(0u, 1u, 1u, 0u)"), "the shader's first four words");
+    assert_eq!(offset_of!(CullCounters, num_visible), 0, "what `boxes` reads");
+}
+
+#[test]
+fn the_comparison_of_structs_can_fail() {
+    let text = source("depth", Variant::eyes(2));
+    let broken = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        faults(&parse("broken", &text.replace(from, to)), &host_structs())
+    };
+    assert!(broken("struct DilateUniform", "struct DilateUniform").is_empty());
+    // Fields in another order, one too few, and a struct that the host does not know.
+    assert_eq!(
+        broken(
+            "own: vec2<u32>,\n    drawn: u32,\n    batch: u32,",
+            "drawn: u32,\n    batch: u32,\n    own: vec2<u32>,"
+        )
+        .len(),
+        1
+    );
+    assert_eq!(broken("num_points: u32,\n    reserved: vec2<u32>,\n}", "num_points: u32,\n}").len(), 1);
+    assert_eq!(broken("ChunkUniform", "Piece"), ["the host has no struct Piece"]);
+    // Within another.
+    assert_eq!(broken("EyeUniform", "Eye"), ["the host has no struct Eye"]);
+}
