@@ -2,7 +2,7 @@
 //! with any preset, at any step of the governor; nor in scans, of the pixels that the frame of all points fills. A small
 //! form of the benchmark's table (`docs/bench/holes`): fewer pixels, or fewer headsets with each preset.
 
-#[allow(dead_code, reason = "the benchmark uses more")]
+#[allow(dead_code, clippy::module_inception, reason = "the benchmark's, which uses more")]
 #[path = "../../benches/quality/holes.rs"]
 mod holes;
 #[allow(dead_code, reason = "the benchmark uses more")]

@@ -31,8 +31,11 @@ fn capabilities(atomics: Atomics) -> Capabilities {
 const LOOPS: [(bool, bool, bool); 4] =
     [(false, false, true), (true, false, true), (true, true, true), (true, true, false)];
 
+/// Names of bindings and their numbers.
+type Numbers = &'static [(&'static str, u32)];
+
 /// Shaders that the host has outside of [`SHADERS`], and what they bind, with the numbers that stand in their host code.
-const OUTSIDE: [(&str, &str, &[(&str, u32)]); 3] = [
+const OUTSIDE: [(&str, &str, Numbers); 3] = [
     (
         "mirror",
         include_str!("../../shaders/mirror.wgsl"),

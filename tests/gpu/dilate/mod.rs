@@ -63,8 +63,8 @@ fn sparse([width, height]: [u32; 2], percent: u64, seed: u64) -> Vec<Pixel> {
             let (u, v) = (x as f32 / 64.0, y as f32 / 64.0);
             let near = (u * 3.0).sin() + (v * 2.0).cos() > 0.6;
             let depth = if near { 2.0 + 0.05 * u } else { 5.0 + 0.3 * v };
-            let color = [random.next() as u8, (40.0 * u) as u8, (50.0 * v) as u8];
-            pixels.push(match random.next() % 1000 {
+            let color = [random.bits() as u8, (40.0 * u) as u8, (50.0 * v) as u8];
+            pixels.push(match random.bits() % 1000 {
                 0 => pixel(0.1 + 10.0 * random.unit() as f32, color),
                 n if n < 10 * percent => pixel(depth, color),
                 _ => EMPTY,
@@ -139,8 +139,8 @@ fn gpu_equals_its_twin_where_few_pixels_take() {
     for num_holes in [0, 1, 2, 40, 700] {
         let mut surface = slope.clone();
         for _ in 0..num_holes {
-            let at = (random.next() % 30_000) as usize;
-            surface[at] = if random.next().is_multiple_of(2) { EMPTY } else { pixel(9.0, [1, 2, 3]) };
+            let at = (random.bits() % 30_000) as usize;
+            surface[at] = if random.bits().is_multiple_of(2) { EMPTY } else { pixel(9.0, [1, 2, 3]) };
         }
         for uniform in [by_ring(0), by_ring(1), fixed(1), fixed(3)] {
             let want = dilate(&view, &uniform, &surface);
@@ -202,8 +202,8 @@ fn sums_of(surface: &[Pixel], max_points: u64) -> Vec<Sum> {
     let mut random = Random(17);
     let mut sum = |&[depth, color]: &Pixel| {
         let [r, g, b, _] = color.to_le_bytes().map(u64::from);
-        let count = 1 + random.next() % max_points;
-        let mut channel = |of: u64| (count * of + random.next() % count).min(255 * count) as u32;
+        let count = 1 + random.bits() % max_points;
+        let mut channel = |of: u64| (count * of + random.bits() % count).min(255 * count) as u32;
         if depth == EMPTY[0] { [0; 4] } else { [channel(r), channel(g), channel(b), count as u32] }
     };
     surface.iter().map(&mut sum).collect()
@@ -285,7 +285,7 @@ fn one_surface_without_holes_stays() {
     let view = view([40, 30]);
     let mut random = Random(3);
     let surface: Vec<Pixel> =
-        (0..1200).map(|_| pixel(2.5, [random.next() as u8, random.next() as u8, 7])).collect();
+        (0..1200).map(|_| pixel(2.5, [random.bits() as u8, random.bits() as u8, 7])).collect();
     assert_eq!(dilate(&view, &by_ring(0), &surface), surface);
 }
 
@@ -307,7 +307,7 @@ fn the_far_never_bleeds_over_the_near() {
         let mut both = near.clone();
         let mut random = Random(5);
         for p in both.iter_mut().filter(|p| **p == EMPTY) {
-            *p = pixel(2.3 + random.unit() as f32, [random.next() as u8; 3]);
+            *p = pixel(2.3 + random.unit() as f32, [random.bits() as u8; 3]);
         }
         let (alone, together) = (dilate(&view, &uniform, &near), dilate(&view, &uniform, &both));
         for (i, p) in alone.iter().enumerate().filter(|(_, p)| **p != EMPTY) {

@@ -2,7 +2,7 @@
 
 use super::keys::{Cube, Placed, Root};
 use super::tree::{Draft, Octant};
-use super::{GRID_BITS, Hierarchy, Node, NodeBlock};
+use super::{GRID_BITS, Hierarchy, Node, NodeBlock, TakeNodes};
 use crate::format::{BATCH_POINTS, COORDINATE_BITS, PAGE_POINTS, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
 use crate::index::Index;
 use crate::quantize::{Cells, planes};
@@ -119,7 +119,7 @@ pub(super) fn fill<E: From<BuildError>>(
     source: &Source,
     plan: Plan,
     progress: &Progress,
-    take: &mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Result<(), E>,
+    take: TakeNodes<E>,
 ) -> Result<Hierarchy, E> {
     let Plan { hierarchy, origins, octants } = plan;
     for run in runs(&hierarchy.nodes) {

@@ -166,6 +166,9 @@ pub struct NodeBlock {
     pub filtered_colors: Vec<u32>,
 }
 
+/// Takes a run of nodes as they come.
+pub type TakeNodes<'a, E> = &'a mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Result<(), E>;
+
 /// A layered point cloud, whole in memory.
 #[derive(Clone, Debug)]
 pub struct Octree {
@@ -239,7 +242,7 @@ pub fn is_crowded(nodes: &[Node]) -> bool {
 pub fn build_nodes<E: From<BuildError>>(
     scan: &Scan,
     progress: &Progress,
-    take: &mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Result<(), E>,
+    take: TakeNodes<E>,
 ) -> Result<Hierarchy, E> {
     let Checked { bounds, scene, .. } = check(scan)?;
     let index = Index::new(scan);
