@@ -155,7 +155,7 @@ fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     let side = 2.0 * radius + 1.0;
     let num_turns = (num_points + POINTS_PER_LOAD - 1u) / POINTS_PER_LOAD;
     let most = POINTS_PER_LOAD * ((num_turns + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE);
-    return u32(clamp(f32(num_points) * (side * side) / f32(SLICE_PIXELS), 1.0, f32(most)));
+    return u32(clamp(f32(num_points) * (side * side) / f32(WIDE_SLICE_PIXELS), 1.0, f32(most)));
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -10,7 +10,8 @@ use render::layout::{
     NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS, OWN_NONE, OWN_PER_WORD,
     OWN_SHIFT, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS,
     SLICE_SHIFT, STATE_PARTS, STATE_SHIFT, STEP_MASK, UNTIL_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS,
-    VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch, WORKGROUP_SIZE,
+    VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch, WIDE_SLICE_PIXELS,
+    WORKGROUP_SIZE,
 };
 
 /// Half as many cells as a box edge has.
@@ -54,7 +55,7 @@ fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     }
     let side = 2.0 * radius + 1.0;
     let most = POINTS_PER_LOAD * num_points.div_ceil(POINTS_PER_LOAD).div_ceil(WORKGROUP_SIZE);
-    (num_points as f32 * (side * side) / SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
+    (num_points as f32 * (side * side) / WIDE_SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
 }
 
 /// Workgroups that draw a batch of triangles.

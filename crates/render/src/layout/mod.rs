@@ -78,9 +78,11 @@ pub const SAMPLES_COVER: f32 = 2.24;
 pub const PROTECTED_POINTS: u32 = 255;
 /// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
 pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
-/// Pixels for which a batch gets a workgroup more: four times as many a thread as there are threads. With fewer, the list of
-/// slices is full in large frames, and whoever comes late is drawn by one workgroup (docs/bench/gpu: 20 ms for 6).
-pub const SLICE_PIXELS: u32 = 4 * WORKGROUP_SIZE * WORKGROUP_SIZE;
+/// Pixels for which a batch of triangles gets a workgroup more: as many a thread as there are threads.
+pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
+/// The same of wide points: four times as many a thread as there are threads. With fewer, the list of slices is full in large
+/// frames, and whoever comes late is drawn by one workgroup (docs/bench/gpu/README.md: 20 ms for 6).
+pub const WIDE_SLICE_PIXELS: u32 = 4 * SLICE_PIXELS;
 /// Workgroups of a batch at most.
 pub const MAX_SLICES: u32 = 256;
 /// Workgroups beyond the first of all batches of a chunk, at most: room in its list.
