@@ -18,11 +18,13 @@
 //! ```no_run
 //! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::state::Action>) {}
 //! # fn main() -> anyhow::Result<()> {
-//! use scanwalk::{config::Config, desktop, gpu::Gpu, progress::CancelToken, walk::link};
+//! use base::task::CancelToken;
+//! use render::gpu::Gpu;
+//! use scanwalk::{config::Config, desktop, walk::link};
 //! let gpu = std::sync::Arc::new(Gpu::open(None)?);
 //! let (stop, config) = (CancelToken::default(), Config::default());
 //! let (walk_end, actions, viewer) = link::link();
-//! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end requests `stop`
+//! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end cancels `stop`
 //! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
 //! match desktop::Display::open(&stop) {
 //!     Ok(display) => display.run(gpu, viewer, facts, &config, stop.clone())?,
