@@ -19,6 +19,7 @@ pub mod cli;
 pub mod config;
 pub mod desktop;
 pub mod ending;
+pub mod nodes;
 pub mod overview;
 pub mod resolve;
 pub mod shot;

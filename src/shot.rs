@@ -2,20 +2,20 @@
 //! point falls on.
 
 use crate::config::{Config, LodMethod};
+use crate::nodes;
 use crate::overview::{self, Lens};
 use crate::resolve;
 use anyhow::Context;
 use base::output::{Output, OutputError, OutputFile};
 use base::percentile::Sorted;
 use base::space::{Eye, Fov, Pose, View};
-use base::task::{Progress, Task};
-use cloud::octree::build_nodes;
+use base::task::Task;
 use cloud::spt::build_spt;
 use glam::DVec3;
 use lab::twin::resolve::{Pixel, depth_of};
 use points::{self, Scan, Scene};
 use render::gpu::{Gpu, readback};
-use render::{CloudBuffers, CloudUpload, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -156,21 +156,12 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, task: &Task) -> anyhow::Result
         return Ok((buffers, spt.cloud.scene));
     }
     if config.lod.enabled {
-        // Points are counted twice as the octree is built, and once as they are sent.
-        let building = task.begin("building the octree", "points", 3 * num_points);
-        let silent = Progress::silent(task.cancel_token());
-        let mut upload: Option<CloudUpload> = None;
-        let hierarchy = build_nodes(&scan, &building, &mut |hierarchy, blocks| {
-            let upload = match &mut upload {
-                Some(upload) => upload,
-                None => upload.insert(CloudUpload::layered(gpu, hierarchy, chunk_limit, &silent)?),
-            };
-            upload.write_blocks(hierarchy, &blocks)?;
-            building.add(blocks.iter().map(|block| block.colors.len() as u64).sum());
-            Ok::<(), anyhow::Error>(())
+        let mut sent = None;
+        nodes::send::<anyhow::Error>(gpu, &scan, chunk_limit, task, |cloud, hierarchy| {
+            sent = Some((cloud, hierarchy.scene.clone()));
         })?;
         // A hierarchy has a root.
-        return Ok((upload.context("an octree without nodes")?.buffers(), hierarchy.scene));
+        return sent.context("an octree without nodes");
     }
     let sorting = task.begin("batching", "points", num_points);
     let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;

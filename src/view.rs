@@ -6,6 +6,7 @@
 use crate::config::{Config, LodMethod};
 use crate::desktop::{self, Display};
 use crate::ending::Ending;
+use crate::nodes;
 use crate::resolve;
 use crate::walk::link::{self, WalkEnd};
 use crate::walk::simulated::SimulatedHeadset;
@@ -13,14 +14,13 @@ use crate::walk::start::start;
 use crate::walk::{Loaded, Walk};
 use anyhow::Context;
 use base::output::Output;
-use base::task::{CancelToken, Progress, Task};
+use base::task::{CancelToken, Task};
 use base::words::{self, counted};
-use cloud::octree::build_nodes;
 use cloud::spt::build_spt;
 use cloud::{self, BuildError};
 use points::{self, Scan, ScanError, Scene};
 use render::gpu::Gpu;
-use render::{CloudBuffers, CloudUpload, UploadError};
+use render::{CloudBuffers, UploadError};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -269,32 +269,17 @@ impl Loader<'_> {
 
     /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
     fn layered(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
-        // Points are counted twice as the octree is built, and once as they are sent.
-        let building = task.begin("building the octree", PASSES, 3 * scan.num_points() as u64);
-        let sending = Progress::silent(task.cancel_token());
-        let chunk_limit = resolve::chunk_limit(self.config);
-        let mut upload: Option<CloudUpload> = None;
         let mut bytes = 0;
-        build_nodes(scan, &building, &mut |hierarchy, blocks| {
-            let is_first = upload.is_none();
-            let upload = match &mut upload {
-                Some(upload) => upload,
-                None => upload.insert(CloudUpload::layered(self.gpu, hierarchy, chunk_limit, &sending)?),
-            };
-            upload.write_blocks(hierarchy, &blocks)?;
-            building.add(blocks.iter().map(|block| block.colors.len() as u64).sum());
-            if is_first {
-                bytes = self.show(upload.buffers(), &hierarchy.scene, scan);
-            }
-            Ok::<(), LoadError>(())
-        })?;
-        Ok(bytes)
+        nodes::send(self.gpu, scan, resolve::chunk_limit(self.config), task, |cloud, hierarchy| {
+            bytes = self.show(cloud, &hierarchy.scene, scan);
+        })
+        .map(|()| bytes)
     }
 
     /// Builds the sequential point tree of a scan and sends it to the GPU.
     fn sequential(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         // Points are counted twice, discs once.
-        let building = task.begin("building the point tree", PASSES, 7 * scan.num_points() as u64 / 2);
+        let building = task.begin("building the point tree", nodes::PASSES, 7 * scan.num_points() as u64 / 2);
         let spt = build_spt(scan, self.config.lod.cull_backfaces, &building)?;
         drop(building);
         // Three planes, colors and shapes.
@@ -361,9 +346,6 @@ impl LoadError {
         )
     }
 }
-
-/// What the counts of both builders are of: each point several times.
-const PASSES: &str = "points in several passes";
 
 /// What the window's panel says of the scan.
 fn scan_facts(scan: &points::Scan) -> Vec<(String, String)> {

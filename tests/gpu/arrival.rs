@@ -13,12 +13,14 @@ use render::options::Quality;
 use render::{CloudBuffers, CloudUpload, EyeImage};
 use scanwalk::config::Config;
 use scanwalk::resolve;
+use scanwalk::walk::link::WalkEnd;
 use scanwalk::walk::locomotion::Start;
 use scanwalk::walk::simulated::SimulatedHeadset;
 use scanwalk::walk::start::start;
+use scanwalk::walk::state::Action;
 use scanwalk::walk::{Loaded, Walk, WalkError, link};
 use std::sync::Arc;
-use std::sync::mpsc::{SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use timing::FrameRow;
 use xr::{Beat, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
 
@@ -203,6 +205,29 @@ impl Witness {
     }
 }
 
+/// A walk without window, log and limits.
+fn endless<'a>(
+    gpu: &Arc<Gpu>,
+    config: &'a Config,
+    loaded: Receiver<Loaded>,
+    (actions, link): (Receiver<Action>, WalkEnd),
+    stop: &CancelToken,
+) -> Walk<'a> {
+    Walk {
+        gpu: Arc::clone(gpu),
+        config,
+        loaded,
+        actions,
+        link,
+        mirrored: false,
+        log: None,
+        pose_path: None,
+        max_frames: None,
+        max_time: None,
+        stop: stop.clone(),
+    }
+}
+
 /// The rows and the pictures of a walk that shows nothing, then the root, then the octree.
 fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     let mut config = Config::default();
@@ -217,19 +242,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     // Without room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
     let stop = CancelToken::default();
-    let walk = Walk {
-        gpu: gpu(),
-        config: &config,
-        loaded,
-        actions,
-        link: frame_link,
-        mirrored: false,
-        log: None,
-        pose_path: None,
-        max_frames: None,
-        max_time: None,
-        stop: stop.clone(),
-    };
+    let walk = endless(&gpu(), &config, loaded, (actions, frame_link), &stop);
     let mut pictures: Vec<Seen> = Vec::new();
     std::thread::scope(|scope| {
         let frames = scope.spawn(move || walk.run(&mut Witness::new(seen_sender)));
@@ -287,19 +300,7 @@ fn a_lost_gpu_ends_the_walk_with_its_reason() {
     config.simulated.size_px = SIZE_PX;
     let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
-    let walk = Walk {
-        gpu: Arc::clone(&gpu),
-        config: &config,
-        loaded,
-        actions,
-        link: frame_link,
-        mirrored: false,
-        log: None,
-        pose_path: None,
-        max_frames: None,
-        max_time: None,
-        stop: CancelToken::default(),
-    };
+    let walk = endless(&gpu, &config, loaded, (actions, frame_link), &CancelToken::default());
     let error = std::thread::scope(|scope| {
         let frames = scope.spawn(|| walk.run(&mut SimulatedHeadset::new(&gpu, &config.simulated)));
         viewer.rows.recv().expect("a frame");

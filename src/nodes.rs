@@ -1,0 +1,43 @@
+//! A scan's octree to the GPU, node by node as it is built.
+
+use base::task::{Progress, Task};
+use cloud::BuildError;
+use cloud::octree::{Hierarchy, build_nodes};
+use points::Scan;
+use render::gpu::Gpu;
+use render::{CloudBuffers, CloudUpload, UploadError};
+
+/// What the count is of: each point several times.
+pub const PASSES: &str = "points in several passes";
+
+/// Builds the octree of a scan and sends its nodes to the GPU as they come. `root_came` is told once, with the root there; all
+/// that follows is drawn from the same buffers.
+///
+/// # Errors
+/// See [`BuildError`] and [`UploadError`].
+pub fn send<E: From<BuildError> + From<UploadError>>(
+    gpu: &Gpu,
+    scan: &Scan,
+    chunk_limit: u64,
+    task: &Task,
+    mut root_came: impl FnMut(CloudBuffers, &Hierarchy),
+) -> Result<(), E> {
+    // Points are counted twice as the octree is built, and once as they are sent.
+    let building = task.begin("building the octree", PASSES, 3 * scan.num_points() as u64);
+    let sending = Progress::silent(task.cancel_token());
+    let mut upload: Option<CloudUpload> = None;
+    build_nodes(scan, &building, &mut |hierarchy, blocks| {
+        let is_first = upload.is_none();
+        let upload = match &mut upload {
+            Some(upload) => upload,
+            None => upload.insert(CloudUpload::layered(gpu, hierarchy, chunk_limit, &sending)?),
+        };
+        upload.write_blocks(hierarchy, &blocks)?;
+        building.add(blocks.iter().map(|block| block.colors.len() as u64).sum());
+        if is_first {
+            root_came(upload.buffers(), hierarchy);
+        }
+        Ok::<(), E>(())
+    })?;
+    Ok(())
+}
