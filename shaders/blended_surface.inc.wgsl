@@ -12,7 +12,7 @@ const PACKED_CHANNEL_MASK: u32 = (1u << (PACKED_GREEN_SHIFT - PACKED_RED_SHIFT))
 
 // Red, green, blue, count; the low word of a u64 comes first.
 fn sum_of(pixel: u32) -> vec4<u32> {
-    if SUMS == WIDE || SUMS == PAIRS {
+    if SUMS == WIDE {
         return wide[pixel];
     }
     let sum = sums[pixel];

@@ -8,7 +8,7 @@ struct Batch {
     cell: vec3<f32>,
     node: u32,
     steps_per_unit: vec3<f32>,
-    interval: u32,
+    reserved: u32,
 }
 
 struct Node {
@@ -31,17 +31,16 @@ struct EyeUniform {
     eye_in_head: vec3<f32>,
     pixels_per_radian: f32,
     gaze_in_head: vec3<f32>,
-    tolerance_rad: f32,
-    gaze_in_view: vec3<f32>,
     widest_cos: f32,
+    gaze_in_view: vec3<f32>,
+    reserved: f32,
     tangent_origin: vec2<f32>,
     tangent_per_px: vec2<f32>,
     first_px: vec2<f32>,
     end_px: vec2<f32>,
     width: u32,
     height: u32,
-    tolerance_growth: f32,
-    reserved_end: u32,
+    reserved_end: vec2<u32>,
 }
 
 struct ViewUniform {
@@ -54,9 +53,9 @@ struct ViewUniform {
     ring_cos: vec2<f32>,
     ring_sin: vec2<f32>,
     fill_reach_px: vec3<f32>,
-    step_base: u32,
-    undivided_px: vec3<f32>,
     margin_px: f32,
+    undivided_px: vec3<f32>,
+    reserved: f32,
     eyes: array<EyeUniform, 2>,
 }
 

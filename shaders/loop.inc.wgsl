@@ -4,8 +4,6 @@
 //
 // A stage adds its targets from binding 5 on, and what it does with a point in a pixel of an eye, 0 or 1:
 //   fn put(eye: u32, pixel: u32, w: f32, id: u32)
-// Where the stage is CONVERGED, all threads of a workgroup come to `put` together, those without a point too: their
-// pixel is NO_PIXEL.
 
 // Where this thread is; for those who ask in `put`.
 var<private> this_group: u32;
@@ -52,12 +50,6 @@ fn open_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing:
     return max(cover_px(spacing * px_per_unit * stretch, of_ring(ring, view.fill_reach_px)), samples_px);
 }
 
-fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
-    if CONVERGED || pixel != NO_PIXEL {
-        put(eye, pixel, w, id);
-    }
-}
-
 fn draw(eye: u32, batch: VisibleBatch, points: Turn, spacing: vec4<f32>) {
     var p = seen(eye, batch, points);
     let id = points.id;
@@ -79,37 +71,19 @@ fn draw(eye: u32, batch: VisibleBatch, points: Turn, spacing: vec4<f32>) {
             return;
         }
     }
-    put_seen(eye, p.pixel.x, p.w.x, id.x);
-    count_point();
-    if !BASIC {
-        put_seen(eye, p.pixel.y, p.w.y, id.y);
-        count_point();
-        put_seen(eye, p.pixel.z, p.w.z, id.z);
-        count_point();
-        put_seen(eye, p.pixel.w, p.w.w, id.w);
-        count_point();
-    }
+    put_turn(eye, p, id);
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    this_group = group.x;
-    this_thread = thread;
-    let batch = visible[group.x];
-    if DISCS && (batch.flags & VISIBLE_TRIANGLES) != 0u {
-        draw_triangles(batch);
-        return;
-    }
+fn draw_batch(batch: VisibleBatch) {
     let num_turns = (batch.num_points + POINTS_PER_TURN - 1u) / POINTS_PER_TURN;
-    // All threads of the workgroup stay until the last turn then.
-    let is_wide = FILL && TOGETHER && (batch.flags & VISIBLE_WIDE) != 0u;
+    let stays = stays(batch);
     let num_slices = num_slices_of(batch);
     let num_whole = (num_turns + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE;
     let parts_per_turn = select(1u, POINTS_PER_TURN, num_slices > num_whole);
 
     for (var part = slice_of(batch); part < parts_per_turn * num_whole; part += num_slices) {
-        let own_turn = part / parts_per_turn * WORKGROUP_SIZE + thread;
-        if !CONVERGED && !is_wide && own_turn >= num_turns {
+        let own_turn = part / parts_per_turn * WORKGROUP_SIZE + this_thread;
+        if !stays && own_turn >= num_turns {
             break;
         }
         let turn = min(own_turn, num_turns - 1u);
@@ -125,13 +99,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         if sees(0u, batch) {
             draw(0u, batch, points, spacing);
-            if is_wide {
+            if stays {
                 put_waiting(0u);
             }
         }
         if NUM_EYES == 2u && sees(1u, batch) {
             draw(1u, batch, points, spacing);
-            if is_wide {
+            if stays {
                 put_waiting(1u);
             }
         }

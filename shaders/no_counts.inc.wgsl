@@ -1,4 +1,4 @@
-// Nothing is counted but for `bench`: see counts.inc.wgsl.
+// What the geometry stages do, for those who count it. The frame does not.
 
 fn count_point() {}
 fn count_once(is_drawn: bool) {}
@@ -8,4 +8,3 @@ fn take_asked() -> bool {
 }
 fn count_look() {}
 fn count_color() {}
-fn count_chosen(chosen: vec4<bool>) {}

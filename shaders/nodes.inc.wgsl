@@ -1,8 +1,8 @@
 // Points of flat clouds and of an octree's nodes: `cull` has chosen, and the node knows how far apart they lie.
 
-// Which points of a turn this eye is to see.
-fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
-    return vec4<bool>(true);
+// Where an eye sees the points of a turn.
+fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
+    return project(eye, points.x, points.y, points.z, points.exists);
 }
 
 // World units that points are apart, in a batch with this longest edge: by the spacing of their octant, and by a power of

@@ -1,6 +1,5 @@
-// Points of visible batches, POINTS_PER_LOAD at a time (one, where the reader is BASIC): read, decoded, and projected into
-// an eye's pixels. [2022 §3.2 to 3.4] Which points of a batch an eye is to see, and how wide they are, say
-// nodes.inc.wgsl and discs.inc.wgsl.
+// Points of visible batches, a turn at a time: read, decoded, and projected into an eye's pixels. [2022 §3.2 to 3.4]
+// turn.inc.wgsl says how many points a turn has, nodes.inc.wgsl which of them an eye is to see, and how wide they are.
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<storage, read> visible: array<VisibleBatch>;
@@ -8,8 +7,6 @@
 @group(0) @binding(3) var<storage, read> plane_mid: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> plane_lo: array<vec4<u32>>;
 
-/// Points that a thread draws before it goes on.
-const POINTS_PER_TURN: u32 = select(POINTS_PER_LOAD, 1u, BASIC);
 const TURNS_PER_LOAD: u32 = POINTS_PER_LOAD / POINTS_PER_TURN;
 
 // Points inside the eye's image, or its guard band, have a pixel number; the others NO_PIXEL.
@@ -70,34 +67,6 @@ fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool
     // Differences of whole numbers are exact.
     let pixel = vec4<u32>(v - first.y) * view.eyes[eye].width + vec4<u32>(u - first.x);
     return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), u, v, select(vec4<f32>(0.0), w, is_there));
-}
-
-// What a turn gets of each plane: a whole load, or one point of it.
-fn hi_of(load: u32, turn: u32) -> vec4<u32> {
-    if BASIC {
-        return vec4<u32>(plane_hi[load][turn % POINTS_PER_LOAD]);
-    }
-    return plane_hi[load];
-}
-
-fn mid_of(load: u32, turn: u32) -> vec4<u32> {
-    if BASIC {
-        return vec4<u32>(plane_mid[load][turn % POINTS_PER_LOAD]);
-    }
-    return plane_mid[load];
-}
-
-fn lo_of(load: u32, turn: u32) -> vec4<u32> {
-    if BASIC {
-        return vec4<u32>(plane_lo[load][turn % POINTS_PER_LOAD]);
-    }
-    return plane_lo[load];
-}
-
-// Where an eye sees the points of a turn that it is to see.
-fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
-    let chosen = is_chosen(eye, batch.flags, points.load, points.number, points.x, points.y, points.z);
-    return project(eye, points.x, points.y, points.z, points.exists & chosen);
 }
 
 // Coordinates in 30-bit cells. Bits that are not read stand at half: the centre of the coarser cell.

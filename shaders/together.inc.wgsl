@@ -15,6 +15,11 @@ const WAITING_X_MASK: u32 = (1u << WAITING_Y_SHIFT) - 1u;
 var<workgroup> waiting_discs: array<vec4<u32>, WORKGROUP_SIZE * POINTS_PER_TURN>;
 var<workgroup> num_waiting_discs: atomic<u32>;
 
+// Whether all threads of the workgroup stay until the last turn of a batch.
+fn stays(batch: VisibleBatch) -> bool {
+    return (batch.flags & VISIBLE_WIDE) != 0u;
+}
+
 // Whether a disc that reaches into the image waits.
 fn waits(center: vec2<i32>, w: f32, id: u32, radius: i32) -> bool {
     if radius <= i32(OWN_FILL_RADIUS) {

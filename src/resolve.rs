@@ -1,10 +1,12 @@
 //! Settings to what each room is told: nobody below sees [`Config`].
 
 use crate::config::{Config, LodMethod};
+use lab::technique::{DISCS_REACH_PX, LabTechnique, NoSuchMethod};
 use points::ReadOptions;
+use render::gpu::{Atomics, Gpu};
 use render::layout::Detail;
-use render::options::{Dilate, EarlyZLoad, Precision};
-use render::{Access, DISCS_REACH_PX, Look, NO_REACH_PX, RINGS_REACH_PX};
+use render::options::{Dilate, Precision};
+use render::{Access, Look, NO_REACH_PX, NoSuchTier, RINGS_REACH_PX, tier};
 use xr::XrOptions;
 
 /// How files are read.
@@ -57,14 +59,42 @@ pub fn look(config: &Config) -> Look {
         smooth: config.fovea.smooth,
         fade: config.lod.fade,
         fill_reach_px: ((frame.fill || discs) && !frame.method.draws_pixels()).then_some(reach_px),
-        error_px: discs.then_some(config.lod.error_px as f32),
-        keep_unseen: !frame.cull,
     };
     let quality = frame.method.quality().unwrap_or(frame.quality);
-    let access = Access {
-        plain_looks: config.gpu.early_z_load == EarlyZLoad::Plain,
-        checked: config.gpu.bounds_checks || Access::default().checked,
-        ..Access::default()
-    };
-    Look { method: frame.method, quality, dilate: frame.dilate, background: frame.background, detail, access }
+    let access =
+        Access { checked: config.gpu.bounds_checks || Access::default().checked, ..Access::default() };
+    Look { quality, dilate: frame.dilate, background: frame.background, detail, access }
+}
+
+/// By which technique it is drawn.
+#[must_use]
+pub fn technique(config: &Config) -> LabTechnique {
+    let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
+    LabTechnique {
+        method: config.frame.method,
+        early_z_load: config.gpu.early_z_load,
+        keep_unseen: !config.frame.cull,
+        error_px: discs.then_some(config.lod.error_px as f32),
+    }
+}
+
+/// Why a frame cannot be drawn as the settings ask for.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotDraw {
+    /// The GPU lacks the tier.
+    #[error(transparent)]
+    Tier(#[from] NoSuchTier),
+    /// The GPU, or what is drawn, is not of the method.
+    #[error(transparent)]
+    Method(#[from] NoSuchMethod),
+}
+
+/// The tier of atomics to draw with.
+///
+/// # Errors
+/// If the GPU does not have the one that is asked for, or not what the technique needs.
+pub fn atomics(config: &Config, gpu: &Gpu) -> Result<Atomics, CannotDraw> {
+    let atomics = tier(gpu, config.gpu.tier)?;
+    technique(config).check(gpu, atomics)?;
+    Ok(atomics)
 }

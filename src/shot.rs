@@ -12,10 +12,11 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::Task;
 use cloud::spt::build_spt;
 use glam::DVec3;
+use lab::technique::tree;
 use lab::twin::resolve::{Pixel, depth_of};
 use points::{self, Scan, Scene};
 use render::gpu::{Gpu, readback};
-use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -152,7 +153,7 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, task: &Task) -> anyhow::Result
         let building = task.begin("building the point tree", "points", 7 * num_points / 2);
         let spt = build_spt(&scan, config.lod.cull_backfaces, &building)?;
         drop((scan, building));
-        let buffers = CloudBuffers::upload_sequential(gpu, &spt, chunk_limit, &sending())?;
+        let buffers = tree::upload(gpu, &spt, chunk_limit, &sending())?;
         return Ok((buffers, spt.cloud.scene));
     }
     if config.lod.enabled {
@@ -236,9 +237,10 @@ impl Shot {
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
-        let atomics = tier(gpu, config.gpu.tier, &resolve::look(config))?;
+        let atomics = resolve::atomics(config, gpu)?;
         let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
-        let renderer = Renderer::new(gpu, setup, resolve::look(config))?;
+        let technique = resolve::technique(config).open(gpu);
+        let renderer = Renderer::with_technique(gpu, setup, resolve::look(config), technique)?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, images })
     }
 

@@ -18,6 +18,7 @@ use base::task::{CancelToken, Task};
 use base::words::{self, counted};
 use cloud::spt::build_spt;
 use cloud::{self, BuildError};
+use lab::technique::tree;
 use points::{self, Scan, ScanError, Scene};
 use render::gpu::Gpu;
 use render::{CloudBuffers, UploadError};
@@ -243,11 +244,10 @@ impl Loader<'_> {
         if !lod.enabled {
             return self.flat(&scan, task);
         }
-        let detailed = match lod.method {
-            LodMethod::Octree => self.layered(&scan, task),
-            LodMethod::Spt => self.sequential(&scan, task),
-        };
-        match detailed {
+        if lod.method == LodMethod::Spt {
+            return self.sequential(&scan, task);
+        }
+        match self.layered(&scan, task) {
             Ok(bytes) => Ok(bytes),
             Err(error) => {
                 stay_flat(error, self.link)?;
@@ -286,7 +286,7 @@ impl Loader<'_> {
         let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
         let sending = task.begin("sending to the GPU", "bytes", num_bytes);
         let chunk_limit = resolve::chunk_limit(self.config);
-        let buffers = CloudBuffers::upload_sequential(self.gpu, &spt, chunk_limit, &sending)?;
+        let buffers = tree::upload(self.gpu, &spt, chunk_limit, &sending)?;
         Ok(self.show(buffers, &spt.cloud.scene, scan))
     }
 

@@ -68,7 +68,8 @@ impl Compute {
         let renderer = |sizes_px: &[[u32; 2]]| {
             let setup =
                 Setup { sizes_px: sizes_px.to_vec(), color_format: FORMAT, depth_format: None, atomics };
-            let mut renderer = Renderer::new(gpu, setup, plan.look)?;
+            let technique = plan.technique.open(gpu);
+            let mut renderer = Renderer::with_technique(gpu, setup, plan.look, technique)?;
             renderer.set_cloud(if plan.layered {
                 CloudBuffers::upload_layered(gpu, &scene.layered, 0, &Progress::hidden())?
             } else {

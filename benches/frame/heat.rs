@@ -1,9 +1,10 @@
 //! Which ways to draw take turns, and what is told of them.
 
+use lab::technique::{EarlyZLoad, LabTechnique, Method};
+use render::Access;
 use render::Look;
 use render::gpu::Atomics;
 use render::options::{Dilate, Quality};
-use render::{Access, Method};
 use scanwalk::config::{Config, FrameConfig};
 use scanwalk::resolve;
 
@@ -46,6 +47,8 @@ pub struct Plan {
     pub atomics: Option<Atomics>,
     /// What the frame looks like.
     pub look: Look,
+    /// By which technique it is drawn.
+    pub technique: LabTechnique,
 }
 
 /// What of a frame is compared.
@@ -159,16 +162,14 @@ fn parts() -> Heat {
 
 /// How shaders reach memory: early-z's look by an atomic load and by a plain one, every index checked and none.
 fn access() -> Heat {
-    let looks = |plain_looks| {
-        let access = Access { plain_looks, ..Access::default() };
-        Look { method: Method::EarlyZ, access, ..closest() }
-    };
+    let early_z = |early_z_load| LabTechnique { early_z_load, ..LabTechnique::method(Method::EarlyZ) };
+    let [atomic, plain] = [EarlyZLoad::Atomic, EarlyZLoad::Plain].map(early_z);
     let checks = |checked| Look { access: Access { checked, ..Access::default() }, ..whole() };
     let entries = vec![
-        ("early-z-atomic-flat", Entry::Compute(flat(looks(false)))),
-        ("early-z-plain-flat", Entry::Compute(flat(looks(true)))),
-        ("early-z-atomic-lod", Entry::Compute(layered(looks(false)))),
-        ("early-z-plain-lod", Entry::Compute(layered(looks(true)))),
+        ("early-z-atomic-flat", Entry::Compute(Plan { technique: atomic, ..flat(closest()) })),
+        ("early-z-plain-flat", Entry::Compute(Plan { technique: plain, ..flat(closest()) })),
+        ("early-z-atomic-lod", Entry::Compute(Plan { technique: atomic, ..layered(closest()) })),
+        ("early-z-plain-lod", Entry::Compute(Plan { technique: plain, ..layered(closest()) })),
         ("whole-lod-checked", Entry::Compute(layered(checks(true)))),
         ("whole-lod-trusted", Entry::Compute(layered(checks(false)))),
         ("whole-flat-checked", Entry::Compute(flat(checks(true)))),
@@ -180,7 +181,7 @@ fn access() -> Heat {
 }
 
 fn flat(look: Look) -> Plan {
-    Plan { layered: false, singles: false, atomics: None, look }
+    Plan { layered: false, singles: false, atomics: None, look, technique: LabTechnique::default() }
 }
 
 fn layered(look: Look) -> Plan {

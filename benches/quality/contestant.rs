@@ -105,7 +105,7 @@ struct Compute {
 
 impl Compute {
     fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
-        let atomics = render::tier(gpu, Tier::Auto, &Look::default())?;
+        let atomics = render::tier(gpu, Tier::Auto)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, look)?;
         renderer.set_cloud(cloud)?;

@@ -121,7 +121,7 @@ impl Drawer {
     /// # Errors
     /// If the size does not fit the GPU.
     pub fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, config: &Config, size_px: [u32; 2]) -> Result<Self> {
-        let atomics = render::tier(gpu, config.gpu.tier, &resolve::look(config))?;
+        let atomics = resolve::atomics(config, gpu)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, resolve::look(config))?;
         renderer.set_cloud(cloud)?;

@@ -8,8 +8,8 @@
 
 @group(0) @binding(5) var<uniform> chunk: ChunkUniform;
 /// Two words a pixel: id, depth.
-@group(0) @binding(6) var<storage, read_write> words_left: array<atomic<u32>>;
-@group(0) @binding(7) var<storage, read_write> words_right: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> keys_left: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> keys_right: array<atomic<u32>>;
 
 /// No point's depth: they lie beyond the near plane.
 const LOCKED: u32 = 0u;
@@ -17,40 +17,40 @@ const LOCKED: u32 = 0u;
 fn depth_in(eye: u32, pixel: u32) -> u32 {
     count_look();
     if eye == 0u {
-        return atomicLoad(&words_left[2u * pixel + 1u]);
+        return atomicLoad(&keys_left[2u * pixel + 1u]);
     }
-    return atomicLoad(&words_right[2u * pixel + 1u]);
+    return atomicLoad(&keys_right[2u * pixel + 1u]);
 }
 
 // True if the pixel still had the depth that was seen, and is this thread's now.
 fn lock(eye: u32, pixel: u32, seen: u32) -> bool {
     count_ask();
     if eye == 0u {
-        return atomicCompareExchangeWeak(&words_left[2u * pixel + 1u], seen, LOCKED).exchanged;
+        return atomicCompareExchangeWeak(&keys_left[2u * pixel + 1u], seen, LOCKED).exchanged;
     }
-    return atomicCompareExchangeWeak(&words_right[2u * pixel + 1u], seen, LOCKED).exchanged;
+    return atomicCompareExchangeWeak(&keys_right[2u * pixel + 1u], seen, LOCKED).exchanged;
 }
 
 // Of equal depths the smallest id stays.
 fn write_id(eye: u32, pixel: u32, id: u32, is_nearer: bool) {
     if eye == 0u {
         if is_nearer {
-            atomicStore(&words_left[2u * pixel], id);
+            atomicStore(&keys_left[2u * pixel], id);
         } else {
-            atomicMin(&words_left[2u * pixel], id);
+            atomicMin(&keys_left[2u * pixel], id);
         }
     } else if is_nearer {
-        atomicStore(&words_right[2u * pixel], id);
+        atomicStore(&keys_right[2u * pixel], id);
     } else {
-        atomicMin(&words_right[2u * pixel], id);
+        atomicMin(&keys_right[2u * pixel], id);
     }
 }
 
 fn unlock(eye: u32, pixel: u32, depth: u32) {
     if eye == 0u {
-        atomicStore(&words_left[2u * pixel + 1u], depth);
+        atomicStore(&keys_left[2u * pixel + 1u], depth);
     } else {
-        atomicStore(&words_right[2u * pixel + 1u], depth);
+        atomicStore(&keys_right[2u * pixel + 1u], depth);
     }
 }
 

@@ -1,14 +1,14 @@
 // color, as the first form of high-quality shading has it: sums of 32 bits, two to a 64-bit addition. [2021 §3.5]
 
-@group(0) @binding(12) var<storage, read_write> pairs_left: array<atomic<u64>>;
-@group(0) @binding(13) var<storage, read_write> pairs_right: array<atomic<u64>>;
+@group(0) @binding(10) var<storage, read_write> wide_left: array<atomic<u64>>;
+@group(0) @binding(11) var<storage, read_write> wide_right: array<atomic<u64>>;
 
 fn add_pair(eye: u32, at: u32, first: u32, second: u32) {
     let pair = u64(first) | (u64(second) << PAIR_SHIFT);
     if eye == 0u {
-        atomicAdd(&pairs_left[at], pair);
+        atomicAdd(&wide_left[at], pair);
     } else {
-        atomicAdd(&pairs_right[at], pair);
+        atomicAdd(&wide_right[at], pair);
     }
 }
 

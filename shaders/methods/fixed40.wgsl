@@ -8,8 +8,7 @@ fn exact_depth(eye: u32, point: u32) -> f64 {
     let batch = visible[this_group];
     let lane = point % POINTS_PER_LOAD;
     let cells = cells_of(point / POINTS_PER_LOAD, lane, batch.flags & VISIBLE_PLANES);
-    let at = select(lane, 0u, BASIC);
-    let steps = vec3<i32>(vec3<u32>(cells.x[at], cells.y[at], cells.z[at])) - batch.head_cell;
+    let steps = vec3<i32>(vec3<u32>(cells.x.x, cells.y.x, cells.z.x)) - batch.head_cell;
     let x = f64(steps.x) * f64(batch.cell.x) + f64(batch.offset.x);
     let y = f64(steps.y) * f64(batch.cell.y) + f64(batch.offset.y);
     let z = f64(steps.z) * f64(batch.cell.z) + f64(batch.offset.z);
@@ -18,7 +17,7 @@ fn exact_depth(eye: u32, point: u32) -> f64 {
 }
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
-    let is_triangle = DISCS && (id & ID_ODD) != 0u;
+    let is_triangle = HAS_TRIANGLES && (id & ID_ODD) != 0u;
     var depth = f64(w);
     if !is_triangle {
         depth = exact_depth(eye, id >> ID_SHIFT);

@@ -5,7 +5,7 @@ use crate::config::{Config, LodMethod};
 use clap::{Args, ValueEnum};
 use cloud::Order;
 use glam::DVec3;
-use render::Method;
+use lab::technique::Method;
 use render::options::{Dilate, Precision, Quality};
 use std::path::PathBuf;
 

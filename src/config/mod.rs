@@ -14,9 +14,9 @@ pub use load::{ConfigError, load};
 pub use presets::{PRESETS, Preset};
 
 use cloud::Order;
+use lab::technique::{EarlyZLoad, Method};
 use points::{Project, Unit, Up};
-use render::Method;
-use render::options::{Dilate, EarlyZLoad, Overlay, Precision, Quality, Tier};
+use render::options::{Dilate, Overlay, Precision, Quality, Tier};
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set.
@@ -199,7 +199,7 @@ impl Default for LodConfig {
             method: LodMethod::Octree,
             threshold_px: [100.0, 200.0, 300.0],
             fade: true,
-            error_px: render::DEFAULT_ERROR_PX,
+            error_px: lab::technique::DEFAULT_ERROR_PX,
             cull_backfaces: false,
         }
     }

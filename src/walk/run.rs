@@ -11,11 +11,11 @@ use super::state::{Action, AppState};
 use super::views::Views;
 use super::waiting::Waiting;
 use crate::config::Config;
-use crate::resolve;
+use crate::resolve::{self, CannotDraw};
 use base::space::{Pose, View};
 use base::task::CancelToken;
 use render::gpu::Gpu;
-use render::{CloudBuffers, EyeImage, NoSuchTier, Renderer, Setup, TargetTooLarge, tier};
+use render::{CloudBuffers, EyeImage, Renderer, Setup, TargetTooLarge};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
@@ -68,7 +68,7 @@ pub struct Walk<'a> {
 pub enum WalkError {
     /// The settings ask for what the GPU does not have.
     #[error(transparent)]
-    Tier(#[from] NoSuchTier),
+    Draw(#[from] CannotDraw),
     /// The headset's images are too large for the GPU.
     #[error(transparent)]
     Target(#[from] TargetTooLarge),
@@ -167,11 +167,12 @@ impl Frames {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
             depth_format: headset.depth_format(),
-            atomics: tier(&walk.gpu, walk.config.gpu.tier, &resolve::look(walk.config))?,
+            atomics: resolve::atomics(walk.config, &walk.gpu)?,
         };
         let governor = Governor::new(walk.config);
         let settings = governor.settings();
-        let renderer = Renderer::new(&walk.gpu, setup, resolve::look(walk.config))?;
+        let technique = resolve::technique(walk.config).open(&walk.gpu);
+        let renderer = Renderer::with_technique(&walk.gpu, setup, resolve::look(walk.config), technique)?;
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer));
         let state = AppState::new(walk.config.window.overlay);
         walk.link.publish(state);

@@ -1,24 +1,32 @@
 //! How shaders reach memory changes no bit of the picture: early-z's look by a plain load, shaders without checks, and wide
 //! points that threads draw together or alone.
 
+use base::space::View;
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
-use kit::frames::{Canvas, gpu, made_up, stereo};
+use kit::frames::{Canvas, Drawn, gpu, made_up, stereo};
 use lab::synth::{self, Kind};
+use lab::technique::counts::Counts;
+use lab::technique::{EarlyZLoad, LabTechnique, Method, texts};
 use lab::twin::{self, Scene};
-use render::bindings::Geometry;
+use render::Access;
 use render::gpu::Atomics;
 use render::gpu::readback;
-use render::gpu::stage::Bindings;
-use render::layout::{Counts, Detail, Variant};
+use render::layout::{Detail, Variant};
 use render::options::{Dilate, Quality};
 use render::shaders::source;
-use render::{Access, Method};
-use render::{Look, RINGS_REACH_PX};
+use render::{CloudBuffers, Look, RINGS_REACH_PX};
 
 fn courtyard(num_points: u64) -> Octree {
     let scan = made_up(Kind::Terrestrial, num_points);
     build_octree(&scan, &Progress::hidden()).expect("an octree")
+}
+
+fn draw(octree: &Octree, view: &View, look: Look, atomics: Atomics, technique: LabTechnique) -> Drawn {
+    let mut canvas = Canvas::on(gpu(), &kit::frames::sizes(view), look, atomics, technique);
+    let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, 0, &Progress::hidden());
+    canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+    canvas.draw(view)
 }
 
 #[test]
@@ -35,16 +43,26 @@ fn all_ways_to_memory_draw_the_twins_picture() {
             "the comparison can fail: the eyes see different pictures"
         );
         for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
-            for (plain_looks, checked, together) in
-                [(true, true, true), (false, false, true), (true, false, false), (false, true, true)]
-            {
+            for (early_z_load, checked, together) in [
+                (EarlyZLoad::Plain, true, true),
+                (EarlyZLoad::Atomic, false, true),
+                (EarlyZLoad::Plain, false, false),
+                (EarlyZLoad::Atomic, true, true),
+            ] {
                 if atomics > gpu().atomics() {
                     continue;
                 }
-                let access = Access { plain_looks, checked, together: Some(together) };
-                let drawn = Canvas::layered(&octree, &view, Look { access, ..look }, atomics, 0).draw(&view);
-                assert!(drawn.pixels == want.pixels, "{quality:?} {atomics:?} {access:?}: pixels");
-                assert!(drawn.images == want.images, "{quality:?} {atomics:?} {access:?}: images");
+                let access = Access { checked, together: Some(together) };
+                let technique = LabTechnique { early_z_load, ..LabTechnique::default() };
+                let drawn = draw(&octree, &view, Look { access, ..look }, atomics, technique);
+                assert!(
+                    drawn.pixels == want.pixels,
+                    "{quality:?} {atomics:?} {technique:?} {access:?}: pixels"
+                );
+                assert!(
+                    drawn.images == want.images,
+                    "{quality:?} {atomics:?} {technique:?} {access:?}: images"
+                );
             }
         }
     }
@@ -58,14 +76,14 @@ fn wide_points_are_counted_once_whoever_draws_them() {
     let view = stereo(place.eye, place.target, [303, 255]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     // Without a look every pixel is asked for, in any order.
-    let look = Look { method: Method::AtomicMin, detail, ..Look::default() };
+    let look = Look { detail, ..Look::default() };
     let counts = |together| {
         let access = Access { together: Some(together), ..Access::default() };
-        let mut canvas = Canvas::counting(&octree, &view, Look { access, ..look });
+        let technique = LabTechnique::method(Method::AtomicMin);
+        let (mut canvas, bins) = Canvas::counting(&octree, &view, Look { access, ..look }, technique);
         let drawn = canvas.draw(&view);
         assert!(drawn.times.visible_batches > 0);
-        let buffer = canvas.renderer.counts().expect("a renderer that counts");
-        let bins = readback::read_buffer(&canvas.gpu, buffer).expect("counts");
+        let bins = readback::read_buffer(&canvas.gpu, &bins).expect("counts");
         let bins: Vec<Counts> = bytemuck::pod_collect_to_vec(&bins);
         bins.iter().fold((0, 0), |(drawn, asked), bin| (drawn + bin.num_drawn, asked + bin.num_asked))
     };
@@ -83,14 +101,14 @@ fn plain_looks_lose_no_point_where_points_crowd() {
     // All of them, thirty layers thick.
     let detail = Detail { threshold_px: [0.01; 3], ..Detail::default() };
     for method in [Method::Prefetch, Method::EarlyZ, Method::ReduceEarlyZ] {
-        let draw = |plain_looks| {
-            let access = Access { plain_looks, ..Access::default() };
-            let look = Look { method, detail, access, ..Look::default() };
-            Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view).keys
+        let draw = |early_z_load| {
+            let look = Look { detail, ..Look::default() };
+            let technique = LabTechnique { early_z_load, ..LabTechnique::method(method) };
+            draw(&octree, &view, look, gpu().atomics(), technique).keys
         };
-        let atomic = draw(false);
+        let atomic = draw(EarlyZLoad::Atomic);
         for _ in 0..3 {
-            assert!(draw(true) == atomic, "{}", method.name());
+            assert!(draw(EarlyZLoad::Plain) == atomic, "{}", method.name());
         }
     }
 }
@@ -98,12 +116,14 @@ fn plain_looks_lose_no_point_where_points_crowd() {
 /// The setting reaches the shader: with plain looks it binds the targets a second time.
 #[test]
 fn plain_looks_are_another_shader() {
-    for shader in ["depth", "depth32", "reduce"] {
-        let [atomic, plain] = [false, true].map(|plain_looks| {
-            let text = source(shader, Variant { plain_looks, ..Variant::eyes(2) });
-            (Bindings::<Geometry>::of(shader, &text, "main"), text)
+    for (shader, method) in
+        [("depth", Method::Prefetch), ("depth32", Method::Prefetch), ("depth", Method::Reduce)]
+    {
+        let [atomic, plain] = [EarlyZLoad::Atomic, EarlyZLoad::Plain].map(|early_z_load| {
+            let technique = LabTechnique { early_z_load, ..LabTechnique::method(method) };
+            let texts = texts(&technique, false, true);
+            source(shader, Variant { texts, ..Variant::eyes(2) })
         });
-        assert_ne!(atomic.0, plain.0, "{shader}");
-        assert!(plain.1.contains("seen_left") && !atomic.1.contains("seen_left"), "{shader}");
+        assert!(plain.contains("_left_again") && !atomic.contains("_left_again"), "{shader}");
     }
 }

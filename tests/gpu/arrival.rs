@@ -6,6 +6,7 @@ use base::task::{CancelToken, Progress};
 use cloud::octree::{Hierarchy, NodeBlock, Octree, build_nodes, build_octree};
 use glam::{DQuat, DVec3};
 use kit::frames::{Canvas, gpu, random_points, scan_of, stereo};
+use lab::technique::LabTechnique;
 use points::Scan;
 use render::Look;
 use render::gpu::{Gpu, readback};
@@ -68,7 +69,8 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
         let center = scan.bounds().center();
         let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
         let sizes = kit::frames::sizes(&view);
-        let mut canvas = Canvas::on(Arc::clone(&gpu), &sizes, look(quality), gpu.atomics());
+        let mut canvas =
+            Canvas::on(Arc::clone(&gpu), &sizes, look(quality), gpu.atomics(), LabTechnique::default());
         canvas.renderer.set_cloud(one).expect("room");
         canvas.draw(&view);
         // A frame that waits to be submitted: what it uses cannot be freed and made anew unseen.

@@ -3,8 +3,8 @@
 use base::task::{CancelToken, Task};
 use lab::bench::{self, BenchOptions, Table};
 use lab::report::{BenchResults, BenchRow, bench_markdown, bench_page};
+use lab::technique::Method;
 use points::ReadOptions;
-use render::Method;
 use scanwalk::config::Config;
 use scanwalk::resolve;
 

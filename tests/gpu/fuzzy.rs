@@ -5,8 +5,10 @@ use base::space::View;
 use cloud::spt::SequentialCloud;
 use kit::frames::{Canvas, discs, gpu, hqs, made_up, spt_of, stereo};
 use lab::synth::{self, Kind};
+use lab::technique::tree::TreeUniform;
 use lab::twin::clear;
 use lab::twin::points::{self, Put};
+use lab::twin::tree::Tree;
 use render::layout::{SURFACE_TOLERANCE, ViewUniform, guarded, without_guard};
 
 const SIZE_PX: [u32; 2] = [301, 299];
@@ -56,17 +58,16 @@ fn fuzzy_blending_is_high_quality_shading() {
     let spt = spt_of(&made_up(Kind::Terrestrial, 200_000), false);
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view: View = stereo(place.eye, place.target, SIZE_PX);
-    let detail = discs(1.0);
+    let detail = discs();
     let look = hqs(detail);
-    let frame = Canvas::sequential(&spt, &view, look, gpu().atomics(), 0).draw(&view);
+    let frame = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
 
     let uniform = ViewUniform::new(&view, &spt.cloud.split, &detail);
-    let uniform = ViewUniform { step_base: spt.scale.base, ..uniform };
+    let tree = TreeUniform::new(&view, &detail, 1.0, spt.scale.base);
+    let tree = Tree { uniform: tree, ..Tree::new(&spt) };
     let mut fragments: Vec<Put> = Vec::new();
     let planes = spt.cloud.planes.each_ref().map(Vec::as_slice);
-    points::points(&uniform, 2, &frame.visible, planes, Some(&spt.shapes), true, &mut |put| {
-        fragments.push(put)
-    });
+    points::points(&uniform, 2, &frame.visible, planes, Some(&tree), true, &mut |put| fragments.push(put));
     let in_order = [0, 1].map(|eye| drawn(&spt, &fragments, eye));
     fragments.sort_by(|a, b| a.w.total_cmp(&b.w));
     let nearest_first = [0, 1].map(|eye| drawn(&spt, &fragments, eye));

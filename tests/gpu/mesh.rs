@@ -7,13 +7,12 @@ use cloud::spt::SequentialCloud;
 use cloud::{Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
+use lab::technique::tree::VISIBLE_TRIANGLES;
+use lab::technique::{LabTechnique, Method};
 use lab::twin::{self, Frame, Scene};
 use points::Scan;
 use render::Look;
-use render::Method;
-use render::layout::VISIBLE_TRIANGLES;
 use render::options::{Dilate, Quality};
-use render::tier;
 use scanwalk::config::{Config, LodMethod};
 use scanwalk::resolve;
 use std::path::Path;
@@ -90,28 +89,28 @@ fn num_batches(frame: &Frame) -> (usize, usize) {
     (num_meshes, frame.visible.len() - num_meshes)
 }
 
-fn closest(error_px: f32) -> Look {
-    Look { quality: Quality::Closest, ..hqs(discs(error_px)) }
+fn closest() -> Look {
+    Look { quality: Quality::Closest, ..hqs(discs()) }
 }
 
 #[test]
 fn frames_equal_their_twin_in_every_tier() {
     let spt = ball_and_points();
-    let scene = Scene::sequential(spt);
     // Close to the surface, all of it in sight, and from within, where triangles reach behind the eyes.
     for (distance, size_px, error_px) in
         [(5.4, [151, 149], 1.0), (16.0, [301, 299], 0.7), (5.01, [97, 83], 4.0)]
     {
         let view = view_at(distance, size_px);
+        let scene = Scene::sequential(spt, error_px);
         for (quality, dilate) in
             [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
         {
-            let look = Look { quality, dilate, ..hqs(discs(error_px)) };
+            let look = Look { quality, dilate, ..hqs(discs()) };
             let want = twin::frame(&scene, &view, &look, None);
             let (num_meshes, num_discs) = num_batches(&want);
             assert!(num_meshes > 10 && num_discs > 0, "{num_meshes} and {num_discs}");
             for tier in tiers() {
-                let drawn = Canvas::sequential(spt, &view, look, tier, 0).draw(&view);
+                let drawn = Canvas::sequential(spt, error_px, &view, look, tier, 0).draw(&view);
                 assert_eq!(difference(&drawn, &want), None, "{distance} {quality:?}, {dilate:?}, {tier:?}");
             }
         }
@@ -123,14 +122,14 @@ fn frames_equal_their_twin_in_every_tier() {
 fn the_comparison_notices_what_is_wrong() {
     let spt = ball_and_points();
     let view = view_at(14.0, [201, 199]);
-    let look = hqs(discs(1.0));
-    let drawn = Canvas::sequential(spt, &view, look, gpu().atomics(), 0).draw(&view);
+    let look = hqs(discs());
+    let drawn = Canvas::sequential(spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
     let triangles = spt.runs.last().expect("a run").batches.clone();
     let first = spt.cloud.batches[triangles.start as usize].first_point as usize;
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &twin::frame(&Scene::sequential(&wrong), &view, &look, None)).is_some()
+        difference(&drawn, &twin::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
     };
     let words = |change: fn(u32) -> u32| {
         move |spt: &mut SequentialCloud| {
@@ -196,14 +195,14 @@ fn a_wall_of_two_triangles_fills_its_pixels_exactly() {
         ([0.003, 4.0], [0.5217, 0.5497], 5.0),
     ] {
         let spt = wall(x, z, away);
-        for look in [closest(1.0), hqs(discs(1.0))] {
-            let want = twin::frame(&Scene::sequential(&spt), &view, &look, None);
+        for look in [closest(), hqs(discs())] {
+            let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
             let rays = rays(x, z, away, size_px);
             assert!(rays.iter().any(|ray| ray.is_finite()), "something is seen");
             assert_eq!(num_wrong(&want, &rays), 0, "{x:?} {z:?} {away}");
             let beside = self::rays(x, [z[0] + 0.1 * away, z[1] + 0.1 * away], away, size_px);
             assert!(away == 3.0 || num_wrong(&want, &beside) > 0, "the measure sees a shift");
-            let drawn = Canvas::sequential(&spt, &view, look, gpu().atomics(), 0).draw(&view);
+            let drawn = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
             assert_eq!(difference(&drawn, &want), None);
             let is_plain = |p: &[u32; 2]| p[0] == u32::MAX || p[1] == u32::from_le_bytes([200, 100, 50, 255]);
             assert!(want.pixels[0].iter().all(is_plain), "a mixture of one color is that");
@@ -221,9 +220,9 @@ fn triangles_cross_the_near_plane() {
     let (size_px, height) = ([161, 120], 1.7);
     let eye = OFFSET + DVec3::Z * height;
     let view = mono(eye, eye + DVec3::Y, 1.0, size_px);
-    let look = closest(1.0);
-    let want = twin::frame(&Scene::sequential(&spt), &view, &look, None);
-    let drawn = Canvas::sequential(&spt, &view, look, gpu().atomics(), 0).draw(&view);
+    let look = closest();
+    let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+    let drawn = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
     assert_eq!(difference(&drawn, &want), None);
     let mut num_floor = 0;
     for v in 0..size_px[1] {
@@ -242,7 +241,7 @@ fn triangles_cross_the_near_plane() {
     }
     assert!(num_floor > 6000, "{num_floor}");
     let behind = mono(eye, eye + DVec3::Z, 1.0, size_px);
-    let away = twin::frame(&Scene::sequential(&spt), &behind, &look, None);
+    let away = twin::frame(&Scene::sequential(&spt, 1.0), &behind, &look, None);
     assert!(away.pixels[0].iter().all(|pixel| pixel[0] == u32::MAX), "nothing is seen behind");
 }
 
@@ -279,7 +278,6 @@ fn write_png(name: &str, image: &[u32], [width, height]: [u32; 2]) {
 #[test]
 fn the_transition_has_no_holes() {
     let spt = spt_of(&bumpy_ball(160), false);
-    let scene = Scene::sequential(&spt);
     let size_px = [240, 240];
     let mut num_mixed = 0;
     for step in 0..28 {
@@ -287,7 +285,7 @@ fn the_transition_has_no_holes() {
         let from = DVec3::new(-0.6, -0.7, 0.4).normalize();
         let view = mono(OFFSET + distance * from, OFFSET, TANGENT, size_px);
         for error_px in [1.0, 3.0] {
-            let frame = twin::frame(&scene, &view, &hqs(discs(error_px)), None);
+            let frame = twin::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
             let (num_inside, num_holes) = holes(&frame, distance, size_px);
             let (num_meshes, num_discs) = num_batches(&frame);
             println!(
@@ -303,7 +301,7 @@ fn the_transition_has_no_holes() {
     assert!(num_mixed > 5);
     let ends = [8.0, 200.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        num_batches(&twin::frame(&scene, &view, &hqs(discs(1.0)), None))
+        num_batches(&twin::frame(&Scene::sequential(&spt, 1.0), &view, &hqs(discs()), None))
     });
     assert!(ends[0].0 > 0 && ends[0].1 == 0, "near: {ends:?}");
     assert!(ends[1].0 == 0 && ends[1].1 > 0, "far: {ends:?}");
@@ -322,14 +320,13 @@ fn uneven_sheets_have_no_holes() {
     scan.files[0].triangles =
         cells.flat_map(|a| [[a, a + across, a + up + across], [a, a + up + across, a + up]]).collect();
     let spt = spt_of(&scan, false);
-    let scene = Scene::sequential(&spt);
     let (size_px, size) = ([240, 240], f64::from(at(edge - 1)) * 1e-4);
     let center = OFFSET + DVec3::new(0.5 * size, 0.0, 0.5 * size);
     for step in 0..12 {
         let distance = 15.0 * 1.4f64.powi(step);
         let view = mono(center - DVec3::Y * distance, center, TANGENT, size_px);
         for error_px in [1.0, 3.0] {
-            let frame = twin::frame(&scene, &view, &hqs(discs(error_px)), None);
+            let frame = twin::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
             let half = 0.97 * 0.5 * size / distance / TANGENT;
             let inside = |i: usize| ((2.0 * i as f64 + 1.0) / 240.0 - 1.0).abs() < half;
             let pixels =
@@ -351,7 +348,7 @@ fn holes_are_noticed() {
     let size_px = [240, 240];
     let num_holes = [20.0, 30.0, 40.0, 60.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        holes(&twin::frame(&Scene::sequential(&spt), &view, &hqs(discs(3.0)), None), distance, size_px).1
+        holes(&twin::frame(&Scene::sequential(&spt, 3.0), &view, &hqs(discs()), None), distance, size_px).1
     });
     assert!(num_holes.iter().any(|&num| num > 100), "{num_holes:?}");
 }
@@ -364,10 +361,11 @@ fn methods_draw_meshes_too() {
     let view = view_at(7.0, [97, 83]);
     for quality in [Quality::Closest, Quality::Hqs] {
         let draw = |method: Method| {
-            let look = Look { method, quality, ..hqs(discs(1.0)) };
             // Threads that ask each other must have as many pixels as each other.
-            let detail = render::layout::Detail { fill_reach_px: None, ..look.detail };
-            Canvas::sequential(spt, &view, Look { detail, ..look }, gpu().atomics(), 0).draw(&view)
+            let detail = render::layout::Detail { fill_reach_px: None, ..discs() };
+            let look = Look { quality, ..hqs(detail) };
+            let technique = LabTechnique { method, ..LabTechnique::tree(1.0) };
+            Canvas::sequential_by(technique, spt, &view, look, gpu().atomics(), 0).draw(&view)
         };
         let reference = draw(Method::Prefetch);
         let of_points = |m: &Method| *m == Method::PointList || m.quality().is_some_and(|q| q != quality);
@@ -388,10 +386,9 @@ fn methods_draw_meshes_too() {
 fn hardware_points_are_no_discs() {
     let mut config = Config::default();
     config.frame.method = Method::PointList;
-    assert!(tier(&gpu(), config.gpu.tier, &resolve::look(&config)).is_ok());
+    assert!(resolve::atomics(&config, &gpu()).is_ok());
     config.lod.method = LodMethod::Spt;
-    let refusal =
-        tier(&gpu(), config.gpu.tier, &resolve::look(&config)).expect_err("discs have sizes").to_string();
+    let refusal = resolve::atomics(&config, &gpu()).expect_err("discs have sizes").to_string();
     assert!(refusal.contains("point-list") && refusal.contains("lod.method"), "{refusal}");
 }
 
@@ -413,8 +410,8 @@ fn backs_of_meshes_are_culled() {
     let scan = bumpy_ball(300);
     let (plain, sided) = (spt_of(&scan, false), spt_of(&scan, true));
     let view = view_at(40.0, [400, 400]);
-    let look = hqs(discs(1.0));
-    let frames = [&plain, &sided].map(|spt| twin::frame(&Scene::sequential(spt), &view, &look, None));
+    let look = hqs(discs());
+    let frames = [&plain, &sided].map(|spt| twin::frame(&Scene::sequential(spt, 1.0), &view, &look, None));
     let [all, front] = frames.each_ref().map(Frame::points_read);
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");
@@ -428,12 +425,12 @@ fn large_triangles_are_drawn_by_many_workgroups() {
     let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [400, 384]);
     for (x, away, least) in [([-50.0, 60.0], 3.0, 9), ([-1.0, 1.0], 2.5, 3), ([-0.05, 0.05], 4.0, 1)] {
         let spt = wall(x, x, away);
-        for look in [closest(1.0), hqs(discs(1.0))] {
-            let want = twin::frame(&Scene::sequential(&spt), &view, &look, None);
+        for look in [closest(), hqs(discs())] {
+            let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
             let slices = want.visible.iter().filter(|batch| batch.flags & VISIBLE_TRIANGLES != 0).count();
             assert!(slices >= least && (least > 1 || slices == 1), "{slices} workgroups at {x:?}");
             for tier in tiers() {
-                let drawn = Canvas::sequential(&spt, &view, look, tier, 0).draw(&view);
+                let drawn = Canvas::sequential(&spt, 1.0, &view, look, tier, 0).draw(&view);
                 assert_eq!(difference(&drawn, &want), None, "{x:?} {tier:?}");
                 assert_eq!(drawn.times.points_read, want.points_read());
                 let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
@@ -441,10 +438,12 @@ fn large_triangles_are_drawn_by_many_workgroups() {
             }
         }
         // Threads that come to a pixel together do so in slices too.
-        let detail = render::layout::Detail { fill_reach_px: None, ..discs(1.0) };
-        let look = |method| Look { method, detail, ..closest(1.0) };
-        let [alone, together] = [Method::AtomicMin, Method::Dedup]
-            .map(|method| Canvas::sequential(&spt, &view, look(method), gpu().atomics(), 0).draw(&view));
+        let detail = render::layout::Detail { fill_reach_px: None, ..discs() };
+        let look = Look { detail, ..closest() };
+        let [alone, together] = [Method::AtomicMin, Method::Dedup].map(|method| {
+            let technique = LabTechnique { method, ..LabTechnique::tree(1.0) };
+            Canvas::sequential_by(technique, &spt, &view, look, gpu().atomics(), 0).draw(&view)
+        });
         assert!(alone.pixels == together.pixels);
     }
 }
@@ -464,11 +463,11 @@ fn slices_end_where_room_does() {
     let mut scan = scan_of(&corners, 1e-4, OFFSET);
     scan.files[0].triangles = (0..NUM_SLIVERS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let spt = spt_of(&scan, false);
-    let want = twin::frame(&Scene::sequential(&spt), &view, &closest(1.0), None);
+    let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &closest(), None);
     let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
     let num_slices = want.visible.len() - num_batches;
     assert_eq!(num_slices, render::layout::MAX_EXTRA_SLICES as usize, "of {num_batches} batches");
-    let drawn = Canvas::sequential(&spt, &view, closest(1.0), gpu().atomics(), 0).draw(&view);
+    let drawn = Canvas::sequential(&spt, 1.0, &view, closest(), gpu().atomics(), 0).draw(&view);
     assert!(drawn.pixels == want.pixels);
     assert_eq!(drawn.times.visible_batches as usize, num_batches);
 }

@@ -2,14 +2,14 @@
 
 use base::space::{Eye, View};
 use base::task::Progress;
-use cloud::octree::build_octree;
+use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, GROUP_POINTS, Order};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
+use lab::technique::{LabTechnique, Method};
 use lab::twin::{clear, fixed40, points};
 use render::CloudBuffers;
 use render::Look;
-use render::Method;
 use render::gpu::{Atomics, Gpu};
 use render::layout::{Detail, REACH_MASK, ViewUniform, VisibleBatch, guarded, without_guard};
 use render::options::{Dilate, Quality};
@@ -29,12 +29,31 @@ fn view() -> View {
 
 fn look(method: Method, quality: Quality) -> Look {
     let quality = method.quality().unwrap_or(quality);
-    Look { method, quality, background: [1, 2, 3], ..Look::default() }
+    Look { quality, background: [1, 2, 3], ..Look::default() }
 }
 
-fn draw(look: Look, order: Order) -> Drawn {
-    let view = view();
-    Canvas::flat(&cloud_of(&scattered(), 0.001, DVec3::ZERO, order), &view, look, 0).draw(&view)
+fn draw(method: Method, quality: Quality, order: Order) -> Drawn {
+    let (view, cloud) = (view(), cloud_of(&scattered(), 0.001, DVec3::ZERO, order));
+    flat(method, &cloud, &view, look(method, quality)).draw(&view)
+}
+
+fn flat(method: Method, cloud: &Cloud, view: &View, look: Look) -> Canvas {
+    Canvas::flat_by(LabTechnique::method(method), cloud, view, look, 0)
+}
+
+fn layered(
+    method: Method,
+    octree: &Octree,
+    view: &View,
+    look: Look,
+    atomics: Atomics,
+    chunk_limit: u64,
+) -> Canvas {
+    let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| eye.size_px).collect();
+    let mut canvas = Canvas::on(gpu(), &sizes_px, look, atomics, LabTechnique::method(method));
+    let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
+    canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+    canvas
 }
 
 fn same(a: &Drawn, b: &Drawn) -> bool {
@@ -58,10 +77,10 @@ fn all_methods_but_just_set_draw_the_same_picture() {
     }
     for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
         for quality in [Quality::Closest, Quality::Hqs] {
-            let reference = draw(look(Method::Prefetch, quality), order);
+            let reference = draw(Method::Prefetch, quality, order);
             assert!(reference.pixels[0].iter().any(|pixel| pixel[0] != u32::MAX), "something is seen");
             for method in methods(quality).filter(|&method| method != Method::JustSet) {
-                let drawn = draw(look(method, quality), order);
+                let drawn = draw(method, quality, order);
                 assert!(same_as(method, &drawn, &reference), "{} {order:?} {quality:?}", method.name());
             }
         }
@@ -89,10 +108,11 @@ fn methods_draw_the_same_without_subgroups() {
     let gpu = without_subgroups();
     assert!(!gpu.has_subgroups());
     let (view, cloud) = (view(), cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton));
-    let reference = draw(look(Method::Prefetch, Quality::Closest), Order::Morton);
+    let reference = draw(Method::Prefetch, Quality::Closest, Order::Morton);
     for method in [Method::Reduce, Method::ReduceEarlyZ, Method::Dedup] {
+        let look = look(method, Quality::Closest);
         let mut canvas =
-            Canvas::on(gpu.clone(), &[SIZE_PX; 2], look(method, Quality::Closest), gpu.atomics());
+            Canvas::on(gpu.clone(), &[SIZE_PX; 2], look, gpu.atomics(), LabTechnique::method(method));
         let buffers = CloudBuffers::upload(&gpu, &cloud, 0, &Progress::hidden()).expect("upload");
         canvas.renderer.set_cloud(buffers).expect("room");
         assert!(same(&canvas.draw(&view), &reference), "{}", method.name());
@@ -102,8 +122,8 @@ fn methods_draw_the_same_without_subgroups() {
 /// What just-set leaves is a point of each pixel that has one, and not the nearest everywhere: so `same` can fail.
 #[test]
 fn just_set_fills_the_same_pixels_wrongly() {
-    let reference = draw(look(Method::Prefetch, Quality::Closest), Order::Original);
-    let set = draw(look(Method::JustSet, Quality::Closest), Order::Original);
+    let reference = draw(Method::Prefetch, Quality::Closest, Order::Original);
+    let set = draw(Method::JustSet, Quality::Closest, Order::Original);
     assert!(!same(&set, &reference));
     for (set, nearest) in set.pixels.iter().flatten().zip(reference.pixels.iter().flatten()) {
         assert!(set[0] >= nearest[0] && (set[0] == u32::MAX) == (nearest[0] == u32::MAX));
@@ -118,7 +138,7 @@ fn methods_draw_octrees_too() {
     for quality in [Quality::Closest, Quality::Hqs] {
         let draw = |method| {
             let look = Look { detail, ..look(method, quality) };
-            Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
+            layered(method, &octree, &view, look, gpu().atomics(), 0).draw(&view)
         };
         let reference = draw(Method::Prefetch);
         for method in methods(quality).filter(|&method| method != Method::JustSet) {
@@ -134,7 +154,7 @@ fn methods_of_every_tier_draw_the_same_in_each() {
     let view = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), [61, 48]);
     let draw = |method, atomics, chunk_limit| {
         let look = look(method, Quality::Closest);
-        let mut canvas = Canvas::layered(&octree, &larger(&view), look, atomics, chunk_limit);
+        let mut canvas = layered(method, &octree, &larger(&view), look, atomics, chunk_limit);
         canvas.renderer.set_drawn(&[[61, 48]; 2]);
         canvas.draw(&view)
     };
@@ -148,7 +168,7 @@ fn methods_of_every_tier_draw_the_same_in_each() {
     }
     let other = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.6), [61, 48]);
     let look = look(Method::PointList, Quality::Closest);
-    let mut canvas = Canvas::layered(&octree, &larger(&view), look, Atomics::Int32, 0);
+    let mut canvas = layered(Method::PointList, &octree, &larger(&view), look, Atomics::Int32, 0);
     canvas.renderer.set_drawn(&[[61, 48]; 2]);
     assert!(!same(&canvas.draw(&other), &reference), "another view is another picture");
 }
@@ -177,7 +197,7 @@ fn fixed40_equals_its_twin() {
         ..view
     };
     let look = look(Method::Fixed40, Quality::Closest);
-    let drawn = Canvas::flat(&cloud, &view, look, 0).draw(&view);
+    let drawn = flat(Method::Fixed40, &cloud, &view, look).draw(&view);
     let want = twin_depths(&cloud, &view, &drawn.visible);
     let mut num_points = 0;
     for (pixel, &depth40) in drawn.pixels.iter().flatten().zip(want.iter().flatten()) {
@@ -216,8 +236,8 @@ fn fixed40_leaves_a_clear_target_to_the_next_frame() {
     let aside = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(0.2, 2.0, 1.5), SIZE_PX);
     for dilate in [Dilate::Off, Dilate::Rings] {
         let look = Look { dilate, ..look(Method::Fixed40, Quality::Closest) };
-        let fresh = Canvas::flat(&cloud, &aside, look, 0).draw(&aside);
-        let mut canvas = Canvas::flat(&cloud, &aside, look, 0);
+        let fresh = flat(Method::Fixed40, &cloud, &aside, look).draw(&aside);
+        let mut canvas = flat(Method::Fixed40, &cloud, &aside, look);
         let other = canvas.draw(&view());
         assert!(!same(&other, &fresh), "the heads look elsewhere");
         assert!(same(&canvas.draw(&aside), &fresh), "{dilate:?}");
@@ -228,11 +248,12 @@ fn fixed40_leaves_a_clear_target_to_the_next_frame() {
 /// Without culling every point is read, and the picture is the same.
 #[test]
 fn what_is_not_seen_can_be_read_for_the_sake_of_measuring() {
-    let seen = look(Method::Basic, Quality::Closest);
-    let all = Look { detail: Detail { keep_unseen: true, ..seen.detail }, ..seen };
+    let seen = LabTechnique::method(Method::Basic);
+    let all = LabTechnique { keep_unseen: true, ..seen };
+    let look = look(Method::Basic, Quality::Closest);
     let aside = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(-6.0, -0.5, 1.5), SIZE_PX);
     let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);
-    let draw = |look, view: &View| Canvas::flat(&cloud, view, look, 0).draw(view);
+    let draw = |technique, view: &View| Canvas::flat_by(technique, &cloud, view, look, 0).draw(view);
     let (culled, whole) = (draw(seen, &aside), draw(all, &aside));
     assert!(same(&culled, &whole));
     assert_eq!(whole.times.points_read, cloud.num_points);

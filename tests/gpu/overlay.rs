@@ -21,8 +21,6 @@ const DETAIL: Detail = Detail {
     smooth: false,
     fade: false,
     fill_reach_px: None,
-    error_px: None,
-    keep_unseen: false,
 };
 /// As in the shaders, in sRGB.
 const PALETTE: [[f64; 3]; 3] = [[0.337, 0.706, 0.914], [0.0, 0.62, 0.451], [0.902, 0.624, 0.0]];

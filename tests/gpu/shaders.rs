@@ -4,10 +4,11 @@ mod bindings;
 mod numbers;
 mod structs;
 
+use lab::technique::{EarlyZLoad, LabTechnique, Method, NAMES, POINT_LIST, SHADE_POINTS, SHADE40};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use render::gpu::Atomics;
 use render::layout::{self, Sums, Variant};
-use render::shaders::{SHADERS, Shader, source};
+use render::shaders::{COLOR32, SHADERS, Shader, source};
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
@@ -26,10 +27,6 @@ fn capabilities(atomics: Atomics) -> Capabilities {
         }
     }
 }
-
-/// One point a thread, all threads together, a look first.
-const LOOPS: [(bool, bool, bool); 4] =
-    [(false, false, true), (true, false, true), (true, true, true), (true, true, false)];
 
 /// Names of bindings and their numbers.
 type Numbers = &'static [(&'static str, u32)];
@@ -52,12 +49,16 @@ struct Text {
     shader: Shader,
     name: String,
     wgsl: String,
+    /// What it may bind beside its set.
+    besides: &'static [&'static str],
 }
 
 /// What the tests want to know of a text, which is parsed once for all of them.
 struct Seen {
     shader: Shader,
     name: String,
+    /// What it may bind beside its set.
+    besides: &'static [&'static str],
     /// Why naga refuses it.
     error: Option<String>,
     /// Its entry points.
@@ -73,7 +74,7 @@ struct Seen {
 /// All texts of all tiers.
 static SEEN: LazyLock<Vec<Seen>> = LazyLock::new(|| {
     let hosts = structs::host_structs();
-    let see = &|atomics: Atomics, Text { shader, name, wgsl }: Text| {
+    let see = &|atomics: Atomics, Text { shader, name, wgsl, besides }: Text| {
         let module = parse(&name, &wgsl);
         let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
         Seen {
@@ -84,6 +85,7 @@ static SEEN: LazyLock<Vec<Seen>> = LazyLock::new(|| {
             faults: structs::faults(&module, &hosts),
             name: format!("{atomics:?} {name}"),
             shader,
+            besides,
         }
     };
     let all = &|tier| texts(tier).into_iter().map(|text| see(tier, text)).collect::<Vec<_>>();
@@ -93,51 +95,78 @@ static SEEN: LazyLock<Vec<Seen>> = LazyLock::new(|| {
     })
 });
 
+/// Shaders whose texts techniques exchange parts of.
+const EXCHANGED: [&str; 7] = ["lod", "cull", "depth", "depth32", "ids", "color", "color32"];
+
 /// Every text that a tier's renderers hand to the driver.
 fn texts(atomics: Atomics) -> Vec<Text> {
     let keys = atomics >= Atomics::Int64Minmax;
-    let forms: &[Sums] =
-        if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected, Sums::Pairs] } else { &[Sums::Wide] };
-    let mut unused = match atomics {
-        Atomics::Int32 => vec!["color"],
-        Atomics::Int64Minmax => vec!["ids", "color"],
-        Atomics::Int64 => vec!["ids", "color32"],
+    let unused = match atomics {
+        Atomics::Int32 => &["color"][..],
+        Atomics::Int64Minmax => &["ids", "color"],
+        Atomics::Int64 => &["ids", "color32"],
     };
-    if atomics != Atomics::Int64 {
-        let methods = ["just-set", "fixed40", "shade40", "busy-loop", "exchange-loop", "color-pairs"];
-        unused.extend(methods);
-    }
+    let own: Vec<Shader> = SHADERS.into_iter().filter(|shader| !unused.contains(&shader.name)).collect();
+    let forms: &[Sums] =
+        if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected] } else { &[Sums::Wide] };
     let mut texts = Vec::new();
-    for shader in SHADERS.into_iter().filter(|s| !unused.contains(&s.name)) {
-        let name = shader.name;
-        for (&sums, num_eyes) in forms.iter().flat_map(|s| [(s, 1), (s, 2)]) {
-            for (fill, discs) in [(false, false), (true, false), (true, true)] {
-                let fixed40 = name.contains("40");
-                for (basic, converged, early_z) in LOOPS {
-                    let fill = fill && !converged;
-                    for plain_looks in [false, true] {
-                        let variant = Variant {
-                            num_eyes,
-                            fill,
-                            discs,
-                            sums,
-                            keys,
-                            basic,
-                            converged,
-                            early_z,
-                            plain_looks,
-                            together: !plain_looks,
-                            fixed40,
-                            counts: num_eyes == 1 && !plain_looks,
-                        };
-                        let name = format!("{name} {variant:?}");
-                        texts.push(Text { shader, name, wgsl: shader.source(variant) });
-                    }
-                }
+    let mut add = |shader: Shader, technique: String, variant: Variant, besides| {
+        let name = format!("{} {technique} {variant:?}", shader.name);
+        texts.push(Text { shader, name, wgsl: shader.source(variant), besides });
+    };
+    for (&sums, num_eyes) in forms.iter().flat_map(|s| [(s, 1), (s, 2)]) {
+        for (fill, together) in [(false, true), (true, true), (true, false)] {
+            let variant = Variant { fill, together, sums, keys, ..Variant::eyes(num_eyes) };
+            own.iter().for_each(|&shader| add(shader, "frame".into(), variant, &[]));
+        }
+    }
+    for (technique, has_subgroups) in techniques().filter(|(t, _)| keys_fit(t.method, atomics)) {
+        let sums = technique.method.sums().unwrap_or(forms[0]);
+        let is_tree = technique.error_px.is_some();
+        let mut shaders: Vec<Shader> = match technique.method {
+            Method::PointList => vec![POINT_LIST.shader(), SHADE_POINTS.shader()],
+            Method::Fixed40 => vec![SHADE40.shader()],
+            _ => vec![],
+        };
+        if technique.method == Method::Hqs {
+            shaders.push(COLOR32.shader());
+        }
+        shaders.extend(own.iter().filter(|shader| EXCHANGED.contains(&shader.name)));
+        for (num_eyes, counts) in [(1, true), (2, false)] {
+            let texts = lab::technique::texts(&technique, counts, has_subgroups);
+            let fill = is_tree && !technique.method.draws_pixels();
+            let together = technique.early_z_load == EarlyZLoad::Atomic;
+            let variant = Variant { fill, together, sums, keys, texts, ..Variant::eyes(num_eyes) };
+            for &shader in &shaders {
+                add(shader, format!("{technique:?} {has_subgroups}"), variant, &NAMES);
             }
         }
     }
     texts
+}
+
+/// Every technique of the laboratory, and whether the GPU has operations of subgroups.
+fn techniques() -> impl Iterator<Item = (LabTechnique, bool)> {
+    let of_method = |method: Method| {
+        [None, Some(1.0)].into_iter().flat_map(move |error_px| {
+            let looks = [EarlyZLoad::Atomic, EarlyZLoad::Plain];
+            looks.into_iter().map(move |early_z_load| LabTechnique {
+                method,
+                early_z_load,
+                keep_unseen: early_z_load == EarlyZLoad::Plain,
+                error_px,
+            })
+        })
+    };
+    let all = Method::ALL.into_iter().chain([Method::PrefetchJustSet]).flat_map(of_method);
+    // Hardware has no discs.
+    let all = all.filter(|t| t.method != Method::PointList || t.error_px.is_none());
+    all.flat_map(|t| [true, false].map(|has| (t, has))).filter(|(t, has)| *has || t.method.is_converged())
+}
+
+/// Whether a tier has the atomics of a method.
+fn keys_fit(method: Method, atomics: Atomics) -> bool {
+    atomics == Atomics::Int64 || !method.needs_int64()
 }
 
 fn parse(name: &str, wgsl: &str) -> naga::Module {

@@ -8,6 +8,8 @@ use cloud::spt::{self, SequentialCloud};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, made_up, scan_of, spt_of, stereo, tiers};
 use lab::synth::{self, Kind};
+use lab::technique::tree::TreeUniform;
+use lab::twin::tree::{Tree, tolerance};
 use lab::twin::{self, Frame, Scene};
 use points::Scan;
 use proptest::prelude::*;
@@ -32,7 +34,6 @@ fn inside(size_px: [u32; 2]) -> View {
 fn frames_equal_their_twin_in_every_tier() {
     let spt = courtyard();
     let view = inside([301, 299]);
-    let scene = Scene::sequential(spt);
     for (quality, dilate, error_px) in [
         (Quality::Closest, Dilate::Off, 1.0),
         (Quality::Hqs, Dilate::Off, 0.5),
@@ -40,11 +41,12 @@ fn frames_equal_their_twin_in_every_tier() {
     ] {
         // As a GPU draws.
         let access = Access { together: Some(true), ..Access::default() };
-        let look = Look { quality, dilate, access, ..hqs(discs(error_px)) };
-        let want = twin::frame(&scene, &view, &look, None);
-        assert!(want.visible.len() > 10 && want.visible.len() < scene.batches.len(), "some are culled");
+        let look = Look { quality, dilate, access, ..hqs(discs()) };
+        let want = twin::frame(&Scene::sequential(spt, error_px), &view, &look, None);
+        let num_batches = spt.cloud.batches.len();
+        assert!(want.visible.len() > 10 && want.visible.len() < num_batches, "some are culled");
         for tier in tiers() {
-            let drawn = Canvas::sequential(spt, &view, look, tier, 0).draw(&view);
+            let drawn = Canvas::sequential(spt, error_px, &view, look, tier, 0).draw(&view);
             assert_eq!(difference(&drawn, &want), None, "{quality:?}, {dilate:?}, {error_px} px, {tier:?}");
         }
     }
@@ -54,7 +56,7 @@ fn frames_equal_their_twin_in_every_tier() {
 fn chunks_change_nothing() {
     let spt = courtyard();
     let view = inside([257, 129]);
-    let draw = |limit| Canvas::sequential(spt, &view, hqs(discs(1.0)), gpu().atomics(), limit).draw(&view);
+    let draw = |limit| Canvas::sequential(spt, 1.0, &view, hqs(discs()), gpu().atomics(), limit).draw(&view);
     let (whole, cut) = (draw(0), draw(4 * 50_000));
     assert!(whole.pixels == cut.pixels);
     assert_eq!(whole.times.points_read, cut.times.points_read);
@@ -65,12 +67,12 @@ fn chunks_change_nothing() {
 fn the_comparison_notices_what_is_wrong() {
     let spt = courtyard();
     let view = inside([201, 199]);
-    let look = hqs(discs(1.0));
-    let drawn = Canvas::sequential(spt, &view, look, gpu().atomics(), 0).draw(&view);
+    let look = hqs(discs());
+    let drawn = Canvas::sequential(spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &twin::frame(&Scene::sequential(&wrong), &view, &look, None)).is_some()
+        difference(&drawn, &twin::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
     };
     assert!(!differs(&|_| ()));
     assert!(differs(&|spt| spt.shapes.iter_mut().for_each(|shape| *shape += 1)), "where intervals begin");
@@ -90,16 +92,16 @@ fn the_comparison_notices_what_is_wrong() {
 #[test]
 fn what_is_culled_would_not_have_been_drawn() {
     let spt = courtyard();
-    let scene = Scene::sequential(spt);
+    let scene = Scene::sequential(spt, 1.0);
     let mut saved = 0;
     for place in synth::viewpoints(Kind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
-        let look = hqs(discs(1.0));
+        let look = hqs(discs());
         let want = twin::frame(&scene, &view, &look, None);
         // Intervals that never end: every batch in the frustum is read, and the points' own test decides.
         let mut open = spt.clone();
         open.intervals.fill([0, 255]);
-        let all = twin::frame(&Scene::sequential(&open), &view, &look, None);
+        let all = twin::frame(&Scene::sequential(&open, 1.0), &view, &look, None);
         assert!(want.pixels == all.pixels);
         saved += all.points_read() - want.points_read();
     }
@@ -114,16 +116,15 @@ fn what_is_drawn_lies_in_the_prefix() {
     let mut prefixes = Vec::new();
     for distance in [60.0, 200.0, 800.0] {
         let view = stereo(center + DVec3::new(0.0, -distance, 0.4 * distance), center, [300, 300]);
-        let detail = discs(1.0);
-        let uniform = ViewUniform::new(&view, &spt.cloud.split, &detail);
+        let detail = discs();
+        let uniform = TreeUniform::new(&view, &detail, 1.0, spt.scale.base);
         let gap = |eye: DVec3| (spt.cloud.bounds.min - eye).max(eye - spt.cloud.bounds.max).max(DVec3::ZERO);
-        let eyes = view.eyes.iter().zip(&uniform.eyes);
-        let tolerance =
-            eyes.map(|(eye, e)| e.tolerance_rad * gap(eye.world_from_view.position).length() as f32);
+        let eyes = view.eyes.iter().zip(uniform.tolerance_rad);
+        let tolerance = eyes.map(|(eye, rad)| rad * gap(eye.world_from_view.position).length() as f32);
         let step = spt.scale.step_below(tolerance.fold(f32::INFINITY, f32::min));
         // Entries, and so batches, are sorted by octaves of eight steps.
         let prefix = spt.intervals.partition_point(|[_, max]| max >> 3 >= (step + 1) >> 3);
-        let frame = twin::frame(&Scene::sequential(spt), &view, &hqs(detail), None);
+        let frame = twin::frame(&Scene::sequential(spt, 1.0), &view, &hqs(detail), None);
         assert!(!frame.visible.is_empty());
         assert!(frame.visible.iter().all(|batch| (batch.batch as usize) < prefix), "{distance}");
         prefixes.push(prefix);
@@ -173,11 +174,11 @@ fn backs_are_culled_where_normals_have_sides() {
     let from = DVec3::new(9.0, 7.0, 5.0).normalize();
     for (distance, error_px, most) in [(12.5, 0.5, 0.75), (25.0, 0.3, 0.75)] {
         let view = stereo(center - distance * from, center, [300, 300]);
-        let look = hqs(discs(error_px));
-        let want = twin::frame(&Scene::sequential(&sided), &view, &look, None);
-        let drawn = Canvas::sequential(&sided, &view, look, gpu().atomics(), 0).draw(&view);
+        let look = hqs(discs());
+        let want = twin::frame(&Scene::sequential(&sided, error_px), &view, &look, None);
+        let drawn = Canvas::sequential(&sided, error_px, &view, look, gpu().atomics(), 0).draw(&view);
         assert_eq!(difference(&drawn, &want), None);
-        let whole = twin::frame(&Scene::sequential(&plain), &view, &look, None);
+        let whole = twin::frame(&Scene::sequential(&plain, error_px), &view, &look, None);
         let read = want.points_read() as f64 / whole.points_read() as f64;
         let (others, psnr) = (share_of_others(&whole, &want), psnr_db(&whole, &want));
         println!(
@@ -188,21 +189,9 @@ fn backs_are_culled_where_normals_have_sides() {
         // The measure sees what is missing: the wrong side's.
         let mut inverted = sided.clone();
         inverted.runs.iter_mut().filter_map(|run| run.behind.as_mut()).for_each(|cone| cone.axis *= -1.0);
-        let wrong = twin::frame(&Scene::sequential(&inverted), &view, &look, None);
+        let wrong = twin::frame(&Scene::sequential(&inverted, error_px), &view, &look, None);
         assert!(share_of_others(&whole, &wrong) > 10.0 * OUTLINE);
     }
-}
-
-/// A flat cloud, which is shown while the tree is built, looks the same whatever it waits for.
-#[test]
-fn flat_clouds_are_drawn_as_ever() {
-    let xyz = kit::frames::random_points(30_000, 3.0, 9);
-    let cloud = kit::frames::cloud_of(&xyz, 0.001, DVec3::new(5e5, 4e6, 100.0), cloud::Order::Morton);
-    let center = cloud.bounds.center();
-    let view = stereo(center - DVec3::new(9.0, 0.4, 0.2), center, [133, 77]);
-    let as_discs = Canvas::flat(&cloud, &view, hqs(discs(1.0)), 0).draw(&view);
-    let as_points = Canvas::flat(&cloud, &view, hqs(Detail::default()), 0).draw(&view);
-    assert!(as_discs.pixels == as_points.pixels);
 }
 
 /// Mean squared difference of two images' channels as a ratio of signal to noise, decibels, over pixels in which
@@ -237,7 +226,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
     let statue = made_up(Kind::Photogrammetry, 400_000);
     let spt = spt_of(&statue, false);
     let octree = build_octree(&statue, &Progress::hidden()).expect("an octree");
-    let scene = Scene::sequential(&spt);
+    let scene = Scene::sequential(&spt, 1.0);
     let mut wrong = spt.clone();
     // Discs are drawn where their errors are eight times as large as they may be.
     let early = |step: u8| if step == 255 { 255 } else { step.saturating_sub(24) };
@@ -252,7 +241,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         let fine =
             Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
         let want = twin::frame(&Scene::layered(&octree), &view, &look(fine), None);
-        let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs(1.0) };
+        let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs() };
         let got = twin::frame(&scene, &view, &look(detail), None);
         let psnr = psnr_db(&got, &want);
         println!(
@@ -264,7 +253,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         );
         assert!(psnr > LEAST_PSNR_DB, "view {number}: {psnr} dB");
         assert!(empty(&got) < empty(&want) + 0.01, "view {number}: holes");
-        let coarse = twin::frame(&Scene::sequential(&wrong), &view, &look(detail), None);
+        let coarse = twin::frame(&Scene::sequential(&wrong, 1.0), &view, &look(detail), None);
         let worse = psnr_db(&coarse, &want);
         println!("view {number}: {worse:.1} dB with errors of 8 pixels");
         assert!(worse < LEAST_PSNR_DB, "view {number}: the measure sees no difference: {worse}");
@@ -288,9 +277,9 @@ proptest! {
         prop_assert_eq!(spt.num_points, xyz.len() as u64);
         let center = spt.cloud.bounds.center();
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
-        let look = hqs(discs(error_px));
-        let drawn = Canvas::sequential(&spt, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = twin::frame(&Scene::sequential(&spt), &view, &look, None);
+        let look = hqs(discs());
+        let drawn = Canvas::sequential(&spt, error_px, &view, look, gpu().atomics(), 0).draw(&view);
+        let want = twin::frame(&Scene::sequential(&spt, error_px), &view, &look, None);
         prop_assert_eq!(difference(&drawn, &want), None);
     }
 }
@@ -298,46 +287,50 @@ proptest! {
 /// The tolerance never exceeds what the intervals' overlap is made for, whatever error, rings and thresholds say.
 #[test]
 fn tolerances_stay_below_what_overlap_allows() {
-    let view = inside([8, 8]);
-    let spt = courtyard();
-    let uniform = ViewUniform::new(&view, &spt.cloud.split, &discs(16.0));
-    assert!(uniform.eyes.iter().all(|eye| f64::from(eye.tolerance_rad) <= spt::MAX_TOLERANCE_RAD));
-    let uniform = ViewUniform::new(&inside([2000, 2000]), &spt.cloud.split, &discs(1.0));
-    assert!(uniform.eyes.iter().all(|eye| eye.tolerance_rad * eye.pixels_per_radian == 1.0));
+    let of = |size: u32, detail: &Detail, error_px: f32| {
+        let view = inside([size, size]);
+        let split = &courtyard().cloud.split;
+        (ViewUniform::new(&view, split, detail), TreeUniform::new(&view, detail, error_px, 0))
+    };
+    let (_, tree) = of(8, &discs(), 16.0);
+    assert!(tree.tolerance_rad.iter().all(|&rad| f64::from(rad) <= spt::MAX_TOLERANCE_RAD));
+    let (view, tree) = of(2000, &discs(), 1.0);
+    let eyes = view.eyes.iter().zip(tree.tolerance_rad);
+    assert!(eyes.map(|(eye, rad)| rad * eye.pixels_per_radian).all(|px| px == 1.0));
     for size in [8, 300, 2000] {
         for error_px in [0.01, 1.0, 3.0, 100.0] {
             for (ring_deg, ratio) in [([20.0, 38.0], 3.0), ([0.0, 1.0], 9.0), ([30.0f64, 30.0], 3.0)] {
                 let detail = Detail {
                     ring_rad: ring_deg.map(f64::to_radians),
                     threshold_px: [100.0, 200.0, 100.0 * ratio],
-                    ..discs(error_px)
+                    ..discs()
                 };
-                let uniform = ViewUniform::new(&inside([size, size]), &spt.cloud.split, &detail);
-                for eye in &uniform.eyes {
-                    let slope = f64::from(twin::tolerance::steepest(&uniform, eye));
+                let (view, tree) = of(size, &detail, error_px);
+                for eye in 0..2 {
+                    let slope = f64::from(tolerance::steepest(&view, &tree, eye));
                     assert!(
                         slope <= 1.0001 * spt::MAX_TOLERANCE_SLOPE,
                         "{size} {error_px} {ring_deg:?}: {slope}"
                     );
-                    assert!(eye.tolerance_growth >= 0.0);
+                    assert!(tree.tolerance_growth[eye] >= 0.0);
                 }
             }
         }
     }
     // In a headset's eye the outer ring gets all that its threshold says.
-    let uniform = ViewUniform::new(&inside([1440, 1600]), &spt.cloud.split, &discs(1.0));
-    let eye = &uniform.eyes[0];
-    let ratio = twin::tolerance::outer_rad(&uniform, eye) / eye.tolerance_rad;
+    let view = inside([1440, 1600]);
+    let tree = TreeUniform::new(&view, &discs(), 1.0, 0);
+    let view = ViewUniform::new(&view, &courtyard().cloud.split, &discs());
+    let ratio = tolerance::outer_rad(&view, &tree, 0) / tree.tolerance_rad[0];
     assert!((ratio - 3.0).abs() < 1e-3, "{ratio}");
 }
 
 /// Batches of a view, without drawing them.
-fn read(spt: &SequentialCloud, view: &View, detail: &Detail) -> u64 {
-    let scene = Scene::sequential(spt);
-    let uniform = ViewUniform::new(view, &spt.cloud.split, detail);
-    let uniform = ViewUniform { step_base: spt.scale.base, ..uniform };
-    let states = vec![render::layout::DRAWN_WHOLE; scene.nodes.len()];
-    let visible = twin::cull::cull(&uniform, view.eyes.len(), &scene.batches, &scene.nodes, &states);
+fn read(spt: &SequentialCloud, view: &View, error_px: f32) -> u64 {
+    let uniform = TreeUniform::new(view, &discs(), error_px, spt.scale.base);
+    let tree = Tree { uniform, ..Tree::new(spt) };
+    let view_uniform = ViewUniform::new(view, &spt.cloud.split, &discs());
+    let visible = twin::tree::cull::cull(&view_uniform, view.eyes.len(), &tree);
     Frame { visible, ..Frame::default() }.points_read()
 }
 
@@ -353,7 +346,7 @@ fn with_normals_never_more_is_read_than_without() {
     for radii in [0.0, 0.5, 0.9, 1.02, 1.2, 2.0, 4.0, 8.0, 20.0, 50.0, 100.0, 200.0, 1000.0] {
         for error_px in [0.1, 0.5, 1.0, 3.0] {
             let view = stereo(center - radii * radius * from, center + 0.01 * from, [1000, 1000]);
-            let [with, without] = [&sided, &plain].map(|spt| read(spt, &view, &discs(error_px)));
+            let [with, without] = [&sided, &plain].map(|spt| read(spt, &view, error_px));
             println!("{radii} radii, {error_px} px: {with} with normals, {without} without");
             assert!(with <= without, "{radii} radii, {error_px} px: {with} with normals, {without} without");
             least_share = least_share.min(with as f64 / without as f64);
@@ -368,7 +361,7 @@ fn close_up_what_is_read_is_what_may_be_drawn() {
     let spt = courtyard();
     for place in synth::viewpoints(Kind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
-        let frame = twin::frame(&Scene::sequential(spt), &view, &hqs(discs(1e-4)), None);
+        let frame = twin::frame(&Scene::sequential(spt, 1e-4), &view, &hqs(discs()), None);
         let shapes = |first: u32, num: u32| &spt.shapes[first as usize..(first + num) as usize];
         let of_batch = |batch: &render::layout::VisibleBatch| {
             shapes(batch.first_point, batch.num_points).iter().filter(|word| **word & 255 != 0).count() as u64
@@ -388,14 +381,14 @@ fn everywhere(detail: Detail) -> Detail {
 #[test]
 fn the_fovea_counts_for_point_trees() {
     let spt = courtyard();
-    let scene = Scene::sequential(spt);
     // What pixels blend, all together: discs, by the pixels that they cover.
     let blended = |frame: &Frame| frame.sums.iter().flatten().map(|sum| u64::from(sum[3])).sum::<u64>();
     for place in &synth::viewpoints(Kind::Terrestrial)[..2] {
         let view = stereo(place.eye, place.target, [500, 500]);
         for error_px in [1.0, 2.0] {
-            let [rings, whole] = [discs(error_px), everywhere(discs(error_px))]
-                .map(|detail| twin::frame(&scene, &view, &hqs(detail), None));
+            let scene = Scene::sequential(spt, error_px);
+            let [rings, whole] =
+                [discs(), everywhere(discs())].map(|detail| twin::frame(&scene, &view, &hqs(detail), None));
             let (fewer, all) = (rings.points_read(), whole.points_read());
             let [holes, holes_before] = [&rings, &whole].map(empty);
             println!("{} {error_px} px: {fewer} of {all} read; empty {holes} and {holes_before}", place.name);
@@ -432,15 +425,15 @@ fn rings_open_no_holes() {
         for case in 0..24 {
             let mut at = || tree.bounds.min + random_in(&mut random, tree.bounds.size() * 1.5);
             let view = stereo(at(), at(), [700, 700]);
-            let detail =
-                Detail { threshold_px: [100.0, 200.0, 100.0 * ratio], ..discs(0.3 + 0.2 * case as f32) };
+            let detail = Detail { threshold_px: [100.0, 200.0, 100.0 * ratio], ..discs() };
+            let tree_uniform = TreeUniform::new(&view, &detail, 0.3 + 0.2 * case as f32, 0);
             let split = base::space::Split::of(&tree.bounds, &tree.bounds);
             let uniform = ViewUniform::new(&view, &split, &detail);
             let head = view.head_in_world();
             let is_drawn = |number: usize| {
                 let from_eye =
                     (tree.position(number) - head).as_vec3() - glam::Vec3::from(uniform.eyes[0].eye_in_head);
-                let tolerance = twin::tolerance::of(&uniform, &uniform.eyes[0], from_eye.to_array());
+                let tolerance = tolerance::of(&uniform, &tree_uniform, 0, from_eye.to_array());
                 shapes[number].is_some_and(|shape| shape.is_drawn(sequence.scale.step_below(tolerance)))
             };
             let drawn: Vec<bool> = (0..tree.nodes.len()).map(is_drawn).collect();

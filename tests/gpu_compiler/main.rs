@@ -7,8 +7,9 @@
 mod radv;
 mod wgsl;
 
+use lab::technique::{EarlyZLoad, LabTechnique, Method, POINT_LIST, SHADE_POINTS, SHADE40, texts};
 use render::layout::{Sums, Variant};
-use render::shaders::{SHADERS, source};
+use render::shaders::{COLOR, COLOR32, CULL, DEPTH, DEPTH32, LOD, SHADERS};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -75,9 +76,9 @@ fn our_shaders() -> Vec<Shader> {
     ]
     .map(|(name, text)| Shader { name: name.into(), text: text.into(), checked: true })
     .to_vec();
-    let mut add = |name: String, shader: &str, variant: Variant| {
+    let mut add = |name: String, text: String| {
         // What drivers get of a release build, and of a debug build those that meet every point.
-        let shader = Shader { name, text: source(shader, variant), checked: false };
+        let shader = Shader { name, text, checked: false };
         if ["depth32-2-fill", "color-2-fill"].contains(&&*shader.name) {
             shaders.push(Shader {
                 name: format!("{}-checked", shader.name),
@@ -88,32 +89,71 @@ fn our_shaders() -> Vec<Shader> {
         shaders.push(shader);
     };
     for shader in SHADERS {
-        // What draws one eye a dispatch is the same for one eye and for two: only the prelude names their number.
-        let knows_both = source(shader.name, Variant::eyes(2)).matches("NUM_EYES").count() > 1;
-        for num_eyes in if knows_both { 1..=2 } else { 2..=2 } {
-            let plain = Variant::eyes(num_eyes);
-            // Methods of the papers: threads that ask each other go together, and draw one point at a time.
-            let converged = ["reduce", "dedup"].iter().any(|name| shader.name.starts_with(name));
-            let fixed40 = shader.name.contains("40");
-            let plain = Variant { keys: shader.name != "ids", fixed40, converged, basic: converged, ..plain };
-            add(format!("{}-{num_eyes}", shader.name), shader.name, plain);
+        for num_eyes in eyes_of(shader) {
+            let plain = Variant { keys: shader.name != "ids", ..Variant::eyes(num_eyes) };
+            add(format!("{}-{num_eyes}", shader.name), shader.source(plain));
             if ["depth", "depth32", "color"].contains(&shader.name) {
                 let fill = Variant { fill: true, ..plain };
-                add(format!("{}-{num_eyes}-fill", shader.name), shader.name, fill);
-                let discs = Variant { discs: true, ..fill };
-                add(format!("{}-{num_eyes}-discs", shader.name), shader.name, discs);
-            }
-            if ["depth", "depth32"].contains(&shader.name) {
-                let plain_looks = Variant { plain_looks: true, ..plain };
-                add(format!("{}-{num_eyes}-plain-looks", shader.name), shader.name, plain_looks);
+                add(format!("{}-{num_eyes}-fill", shader.name), shader.source(fill));
             }
             if ["color", "blend", "blend-dilate"].contains(&shader.name) {
                 let protected = Variant { sums: Sums::Protected, ..plain };
-                add(format!("{}-{num_eyes}-protected", shader.name), shader.name, protected);
+                add(format!("{}-{num_eyes}-protected", shader.name), shader.source(protected));
             }
         }
     }
+    laboratory(&mut add);
     shaders
+}
+
+/// The shaders of the laboratory's techniques that differ from the frame's.
+fn laboratory(add: &mut dyn FnMut(String, String)) {
+    let of = |technique: LabTechnique, has_subgroups, num_eyes| {
+        let (fill, texts) = (technique.error_px.is_some(), texts(&technique, false, has_subgroups));
+        Variant { fill, texts, ..Variant::eyes(num_eyes) }
+    };
+    let tree = LabTechnique::tree(1.0);
+    let plain = LabTechnique { early_z_load: EarlyZLoad::Plain, ..LabTechnique::default() };
+    for num_eyes in 1..=2 {
+        let of_tree = [LOD.shader(), CULL.shader(), DEPTH.shader(), DEPTH32.shader(), COLOR.shader()];
+        for shader in of_tree {
+            add(format!("{}-{num_eyes}-discs", shader.name), shader.source(of(tree, true, num_eyes)));
+        }
+        for shader in [DEPTH, DEPTH32] {
+            add(
+                format!("{}-{num_eyes}-plain-looks", shader.name()),
+                shader.source(of(plain, true, num_eyes)),
+            );
+        }
+        for (method, has_subgroups, name) in [
+            (Method::Basic, true, "basic"),
+            (Method::JustSet, true, "just-set"),
+            (Method::BusyLoop, true, "busy-loop"),
+            (Method::ExchangeLoop, true, "exchange-loop"),
+            (Method::AtomicMin, true, "atomic-min"),
+            (Method::Reduce, true, "reduce"),
+            (Method::Reduce, false, "reduce-emulated"),
+            (Method::Dedup, true, "dedup"),
+            (Method::Dedup, false, "dedup-emulated"),
+            (Method::Fixed40, true, "fixed40"),
+        ] {
+            let variant = of(LabTechnique::method(method), has_subgroups, num_eyes);
+            add(format!("{name}-{num_eyes}"), DEPTH.source(variant));
+        }
+        let pairs = of(LabTechnique::method(Method::Hqs), true, num_eyes);
+        let pairs = Variant { sums: Sums::Wide, ..pairs };
+        add(format!("color-pairs-{num_eyes}"), COLOR32.source(pairs));
+    }
+    let of_method = |method| of(LabTechnique::method(method), true, 2);
+    add("shade40-2".into(), SHADE40.source(of_method(Method::Fixed40)));
+    add("point-list-2".into(), POINT_LIST.source(of_method(Method::PointList)));
+    add("shade-points-2".into(), SHADE_POINTS.source(of_method(Method::PointList)));
+}
+
+/// What draws one eye a dispatch is the same for one eye and for two: only the prelude names their number.
+fn eyes_of(shader: render::shaders::Shader) -> std::ops::RangeInclusive<u32> {
+    let knows_both = shader.source(Variant::eyes(2)).matches("NUM_EYES").count() > 1;
+    if knows_both { 1..=2 } else { 2..=2 }
 }
 
 /// Shaders of this test's own, whose fate is known.

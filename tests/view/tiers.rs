@@ -3,7 +3,7 @@
 
 use crate::scene::Scene;
 use kit::xr::Runtime;
-use render::Method;
+use lab::technique::Method;
 use render::options::Quality;
 use std::path::Path;
 

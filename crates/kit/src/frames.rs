@@ -11,6 +11,7 @@ use base::output::{Output, OutputKind};
 use base::space::{Bounds, Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::synth::{self, Kind, SynthOptions};
+use lab::technique::{LabTechnique, tree};
 use lab::twin::Frame;
 use lab::twin::resolve::{EMPTY, Pixel};
 use points::{self, ColorSource, Lattice, Points, ReadOptions, Scan, ScanFile};
@@ -117,21 +118,39 @@ pub struct Canvas {
 
 impl Canvas {
     pub fn new(sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
-        Self::on(gpu(), sizes_px, look, atomics)
+        Self::on(gpu(), sizes_px, look, atomics, LabTechnique::default())
     }
 
-    /// On another device.
-    pub fn on(gpu: Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
+    /// On another device, by any technique.
+    pub fn on(
+        gpu: Arc<Gpu>,
+        sizes_px: &[[u32; 2]],
+        look: Look,
+        atomics: Atomics,
+        technique: LabTechnique,
+    ) -> Self {
         let color_format = wgpu::TextureFormat::Rgba8UnormSrgb;
         let setup = Setup { sizes_px: sizes_px.to_vec(), color_format, depth_format: None, atomics };
-        let renderer = Renderer::new(&gpu, setup, look).expect("renderer");
+        let technique = technique.open(&gpu);
+        let renderer = Renderer::with_technique(&gpu, setup, look, technique).expect("renderer");
         let images = sizes_px.iter().map(|&s| image(&gpu, s, color_format)).collect();
         Self { gpu, renderer, images, frame: 0 }
     }
 
     /// For a view, with a flat cloud.
     pub fn flat(cloud: &Cloud, view: &View, look: Look, chunk_limit: u64) -> Self {
-        let mut canvas = Self::new(&sizes(view), look, gpu().atomics());
+        Self::flat_by(LabTechnique::default(), cloud, view, look, chunk_limit)
+    }
+
+    /// The same by any technique.
+    pub fn flat_by(
+        technique: LabTechnique,
+        cloud: &Cloud,
+        view: &View,
+        look: Look,
+        chunk_limit: u64,
+    ) -> Self {
+        let mut canvas = Self::on(gpu(), &sizes(view), look, gpu().atomics(), technique);
         let buffers = CloudBuffers::upload(&canvas.gpu, cloud, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
@@ -145,8 +164,13 @@ impl Canvas {
         canvas
     }
 
-    /// The same, by a renderer that counts.
-    pub fn counting(octree: &Octree, view: &View, look: Look) -> Self {
+    /// The same by any technique, which counts; with the bins of its counts.
+    pub fn counting(
+        octree: &Octree,
+        view: &View,
+        look: Look,
+        technique: LabTechnique,
+    ) -> (Self, wgpu::Buffer) {
         let mut canvas = Self::layered(octree, view, look, gpu().atomics(), 0);
         let setup = Setup {
             sizes_px: sizes(view),
@@ -155,21 +179,35 @@ impl Canvas {
             atomics: gpu().atomics(),
         };
         let cloud = canvas.renderer.take_cloud().expect("a cloud");
-        canvas.renderer = Renderer::counting(&canvas.gpu, setup, look).expect("renderer");
+        let (technique, bins) = technique.counting(&canvas.gpu);
+        canvas.renderer = Renderer::with_technique(&canvas.gpu, setup, look, technique).expect("renderer");
         canvas.renderer.set_cloud(cloud).expect("room");
-        canvas
+        (canvas, bins)
     }
 
-    /// For a view, with a sequential point tree.
+    /// For a view, with a sequential point tree, whose discs may be wrong by so many pixels.
     pub fn sequential(
+        spt: &SequentialCloud,
+        error_px: f32,
+        view: &View,
+        look: Look,
+        atomics: Atomics,
+        chunk_limit: u64,
+    ) -> Self {
+        Self::sequential_by(LabTechnique::tree(error_px), spt, view, look, atomics, chunk_limit)
+    }
+
+    /// The same by any technique of trees.
+    pub fn sequential_by(
+        technique: LabTechnique,
         spt: &SequentialCloud,
         view: &View,
         look: Look,
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
-        let mut canvas = Self::new(&sizes(view), look, atomics);
-        let buffers = CloudBuffers::upload_sequential(&canvas.gpu, spt, chunk_limit, &Progress::hidden());
+        let mut canvas = Self::on(gpu(), &sizes(view), look, atomics, technique);
+        let buffers = tree::upload(&canvas.gpu, spt, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
     }
@@ -267,9 +305,9 @@ pub fn spt_of(scan: &Scan, cull_backfaces: bool) -> SequentialCloud {
     build_spt(scan, cull_backfaces, &Progress::hidden()).expect("a point tree")
 }
 
-/// Discs that may be wrong by so many pixels.
-pub fn discs(error_px: f32) -> Detail {
-    Detail { error_px: Some(error_px), fill_reach_px: Some([1.0; 3]), ..Detail::default() }
+/// For discs, which have their sizes.
+pub fn discs() -> Detail {
+    Detail { fill_reach_px: Some([1.0; 3]), ..Detail::default() }
 }
 
 pub fn hqs(detail: Detail) -> Look {

@@ -1,7 +1,8 @@
 //! The laboratory: what measures, compares and proves, and no walk needs. Made-up scans, the stages on the CPU, the papers'
-//! tables, and reports of what was measured.
+//! methods and tables, sequential point trees, and reports of what was measured.
 
 pub mod bench;
 pub mod report;
 pub mod synth;
+pub mod technique;
 pub mod twin;

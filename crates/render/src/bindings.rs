@@ -1,8 +1,12 @@
 //! The one table of what shaders bind: sets of resources, by the names that the shaders have for them. A field's name is
 //! the shader's. Host code fills a set as a struct, so that what it leaves out is a build error; that every shader finds
-//! all of its names in its set is a test, for every variant (`tests/gpu/shaders/bindings.rs`).
+//! all of its names in its set is a test, for every variant (`tests/gpu/shaders/bindings.rs`). Techniques bind things of their
+//! own besides, by name too. A name that ends in [`AGAIN`] is the resource without it, bound a second time as another type.
 
 use wgpu::BindingResource;
+
+/// At the end of a name: the same resource, bound a second time.
+pub const AGAIN: &str = "_again";
 
 /// What shaders of one kind may bind. They need not bind all of it.
 pub trait Set {
@@ -107,17 +111,9 @@ sets! {
         colors,
         /// Colors of what samples stand for.
         filtered_colors,
-        /// Discs, and words of triangles.
-        shapes,
-        /// What is counted for `bench`.
-        count_bins,
     }
-    /// Both eyes' pixels. One buffer has several names, as methods and qualities see it.
+    /// Both eyes' pixels. One buffer has several names, as qualities see it.
     Pixels, OfPixels {
-        /// What early-z looks at, bound a second time.
-        seen_left,
-        /// The right eye's.
-        seen_right,
         /// Depth and id.
         keys_left,
         /// The right eye's.
@@ -134,18 +130,10 @@ sets! {
         depth_left,
         /// The right eye's.
         depth_right,
-        /// Keys as pairs of words.
-        words_left,
-        /// The right eye's.
-        words_right,
         /// Sums in four u32.
         wide_left,
         /// The right eye's.
         wide_right,
-        /// Sums in two u64.
-        pairs_left,
-        /// The right eye's.
-        pairs_right,
     }
     /// One eye, from points to its finished pixels.
     Eye, OfEye {
@@ -175,11 +163,6 @@ sets! {
         image_color,
         /// Finished depths.
         image_depth,
-    }
-    /// What hardware points were drawn into, of one eye.
-    PointImage, OfPointImage {
-        /// Id and depth.
-        points,
     }
     /// What overlays know beside the cloud, of one eye and one chunk.
     Overlay, OfOverlay {

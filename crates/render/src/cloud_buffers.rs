@@ -2,16 +2,16 @@
 //! several on a software driver.
 
 use crate::gpu::Gpu;
-use crate::layout::{Batch, ChunkUniform, MAX_EXTRA_SLICES, VisibleBatch};
+use crate::layout::{ChunkUniform, MAX_EXTRA_SLICES, VisibleBatch};
 use base::space::Split;
 use base::task::Progress;
 use cloud::Cloud;
 use cloud::octree::Octree;
-use cloud::spt::SequentialCloud;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::upload::{CloudUpload, UploadError};
+use crate::upload::{CloudUpload, UploadError, Whole};
+use bytemuck::Pod;
 
 /// A cloud on the GPU: handles, which can be cloned.
 #[derive(Clone, Debug)]
@@ -24,8 +24,10 @@ pub struct CloudBuffers {
     pub bytes: u64,
     /// A pixel may get more points than the packed sums hold; see [`crate::layout::Sums`].
     pub(super) is_crowded: bool,
-    /// Of a sequential point tree's lengths; see [`cloud::spt::Scale`].
-    pub(super) step_base: u32,
+    /// Its nodes are cubes of [`crate::layout::Node`]; else records of a technique.
+    pub(super) has_cubes: bool,
+    /// What shaders of a technique bind of it, by name.
+    pub(super) besides: Vec<(&'static str, wgpu::Buffer)>,
     /// It is no flat cloud.
     pub(super) has_detail: bool,
     /// Points that have come.
@@ -48,10 +50,8 @@ pub(super) struct Chunk {
     pub(super) visible: wgpu::Buffer,
     pub(super) planes: [wgpu::Buffer; 3],
     pub(super) colors: wgpu::Buffer,
-    /// The same buffer as `colors`, except in an octree.
-    pub(super) filtered_colors: wgpu::Buffer,
-    /// The same buffer as `colors`, except in a sequential point tree.
-    pub(super) shapes: wgpu::Buffer,
+    /// The column beside the colors, if there is one, by the name that shaders have for it.
+    pub(super) column: Option<(&'static str, wgpu::Buffer)>,
 }
 
 impl Chunk {
@@ -61,10 +61,15 @@ impl Chunk {
         (self.visible.size() / size_of::<VisibleBatch>() as u64) as u32
     }
 
+    /// The column of this name.
+    pub(super) fn column(&self, name: &str) -> Option<&wgpu::Buffer> {
+        self.column.as_ref().filter(|(own, _)| *own == name).map(|(_, column)| column)
+    }
+
     /// Planes, colors, and the column beside the colors, if there is one.
     pub(super) fn columns(&self) -> impl Iterator<Item = &wgpu::Buffer> {
         let [hi, mid, lo] = &self.planes;
-        let beside = [&self.filtered_colors, &self.shapes].into_iter().find(|column| **column != self.colors);
+        let beside = self.column.as_ref().map(|(_, column)| column);
         [hi, mid, lo, &self.colors].into_iter().chain(beside)
     }
 }
@@ -84,17 +89,17 @@ impl CloudBuffers {
         CloudUpload::flat(gpu, cloud, chunk_limit, progress)
     }
 
-    /// Sends a sequential point tree to the GPU, all at once; see [`Self::upload`].
+    /// Sends a cloud that a technique draws to the GPU, all at once; see [`Self::upload`].
     ///
     /// # Errors
     /// See [`UploadError`].
-    pub fn upload_sequential(
+    pub fn upload_whole<N: Pod, B: Pod>(
         gpu: &Gpu,
-        spt: &SequentialCloud,
+        whole: Whole<N, B>,
         chunk_limit: u64,
         progress: &Progress,
     ) -> Result<Self, UploadError> {
-        CloudUpload::sequential(gpu, spt, chunk_limit, progress)
+        CloudUpload::whole(gpu, whole, chunk_limit, progress)
     }
 
     /// Sends a layered cloud to the GPU, all at once; see [`Self::upload`].
@@ -116,6 +121,12 @@ impl CloudBuffers {
         self.chunks.len()
     }
 
+    /// What a technique's shaders bind of it by this name; see [`Whole::besides`].
+    #[must_use]
+    pub fn besides(&self, name: &str) -> Option<&wgpu::Buffer> {
+        self.besides.iter().find(|(own, _)| *own == name).map(|(_, buffer)| buffer)
+    }
+
     /// Points that have come.
     #[must_use]
     pub fn num_resident(&self) -> u64 {
@@ -123,18 +134,12 @@ impl CloudBuffers {
     }
 }
 
-/// A column that some kinds of clouds have beside the colors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Beside {
-    /// Of an octree.
-    FilteredColors,
-    /// Of a sequential point tree.
-    Shapes,
-}
+/// The column of an octree beside its colors.
+pub(super) const FILTERED_COLORS: &str = "filtered_colors";
 
 /// Room for slices of batches, which have some only where points may be wide: in trees.
-pub(super) fn num_extra_slices(beside: Option<Beside>) -> usize {
-    if beside.is_some() { MAX_EXTRA_SLICES as usize } else { 0 }
+pub(super) fn num_extra_slices(column: Option<&str>) -> usize {
+    if column.is_some() { MAX_EXTRA_SLICES as usize } else { 0 }
 }
 
 /// Makes buffers and counts their bytes.
@@ -149,31 +154,33 @@ impl Room<'_> {
         self.gpu.buffer(label, size as u64, usage)
     }
 
-    pub fn chunk(&mut self, uniform: ChunkUniform, num_batches: usize, beside: Option<Beside>) -> Chunk {
+    pub fn chunk(
+        &mut self,
+        uniform: ChunkUniform,
+        (num_batches, batch_bytes): (usize, usize),
+        column: Option<&'static str>,
+    ) -> Chunk {
         let storage = wgpu::BufferUsages::STORAGE;
         let written = storage | wgpu::BufferUsages::COPY_DST;
         let uniform_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let mut words = |label| self.take(label, written, 4 * uniform.num_points as usize);
         let planes = [words("plane_hi"), words("plane_mid"), words("plane_lo")];
         let colors = words("colors");
-        let mut only_in =
-            |kind: Beside, label| if beside == Some(kind) { words(label) } else { colors.clone() };
-        let filtered_colors = only_in(Beside::FilteredColors, "filtered_colors");
-        let shapes = only_in(Beside::Shapes, "shapes");
+        let num_extra = num_extra_slices(column);
+        let column = column.map(|name| (name, words(name)));
         Chunk {
             uniform,
             num_batches: num_batches as u32,
             chunk: self.take("chunk", uniform_usage, size_of::<ChunkUniform>()),
-            batches: self.take("batches", written, num_batches * size_of::<Batch>()),
+            batches: self.take("batches", written, num_batches * batch_bytes),
             visible: self.take(
                 "visible",
                 storage | wgpu::BufferUsages::COPY_SRC,
-                (num_batches + num_extra_slices(beside)) * size_of::<VisibleBatch>(),
+                (num_batches + num_extra) * size_of::<VisibleBatch>(),
             ),
             planes,
             colors,
-            filtered_colors,
-            shapes,
+            column,
         }
     }
 }

@@ -1,8 +1,7 @@
 //! The frame as a contents list.
 
 use super::groups;
-use super::pipelines::Depth;
-use super::point_list::PointList;
+use super::pipelines::Closest;
 use super::renderer::Renderer;
 use crate::gpu::QueueGuard;
 use crate::gpu::stage::Compiled;
@@ -18,7 +17,7 @@ use timing::{STAGES, StageMs};
 const CLEAR: usize = 0;
 const LOD: usize = 1;
 const CULL: usize = 2;
-const DEPTH: usize = 3;
+pub(super) const DEPTH: usize = 3;
 const COLOR: usize = 4;
 const RESOLVE: usize = 5;
 
@@ -80,11 +79,10 @@ impl Renderer {
         assert!(sizes_px.eq(self.targets.drawn_px.iter().copied()), "eyes as large as what is drawn");
         if let Some(cloud) = &self.cloud {
             let threshold_px = self.look.detail.threshold_px.map(|px| px * self.lod_scale);
-            let error_px = self.look.detail.error_px.map(|px| px * self.lod_scale);
-            let detail = Detail { threshold_px, error_px, ..self.look.detail };
+            let detail = Detail { threshold_px, ..self.look.detail };
             let uniform = ViewUniform::new(view, &cloud.split, &detail);
-            let uniform = ViewUniform { step_base: cloud.step_base, ..uniform };
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+            self.technique.set_view(queue, view, &detail, self.lod_scale, cloud);
         }
     }
 
@@ -151,28 +149,23 @@ impl Renderer {
     }
 
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder) {
-        let depth = match (self.look.quality, &self.pipelines.closest.depth) {
-            (Quality::Closest, Depth::PointList(point_list)) => {
-                return self.record_point_list(encoder, point_list);
-            }
-            (Quality::Closest, Depth::Compute(depth)) => depth,
-            (Quality::Hqs, _) => &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth,
-        };
-        let mut pass = self.compute_pass(encoder, DEPTH);
-        self.dispatch_visible(&mut pass, depth, &self.groups.depth);
-        if let Some(ids) = &self.pipelines.closest.ids {
-            self.dispatch_visible(&mut pass, ids, &self.groups.ids);
+        if let Some((nearest, recording)) = self.nearest() {
+            return nearest.record_depth(encoder, &recording);
         }
-    }
-
-    fn record_point_list(&self, encoder: &mut wgpu::CommandEncoder, point_list: &PointList) {
-        let Some((images, draws)) = &self.points else { return };
-        draws.record(encoder, &self.counters, self.chunks());
-        let num_eyes = self.groups.point_list.len();
-        for (eye, groups) in self.groups.point_list.iter().enumerate() {
-            let times = self.timer.render(DEPTH, eye == 0, eye + 1 == num_eyes);
-            let size_px = self.targets.drawn_px[eye];
-            point_list.record(encoder, (eye, images), size_px, (groups, draws), times);
+        let mut pass = self.compute_pass(encoder, DEPTH);
+        match (self.look.quality, &self.pipelines.closest) {
+            (Quality::Closest, Some(Closest { depth, ids, .. })) => {
+                self.dispatch_visible(&mut pass, depth, &self.groups.depth);
+                if let Some(ids) = ids {
+                    self.dispatch_visible(&mut pass, ids, &self.groups.ids);
+                }
+            }
+            // Then there is another way to the nearest points.
+            (Quality::Closest, None) => {}
+            (Quality::Hqs, _) => {
+                let depth = &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth;
+                self.dispatch_visible(&mut pass, depth, &self.groups.depth);
+            }
         }
     }
 
@@ -222,13 +215,18 @@ impl Renderer {
     fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
         let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
         let Look { quality, dilate, .. } = self.look;
-        let surface: &Compiled = match quality {
-            Quality::Closest => pipelines.closest.shade.compiled(),
-            Quality::Hqs => &groups::hqs(pipelines, cloud).blend,
+        let surface: Option<&Compiled> = match (quality, &pipelines.closest) {
+            (Quality::Closest, closest) => closest.as_ref().map(|closest| &*closest.shade),
+            (Quality::Hqs, _) => Some(&groups::hqs(pipelines, cloud).blend),
         };
         let image = groups::finishing(pipelines, cloud, quality, dilate);
-        for eye in &self.groups.eyes {
-            for group in &eye.surface {
+        for (number, eye) in self.groups.eyes.iter().enumerate() {
+            if let Some((nearest, _)) = self.nearest() {
+                nearest.record_shade(pass, number, eye.num_tiles);
+            }
+            for (surface, group) in
+                surface.iter().flat_map(|surface| eye.surface.iter().map(move |g| (surface, g)))
+            {
                 surface.dispatch(pass, group, eye.num_tiles);
             }
             if let Some(group) = &eye.image {

@@ -1,31 +1,34 @@
 //! Bind groups: of the cloud's chunks and the targets at hand. Made anew when either changes; no buffer is.
 
-use super::cloud_buffers::{Chunk, CloudBuffers};
+use super::cloud_buffers::{Chunk, CloudBuffers, FILTERED_COLORS};
 use super::drawn_part::{Clearing, DrawnPart};
-use super::pipelines::{Closest, Depth, Hqs, Pipelines, Shade};
-use super::point_list::PointImages;
+use super::pipelines::{Closest, Hqs, Pipelines};
 use super::targets::Targets;
-use crate::bindings::{Eye, OfChunk, OfClear, OfCloud, OfEye, OfPixels, OfPointImage};
+use crate::bindings::{Eye, Geometry, OfChunk, OfClear, OfCloud, OfEye, OfPixels};
 use crate::gpu::Gpu;
-use crate::gpu::stage::Stage;
+use crate::gpu::stage::{Besides, Stage, nothing_besides};
 use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
+use crate::nearest::Clears;
 use crate::options::{Dilate, Quality};
+use crate::technique::Technique;
 
-/// What the groups are made from.
+/// What bind groups are made from.
 #[derive(Clone, Copy)]
-pub(super) struct Parts<'a> {
+pub struct Parts<'a> {
+    /// Where they are.
     pub gpu: &'a Gpu,
-    pub pipelines: &'a Pipelines,
+    /// What is drawn into.
     pub targets: &'a Targets,
-    pub drawn: &'a DrawnPart,
-    pub points: Option<&'a PointImages>,
-    pub cloud: Option<&'a CloudBuffers>,
-    pub view: &'a wgpu::Buffer,
-    pub counters: &'a wgpu::Buffer,
-    /// Bins of [`crate::layout::Counts`], if they are wanted.
-    pub counts: Option<&'a wgpu::Buffer>,
-    pub quality: Quality,
-    pub dilate: Dilate,
+    pub(super) pipelines: &'a Pipelines,
+    pub(super) drawn: &'a DrawnPart,
+    pub(super) technique: &'a dyn Technique,
+    /// What the technique's own way to the nearest points has cleared.
+    pub(super) clears: Option<Clears>,
+    pub(super) cloud: Option<&'a CloudBuffers>,
+    pub(super) view: &'a wgpu::Buffer,
+    pub(super) counters: &'a wgpu::Buffer,
+    pub(super) quality: Quality,
+    pub(super) dilate: Dilate,
 }
 
 /// Every bind group of the frame.
@@ -41,8 +44,6 @@ pub(super) struct Groups {
     pub depth: Vec<wgpu::BindGroup>,
     pub ids: Vec<wgpu::BindGroup>,
     pub color: Vec<wgpu::BindGroup>,
-    /// Of each eye, then of each chunk.
-    pub point_list: Vec<Vec<wgpu::BindGroup>>,
     /// Of each eye.
     pub eyes: Vec<EyeGroups>,
     /// Finished colors and depths to where nothing is, before the first frame that resolves these tiles.
@@ -65,29 +66,30 @@ pub(super) struct EyeGroups {
 /// What the geometry stages bind.
 type OfGeometry<'a> = (OfCloud<'a>, (OfChunk<'a>, OfPixels<'a>));
 
-impl Parts<'_> {
+impl<'a> Parts<'a> {
     /// The cloud's chunks, with their numbers.
-    fn chunks(&self) -> impl Iterator<Item = (&CloudBuffers, &Chunk, usize)> {
+    fn chunks(&self) -> impl Iterator<Item = (&'a CloudBuffers, &'a Chunk, usize)> + use<'a> {
         self.cloud
             .into_iter()
             .flat_map(|cloud| (0..).zip(&cloud.chunks).map(move |(n, chunk)| (cloud, chunk, n)))
     }
 
     /// The `hqs` pipelines for the cloud's sums.
-    pub fn hqs(&self) -> &Hqs {
+    pub(super) fn hqs(&self) -> &'a Hqs {
         hqs(self.pipelines, self.cloud)
     }
 
-    pub fn groups(&self) -> Groups {
+    pub(super) fn groups(&self) -> Groups {
         let mut groups = Groups {
             clear: self.clear(),
             clear_counters: self.clear_counters(),
-            lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, self.of_cloud(cloud))),
+            lod: self
+                .cloud
+                .map(|cloud| self.pipelines.lod.bind(self.gpu, self.of_cloud(cloud), &nothing_besides)),
             cull: vec![],
             depth: vec![],
             ids: vec![],
             color: vec![],
-            point_list: self.point_list(),
             eyes: (0..self.targets.sizes_px.len()).map(|eye| self.eye(eye)).collect(),
             clear_images: vec![
                 self.cleared(&self.targets.image_color, &self.drawn.no_colors),
@@ -97,18 +99,17 @@ impl Parts<'_> {
         for (cloud, chunk, number) in self.chunks() {
             let geometry = || self.of_geometry(cloud, chunk, number);
             let of_chunk = (self.of_cloud(cloud), self.of_chunk(chunk, number));
-            groups.cull.push(self.pipelines.cull.bind(self.gpu, of_chunk));
-            match self.quality {
-                Quality::Closest => {
-                    let Closest { depth, ids, .. } = &self.pipelines.closest;
-                    if let Depth::Compute(depth) = depth {
-                        groups.depth.push(depth.bind(self.gpu, geometry()));
-                    }
-                    groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, geometry())));
+            let besides = |name: &str| self.besides(cloud, chunk, name);
+            groups.cull.push(self.pipelines.cull.bind(self.gpu, of_chunk, &besides));
+            match (self.quality, &self.pipelines.closest) {
+                (Quality::Closest, Some(Closest { depth, ids, .. })) => {
+                    groups.depth.push(depth.bind(self.gpu, geometry(), &besides));
+                    groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, geometry(), &besides)));
                 }
-                Quality::Hqs => {
-                    groups.depth.push(self.hqs().depth.bind(self.gpu, geometry()));
-                    groups.color.push(self.hqs().color.bind(self.gpu, geometry()));
+                (Quality::Closest, None) => {}
+                (Quality::Hqs, _) => {
+                    groups.depth.push(self.hqs().depth.bind(self.gpu, geometry(), &besides));
+                    groups.color.push(self.hqs().color.bind(self.gpu, geometry(), &besides));
                 }
             }
         }
@@ -120,15 +121,14 @@ impl Parts<'_> {
         let Targets { keys, depth, wide, .. } = self.targets;
         let DrawnPart { no_keys, no_depth, no_sums, no_wide, as_it_is, .. } = self.drawn;
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
-            // Hardware clears its own images.
-            Quality::Closest if self.pipelines.closest.point_list().is_some() => vec![(keys, as_it_is)],
-            Quality::Closest if self.pipelines.closest.ids.is_none() => vec![(keys, no_keys)],
+            Quality::Closest if self.clears == Some(Clears::Nothing) => vec![(keys, as_it_is)],
+            Quality::Closest if self.pipelines.has_keys() => vec![(keys, no_keys)],
             // The keys' buffers hold ids, half as large.
             Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
             Quality::Hqs => match self.hqs().sums {
                 Sums::Packed => vec![(depth, no_depth), (keys, no_sums)],
                 Sums::Protected => vec![(depth, no_depth), (keys, no_sums), (wide, no_wide)],
-                Sums::Wide | Sums::Pairs => vec![(depth, no_depth), (wide, no_wide)],
+                Sums::Wide => vec![(depth, no_depth), (wide, no_wide)],
             },
         };
         pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
@@ -136,8 +136,8 @@ impl Parts<'_> {
 
     /// For a frame whose targets the one before has cleared.
     fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
-        let clears = self.pipelines.closest.shade.clears() && self.quality == Quality::Closest;
-        clears.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
+        let clears_itself = self.clears == Some(Clears::Once) && self.quality == Quality::Closest;
+        clears_itself.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
     }
 
     fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
@@ -147,22 +147,10 @@ impl Parts<'_> {
             right: pair[1].as_entire_binding(),
             counters: self.counters.as_entire_binding(),
         };
-        (self.pipelines.clear.bind(self.gpu, resources), clearing.num_words.max(1))
+        (self.pipelines.clear.bind(self.gpu, resources, &nothing_besides), clearing.num_words.max(1))
     }
 
-    /// What the hardware draws in an eye, if it does.
-    fn point_list(&self) -> Vec<Vec<wgpu::BindGroup>> {
-        let Some(point_list) = self.pipelines.closest.point_list() else { return vec![] };
-        let of_eye = |eye| {
-            let bind = |(cloud, chunk, number)| {
-                point_list.bind(self.gpu, eye, (self.of_cloud(cloud), self.of_chunk(chunk, number)))
-            };
-            self.chunks().map(bind).collect()
-        };
-        (0..self.targets.sizes_px.len()).map(of_eye).collect()
-    }
-
-    fn of_cloud<'b>(&'b self, cloud: &'b CloudBuffers) -> OfCloud<'b> {
+    fn of_cloud(&self, cloud: &'a CloudBuffers) -> OfCloud<'a> {
         OfCloud {
             view: self.view.as_entire_binding(),
             nodes: cloud.nodes.as_entire_binding(),
@@ -171,7 +159,7 @@ impl Parts<'_> {
         }
     }
 
-    fn of_chunk<'b>(&'b self, chunk: &'b Chunk, number: usize) -> OfChunk<'b> {
+    fn of_chunk(&self, chunk: &'a Chunk, number: usize) -> OfChunk<'a> {
         let counters = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: self.counters,
             offset: number as u64 * u64::from(COUNTERS_STRIDE),
@@ -186,36 +174,25 @@ impl Parts<'_> {
             plane_mid: chunk.planes[1].as_entire_binding(),
             plane_lo: chunk.planes[2].as_entire_binding(),
             colors: chunk.colors.as_entire_binding(),
-            filtered_colors: chunk.filtered_colors.as_entire_binding(),
-            shapes: chunk.shapes.as_entire_binding(),
-            // Shaders that count nothing have no bins: any buffer can stand for them.
-            count_bins: self.counts.unwrap_or(self.counters).as_entire_binding(),
+            filtered_colors: chunk.column(FILTERED_COLORS).unwrap_or(&chunk.colors).as_entire_binding(),
         }
     }
 
-    fn of_geometry<'b>(&'b self, cloud: &'b CloudBuffers, chunk: &'b Chunk, number: usize) -> OfGeometry<'b> {
+    fn of_geometry(&self, cloud: &'a CloudBuffers, chunk: &'a Chunk, number: usize) -> OfGeometry<'a> {
         let Targets { keys, depth, wide, .. } = self.targets;
-        let is_key = self.quality == Quality::Closest && self.pipelines.closest.ids.is_none();
-        let [[seen_left, seen_right], keys, depth, wide] =
-            [if is_key { keys } else { depth }, keys, depth, wide]
-                .map(|pair| pair.each_ref().map(|buffer| buffer.as_entire_binding()));
+        let [keys, depth, wide] =
+            [keys, depth, wide].map(|pair| pair.each_ref().map(|buffer| buffer.as_entire_binding()));
         let ([keys_left, keys_right], [depth_left, depth_right], [wide_left, wide_right]) =
             (keys, depth, wide);
         let pixels = OfPixels {
-            seen_left,
-            seen_right,
             sums_left: keys_left.clone(),
             sums_right: keys_right.clone(),
             ids_left: keys_left.clone(),
             ids_right: keys_right.clone(),
-            words_left: keys_left.clone(),
-            words_right: keys_right.clone(),
             keys_left,
             keys_right,
             depth_left,
             depth_right,
-            pairs_left: wide_left.clone(),
-            pairs_right: wide_right.clone(),
             wide_left,
             wide_right,
         };
@@ -223,11 +200,12 @@ impl Parts<'_> {
     }
 
     /// What the steps of `resolve` may bind of an eye.
-    fn of_eye(&self, eye: usize) -> OfEye<'_> {
+    #[must_use]
+    pub fn of_eye(&self, eye: usize) -> OfEye<'a> {
         let (targets, part) = (self.targets, &self.drawn.eyes[eye]);
         // Where depth is a part of the key, `shade` reads both from there.
         let depth = match self.quality {
-            Quality::Closest if self.pipelines.closest.ids.is_none() => &targets.keys[eye],
+            Quality::Closest if self.pipelines.has_keys() => &targets.keys[eye],
             _ => &targets.depth[eye],
         };
         OfEye {
@@ -249,21 +227,56 @@ impl Parts<'_> {
 
     /// The first step of `resolve` in `closest` quality.
     fn shade(&self, eye: usize) -> Vec<wgpu::BindGroup> {
-        let of_chunk = |chunk, number| (self.of_chunk(chunk, number), self.of_eye(eye));
-        match (&self.pipelines.closest.shade, self.points) {
-            (Shade::Fixed40(shade), _) => vec![shade.bind(self.gpu, self.of_eye(eye))],
-            (Shade::Ids(shade), _) => {
-                self.chunks().map(|(_, chunk, n)| shade.bind(self.gpu, of_chunk(chunk, n))).collect()
-            }
-            (Shade::Points(shade), Some(images)) => {
-                let image =
-                    || OfPointImage { points: wgpu::BindingResource::TextureView(&images.points[eye]) };
-                let bind = |(_, chunk, n)| shade.bind(self.gpu, (of_chunk(chunk, n), image()));
-                self.chunks().map(bind).collect()
-            }
-            // The renderer has images where hardware draws.
-            (Shade::Points(_), None) => vec![],
-        }
+        let Some(Closest { shade, .. }) = &self.pipelines.closest else { return vec![] };
+        let bind = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
+            let resources = (self.of_chunk(chunk, number), self.of_eye(eye));
+            shade.bind(self.gpu, resources, &|name| self.besides(cloud, chunk, name))
+        };
+        self.chunks().map(bind).collect()
+    }
+
+    /// What of a chunk or the technique has this name.
+    fn besides(
+        &self,
+        cloud: &'a CloudBuffers,
+        chunk: &'a Chunk,
+        name: &str,
+    ) -> Option<wgpu::BindingResource<'a>> {
+        let buffer = chunk.column(name).or_else(|| cloud.besides(name));
+        buffer.map(|buffer| buffer.as_entire_binding()).or_else(|| self.technique.resource(name))
+    }
+
+    /// Of each chunk: a bind group of a geometry stage.
+    #[must_use]
+    pub fn bind_geometry(&self, stage: &Stage<Geometry>) -> Vec<wgpu::BindGroup> {
+        let bind = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
+            let besides = |name: &str| self.besides(cloud, chunk, name);
+            stage.bind(self.gpu, self.of_geometry(cloud, chunk, number), &besides)
+        };
+        self.chunks().map(bind).collect()
+    }
+
+    /// Of each chunk: what a pass over its visible batches may bind, to be bound by `bind`.
+    pub fn each_chunk(
+        &self,
+        mut bind: impl FnMut((OfCloud<'a>, OfChunk<'a>), &Besides<'_, 'a>) -> wgpu::BindGroup,
+    ) -> Vec<wgpu::BindGroup> {
+        let group = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
+            let besides = |name: &str| self.besides(cloud, chunk, name);
+            bind((self.of_cloud(cloud), self.of_chunk(chunk, number)), &besides)
+        };
+        self.chunks().map(group).collect()
+    }
+
+    /// What of an eye a step of `resolve` may bind, chunk by chunk.
+    pub fn each_chunk_of_eye(
+        &self,
+        eye: usize,
+        mut bind: impl FnMut((OfChunk<'a>, OfEye<'a>)) -> wgpu::BindGroup,
+    ) -> Vec<wgpu::BindGroup> {
+        self.chunks()
+            .map(|(_, chunk, number)| bind((self.of_chunk(chunk, number), self.of_eye(eye))))
+            .collect()
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
@@ -271,13 +284,13 @@ impl Parts<'_> {
             _ if self.cloud.is_none() => vec![],
             Quality::Closest => self.shade(eye),
             Quality::Hqs if self.dilate == Dilate::Rings => vec![],
-            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, self.of_eye(eye))],
+            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, self.of_eye(eye), &nothing_besides)],
         };
         let image = finishing(self.pipelines, self.cloud, self.quality, self.dilate);
         EyeGroups {
             num_tiles: self.drawn.eyes[eye].num_tiles,
             surface,
-            image: self.cloud.is_some().then(|| image.bind(self.gpu, self.of_eye(eye))),
+            image: self.cloud.is_some().then(|| image.bind(self.gpu, self.of_eye(eye), &nothing_besides)),
             depth: self.pipelines.depth_image.as_ref().map(|pass| pass.bind(self.gpu, self.of_eye(eye))),
         }
     }
@@ -299,7 +312,7 @@ pub(super) fn finishing<'a>(
 ) -> &'a Stage<Eye> {
     match (dilate, quality) {
         (Dilate::Off, _) => &pipelines.show,
-        (Dilate::Rings, Quality::Closest) => &pipelines.closest.dilate,
+        (Dilate::Rings, Quality::Closest) => &pipelines.dilate,
         (Dilate::Rings, Quality::Hqs) => &hqs(pipelines, cloud).blend_dilate,
     }
 }

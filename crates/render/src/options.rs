@@ -61,17 +61,6 @@ pub enum Tier {
     Int32,
 }
 
-/// How early-z loads the pixel that it looks at, before it asks for it by an atomic operation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EarlyZLoad {
-    /// By an atomic load, which a GPU may take past its first cache.
-    #[default]
-    Atomic,
-    /// By a plain load, as the papers do: what it sees may be out of date, which costs an atomic operation and no more.
-    Plain,
-}
-
 /// What the window draws over the mirror, to see how a frame comes about. The headset never shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -9,7 +9,7 @@ use super::shaders::{self, Of};
 use crate::bindings::{self, Cloud, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::Bindings;
+use crate::gpu::stage::{Bindings, nothing_besides};
 use crate::layout::{COUNTERS_STRIDE, CullCounters, DilateUniform, Sums, Variant};
 use crate::options::{Overlay, Quality};
 use std::num::NonZeroU64;
@@ -143,7 +143,7 @@ impl Overlays {
         let pass = self.pass(renderer, overlay)?;
         // Chunks to draw, and the instances of each.
         let instances: Vec<u32> = match overlay {
-            Overlay::Nodes => vec![cloud.num_nodes],
+            Overlay::Nodes => vec![if cloud.has_cubes { cloud.num_nodes } else { 0 }],
             Overlay::Precision => cloud.chunks.iter().map(Chunk::num_slots).collect(),
             _ => vec![1],
         };
@@ -192,7 +192,8 @@ impl Overlays {
             visible: cloud.chunks[chunk].visible.as_entire_binding(),
         };
         let layout = pass.pipeline.get_bind_group_layout(0);
-        pass.bindings.bind(&renderer.gpu.device, "overlay", &layout, (of_cloud, of_overlay))
+        let resources = (of_cloud, of_overlay);
+        pass.bindings.bind(&renderer.gpu.device, &layout, resources, &nothing_besides)
     }
 }
 

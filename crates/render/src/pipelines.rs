@@ -1,13 +1,14 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
-use super::point_list::PointList;
 use super::shaders::{self, Of};
-use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, PointImage, Set};
+use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, Set};
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::{Bindings, Compiled, Stage};
+use crate::gpu::stage::{Bindings, Stage, nothing_besides};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
-use crate::method::{Access, Method};
+use crate::look::Access;
+use crate::nearest::Nearest;
+use crate::technique::Technique;
 
 /// Every pipeline that a renderer may need.
 #[derive(Debug)]
@@ -15,9 +16,12 @@ pub(super) struct Pipelines {
     pub clear: Stage<Clear>,
     pub lod: Stage<Cloud>,
     pub cull: Stage<(Cloud, Chunk)>,
-    pub closest: Closest,
+    /// None where the technique finds the nearest points otherwise.
+    pub closest: Option<Closest>,
     /// Of each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
+    /// `closest` quality, where gaps are closed.
+    pub dilate: Stage<Eye>,
     /// The surface to the image, where gaps stay open.
     pub show: Stage<Eye>,
     /// Where there are depth images.
@@ -27,31 +31,10 @@ pub(super) struct Pipelines {
 /// The point stages of `closest` quality.
 #[derive(Debug)]
 pub(super) struct Closest {
-    pub depth: Depth,
+    pub depth: Stage<Geometry>,
     /// Where depth and id do not fit one atomic.
     pub ids: Option<Stage<Geometry>>,
-    pub shade: Shade,
-    pub dilate: Stage<Eye>,
-}
-
-/// The two ways to the nearest points.
-#[derive(Debug)]
-pub(super) enum Depth {
-    /// The stage.
-    Compute(Stage<Geometry>),
-    /// The hardware's own points.
-    PointList(PointList),
-}
-
-/// The ways from there to colors.
-#[derive(Debug)]
-pub(super) enum Shade {
-    /// From keys, or depths and ids, a chunk at a time.
-    Ids(Stage<(Chunk, Eye)>),
-    /// From what hardware drew, a chunk at a time.
-    Points(Stage<((Chunk, Eye), PointImage)>),
-    /// Gets all from the keys, whatever chunk a point is of, and clears them.
-    Fixed40(Stage<Eye>),
+    pub shade: Stage<(Chunk, Eye)>,
 }
 
 /// The point stages of `hqs` quality.
@@ -78,37 +61,24 @@ pub(super) struct DepthImage {
 pub(super) struct For {
     pub num_eyes: u32,
     pub fill: bool,
-    pub discs: bool,
     pub atomics: Atomics,
-    pub method: Method,
     pub access: Access,
-    /// See [`super::Renderer::counting`].
-    pub counts: bool,
     pub depth_format: Option<wgpu::TextureFormat>,
 }
 
 impl Pipelines {
-    pub fn new(gpu: &Gpu, what: For) -> Self {
-        let For { num_eyes, fill, discs, atomics, method, access, counts, depth_format } = what;
+    /// With the technique's other way to the nearest points, if it has one.
+    pub fn new(gpu: &Gpu, technique: &dyn Technique, what: For) -> (Self, Option<Box<dyn Nearest>>) {
+        let For { num_eyes, fill, atomics, access, depth_format } = what;
         let keys = atomics >= Atomics::Int64Minmax;
-        let variant = Variant {
-            fill,
-            discs,
-            keys,
-            basic: method.is_basic(),
-            plain_looks: access.plain_looks,
-            together: access.together.unwrap_or(!gpu.is_software()),
-            fixed40: method == Method::Fixed40,
-            counts,
-            ..Variant::eyes(num_eyes)
-        };
+        let together = access.together.unwrap_or(!gpu.is_software());
+        let variant = Variant { fill, keys, together, texts: technique.texts(), ..Variant::eyes(num_eyes) };
         let maker = Maker { gpu, access };
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
             let color = match sums {
                 Sums::Packed | Sums::Protected => shaders::COLOR,
                 Sums::Wide => shaders::COLOR32,
-                Sums::Pairs => shaders::COLOR_PAIRS,
             };
             Hqs {
                 sums,
@@ -118,59 +88,34 @@ impl Pipelines {
                 blend_dilate: maker.stage(shaders::BLEND_DILATE, variant),
             }
         };
-        let forms = match method.sums() {
+        let forms = match technique.sums() {
             Some(sums) => vec![sums],
             None if atomics == Atomics::Int64 => vec![Sums::Packed, Sums::Protected],
             None => vec![Sums::Wide],
         };
-        Self {
+        let nearest = technique.nearest(gpu, variant, access);
+        let closest = || Closest {
+            depth: maker.stage(shaders::DEPTH, variant),
+            ids: (!keys).then(|| maker.stage(shaders::IDS, variant)),
+            shade: maker.stage(shaders::SHADE, variant),
+        };
+        let pipelines = Self {
             clear: maker.stage(shaders::CLEAR, variant),
             lod: maker.stage(shaders::LOD, variant),
             cull: maker.stage(shaders::CULL, variant),
-            closest: Closest {
-                depth: match method {
-                    Method::PointList => Depth::PointList(PointList::new(gpu, variant)),
-                    _ => Depth::Compute(maker.closest(method, variant)),
-                },
-                ids: (!keys && method != Method::PointList).then(|| maker.stage(shaders::IDS, variant)),
-                shade: match method {
-                    Method::Fixed40 => Shade::Fixed40(maker.stage(shaders::SHADE40, variant)),
-                    Method::PointList => Shade::Points(maker.stage(shaders::SHADE_POINTS, variant)),
-                    _ => Shade::Ids(maker.stage(shaders::SHADE, variant)),
-                },
-                dilate: maker.stage(shaders::DILATE, variant),
-            },
+            closest: nearest.is_none().then(closest),
             hqs: forms.into_iter().map(hqs).collect(),
+            dilate: maker.stage(shaders::DILATE, variant),
             show: maker.stage(shaders::SHOW, variant),
             depth_image: depth_format
                 .map(|format| DepthImage::new(gpu, format, &shaders::DEPTH_IMAGE.source(variant))),
-        }
-    }
-}
-
-impl Closest {
-    /// The hardware's own points, if they are drawn.
-    pub fn point_list(&self) -> Option<&PointList> {
-        match &self.depth {
-            Depth::Compute(_) => None,
-            Depth::PointList(point_list) => Some(point_list),
-        }
-    }
-}
-
-impl Shade {
-    /// Its compiled shader.
-    pub fn compiled(&self) -> &Compiled {
-        match self {
-            Self::Ids(stage) => stage,
-            Self::Points(stage) => stage,
-            Self::Fixed40(stage) => stage,
-        }
+        };
+        (pipelines, nearest)
     }
 
-    /// True if it clears the keys.
-    pub fn clears(&self) -> bool {
-        matches!(self, Self::Fixed40(_))
+    /// True if each pixel's nearest depth and id are one key.
+    pub fn has_keys(&self) -> bool {
+        self.closest.as_ref().is_none_or(|closest| closest.ids.is_none())
     }
 }
 
@@ -184,28 +129,7 @@ struct Maker<'a> {
 impl Maker<'_> {
     /// One of them.
     fn stage<S: Set>(self, shader: Of<S>, variant: Variant) -> Stage<S> {
-        let compile = if self.access.checked { Stage::new } else { Stage::trusted };
-        compile(self.gpu, shader.name(), &shader.source(variant))
-    }
-
-    /// The method's way to the nearest point.
-    fn closest(self, method: Method, variant: Variant) -> Stage<Geometry> {
-        let has_subgroups = self.gpu.has_subgroups();
-        let shader = match method {
-            Method::JustSet | Method::PrefetchJustSet => shaders::JUST_SET,
-            Method::BusyLoop => shaders::BUSY_LOOP,
-            Method::ExchangeLoop => shaders::EXCHANGE_LOOP,
-            Method::AtomicMin => shaders::ATOMIC_MIN,
-            Method::Fixed40 => shaders::FIXED40,
-            Method::Reduce | Method::ReduceEarlyZ if has_subgroups => shaders::REDUCE,
-            Method::Reduce | Method::ReduceEarlyZ => shaders::REDUCE_EMULATED,
-            Method::Dedup if has_subgroups => shaders::DEDUP,
-            Method::Dedup => shaders::DEDUP_EMULATED,
-            // Those of high-quality shading too: the governor may ask for `closest`.
-            _ => shaders::DEPTH,
-        };
-        let (converged, early_z) = (method.is_converged(), method != Method::Reduce);
-        self.stage(shader, Variant { converged, early_z, ..variant })
+        Stage::of(self.gpu, shader, variant, self.access)
     }
 }
 
@@ -225,6 +149,7 @@ impl DepthImage {
 
     /// A bind group for the pass.
     pub fn bind(&self, gpu: &Gpu, resources: OfEye) -> wgpu::BindGroup {
-        self.bindings.bind(&gpu.device, "depth-image", &self.pipeline.get_bind_group_layout(0), resources)
+        let layout = self.pipeline.get_bind_group_layout(0);
+        self.bindings.bind(&gpu.device, &layout, resources, &nothing_besides)
     }
 }

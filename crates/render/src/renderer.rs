@@ -4,14 +4,15 @@ use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::DrawnPart;
 use super::groups::{self, Groups, Parts};
 use super::pipelines::{For, Pipelines};
-use super::point_list::{Draws, PointImages};
 use super::targets::{TargetTooLarge, Targets};
 use super::waiting::Waiting;
 use crate::gpu::timer::Timer;
 use crate::gpu::{Atomics, Gpu, QueueGuard, readback};
-use crate::layout::{COUNT_BINS, COUNTERS_STRIDE, Counts, Sums, ViewUniform, of_image};
+use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform, of_image};
 use crate::look::Look;
+use crate::nearest::{Nearest, Recording};
 use crate::options::Quality;
+use crate::technique::{Own, Technique};
 use base::space::{Eye, Pose, Split};
 use std::sync::Arc;
 use timing::STAGES;
@@ -45,11 +46,10 @@ pub struct Renderer {
     pub(super) view: wgpu::Buffer,
     pub(super) cloud: Option<CloudBuffers>,
     pub(super) counters: wgpu::Buffer,
-    /// See [`Self::counting`].
-    counts: Option<wgpu::Buffer>,
     pub(super) targets: Targets,
-    /// Of the method `point-list`.
-    pub(super) points: Option<(PointImages, Draws)>,
+    pub(super) technique: Box<dyn Technique>,
+    /// The technique's other way to the nearest points, if it has one.
+    pub(super) nearest: Option<Box<dyn Nearest>>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
     pub(super) waiting: Waiting,
@@ -70,26 +70,20 @@ impl Renderer {
     /// # Errors
     /// If the sizes do not fit the device.
     pub fn new(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
-        Self::with_counts(gpu, setup, look, None)
+        Self::with_technique(gpu, setup, look, Box::new(Own))
     }
 
-    /// A renderer that counts what its frames do, for `bench`: see [`Self::counts`].
+    /// One that draws by another technique than the frame's own.
     ///
     /// # Errors
     /// Those of [`Self::new`].
-    pub fn counting(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let size = u64::from(COUNT_BINS) * size_of::<Counts>() as u64;
-        Self::with_counts(gpu, setup, look, Some(gpu.buffer("counts", size, usage)))
-    }
-
-    fn with_counts(
+    pub fn with_technique(
         gpu: &Arc<Gpu>,
         setup: Setup,
         look: Look,
-        counts: Option<wgpu::Buffer>,
+        technique: Box<dyn Technique>,
     ) -> Result<Self, TargetTooLarge> {
-        let pipelines = Pipelines::new(gpu, what(&setup, &look, counts.is_some()));
+        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, what(&setup, &look));
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
@@ -107,9 +101,9 @@ impl Renderer {
             view,
             cloud: None,
             counters,
-            counts,
+            technique,
+            nearest,
             targets,
-            points: None,
             hidden: vec![],
             waiting,
             drawn,
@@ -192,16 +186,16 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of the method, or of [`crate::layout::Detail::fill_reach_px`] from
-    /// or to `None`, compiles pipelines; all else is quick.
+    /// How frames look from the next one on. A change of [`crate::layout::Detail::fill_reach_px`] from or to `None`
+    /// compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
     pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
         self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
-        let counts = self.counts.is_some();
-        if what(&self.setup, &look, counts) != what(&self.setup, &self.look, counts) {
-            self.pipelines = Pipelines::new(&self.gpu, what(&self.setup, &look, counts));
+        if what(&self.setup, &look) != what(&self.setup, &self.look) {
+            (self.pipelines, self.nearest) =
+                Pipelines::new(&self.gpu, &*self.technique, what(&self.setup, &look));
         }
         let is_same_background = look.background == self.look.background;
         self.look = look;
@@ -293,13 +287,6 @@ impl Renderer {
         (visible, &self.counters, self.cloud.as_ref().map(|c| &c.states))
     }
 
-    /// What the frames so far did: [`COUNT_BINS`] of [`Counts`], to be added up; `None` unless it is
-    /// [`Self::counting`].
-    #[must_use]
-    pub fn counts(&self) -> Option<&wgpu::Buffer> {
-        self.counts.as_ref()
-    }
-
     pub(super) fn chunks(&self) -> &[Chunk] {
         self.cloud.as_ref().map_or(&[], |c| &c.chunks)
     }
@@ -312,34 +299,38 @@ impl Renderer {
 
     /// Makes every bind group anew; after a change of cloud, sizes or look.
     fn rebind(&mut self) {
-        self.fit_points();
         let parts = Parts {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             targets: &self.targets,
             drawn: &self.drawn,
-            points: self.points.as_ref().map(|(images, _)| images),
             cloud: self.cloud.as_ref(),
             view: &self.view,
             counters: &self.counters,
-            counts: self.counts.as_ref(),
+            technique: &*self.technique,
+            clears: self.nearest.as_ref().map(|nearest| nearest.clears()),
             quality: self.look.quality,
             dilate: self.look.dilate,
         };
         self.groups = parts.groups();
+        if let Some(nearest) = self.nearest.as_mut().filter(|_| parts.quality == Quality::Closest) {
+            nearest.bind(&parts);
+        }
         self.targets_are_clear = false;
         self.images_are_new = true;
         self.rebound();
     }
 
-    /// What hardware points need, if they are wanted.
-    fn fit_points(&mut self) {
-        let images = self.points.take().map(|(images, _)| images);
-        if self.pipelines.closest.point_list().is_some() {
-            let images = images.filter(|images| images.fit(&self.targets));
-            let images = images.unwrap_or_else(|| PointImages::new(&self.gpu, &self.targets));
-            self.points = Some((images, Draws::new(&self.gpu, self.chunks().len())));
-        }
+    /// The technique's other way to the nearest points, if it has one and this quality asks for it; and what it is told.
+    pub(super) fn nearest(&self) -> Option<(&dyn Nearest, Recording<'_>)> {
+        let nearest = self.nearest.as_deref().filter(|_| self.look.quality == Quality::Closest)?;
+        let recording = Recording {
+            timer: &self.timer,
+            cloud: self.cloud.as_ref(),
+            counters: &self.counters,
+            targets: &self.targets,
+        };
+        Some((nearest, recording))
     }
 
     /// Another number whenever bind groups of this renderer's buffers are out of date.
@@ -352,15 +343,12 @@ impl Renderer {
     }
 }
 
-fn what(setup: &Setup, look: &Look, counts: bool) -> For {
+fn what(setup: &Setup, look: &Look) -> For {
     For {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
         atomics: setup.atomics,
-        discs: look.detail.error_px.is_some(),
-        method: look.method,
         access: look.access,
-        counts,
         depth_format: setup.depth_format,
     }
 }

@@ -1,118 +1,78 @@
 //! The shaders' final texts: prelude of host constants, shared structs, the file itself.
 
-use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, Overlay, PointImage, Set};
+use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, Overlay, Set};
 use crate::layout::{self, Variant};
+use crate::technique::Pieces;
 use std::marker::PhantomData;
 
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../../shaders/layout.inc.wgsl");
 
 /// What several shaders have in common, in a variant of theirs.
-type Shared = fn(Variant) -> &'static str;
+pub type Shared = fn(Variant) -> Pieces;
 
 macro_rules! shared {
-    ($file:literal) => {
-        |_| include_str!(concat!("../../../shaders/", $file, ".inc.wgsl"))
+    ($($file:literal),+) => {
+        |_| &[$(include_str!(concat!("../../../shaders/", $file, ".wgsl"))),+]
     };
 }
 
+/// What a technique's texts need besides.
+const BESIDES: Shared = |variant| variant.texts.besides;
 /// Points, read and projected.
-const POINTS: Shared = shared!("points");
+const POINTS: Shared = shared!("points.inc");
+/// What a thread reads at a time.
+const TURN: Shared = |variant| variant.texts.turn;
+/// How it puts that into pixels.
+const PUT: Shared = |variant| variant.texts.put;
 /// Which points are drawn, and how large.
-const CHOICE: Shared = |variant| match variant.discs {
-    false => include_str!("../../../shaders/nodes.inc.wgsl"),
-    true => {
-        concat!(
-            include_str!("../../../shaders/steps.inc.wgsl"),
-            include_str!("../../../shaders/discs.inc.wgsl")
-        )
-    }
-};
+const CHOICE: Shared = |variant| variant.texts.choice;
 /// How large what lies in a box is drawn.
-const SIZES: Shared = shared!("sizes");
+const SIZES: Shared = shared!("sizes.inc");
 /// The rings round the gaze.
-const RINGS: Shared = shared!("rings");
+const RINGS: Shared = shared!("rings.inc");
 /// The geometry stages' loop over them.
-const LOOP: Shared = shared!("loop");
+const LOOP: Shared = shared!("loop.inc");
 /// Points wider than a pixel, where there may be some.
-const WIDE: Shared = |variant| match (variant.fill, variant.together) {
-    (false, _) => include_str!("../../../shaders/no_wide.inc.wgsl"),
-    (true, false) => {
-        concat!(
-            include_str!("../../../shaders/wide.inc.wgsl"),
-            include_str!("../../../shaders/alone.inc.wgsl")
-        )
-    }
-    (true, true) => {
-        concat!(
-            include_str!("../../../shaders/wide.inc.wgsl"),
-            include_str!("../../../shaders/together.inc.wgsl")
-        )
-    }
-};
-/// Triangles, where there may be some.
-const TRIANGLES: Shared = |variant| match variant.discs {
-    false => include_str!("../../../shaders/no_triangles.inc.wgsl"),
-    true => include_str!("../../../shaders/triangles.inc.wgsl"),
-};
-/// Hardware's own points are not counted.
-const NO_COUNTS: Shared = shared!("no_counts");
+const WIDE: Shared = |variant| (variant.texts.wide)(variant);
+/// Where the geometry stages begin.
+const MAIN: Shared = |variant| variant.texts.main;
 /// What the geometry stages count.
-const COUNTS: Shared = |variant| match variant.counts {
-    false => include_str!("../../../shaders/no_counts.inc.wgsl"),
-    true => include_str!("../../../shaders/counts.inc.wgsl"),
-};
-/// The lengths of sequential point trees.
-const STEPS: Shared = shared!("steps");
-/// The targets of `closest` quality.
-const KEYS: Shared =
-    |variant| if variant.keys { include_str!("../../../shaders/keys.inc.wgsl") } else { DEPTHS(variant) };
-/// Depths alone.
-const DEPTHS: Shared = shared!("depths");
-/// Early-z's look at a pixel.
-const LOOK: Shared = |variant| match (variant.plain_looks, variant.keys) {
-    (false, _) => include_str!("../../../shaders/atomic_look.inc.wgsl"),
-    (true, true) => include_str!("../../../shaders/plain_look_keys.inc.wgsl"),
-    (true, false) => LOOK_DEPTHS(variant),
-};
-/// The same at depths alone.
-const LOOK_DEPTHS: Shared = |variant| match variant.plain_looks {
-    false => include_str!("../../../shaders/atomic_look.inc.wgsl"),
-    true => include_str!("../../../shaders/plain_look_depths.inc.wgsl"),
-};
-/// What threads of a subgroup tell each other, and the same without subgroups.
-const SUBGROUP: Shared = shared!("subgroup");
-const SUBGROUP_EMULATED: Shared = shared!("subgroup_emulated");
-/// Depths in 40-bit integers.
-const DEPTHS40: Shared = shared!("fixed40");
+const COUNTS: Shared = |variant| variant.texts.counts;
 /// The tiles that the steps of `resolve` work on.
-const TILES: Shared = shared!("tiles");
-/// Which points count for a pixel's color, and their sums in four u32.
-const SUMS: Shared = shared!("sums");
+const TILES: Shared = shared!("tiles.inc");
+/// Which points count for a pixel's color.
+const SUMS: Shared = shared!("sums.inc");
+/// Their sums in four u32.
+const WIDE_SUMS: Shared = shared!("wide_sums.inc");
 /// The points' colors.
-const COLORS: Shared = |variant| match variant.discs {
-    false => include_str!("../../../shaders/node_colors.inc.wgsl"),
-    true => include_str!("../../../shaders/disc_colors.inc.wgsl"),
-};
+const COLORS: Shared = |variant| variant.texts.colors;
 /// How far points reach.
-const FILL: Shared = shared!("fill");
+const FILL: Shared = shared!("fill.inc");
+/// Frustum, precision and the list of visible batches.
+const CULLING: Shared = shared!("cull.inc");
+/// Which boxes an eye sees.
+const IN_SIGHT: Shared = |variant| variant.texts.seen;
 /// The walk over the pixels of a tile.
-const SURFACE: Shared = shared!("surface");
+const SURFACE: Shared = shared!("surface.inc");
 /// Ids to colors.
-const CHUNK_COLORS: Shared = shared!("chunk_colors");
+const CHUNK_COLORS: Shared = shared!("chunk_colors.inc");
 /// The rule of dilation.
-const DILATION: Shared = shared!("dilation");
+const DILATION: Shared = shared!("dilation.inc");
 /// A pixel's depth and color before gaps are closed: as `shade` left them, or from the sums of `hqs` quality.
-const KEPT_SURFACE: Shared = shared!("kept_surface");
-const BLENDED_SURFACE: Shared = shared!("blended_surface");
+const KEPT_SURFACE: Shared = shared!("kept_surface.inc");
+const BLENDED_SURFACE: Shared = shared!("blended_surface.inc");
 /// Finished pixels.
-const IMAGE: Shared = shared!("image");
+const IMAGE: Shared = shared!("image.inc");
 /// Means of color channels.
-const MEAN: Shared = shared!("mean");
+const MEAN: Shared = shared!("mean.inc");
 /// Stored colors to linear light.
-const SRGB: Shared = shared!("srgb");
+const SRGB: Shared = shared!("srgb.inc");
 /// What overlays share.
-const OVERLAYS: Shared = shared!("overlay");
+const OVERLAYS: Shared = shared!("overlay.inc");
+
+/// What all geometry stages share.
+const GEOMETRY: &[Shared] = &[BESIDES, POINTS, TURN, CHOICE, RINGS, FILL, LOOP, PUT, WIDE, MAIN, COUNTS];
 
 /// A shader's text.
 #[derive(Clone, Copy, Debug)]
@@ -121,10 +81,10 @@ pub struct Shader {
     pub name: &'static str,
     /// Names of the resources that it may bind.
     pub names: fn() -> Vec<&'static str>,
-    /// What it shares with others.
-    shared: &'static [Shared],
+    /// What it shares with others, group by group.
+    shared: &'static [&'static [Shared]],
     /// Its own text.
-    text: &'static str,
+    text: Shared,
 }
 
 /// A shader that binds resources of a set.
@@ -142,7 +102,19 @@ impl<S> Clone for Of<S> {
 
 impl<S> Copy for Of<S> {}
 
-impl<S> Of<S> {
+impl<S: Set> Of<S> {
+    /// A shader of other techniques: `shared` comes before its own text.
+    #[must_use]
+    pub const fn new(name: &'static str, shared: &'static [&'static [Shared]], text: Shared) -> Self {
+        Self { shader: Shader { name, names: S::names, shared, text }, set: PhantomData }
+    }
+
+    /// The shader, whatever it binds.
+    #[must_use]
+    pub const fn shader(self) -> Shader {
+        self.shader
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -160,76 +132,58 @@ impl Shader {
     /// Its WGSL, as the driver gets it.
     #[must_use]
     pub fn source(&self, variant: Variant) -> String {
-        let shared: String = self.shared.iter().map(|shared| shared(variant)).collect();
-        format!("{}{LAYOUT}{shared}{}", layout::prelude(variant), self.text)
+        let shared = self.shared.iter().copied().flatten();
+        let pieces = shared.chain([&self.text]).flat_map(|part| part(variant));
+        format!("{}{LAYOUT}{}", layout::prelude(variant), pieces.copied().collect::<String>())
     }
 }
 
 macro_rules! shaders {
-    ($($(#[$about:meta])* $shader:ident: $set:ty = $name:literal, $file:literal, $shared:expr;)+) => {
+    ($($(#[$about:meta])* $shader:ident: $set:ty = $name:literal, $shared:expr, $text:expr;)+) => {
         $(
-            #[doc = concat!("`shaders/", $file, ".wgsl`")]
-            pub const $shader: Of<$set> = Of {
-                shader: Shader {
-                    name: $name,
-                    names: <$set>::names,
-                    shared: $shared,
-                    text: include_str!(concat!("../../../shaders/", $file, ".wgsl")),
-                },
-                set: PhantomData,
-            };
+            #[doc = concat!("The shader `", $name, "`.")]
+            pub const $shader: Of<$set> = Of::new($name, $shared, $text);
         )+
 
-        /// Every shader of the frame, in its order; then the overlays' and those of other methods.
+        /// Every shader of the frame, in its order; then the overlays'.
         pub const SHADERS: [Shader; [$($name),+].len()] = [$($shader.shader),+];
     };
 }
 
 shaders! {
-    CLEAR: Clear = "clear", "clear", &[];
-    LOD: Cloud = "lod", "lod", &[SIZES];
-    CULL: (Cloud, Chunk) = "cull", "cull", &[SIZES, STEPS, FILL];
-    DEPTH: Geometry = "depth", "depth",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK];
-    DEPTH32: Geometry = "depth32", "depth",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, DEPTHS, LOOK_DEPTHS];
-    IDS: Geometry = "ids", "ids", &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS];
-    COLOR: Geometry = "color", "color",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS];
-    COLOR32: Geometry = "color32", "color32",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS];
-    SHADE: (Chunk, Eye) = "shade", "shade", &[TILES, SURFACE, CHUNK_COLORS];
-    BLEND: Eye = "blend", "blend", &[TILES, SURFACE, MEAN, BLENDED_SURFACE];
-    DILATE: Eye = "dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE];
-    BLEND_DILATE: Eye = "blend-dilate", "dilate", &[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE];
-    SHOW: Eye = "show", "show", &[TILES, KEPT_SURFACE, IMAGE];
-    DEPTH_IMAGE: Eye = "depth-image", "depth-image", &[];
-    OVERLAY: (Cloud, Overlay) = "overlay", "overlay", &[RINGS, DILATION, SRGB, OVERLAYS];
-    BOXES: (Cloud, Overlay) = "boxes", "boxes", &[RINGS, DILATION, SRGB, OVERLAYS];
-    JUST_SET: Geometry = "just-set", "methods/just_set",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS];
-    BUSY_LOOP: Geometry = "busy-loop", "methods/busy_loop",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS];
-    EXCHANGE_LOOP: Geometry = "exchange-loop", "methods/exchange_loop",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS];
-    ATOMIC_MIN: Geometry = "atomic-min", "methods/atomic_min",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS];
-    REDUCE: Geometry = "reduce", "methods/reduce",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP];
-    REDUCE_EMULATED: Geometry = "reduce-emulated", "methods/reduce",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED];
-    DEDUP: Geometry = "dedup", "methods/dedup",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP];
-    DEDUP_EMULATED: Geometry = "dedup-emulated", "methods/dedup",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, LOOK, SUBGROUP_EMULATED];
-    FIXED40: Geometry = "fixed40", "methods/fixed40",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, KEYS, COLORS, DEPTHS40];
-    SHADE40: Eye = "shade40", "methods/shade40", &[TILES, SURFACE, DEPTHS40];
-    POINT_LIST: (Cloud, Chunk) = "point-list", "methods/point_list", &[POINTS, CHOICE, NO_COUNTS];
-    SHADE_POINTS: ((Chunk, Eye), PointImage) = "shade-points", "methods/shade_points",
-        &[TILES, SURFACE, CHUNK_COLORS];
-    COLOR_PAIRS: Geometry = "color-pairs", "methods/color_pairs",
-        &[POINTS, CHOICE, RINGS, FILL, LOOP, WIDE, TRIANGLES, COUNTS, SUMS, COLORS];
+    CLEAR: Clear = "clear", &[], shared!("clear");
+    LOD: Cloud = "lod", &[&[BESIDES]], |variant| variant.texts.lod;
+    CULL: (Cloud, Chunk) = "cull", &[&[BESIDES, SIZES, FILL, CULLING, IN_SIGHT]], |variant| variant.texts.cull;
+    DEPTH: Geometry = "depth", &[GEOMETRY], |variant| (variant.texts.depth)(variant);
+    DEPTH32: Geometry = "depth32", &[GEOMETRY], |variant| (variant.texts.hqs_depth)(variant);
+    IDS: Geometry = "ids", &[GEOMETRY], shared!("ids");
+    COLOR: Geometry = "color", &[GEOMETRY, &[SUMS, WIDE_SUMS, COLORS]], shared!("color");
+    COLOR32: Geometry = "color32", &[GEOMETRY, &[SUMS, COLORS]], |variant| variant.texts.color32;
+    SHADE: (Chunk, Eye) = "shade", &[&[TILES, SURFACE, CHUNK_COLORS]], shared!("shade");
+    BLEND: Eye = "blend", &[&[TILES, SURFACE, MEAN, BLENDED_SURFACE]], shared!("blend");
+    DILATE: Eye = "dilate", &[&[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE]], shared!("dilate");
+    BLEND_DILATE: Eye = "blend-dilate", &[&[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE]],
+        shared!("dilate");
+    SHOW: Eye = "show", &[&[TILES, KEPT_SURFACE, IMAGE]], shared!("show");
+    DEPTH_IMAGE: Eye = "depth-image", &[], shared!("depth-image");
+    OVERLAY: (Cloud, Overlay) = "overlay", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("overlay");
+    BOXES: (Cloud, Overlay) = "boxes", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("boxes");
+}
+
+/// What techniques share with the frame's shaders, for shaders of their own.
+pub mod parts {
+    use super::Shared;
+
+    /// Points, read and projected, a turn at a time, as the texts choose; with what the texts need besides.
+    pub const POINTS: &[Shared] = &[super::BESIDES, super::POINTS, super::TURN, super::CHOICE];
+    /// All of the geometry stages but what is done with a point in a pixel.
+    pub const GEOMETRY: &[Shared] = super::GEOMETRY;
+    /// The points' colors, as the texts choose.
+    pub const COLORS: &[Shared] = &[super::COLORS];
+    /// The walk over the pixels of tiles, which `finish` ends.
+    pub const SURFACE: &[Shared] = &[super::TILES, super::SURFACE];
+    /// Ids to colors, a chunk at a time.
+    pub const CHUNK_COLORS: &[Shared] = &[super::CHUNK_COLORS];
 }
 
 /// The WGSL of shader `name`, as the driver gets it: for tests. The program has the shaders themselves.

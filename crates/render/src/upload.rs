@@ -1,15 +1,15 @@
 //! A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come. A node is
 //! drawn from the first frame on that is submitted after all of its points were.
 
-use crate::cloud_buffers::{Beside, CloudBuffers, Room, num_extra_slices};
+use crate::cloud_buffers::{CloudBuffers, FILTERED_COLORS, Room, num_extra_slices};
 use crate::gpu::Gpu;
-use crate::layout::{Batch, CHILD_ABSENT, NO_CHILD, NODE_RESIDENT, Node};
+use crate::layout::{Batch, CHILD_ABSENT, ChunkUniform, NO_CHILD, NODE_RESIDENT, Node};
 use crate::pool::Places;
 use base::space::Split;
 use base::task::{Cancelled, Progress};
+use bytemuck::Pod;
 use cloud::Cloud;
 use cloud::octree::{self, Hierarchy, NodeBlock, Octree};
-use cloud::spt::SequentialCloud;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 
@@ -39,17 +39,34 @@ pub enum UploadError {
     Cancelled(#[from] Cancelled),
 }
 
+/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its nodes (`N`) and batches
+/// (`B`) that a technique's shaders read.
+pub struct Whole<'a, N, B> {
+    /// Its points and batches.
+    pub cloud: &'a Cloud,
+    /// Points that it has for people.
+    pub num_points: u64,
+    /// Its nodes.
+    pub nodes: &'a [N],
+    /// The record of batch number …, whose points begin at … of its chunk.
+    pub batch: &'a dyn Fn(usize, u32) -> B,
+    /// A column beside the colors, by the name that shaders have for it.
+    pub column: (&'static str, &'a [u32]),
+    /// What shaders bind besides, by name.
+    pub besides: Vec<(&'static str, wgpu::Buffer)>,
+}
+
 /// A cloud before its points are there.
-struct Outline<'a> {
+struct Outline<'a, N> {
     split: Split,
     num_points: u64,
     batches: &'a [cloud::Batch],
+    batch_bytes: usize,
     /// Words of a plane.
     num_words: usize,
-    nodes: Vec<Node>,
-    /// The node of each batch.
-    node_of: Vec<u32>,
-    beside: Option<Beside>,
+    nodes: &'a [N],
+    /// The column beside the colors.
+    column: Option<&'static str>,
 }
 
 /// A cloud on its way to the GPU.
@@ -59,8 +76,9 @@ pub struct CloudUpload<'a> {
     progress: &'a Progress,
     cloud: CloudBuffers,
     places: Places,
-    /// As the GPU has them, or will have.
+    /// Of an octree: its nodes as the GPU has them, or will have.
     nodes: Vec<Node>,
+    /// Of an octree: the node of each batch.
     node_of: Vec<u32>,
     /// Bytes since the GPU was last waited for.
     pending: usize,
@@ -129,10 +147,10 @@ impl<'a> CloudUpload<'a> {
             split: cloud.split,
             num_points: cloud.num_points,
             batches: &cloud.batches,
+            batch_bytes: size_of::<Batch>(),
             num_words: cloud.planes[0].len(),
-            nodes: vec![Node::FLAT],
-            node_of: vec![0; cloud.batches.len()],
-            beside: None,
+            nodes: &[Node::FLAT],
+            column: None,
         };
         let batch = |i: usize, first_point: u32| Batch::new(&cloud.split, &cloud.batches[i], 0, first_point);
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
@@ -141,29 +159,27 @@ impl<'a> CloudUpload<'a> {
         Ok(upload.cloud)
     }
 
-    /// See [`CloudBuffers::upload_sequential`].
-    pub(super) fn sequential(
+    /// See [`CloudBuffers::upload_whole`].
+    pub(super) fn whole<N: Pod, B: Pod>(
         gpu: &'a Gpu,
-        spt: &SequentialCloud,
+        whole: Whole<N, B>,
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<CloudBuffers, UploadError> {
-        let cloud = &spt.cloud;
-        let run_of = |i: usize| spt.runs.partition_point(|run| run.batches.end as usize <= i) as u32;
+        let Whole { cloud, num_points, nodes, batch, column: (name, column), besides } = whole;
         let outline = Outline {
             split: cloud.split,
-            num_points: spt.num_points,
+            num_points,
             batches: &cloud.batches,
+            batch_bytes: size_of::<B>(),
             num_words: cloud.planes[0].len(),
-            nodes: spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect(),
-            node_of: (0..cloud.batches.len()).map(run_of).collect(),
-            beside: Some(Beside::Shapes),
+            nodes,
+            column: Some(name),
         };
-        let batch = |i: usize, first_point: u32| Batch::of_discs(spt, i, run_of(i), first_point);
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
-        upload.cloud.step_base = spt.scale.base;
+        (upload.cloud.besides, upload.cloud.has_cubes) = (besides, false);
         let [hi, mid, lo] = &cloud.planes;
-        upload.write_whole(cloud, &[hi, mid, lo, &cloud.colors, &spt.shapes], &batch)?;
+        upload.write_whole(cloud, &[hi, mid, lo, &cloud.colors, column], batch)?;
         Ok(upload.cloud)
     }
 
@@ -183,42 +199,46 @@ impl<'a> CloudUpload<'a> {
                 whole.children.map(|child| if child == NO_CHILD { NO_CHILD } else { CHILD_ABSENT });
             Node { children, flags: whole.flags & !NODE_RESIDENT, ..whole }
         };
+        let gpu_nodes: Vec<Node> = (0..nodes.len()).map(absent).collect();
         let outline = Outline {
             split: *split,
             num_points,
             batches,
+            batch_bytes: size_of::<Batch>(),
             num_words: octree::num_words(nodes),
-            nodes: (0..nodes.len()).map(absent).collect(),
-            node_of,
-            beside: Some(Beside::FilteredColors),
+            nodes: &gpu_nodes,
+            column: Some(FILTERED_COLORS),
         };
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
+        (upload.nodes, upload.node_of) = (gpu_nodes, node_of);
         upload.cloud.is_crowded = octree::is_crowded(nodes);
         Ok(upload)
     }
 
-    fn begin(
+    fn begin<N: Pod>(
         gpu: &'a Gpu,
-        outline: Outline,
+        outline: Outline<N>,
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<Self, UploadError> {
-        let Outline { split, num_points, batches, num_words, nodes, node_of, beside } = outline;
+        let Outline { split, num_points, batches, batch_bytes, num_words, nodes, column } = outline;
         let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
         let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
-        let max_batches = max_groups - num_extra_slices(beside);
+        let max_batches = max_groups - num_extra_slices(column);
         let starts: Vec<u32> = batches.iter().map(|batch| batch.first_point).collect();
         // Ids of 32 bits: the builders make no more.
         let places = Places::new(&starts, num_words as u32, limit, max_batches);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let mut room = Room { gpu, bytes: 0 };
         let storage = wgpu::BufferUsages::STORAGE;
-        let nodes_buffer =
-            room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(&nodes[..]));
+        let nodes_buffer = room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
         let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
         let counted = room.take("counted", storage, 4 * nodes.len());
         let chunks = places.chunks.iter().zip(&places.batches);
-        let chunks = chunks.map(|(uniform, batches)| room.chunk(*uniform, batches.len(), beside)).collect();
+        let chunk = |(uniform, batches): (&ChunkUniform, &Range<usize>)| {
+            room.chunk(*uniform, (batches.len(), batch_bytes), column)
+        };
+        let chunks = chunks.map(chunk).collect();
         let bytes = room.bytes;
         // Vulkan reports at once: the scope's future is ready.
         if let Some(source) = crate::gpu::block_on(scope.pop()) {
@@ -229,8 +249,9 @@ impl<'a> CloudUpload<'a> {
             num_points,
             bytes,
             is_crowded: true,
-            step_base: 0,
-            has_detail: beside.is_some(),
+            has_cubes: true,
+            besides: vec![],
+            has_detail: column.is_some(),
             num_resident: Default::default(),
             num_nodes: nodes.len() as u32,
             nodes: nodes_buffer,
@@ -238,23 +259,23 @@ impl<'a> CloudUpload<'a> {
             counted,
             chunks,
         };
-        let mut upload = Self { gpu, progress, cloud, places, nodes, node_of, pending: 0 };
+        let mut upload = Self { gpu, progress, cloud, places, nodes: vec![], node_of: vec![], pending: 0 };
         for number in 0..upload.cloud.chunks.len() {
             let (buffer, uniform) =
                 (upload.cloud.chunks[number].chunk.clone(), upload.cloud.chunks[number].uniform);
             upload.send(&buffer, 0, bytemuck::bytes_of(&uniform))?;
         }
-        let (buffer, nodes) = (upload.cloud.nodes.clone(), upload.nodes.clone());
-        upload.send(&buffer, 0, bytemuck::cast_slice(&nodes))?;
+        let buffer = upload.cloud.nodes.clone();
+        upload.send(&buffer, 0, bytemuck::cast_slice(nodes))?;
         Ok(upload)
     }
 
     /// Sends a cloud whose points lie in the pool as they do in memory.
-    fn write_whole(
+    fn write_whole<B: Pod>(
         &mut self,
         cloud: &Cloud,
         columns: &[&[u32]],
-        batch: &dyn Fn(usize, u32) -> Batch,
+        batch: &dyn Fn(usize, u32) -> B,
     ) -> Result<(), UploadError> {
         for number in 0..self.cloud.chunks.len() {
             let (chunk, range) = (self.cloud.chunks[number].clone(), self.places.batches[number].clone());
@@ -263,7 +284,7 @@ impl<'a> CloudUpload<'a> {
             for (buffer, column) in chunk.columns().zip(columns) {
                 self.send(buffer, 0, bytemuck::cast_slice(&column[first..end]))?;
             }
-            let batches: Vec<Batch> = range.map(|i| batch(i, self.places.places[i].first_point)).collect();
+            let batches: Vec<B> = range.map(|i| batch(i, self.places.places[i].first_point)).collect();
             self.send(&chunk.batches, 0, bytemuck::cast_slice(&batches))?;
         }
         self.cloud.num_resident.store(cloud.num_points, Ordering::Relaxed);

@@ -4,7 +4,7 @@
 use super::ladder::RESOLUTION_SCALES;
 use super::*;
 use crate::resolve;
-use render::Method;
+use lab::technique::Method;
 use render::options::Quality;
 use std::collections::VecDeque;
 

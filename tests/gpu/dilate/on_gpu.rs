@@ -5,7 +5,7 @@ use lab::twin::color::Sum;
 use lab::twin::resolve::Pixel;
 use render::bindings::{Eye, OfEye};
 use render::gpu::readback;
-use render::gpu::stage::Stage;
+use render::gpu::stage::{Stage, nothing_besides};
 use render::layout::{
     DilateUniform, GUARD_PX, PACKED_BLUE_SHIFT, PACKED_GREEN_SHIFT, PACKED_RED_SHIFT, ResolveUniform, Sums,
     Variant, ViewUniform, guarded, image_pitch_px, mask_words_per_row, of_image,
@@ -104,7 +104,7 @@ pub fn run_shown(
     buffers.extend(inputs);
     let unused = buffer("unused", &[0; 16], storage);
     let of_name = |name| buffers.iter().find(|(of, _)| *of == name).map_or(&unused, |(_, buffer)| buffer);
-    let group = stage.bind(&gpu, OfEye::by_name(|name| of_name(name).as_entire_binding()));
+    let group = stage.bind(&gpu, OfEye::by_name(|name| of_name(name).as_entire_binding()), &nothing_besides);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.dispatch(&mut encoder.begin_compute_pass(&Default::default()), &group, tiles.len() as u32);
     gpu.queue.lock().submit([encoder.finish()]);

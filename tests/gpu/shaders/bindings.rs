@@ -1,9 +1,11 @@
 //! What shaders bind is in the table of `render::bindings`, and all of the table is bound. So no shader can ask for a
-//! resource that its stage is not given: stages take whole sets, which host code cannot leave a part of out.
+//! resource that its stage is not given: stages take whole sets, which host code cannot leave a part of out. Techniques of
+//! the laboratory bind what they name besides.
 
 use super::{OUTSIDE, SEEN, Seen, parse};
+use lab::technique::NAMES;
 use naga::Module;
-use render::bindings::{Chunk, Clear, Cloud, Eye, Overlay, Pixels, PointImage, Set};
+use render::bindings::{AGAIN, Chunk, Clear, Cloud, Eye, Overlay, Pixels, Set};
 use render::gpu::stage::used;
 use render::layout::Variant;
 use render::shaders::{SHADERS, source};
@@ -17,14 +19,18 @@ pub fn declared(module: &Module) -> Vec<(String, u32)> {
 
 /// What a text declares and its set lacks.
 fn lacking<'a>(declared: &'a [(String, u32)], names: &[&str]) -> Vec<&'a str> {
-    let is_lacking = |(name, group): &&(String, u32)| *group != 0 || !names.contains(&name.as_str());
+    let is_lacking = |(name, group): &&(String, u32)| {
+        let own = name.strip_suffix(AGAIN).unwrap_or(name);
+        *group != 0 || !names.contains(&own)
+    };
     declared.iter().filter(is_lacking).map(|(name, _)| name.as_str()).collect()
 }
 
 #[test]
-fn every_shader_binds_only_what_its_set_has() {
+fn every_shader_binds_only_what_there_is() {
     for seen in SEEN.iter() {
-        assert_eq!(lacking(&seen.declared, &(seen.shader.names)()), [""; 0], "{}", seen.name);
+        let names = [&(seen.shader.names)()[..], seen.besides].concat();
+        assert_eq!(lacking(&seen.declared, &names), [""; 0], "{}", seen.name);
     }
 }
 
@@ -42,15 +48,8 @@ fn a_name_that_no_set_has_is_noticed() {
 
 #[test]
 fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
-    let sets = [
-        Clear::names(),
-        Cloud::names(),
-        Chunk::names(),
-        Pixels::names(),
-        Eye::names(),
-        PointImage::names(),
-        Overlay::names(),
-    ];
+    let sets =
+        [Clear::names(), Cloud::names(), Chunk::names(), Pixels::names(), Eye::names(), Overlay::names()];
     let mut bound = vec![BTreeSet::new(); sets.len()];
     for Seen { shader, name, declared, .. } in SEEN.iter() {
         let names = (shader.names)();
@@ -63,6 +62,8 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
             }
         }
     }
+    let besides: BTreeSet<_> = SEEN.iter().flat_map(|seen| &seen.declared).map(|(name, _)| &**name).collect();
+    assert!(NAMES.iter().all(|name| besides.contains(name)), "nobody binds one of {NAMES:?}");
     for (set, bound) in sets.iter().zip(&bound) {
         let idle: Vec<_> = set.iter().filter(|name| !bound.contains(**name)).collect();
         assert!(idle.is_empty(), "nobody binds {idle:?}");

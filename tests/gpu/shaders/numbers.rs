@@ -76,7 +76,10 @@ fn files() -> Vec<PathBuf> {
         let entries = std::fs::read_dir(root.join(folder)).expect("a folder");
         entries.map(|entry| entry.expect("an entry").path()).filter(|path| path.is_file())
     };
-    ["shaders", "shaders/methods", "crates/lab/src/twin"].into_iter().flat_map(in_folder).collect()
+    ["shaders", "shaders/methods", "shaders/spt", "crates/lab/src/twin", "crates/lab/src/twin/tree"]
+        .into_iter()
+        .flat_map(in_folder)
+        .collect()
 }
 
 #[test]

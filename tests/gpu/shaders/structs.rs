@@ -1,6 +1,7 @@
 //! Structs that host and shaders share are the same ones, both ways: fields, offsets and sizes.
 
 use super::{OUTSIDE, SEEN, parse};
+use lab::technique::{counts, tree};
 use naga::{AddressSpace, Handle, Module, Type, TypeInner};
 use render::layout::{self, CullCounters, Variant};
 use render::shaders::source;
@@ -15,32 +16,35 @@ const EXCEPTIONS: [(&str, &str); 1] =
 pub type HostStruct = (&'static str, usize, Vec<(&'static str, usize)>);
 
 macro_rules! host {
-    ($name:ident: $($field:ident),+) => {{
+    ($of:ident::$name:ident: $($field:ident),+) => {{
         // A field that is not named here is a build error.
-        let _ = |layout::$name { $($field: _),+ }: layout::$name| ();
-        (stringify!($name), size_of::<layout::$name>(),
-         vec![$((stringify!($field), offset_of!(layout::$name, $field))),+])
+        let _ = |$of::$name { $($field: _),+ }: $of::$name| ();
+        (stringify!($name), size_of::<$of::$name>(),
+         vec![$((stringify!($field), offset_of!($of::$name, $field))),+])
     }};
 }
 
 /// The host's side.
 pub fn host_structs() -> Vec<HostStruct> {
     vec![
-        host!(Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval),
-        host!(Node: min_hi, edge, min_lo, flags, spacing, children, level, sample_spacing, spacing_step, reserved),
-        host!(EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, tolerance_rad,
-            gaze_in_view, widest_cos, tangent_origin, tangent_per_px, first_px, end_px, width, height,
-            tolerance_growth, reserved_end),
-        host!(ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
-            fill_reach_px, step_base, undivided_px, margin_px, eyes),
-        host!(VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
+        host!(layout::Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved),
+        host!(layout::Node: min_hi, edge, min_lo, flags, spacing, children, level, sample_spacing, spacing_step, reserved),
+        host!(layout::EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, widest_cos,
+            gaze_in_view, reserved, tangent_origin, tangent_per_px, first_px, end_px, width, height,
+            reserved_end),
+        host!(layout::ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
+            fill_reach_px, margin_px, undivided_px, reserved, eyes),
+        host!(layout::VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
             reserved, spacing_step, sample_spacing),
-        host!(ChunkUniform: first_index, num_points, reserved),
-        host!(ClearUniform: value, num_left, num_right, reserved),
-        host!(ResolveUniform: size_px, background, is_bgra),
-        host!(DilateUniform: eye, radius_px, reserved),
-        host!(CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved),
-        host!(Counts: num_drawn, num_asked, num_looks, num_colors, num_chosen, reserved),
+        host!(layout::ChunkUniform: first_index, num_points, reserved),
+        host!(layout::ClearUniform: value, num_left, num_right, reserved),
+        host!(layout::ResolveUniform: size_px, background, is_bgra),
+        host!(layout::DilateUniform: eye, radius_px, reserved),
+        host!(layout::CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved),
+        host!(tree::Run: min_hi, flags, min_lo, reserved, behind),
+        host!(tree::DiscBatch: min_hi, first_point, min_lo, num_points, cell, run, steps_per_unit, interval),
+        host!(tree::TreeUniform: tolerance_rad, tolerance_growth, step_base, reserved, reserved_end),
+        host!(counts::Counts: num_drawn, num_asked, num_looks, num_colors, num_chosen, reserved),
     ]
 }
 
@@ -114,11 +118,14 @@ fn shared_structs_are_the_same_in_host_and_shaders() {
 fn every_struct_of_the_layout_is_compared() {
     let hosts = host_structs();
     let files = ["mod.rs", "view.rs", "flags.rs", "guard.rs", "words.rs", "prelude.rs"];
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/render/src/layout");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let folder = root.join("render/src/layout");
+    let entries = std::fs::read_dir(&folder).expect("the layout's folder");
+    let layout: Vec<_> = entries.map(|entry| entry.expect("a file").path()).collect();
+    assert!(layout.iter().all(|path| files.iter().any(|file| path.ends_with(file))), "{layout:?}");
+    let of_lab = ["tree.rs", "counts.rs"].map(|file| root.join("lab/src/technique").join(file));
     let mut num_found = 0;
-    for entry in std::fs::read_dir(&folder).expect("the layout's folder") {
-        let path = entry.expect("a file").path();
-        assert!(files.iter().any(|file| path.ends_with(file)), "{path:?} is looked at");
+    for path in layout.into_iter().chain(of_lab) {
         let text = std::fs::read_to_string(path).expect("a source file");
         for of_c in text.split("#[repr(C)]").skip(1) {
             let name = of_c.split("pub struct ").nth(1).and_then(|s| s.split_whitespace().next());

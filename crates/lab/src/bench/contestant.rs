@@ -2,15 +2,18 @@
 
 use super::point_list::{self, PointList};
 use crate::report::BytesRead;
+use crate::technique::counts::Counts;
+use crate::technique::tree::VISIBLE_DISCS;
+use crate::technique::{LabTechnique, Method};
 use anyhow::{Context, Result};
 use base::space::View;
 use cloud::Cloud;
 use render::Look;
-use render::Method;
 use render::gpu::{Gpu, readback};
-use render::layout::{COUNTERS_STRIDE, Counts, VISIBLE_DISCS, VISIBLE_PLANES, VisibleBatch};
+use render::layout::{COUNTERS_STRIDE, VISIBLE_PLANES, VisibleBatch};
 use render::options::{Quality, Tier};
-use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, TargetTooLarge, tier};
+use render::technique::Technique;
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
 use std::sync::Arc;
 use std::time::Instant;
 use timing::STAGES;
@@ -49,9 +52,6 @@ pub struct Load {
     pub bytes: BytesRead,
 }
 
-/// [`Renderer::new`] or [`Renderer::counting`].
-type MakeRenderer = fn(&Arc<Gpu>, Setup, Look) -> Result<Renderer, TargetTooLarge>;
-
 /// A renderer of one way.
 pub struct Compute {
     gpu: Arc<Gpu>,
@@ -63,25 +63,32 @@ pub struct Compute {
 }
 
 /// A renderer that counts what a way does.
-pub struct Counter(Compute);
+pub struct Counter {
+    compute: Compute,
+    method: Method,
+    /// Of [`Counts`].
+    bins: wgpu::Buffer,
+}
 
 impl Compute {
     /// To draw eyes of these sizes.
     ///
     /// # Errors
     /// If they do not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
-        Self::of(gpu, sizes_px, look, Renderer::new)
+    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, technique: LabTechnique) -> Result<Self> {
+        Self::of(gpu, sizes_px, look, (technique, technique.open(gpu)))
     }
 
-    fn of(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, renderer: MakeRenderer) -> Result<Self> {
-        let setup = Setup {
-            sizes_px: sizes_px.to_vec(),
-            color_format: FORMAT,
-            depth_format: None,
-            atomics: tier(gpu, Tier::Auto, &look)?,
-        };
-        let renderer = renderer(gpu, setup, look)?;
+    fn of(
+        gpu: &Arc<Gpu>,
+        sizes_px: &[[u32; 2]],
+        look: Look,
+        (technique, open): (LabTechnique, Box<dyn Technique>),
+    ) -> Result<Self> {
+        let atomics = tier(gpu, Tier::Auto)?;
+        technique.check(gpu, atomics)?;
+        let setup = Setup { sizes_px: sizes_px.to_vec(), color_format: FORMAT, depth_format: None, atomics };
+        let renderer = Renderer::with_technique(gpu, setup, look, open)?;
         let images = sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect();
         Ok(Self { gpu: Arc::clone(gpu), renderer, images, frame: 0, cpu_ms: f64::NAN })
     }
@@ -124,8 +131,10 @@ impl Counter {
     ///
     /// # Errors
     /// If they do not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look) -> Result<Self> {
-        Compute::of(gpu, sizes_px, look, Renderer::counting).map(Self)
+    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, technique: LabTechnique) -> Result<Self> {
+        let (open, bins) = technique.counting(gpu);
+        let compute = Compute::of(gpu, sizes_px, look, (technique, open))?;
+        Ok(Self { compute, method: technique.method, bins })
     }
 
     /// What a frame has to do with a cloud.
@@ -134,16 +143,15 @@ impl Counter {
     /// Those of [`Compute::draw`].
     pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
         let before = self.counts()?;
-        self.0.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
-        let times = self.0.frame(view);
+        self.compute.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
+        let times = self.compute.frame(view);
         let load = times.and_then(|times| self.counted(&times, &before));
-        *cloud = self.0.renderer.take_cloud();
+        *cloud = self.compute.renderer.take_cloud();
         load
     }
 
     fn counts(&self) -> Result<Vec<Counts>> {
-        let counts = self.0.renderer.counts().context("a renderer that does not count")?;
-        Ok(bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.0.gpu, counts)?))
+        Ok(bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.compute.gpu, &self.bins)?))
     }
 
     fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<Load> {
@@ -153,7 +161,7 @@ impl Counter {
             let pairs = after.iter().zip(before);
             pairs.map(|(after, before)| u64::from(of(after).wrapping_sub(of(before)))).sum::<u64>()
         };
-        let Compute { gpu, renderer, .. } = &self.0;
+        let Compute { gpu, renderer, .. } = &self.compute;
         let look = renderer.look();
         // Every geometry stage loads all coordinates anew.
         let num_passes = if look.quality == Quality::Hqs { 2 } else { 1 };
@@ -171,7 +179,7 @@ impl Counter {
                 shapes += if batch.flags & VISIBLE_DISCS == 0 { 0 } else { words };
             }
         }
-        let is_narrow = look.quality == Quality::Hqs || look.method == Method::BusyLoop;
+        let is_narrow = look.quality == Quality::Hqs || self.method == Method::BusyLoop;
         let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
         Ok(Load {
             num_batches,

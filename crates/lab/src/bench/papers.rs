@@ -318,7 +318,7 @@ fn says(table: &str, model: Model, method: &str, order: &str, viewpoint: &str) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use render::Method;
+    use crate::technique::Method;
 
     #[test]
     fn figures_are_found_where_the_papers_have_them() {

@@ -6,13 +6,13 @@ use super::rows::{Of, Timed, gpu_ms, hardware_load, row, row_of_frames};
 use super::subject::{Model, Place, Subject};
 use super::way::{Form, Way};
 use crate::report::BenchRow;
+use crate::technique::{LabTechnique, Method, tree};
 use anyhow::{Result, ensure};
 use base::space::View;
 use base::task::{Progress, Task};
 use cloud::{Cloud, Order};
 use render::CloudBuffers;
 use render::Look;
-use render::Method;
 use render::gpu::Gpu;
 use render::layout::BATCH_POINTS;
 use render::options::{Precision, Quality};
@@ -253,7 +253,7 @@ impl Bench<'_> {
         clouds.layered = Some(self.layered(subject)?);
         let spt = subject.sequential(self.task)?;
         let silent = Progress::silent(self.task.cancel_token());
-        clouds.sequential = Some(CloudBuffers::upload_sequential(self.gpu, &spt, self.chunk_limit, &silent)?);
+        clouds.sequential = Some(tree::upload(self.gpu, &spt, self.chunk_limit, &silent)?);
         drop(spt);
         let places = subject.places(places(Table::Spt, subject.model));
         let of = Of { table: "spt", order: "morton", subject };
@@ -267,13 +267,15 @@ impl Bench<'_> {
             |way: &Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
         ways.retain(|way| is_wanted(way) && (way.method != Some(Method::Fixed40) || self.gpu.has_f64()));
         let contestant = |way: Way| {
-            let compute = Compute::new(self.gpu, &[size_px], way.look())?;
-            Ok((way, compute, Counter::new(self.gpu, &[size_px], way.look())?))
+            let (look, technique) = (way.look(), way.technique());
+            let compute = Compute::new(self.gpu, &[size_px], look, technique)?;
+            Ok((way, compute, Counter::new(self.gpu, &[size_px], look, technique)?))
         };
+        let asks = Way::paper_2021(Method::AtomicMin);
         Ok(Contestants {
             size_px,
             ways: ways.into_iter().map(contestant).collect::<Result<_>>()?,
-            asked: Counter::new(self.gpu, &[size_px], Way::paper_2021(Method::AtomicMin).look())?,
+            asked: Counter::new(self.gpu, &[size_px], asks.look(), asks.technique())?,
         })
     }
 
@@ -380,10 +382,11 @@ impl Bench<'_> {
         let place = subject.places(places(Table::Vr, subject.model))[0];
         let both_eyes = place.stereo(size_px);
         let one_eye = View { eyes: both_eyes.eyes[..1].to_vec(), near: both_eyes.near };
-        let mut both = Compute::new(self.gpu, &[size_px; 2], look)?;
-        let mut one = Compute::new(self.gpu, &[size_px], look)?;
-        let load = Counter::new(self.gpu, &[size_px; 2], look)?.load(cloud, &both_eyes)?;
-        let load_one = Counter::new(self.gpu, &[size_px], look)?.load(cloud, &one_eye)?;
+        let own = LabTechnique::default();
+        let mut both = Compute::new(self.gpu, &[size_px; 2], look, own)?;
+        let mut one = Compute::new(self.gpu, &[size_px], look, own)?;
+        let load = Counter::new(self.gpu, &[size_px; 2], look, own)?.load(cloud, &both_eyes)?;
+        let load_one = Counter::new(self.gpu, &[size_px], look, own)?.load(cloud, &one_eye)?;
         let (mut of_both, mut of_one) = (Vec::new(), Vec::new());
         for turn in 0..WARM_UP + self.num_runs {
             ensure!(!self.task.cancel_token().is_cancelled(), "interrupted");

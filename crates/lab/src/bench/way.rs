@@ -1,9 +1,9 @@
 //! The ways to draw that tables compare.
 
-use render::Look;
+use crate::technique::{DEFAULT_ERROR_PX, LabTechnique, Method};
 use render::layout::Detail;
 use render::options::{Dilate, Precision, Quality};
-use render::{Access, Method};
+use render::{Access, Look};
 
 /// The forms of a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,20 +61,26 @@ impl Way {
     #[must_use]
     pub fn look(&self) -> Look {
         let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
-        let plain = Detail { forced_planes, keep_unseen: !self.cull, ..Detail::default() };
+        let plain = Detail { forced_planes, ..Detail::default() };
         // Discs are as wide as they are; that nothing is filled between them leaves them no less wide.
-        let discs = Detail {
-            error_px: Some(render::DEFAULT_ERROR_PX as f32),
-            fill_reach_px: Some([1.0; 3]),
-            ..plain
-        };
+        let discs = Detail { fill_reach_px: Some([1.0; 3]), ..plain };
         Look {
-            method: self.method.unwrap_or_default(),
             quality: self.quality,
             dilate: Dilate::Off,
             background: [0; 3],
             detail: if self.form == Form::Spt { discs } else { plain },
             access: Access::default(),
+        }
+    }
+
+    /// By which technique they are drawn.
+    #[must_use]
+    pub fn technique(&self) -> LabTechnique {
+        LabTechnique {
+            method: self.method.unwrap_or_default(),
+            keep_unseen: !self.cull,
+            error_px: (self.form == Form::Spt).then_some(DEFAULT_ERROR_PX as f32),
+            ..LabTechnique::default()
         }
     }
 }

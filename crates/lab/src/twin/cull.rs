@@ -2,20 +2,16 @@
 
 use super::points::radius;
 use super::sizes::nearest_depth;
-use super::tolerance;
-use cloud::spt::Scale;
 use render::layout::{
     Batch, CELLS, CHILD_ABSENT, CULL_SLACK, DRAWN_WHOLE, EyeUniform, FINE_THRESHOLD_PX, HEAD_CELL_LIMIT,
-    HEAD_CELL_STEP, KEEP_UNSEEN, MAX_EXTRA_SLICES, MAX_SLICES, NO_CHILD, NODE_DISCS, NODE_ONE_SIDED,
-    NODE_ROOT, NODE_TRIANGLES, NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS, OWN_NONE, OWN_PER_WORD,
-    OWN_SHIFT, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_PIXELS,
-    SLICE_SHIFT, STATE_PARTS, STATE_SHIFT, STEP_MASK, UNTIL_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS,
-    VISIBLE_FILL, VISIBLE_TRIANGLES, VISIBLE_WIDE, ViewUniform, VisibleBatch, WIDE_SLICE_PIXELS,
-    WORKGROUP_SIZE,
+    HEAD_CELL_STEP, MAX_EXTRA_SLICES, NO_CHILD, NODE_ROOT, NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS,
+    OWN_NONE, OWN_PER_WORD, OWN_SHIFT, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER,
+    SLICE_SHIFT, STATE_PARTS, STATE_SHIFT, VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_WIDE, ViewUniform,
+    VisibleBatch, WIDE_SLICE_PIXELS, WORKGROUP_SIZE,
 };
 
 /// Half as many cells as a box edge has.
-const HALF_CELLS: f32 = 0.5 * CELLS;
+pub(super) const HALF_CELLS: f32 = 0.5 * CELLS;
 
 /// The visible batches, in batch order (the GPU's order is any); `states` as `lod` left them.
 #[must_use]
@@ -36,6 +32,11 @@ pub fn cull(
         let own = own_colors(node, states);
         Some((VisibleBatch { own, drawn, batch: number as u32, ..visible }, num_slices))
     };
+    in_slices(batches.iter().enumerate().filter_map(one))
+}
+
+/// Each batch in as many slices as it wants, while there is room for them.
+pub(super) fn in_slices(batches: impl Iterator<Item = (VisibleBatch, u32)>) -> Vec<VisibleBatch> {
     let mut room = MAX_EXTRA_SLICES;
     let slices = |(batch, num_slices): (VisibleBatch, u32)| {
         let num_extra = (num_slices - 1).min(room);
@@ -45,7 +46,7 @@ pub fn cull(
             VisibleBatch { flags: batch.flags | of_slice, ..batch }
         })
     };
-    batches.iter().enumerate().filter_map(one).flat_map(slices).collect()
+    batches.flat_map(slices).collect()
 }
 
 /// Workgroups that draw a batch of points, if threads draw wide ones together.
@@ -58,17 +59,9 @@ fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     (num_points as f32 * (side * side) / WIDE_SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
 }
 
-/// Workgroups that draw a batch of triangles.
-fn num_slices_of_triangles(view: &ViewUniform, batch: &Batch, eye: &EyeUniform, depth: f32) -> u32 {
-    let scale = Scale { base: view.step_base };
-    let side_px = scale.length((batch.interval >> UNTIL_SHIFT) as u8) * eye.pixels_per_radian / depth;
-    let num_pixels = (side_px * side_px).min(eye.width as f32 * eye.height as f32);
-    (num_pixels / SLICE_PIXELS as f32).clamp(1.0, MAX_SLICES as f32) as u32
-}
-
-/// How many nodes have visible batches, which are in batch order.
-pub fn num_nodes(visible: &[VisibleBatch], batches: &[Batch]) -> u32 {
-    let node = |visible: &VisibleBatch| batches[visible.batch as usize].node;
+/// How many nodes have visible batches, which are in batch order; `node_of` is a batch's.
+pub fn num_nodes(visible: &[VisibleBatch], node_of: impl Fn(usize) -> u32) -> u32 {
+    let node = |visible: &VisibleBatch| node_of(visible.batch as usize);
     visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
 }
 
@@ -115,8 +108,7 @@ fn cull_batch(
     let sample_spacing = spacing_drawn(node, drawn);
     let mut flags = 0;
     for (number, eye) in view.eyes[..num_eyes].iter().enumerate() {
-        let is_seen = view.flags & KEEP_UNSEEN != 0 || in_frustum(view, eye, center, half_edge);
-        if is_seen && is_needed(view, batch, node, eye, center, half_edge) {
+        if in_frustum(view, eye, center, half_edge) {
             flags |= VISIBLE_BY_EYE << number;
         }
     }
@@ -132,14 +124,6 @@ fn cull_batch(
         let edge_px = longest * eye.pixels_per_radian / depth;
         if view.forced_planes == 0 {
             planes = planes.max(planes_needed(edge_px));
-        }
-        if node.flags & NODE_TRIANGLES != 0 {
-            slices = slices.max(num_slices_of_triangles(view, batch, eye, depth));
-            continue;
-        }
-        if node.flags & NODE_DISCS != 0 {
-            flags |= VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS;
-            continue;
         }
         let corner = axes(&|i| (center[i] - eye.eye_in_head[i]).abs() + half_edge[i]);
         let far = (corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2]).sqrt() / depth;
@@ -157,18 +141,7 @@ fn cull_batch(
         }
         slices = slices.max(num_slices_of_points(batch.num_points, radius));
     }
-    if node.flags & NODE_TRIANGLES != 0 {
-        flags |= VISIBLE_TRIANGLES;
-        planes = 3;
-    }
-
-    let limit = (HEAD_CELL_LIMIT / HEAD_CELL_STEP) as f32;
-    let steps = axes(&|i| (head_hi[i] * batch.steps_per_unit[i]).round_ties_even().clamp(-limit, limit));
-    let head_cell = steps.map(|s| s as i32 * HEAD_CELL_STEP);
-    let mut offset = axes(&|i| head_cell[i] as f32 * batch.cell[i] - head_hi[i] - head_lo[i]);
-    if planes == 3 {
-        offset = axes(&|i| offset[i] + 0.5 * batch.cell[i]);
-    }
+    let (head_cell, offset) = head_place(head_hi, head_lo, batch.cell, batch.steps_per_unit, planes);
     let visible = VisibleBatch {
         head_cell,
         first_point: batch.first_point,
@@ -187,46 +160,31 @@ fn cull_batch(
     Some((visible, slices))
 }
 
-fn is_needed(
+/// The head's cell in a batch, and where that lies.
+pub(super) fn head_place(
+    head_hi: [f32; 3],
+    head_lo: [f32; 3],
+    cell: [f32; 3],
+    steps_per_unit: [f32; 3],
+    planes: u32,
+) -> ([i32; 3], [f32; 3]) {
+    let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
+    let limit = (HEAD_CELL_LIMIT / HEAD_CELL_STEP) as f32;
+    let steps = axes(&|i| (head_hi[i] * steps_per_unit[i]).round_ties_even().clamp(-limit, limit));
+    let head_cell = steps.map(|s| s as i32 * HEAD_CELL_STEP);
+    let mut offset = axes(&|i| head_cell[i] as f32 * cell[i] - head_hi[i] - head_lo[i]);
+    if planes == 3 {
+        offset = axes(&|i| offset[i] + 0.5 * cell[i]);
+    }
+    (head_cell, offset)
+}
+
+pub(super) fn in_frustum(
     view: &ViewUniform,
-    batch: &Batch,
-    node: &Node,
     eye: &EyeUniform,
     center: [f32; 3],
     half_edge: [f32; 3],
 ) -> bool {
-    if node.flags & NODE_DISCS == 0 {
-        return true;
-    }
-    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let from_eye: [f32; 3] = std::array::from_fn(|i| center[i] - eye.eye_in_head[i]);
-    let near: [f32; 3] = std::array::from_fn(|i| (from_eye[i].abs() - half_edge[i]).max(0.0));
-    let far: [f32; 3] = std::array::from_fn(|i| from_eye[i].abs() + half_edge[i]);
-    let scale = Scale { base: view.step_base };
-    let step = |tolerance: f32| u32::from(scale.step_below(tolerance));
-    let farthest = dot(far, far).sqrt();
-    let change = tolerance::steepest(view, eye) * dot(half_edge, half_edge).sqrt();
-    let middle = tolerance::of(view, eye, from_eye);
-    let least = (eye.tolerance_rad * dot(near, near).sqrt()).max(middle - change);
-    let most = (tolerance::outer_rad(view, eye) * farthest).min(middle + change);
-    let slack = CULL_SLACK * tolerance::outer_rad(view, eye) * farthest;
-    if step((least - slack).max(0.0)) >= batch.interval >> UNTIL_SHIFT
-        || step(most + slack) < batch.interval & STEP_MASK
-    {
-        return false;
-    }
-    if node.flags & NODE_ONE_SIDED == 0 {
-        return true;
-    }
-    let [x, y, z, sin] = node.spacing.map(f32::from_bits);
-    let along = dot(from_eye, [x, y, z]);
-    let distance_sq = dot(from_eye, from_eye);
-    let across = (distance_sq - along * along).max(0.0).sqrt();
-    let inside = along * sin - across * (1.0 - sin * sin).sqrt();
-    inside < dot(half_edge, half_edge).sqrt() + CULL_SLACK * distance_sq.sqrt()
-}
-
-fn in_frustum(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], half_edge: [f32; 3]) -> bool {
     let first = eye.first_px.map(|px| px - view.margin_px);
     let end = eye.end_px.map(|px| px + view.margin_px);
     let from = |row: [f32; 4], px: f32| std::array::from_fn(|i| row[i] - eye.row_w[i] * px);
@@ -248,7 +206,7 @@ fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
     distance + radius + CULL_SLACK * magnitude >= 0.0
 }
 
-fn planes_needed(edge_px: f32) -> u32 {
+pub(super) fn planes_needed(edge_px: f32) -> u32 {
     match edge_px {
         px if px < PRECISION_THRESHOLD_PX => 1,
         px if px < FINE_THRESHOLD_PX => 2,

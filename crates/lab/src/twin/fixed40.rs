@@ -1,7 +1,8 @@
 //! Twin of the method `fixed40`: depths in 40-bit integers [2019 §2.1].
 
 use super::points::cells;
-use render::layout::{EMPTY40, EyeUniform, FIXED40_RANGES, VISIBLE_PLANES, VisibleBatch, fixed40_firsts};
+use crate::technique::fixed40::{EMPTY40, RANGES, firsts};
+use render::layout::{EyeUniform, VISIBLE_PLANES, VisibleBatch};
 
 /// A pixel without points.
 pub const EMPTY: u64 = EMPTY40;
@@ -10,17 +11,17 @@ pub const EMPTY: u64 = EMPTY40;
 #[must_use]
 pub fn depth40_of(depth: f64) -> u64 {
     // The first range holds whatever is nearer than the second.
-    let range = FIXED40_RANGES.iter().rposition(|&(begin, _)| depth >= begin).unwrap_or(0);
-    let (begin, steps) = FIXED40_RANGES[range];
-    (fixed40_firsts()[range] + ((depth - begin) * steps) as u64).min(EMPTY - 1)
+    let range = RANGES.iter().rposition(|&(begin, _)| depth >= begin).unwrap_or(0);
+    let (begin, steps) = RANGES[range];
+    (firsts()[range] + ((depth - begin) * steps) as u64).min(EMPTY - 1)
 }
 
 /// The depth, world units, at which an integer's step begins.
 #[must_use]
 pub fn depth_of(depth40: u64) -> f64 {
-    let firsts = fixed40_firsts();
+    let firsts = firsts();
     let range = firsts.iter().rposition(|&first| depth40 >= first).unwrap_or(0);
-    let (begin, steps) = FIXED40_RANGES[range];
+    let (begin, steps) = RANGES[range];
     begin + (depth40 - firsts[range]) as f64 / steps
 }
 
@@ -58,9 +59,9 @@ mod tests {
     /// 30 billion of a trillion values up to 10 000 km, as the poster says.
     #[test]
     fn ranges_are_the_posters() {
-        assert_eq!(fixed40_firsts()[1], 10_000_000_000);
+        assert_eq!(firsts()[1], 10_000_000_000);
         assert_eq!(depth40_of(9.999_999_999), 9_999_999_999);
-        assert_eq!(depth40_of(1e7), fixed40_firsts()[2] + 9_990_000_000);
+        assert_eq!(depth40_of(1e7), firsts()[2] + 9_990_000_000);
         assert_eq!(depth40_of(1e12), EMPTY - 1, "too far is as far as can be");
     }
 }

@@ -12,32 +12,32 @@ pub mod points;
 pub mod resolve;
 pub mod rings;
 mod sizes;
-pub mod tolerance;
-pub mod triangles;
+pub mod tree;
 
+use crate::technique::tree::TreeUniform;
 use base::space::View;
 use cloud::Cloud;
 use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;
 use render::Look;
 use render::layout::{
-    Batch, DilateUniform, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch, guarded,
-    without_guard,
+    Batch, DRAWN_WHOLE, DilateUniform, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch,
+    guarded, without_guard,
 };
 use render::options::{Dilate, Quality};
+use tree::Tree;
 
 /// A cloud as the stages see it, in one chunk.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     cloud: &'a Cloud,
     filtered_colors: &'a [u32],
-    /// Intervals and sizes, if its points are discs.
-    shapes: Option<&'a [u32]>,
-    step_base: u32,
-    /// Its nodes.
+    /// Its nodes; none in a point tree.
     pub nodes: Vec<Node>,
-    /// Its batches.
+    /// Its batches; none in a point tree.
     pub batches: Vec<Batch>,
+    /// What a point tree has in their place, and the pixels that its discs may be wrong by.
+    tree: Option<(Tree<'a>, f32)>,
 }
 
 impl<'a> Scene<'a> {
@@ -47,7 +47,7 @@ impl<'a> Scene<'a> {
         let batch = |b: &cloud::Batch| Batch::new(&cloud.split, b, 0, b.first_point);
         let batches = cloud.batches.iter().map(batch).collect();
         let nodes = vec![Node::FLAT];
-        Self { cloud, filtered_colors: &cloud.colors, shapes: None, step_base: 0, nodes, batches }
+        Self { cloud, filtered_colors: &cloud.colors, nodes, batches, tree: None }
     }
 
     /// A layered cloud.
@@ -63,23 +63,15 @@ impl<'a> Scene<'a> {
                 .map(move |b| Batch::new(&cloud.split, b, number as u32, b.first_point))
         });
         let batches = batches.collect();
-        Self { cloud, filtered_colors: &octree.filtered_colors, shapes: None, step_base: 0, nodes, batches }
+        Self { cloud, filtered_colors: &octree.filtered_colors, nodes, batches, tree: None }
     }
 
-    /// A sequential point tree.
+    /// A sequential point tree, whose discs may be wrong by so many pixels.
     #[must_use]
-    pub fn sequential(spt: &'a SequentialCloud) -> Self {
+    pub fn sequential(spt: &'a SequentialCloud, error_px: f32) -> Self {
         let cloud = &spt.cloud;
-        let nodes = spt.runs.iter().map(|run| Node::of_run(&cloud.split, run)).collect();
-        let batches = spt.runs.iter().enumerate().flat_map(|(number, run)| {
-            run.batches.clone().map(move |i| {
-                let first_point = spt.cloud.batches[i as usize].first_point;
-                Batch::of_discs(spt, i as usize, number as u32, first_point)
-            })
-        });
-        let (batches, shapes) = (batches.collect(), Some(&spt.shapes[..]));
-        let step_base = spt.scale.base;
-        Self { cloud, filtered_colors: &cloud.colors, shapes, step_base, nodes, batches }
+        let tree = Some((Tree::new(spt), error_px));
+        Self { cloud, filtered_colors: &cloud.colors, nodes: vec![], batches: vec![], tree }
     }
 
     /// The colour that an id stands for.
@@ -91,7 +83,7 @@ impl<'a> Scene<'a> {
 
     /// The colour that `hqs` adds to a pixel.
     fn color_put(&self, put: &points::Put) -> u32 {
-        let mixed = |mixture: triangles::Mixture| mixture.color(&self.cloud.colors);
+        let mixed = |mixture: tree::triangles::Mixture| mixture.color(&self.cloud.colors);
         put.mixture.map_or_else(|| self.color(put.id), mixed)
     }
 }
@@ -132,15 +124,29 @@ impl Frame {
 #[must_use]
 pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
     let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
-    let uniform = ViewUniform { step_base: scene.step_base, ..uniform };
     let num_eyes = view.eyes.len();
-    let mut states = states.map_or_else(|| vec![0; scene.nodes.len()], <[u32]>::to_vec);
-    lod::lod(&uniform, num_eyes, &scene.nodes, &mut states);
-    let visible = cull::cull(&uniform, num_eyes, &scene.batches, &scene.nodes, &states);
+    let tree = scene.tree.as_ref().map(|(tree, error_px)| {
+        let uniform = TreeUniform::new(view, &look.detail, *error_px, tree.uniform.step_base);
+        Tree { uniform, ..tree.clone() }
+    });
+    let (states, visible, visible_nodes) = match &tree {
+        Some(tree) => {
+            let visible = tree::cull::cull(&uniform, num_eyes, tree);
+            let num_runs = cull::num_nodes(&visible, |batch| tree.batches[batch].run);
+            (vec![DRAWN_WHOLE; tree.runs.len()], visible, num_runs)
+        }
+        None => {
+            let mut states = states.map_or_else(|| vec![0; scene.nodes.len()], <[u32]>::to_vec);
+            lod::lod(&uniform, num_eyes, &scene.nodes, &mut states);
+            let visible = cull::cull(&uniform, num_eyes, &scene.batches, &scene.nodes, &states);
+            let num_nodes = cull::num_nodes(&visible, |batch| scene.batches[batch].node);
+            (states, visible, num_nodes)
+        }
+    };
     let [hi, mid, lo] = &scene.cloud.planes;
     let points = |put: &mut dyn FnMut(points::Put)| {
         let fill = look.detail.fill_reach_px.is_some();
-        points::points(&uniform, num_eyes, &visible, [hi, mid, lo], scene.shapes, fill, put);
+        points::points(&uniform, num_eyes, &visible, [hi, mid, lo], tree.as_ref(), fill, put);
     };
     let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| guarded(eye.size_px)).collect();
     let mut frame = Frame::default();
@@ -171,7 +177,7 @@ pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) ->
     let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, look.background_word());
     frame.images = frame.pixels.iter().map(image).collect();
     Frame {
-        visible_nodes: cull::num_nodes(&visible, &scene.batches),
+        visible_nodes,
         visible,
         states,
         keys: images_of(&frame.keys, view),

@@ -2,15 +2,14 @@
 
 use super::cull::shares;
 use super::rings::ring;
-use super::tolerance;
-use super::triangles::{Mixture, triangles};
-use cloud::spt::Scale;
+use super::tree::triangles::{Mixture, triangles};
+use super::tree::{Disc, Tree};
+use crate::technique::tree::VISIBLE_TRIANGLES;
 use render::layout::{
     CELLS, COARSE_CENTER, COARSE_SHIFT, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, ID_ODD,
     ID_SHIFT, LOD_FADE, MAX_FILL_RADIUS, MIDDLE_CENTER, MIDDLE_SHIFT, OCTANT_SHIFT, OWN_BITS, OWN_NONE,
     OWN_PER_WORD, OWN_SHIFT, PLANE_BITS, PLANE_MASK, POINTS_COVER, REACH_MASK, SAMPLES_COVER,
-    SPACING_EXPONENT_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_PLANES, VISIBLE_TRIANGLES,
-    ViewUniform, VisibleBatch,
+    SPACING_EXPONENT_SHIFT, VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_PLANES, ViewUniform, VisibleBatch,
 };
 
 /// A point in a pixel.
@@ -28,14 +27,14 @@ pub struct Put {
     pub mixture: Option<Mixture>,
 }
 
-/// Hands every point in every pixel to `put`. `planes` are the chunk's, and so are `shapes`, if its points are discs;
+/// Hands every point in every pixel to `put`. `planes` are the chunk's; points of a `tree` are discs, or corners of triangles;
 /// with `fill`, points may cover several pixels.
 pub fn points(
     view: &ViewUniform,
     num_eyes: usize,
     visible: &[VisibleBatch],
     planes: [&[u32]; 3],
-    shapes: Option<&[u32]>,
+    tree: Option<&Tree>,
     fill: bool,
     put: &mut dyn FnMut(Put),
 ) {
@@ -44,8 +43,8 @@ pub fn points(
         if !batch.is_first_slice() {
             continue;
         }
-        if let Some(shapes) = shapes.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {
-            triangles(view, num_eyes, batch, planes, shapes, put);
+        if let Some(tree) = tree.filter(|_| batch.flags & VISIBLE_TRIANGLES != 0) {
+            triangles(view, num_eyes, batch, planes, tree, put);
             continue;
         }
         for i in 0..batch.num_points {
@@ -63,18 +62,18 @@ pub fn points(
                 & OWN_NONE;
             let is_filtered = own != OWN_NONE && rank >> OWN_SHIFT >= own;
             let id = index << ID_SHIFT | if is_filtered { ID_ODD } else { 0 };
-            let disc = shapes.filter(|_| batch.flags & VISIBLE_DISCS != 0);
-            let disc = disc.map(|shapes| Disc::of(view, shapes[index as usize]));
+            let disc = tree.map(|tree| (tree, Disc::of(tree, index)));
             let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
             let step = batch.spacing_step;
             let powers = [1.0, step, step * step, step * step * step];
             let power = powers[(words[0] >> SPACING_EXPONENT_SHIFT) as usize];
             let spacing = edge * shares(batch.spacing)[octant as usize] * power;
-            let is_disc = shapes.is_some();
-            let length = disc.map_or(spacing, |disc| disc.diameter);
-            let apart = if is_disc { Apart::Discs(length) } else { Apart::Points(length) };
+            let apart = match disc {
+                Some((_, disc)) => Apart::Discs(disc.diameter),
+                None => Apart::Points(spacing),
+            };
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
-                let is_chosen = disc.is_none_or(|disc| disc.is_chosen(view, uniform, p_in_head));
+                let is_chosen = disc.is_none_or(|(tree, disc)| disc.is_chosen(view, tree, eye, p_in_head));
                 if batch.flags & VISIBLE_BY_EYE << eye == 0 || !is_chosen {
                     continue;
                 }
@@ -160,30 +159,6 @@ impl Apart {
         match self {
             Self::Points(length) | Self::Discs(length) => length,
         }
-    }
-}
-
-/// A disc of a sequential point tree: twin of `discs.inc.wgsl`.
-#[derive(Clone, Copy)]
-struct Disc {
-    scale: Scale,
-    /// The first step of tolerance that it is drawn at, and the first beyond.
-    interval: (u8, u8),
-    /// World units.
-    diameter: f32,
-}
-
-impl Disc {
-    fn of(view: &ViewUniform, shape: u32) -> Self {
-        let scale = Scale { base: view.step_base };
-        let [from, until, diameter, _] = shape.to_le_bytes();
-        Self { scale, interval: (from, until), diameter: scale.length(diameter) }
-    }
-
-    fn is_chosen(&self, view: &ViewUniform, eye: &EyeUniform, p_in_head: [f32; 3]) -> bool {
-        let from_eye = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
-        let step = self.scale.step_below(tolerance::of(view, eye, from_eye));
-        self.interval.0 <= step && step < self.interval.1
     }
 }
 

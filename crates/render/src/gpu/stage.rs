@@ -1,7 +1,10 @@
 //! A compute stage: one shader, one entry point `main`, its resources bound by their names in the shader.
 
 use super::Gpu;
-use crate::bindings::Set;
+use crate::bindings::{AGAIN, Set};
+use crate::layout::Variant;
+use crate::look::Access;
+use crate::shaders::Of;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -21,21 +24,37 @@ pub struct Stage<S: Set> {
 /// A compiled shader.
 #[derive(Debug)]
 pub struct Compiled {
-    name: &'static str,
     pipeline: wgpu::ComputePipeline,
 }
 
-/// What a shader uses of a set of resources, in group 0: which, and the number that it has there.
+/// What a shader uses of a set of resources, and besides, in group 0: which, and the number that it has there.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Bindings<S: Set> {
-    used: Vec<(usize, u32)>,
+    name: String,
+    used: Vec<(Used, u32)>,
     set: PhantomData<S>,
 }
+
+/// A resource that a shader uses.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Used {
+    /// By its place in the set.
+    OfSet(usize),
+    /// By its name.
+    Besides(String),
+}
+
+/// Gives resources by name that are of no set.
+pub type Besides<'f, 'a> = dyn Fn(&str) -> Option<wgpu::BindingResource<'a>> + 'f;
 
 impl<S: Set> fmt::Debug for Bindings<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names = S::names();
-        f.debug_map().entries(self.used.iter().map(|&(index, binding)| (names[index], binding))).finish()
+        let name = |used: &Used| match used {
+            Used::OfSet(index) => names[*index].to_owned(),
+            Used::Besides(name) => name.clone(),
+        };
+        f.debug_map().entries(self.used.iter().map(|(used, binding)| (name(used), binding))).finish()
     }
 }
 
@@ -61,16 +80,17 @@ impl<S: Set> Bindings<S> {
     /// Reads from WGSL text what its entry point `entry` uses.
     ///
     /// # Panics
-    /// If the text is not valid, or uses what is not of the set: shaders are ours, and a test looks at each.
+    /// If the text is not valid: shaders are ours, and a test looks at each.
     #[must_use]
     pub fn of(name: &str, wgsl: &str, entry: &str) -> Self {
         let used = used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}"));
         let names = S::names();
-        let in_set = |(used, binding): (String, u32)| {
-            let index = names.iter().position(|name| *name == used);
-            (index.unwrap_or_else(|| panic!("shader {name}: its set has no {used}")), binding)
+        let by_name = |(used, binding): (String, u32)| {
+            let own = used.strip_suffix(AGAIN).unwrap_or(&used);
+            let index = names.iter().position(|name| *name == own);
+            (index.map_or_else(|| Used::Besides(own.to_owned()), Used::OfSet), binding)
         };
-        Self { used: used.into_iter().map(in_set).collect(), set: PhantomData }
+        Self { name: name.to_owned(), used: used.into_iter().map(by_name).collect(), set: PhantomData }
     }
 
     /// What both use: the halves of a pass.
@@ -82,26 +102,48 @@ impl<S: Set> Bindings<S> {
         self
     }
 
-    /// A bind group of these resources, of which the shader takes what it uses.
+    /// A bind group of these resources, of which the shader takes what it uses, and of what it uses besides.
+    ///
+    /// # Panics
+    /// If `besides` lacks something: a test looks at what each shader uses.
     #[must_use]
-    pub fn bind(
+    pub fn bind<'a>(
         &self,
         device: &wgpu::Device,
-        label: &str,
         layout: &wgpu::BindGroupLayout,
-        resources: S::Resources<'_>,
+        resources: S::Resources<'a>,
+        besides: &Besides<'_, 'a>,
     ) -> wgpu::BindGroup {
         let resources = S::list(resources);
-        let entry = |&(index, binding): &(usize, u32)| wgpu::BindGroupEntry {
-            binding,
-            resource: resources[index].clone(),
+        let entry = |(used, binding): &(Used, u32)| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: match used {
+                Used::OfSet(index) => resources[*index].clone(),
+                Used::Besides(name) => {
+                    besides(name).unwrap_or_else(|| panic!("shader {}: nobody has {name}", self.name))
+                }
+            },
         };
         let entries: Vec<_> = self.used.iter().map(entry).collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+        let label = Some(&*self.name);
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 }
 
+/// Of nothing besides.
+#[must_use]
+pub fn nothing_besides<'a>(_name: &str) -> Option<wgpu::BindingResource<'a>> {
+    None
+}
+
 impl<S: Set> Stage<S> {
+    /// Compiles a variant of a shader.
+    #[must_use]
+    pub fn of(gpu: &Gpu, shader: Of<S>, variant: Variant, access: Access) -> Self {
+        let compile = if access.checked { Self::new } else { Self::trusted };
+        compile(gpu, shader.name(), &shader.source(variant))
+    }
+
     /// Compiles `wgsl` (the whole text, prelude included).
     #[must_use]
     pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
@@ -123,14 +165,19 @@ impl<S: Set> Stage<S> {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Self { compiled: Compiled { name, pipeline }, bindings: Bindings::of(name, wgsl, "main") }
+        Self { compiled: Compiled { pipeline }, bindings: Bindings::of(name, wgsl, "main") }
     }
 
     /// A bind group for this stage; see [`Bindings::bind`].
     #[must_use]
-    pub fn bind(&self, gpu: &Gpu, resources: S::Resources<'_>) -> wgpu::BindGroup {
+    pub fn bind<'a>(
+        &self,
+        gpu: &Gpu,
+        resources: S::Resources<'a>,
+        besides: &Besides<'_, 'a>,
+    ) -> wgpu::BindGroup {
         let layout = self.compiled.pipeline.get_bind_group_layout(0);
-        self.bindings.bind(&gpu.device, self.compiled.name, &layout, resources)
+        self.bindings.bind(&gpu.device, &layout, resources, besides)
     }
 }
 

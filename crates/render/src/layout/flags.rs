@@ -7,33 +7,22 @@ use super::{Node, ViewUniform, VisibleBatch};
 pub const LOD_FADE: u32 = 1;
 /// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
 pub const LOD_SMOOTH: u32 = 2;
-/// [`ViewUniform::flags`]: batches that neither eye sees are drawn too.
-pub const KEEP_UNSEEN: u32 = 4;
 /// [`Node::flags`]: drawn whole, always.
 pub const NODE_WHOLE: u32 = 1;
 /// [`Node::flags`]: drawn always, though with fewer points when it is small.
 pub const NODE_ROOT: u32 = 2;
-/// [`Node::flags`]: a run of a sequential point tree, drawn at an interval of tolerances; its points are discs, or
-/// corners of [`NODE_TRIANGLES`].
-pub const NODE_DISCS: u32 = 4;
-/// [`Node::flags`]: a run whose discs have a back, which nobody is to see.
-pub const NODE_ONE_SIDED: u32 = 8;
-/// [`Node::flags`]: a run of triangles.
-pub const NODE_TRIANGLES: u32 = 16;
 /// [`Node::flags`]: its points are there. Nothing is drawn of another.
-pub const NODE_RESIDENT: u32 = 32;
+pub const NODE_RESIDENT: u32 = 4;
 /// [`VisibleBatch::flags`]: planes to read, 1 to 3.
 pub const VISIBLE_PLANES: u32 = 3;
 /// [`VisibleBatch::flags`]: seen by the left eye; moved up by one, by the right.
 pub const VISIBLE_BY_EYE: u32 = 16;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;
-/// [`VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
-pub const VISIBLE_DISCS: u32 = 128;
-/// [`VisibleBatch::flags`]: points are corners of triangles.
-pub const VISIBLE_TRIANGLES: u32 = 256;
 /// [`VisibleBatch::flags`]: some points may be discs that reach farther than [`super::OWN_FILL_RADIUS`].
-pub const VISIBLE_WIDE: u32 = 512;
+pub const VISIBLE_WIDE: u32 = 128;
+/// [`VisibleBatch::flags`]: the first bit that the frame leaves to other techniques, up to [`SLICE_SHIFT`].
+pub const VISIBLE_OTHERS: u32 = 256;
 /// [`VisibleBatch::flags`]: the place of a slice's number, 8 bits.
 pub const SLICE_SHIFT: u32 = 16;
 /// [`VisibleBatch::flags`]: the place of the number of slices less one, 8 bits.

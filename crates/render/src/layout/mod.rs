@@ -8,31 +8,29 @@ mod view;
 mod words;
 
 pub use flags::{
-    KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, NODE_DISCS, NODE_ONE_SIDED, NODE_RESIDENT, NODE_ROOT, NODE_TRIANGLES,
-    NODE_WHOLE, NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_BY_EYE, VISIBLE_DISCS, VISIBLE_FILL, VISIBLE_PLANES,
-    VISIBLE_TRIANGLES, VISIBLE_WIDE,
+    LOD_FADE, LOD_SMOOTH, NODE_RESIDENT, NODE_ROOT, NODE_WHOLE, NUM_SLICES_SHIFT, SLICE_SHIFT,
+    VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_OTHERS, VISIBLE_PLANES, VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use prelude::{Sums, Variant, prelude};
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 pub use words::{
-    DEPTH40_SHIFT, EMPTY_KEY, EMPTY40, ID_ODD, ID_SHIFT, KEY_DEPTH_SHIFT, MASK_WORD_PX, OWN_BITS, OWN_NONE,
-    OWN_NONE_WORD, OWN_PER_WORD, OWN_SHIFT, PACKED_BLUE_SHIFT, PACKED_COUNT_MASK, PACKED_GREEN_SHIFT,
-    PACKED_RED_SHIFT, PAIR_SHIFT, PROTECTED_BLUE_SHIFT, PROTECTED_GREEN_SHIFT, PROTECTED_MASK,
-    PROTECTED_RED_SHIFT, STATE_LOW, STATE_PARTS, STATE_SHIFT, TILE_COLUMN_MASK, TILE_ROW_SHIFT,
+    EMPTY_KEY, ID_ODD, ID_SHIFT, KEY_DEPTH_SHIFT, MASK_WORD_PX, OWN_BITS, OWN_NONE, OWN_NONE_WORD,
+    OWN_PER_WORD, OWN_SHIFT, PACKED_BLUE_SHIFT, PACKED_COUNT_MASK, PACKED_GREEN_SHIFT, PACKED_RED_SHIFT,
+    PROTECTED_BLUE_SHIFT, PROTECTED_GREEN_SHIFT, PROTECTED_MASK, PROTECTED_RED_SHIFT, STATE_LOW, STATE_PARTS,
+    STATE_SHIFT, TILE_COLUMN_MASK, TILE_ROW_SHIFT,
 };
 
 pub use cloud::format::{
     ALPHA_SHIFT, BATCH_POINTS, BLUE_SHIFT, CELLS, CHANNEL_MASK, COARSE_CENTER, COARSE_MASK, COARSE_SHIFT,
-    COORDINATE_BITS, CORNER_MASK, DIAMETER_SHIFT, ENDLESS_STEP, GREEN_SHIFT, MIDDLE_CENTER, MIDDLE_MASK,
-    MIDDLE_SHIFT, OCTANT_SHIFT, OPAQUE, PAGE_POINTS, PLANE_BITS, PLANE_MASK, POINTS_PER_LOAD, RGB_MASK,
-    SECOND_CORNER_SHIFT, SIDE_SHIFT, SPACING_EXPONENT_SHIFT, STEP_MASK, STEP_SHIFT, THIRD_CORNER_SHIFT,
-    UNTIL_SHIFT, WORKGROUP_SIZE, Y_SHIFT, Z_SHIFT,
+    COORDINATE_BITS, GREEN_SHIFT, MIDDLE_CENTER, MIDDLE_MASK, MIDDLE_SHIFT, OCTANT_SHIFT, OPAQUE,
+    PAGE_POINTS, PLANE_BITS, PLANE_MASK, POINTS_PER_LOAD, RGB_MASK, SPACING_EXPONENT_SHIFT, WORKGROUP_SIZE,
+    Y_SHIFT, Z_SHIFT,
 };
 
 use base::space::Split;
 use bytemuck::{Pod, Zeroable};
-use cloud::{octree, spt};
+use cloud::octree;
 
 /// A batch whose longest side projects to fewer pixels than this is read at 10 bits [2022 §3.3].
 pub const PRECISION_THRESHOLD_PX: f32 = 500.0;
@@ -76,13 +74,10 @@ pub const SAMPLES_COVER: f32 = 2.24;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
-/// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
-pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
-/// Pixels for which a batch of triangles gets a workgroup more: as many a thread as there are threads.
-pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
-/// The same of wide points: four times as many a thread as there are threads. With fewer, the list of slices is full in large
-/// frames, and whoever comes late is drawn by one workgroup (docs/bench/gpu/README.md: 20 ms for 6).
-pub const WIDE_SLICE_PIXELS: u32 = 4 * SLICE_PIXELS;
+/// Pixels for which a batch of wide points gets a workgroup more: four times as many a thread as there are threads. With
+/// fewer, the list of slices is full in large frames, and whoever comes late is drawn by one workgroup
+/// (docs/bench/gpu/README.md: 20 ms for 6).
+pub const WIDE_SLICE_PIXELS: u32 = 4 * WORKGROUP_SIZE * WORKGROUP_SIZE;
 /// Workgroups of a batch at most.
 pub const MAX_SLICES: u32 = 256;
 /// Workgroups beyond the first of all batches of a chunk, at most: room in its list.
@@ -101,21 +96,6 @@ pub const REACH_MASK: u32 = 3;
 pub const TILE_HIDES: u32 = 1 << 31;
 /// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
 pub const DILATE_FALLOFF_BITS: u32 = 2;
-
-/// Bins of [`Counts`], of which workgroups use one each, so that few threads meet.
-pub const COUNT_BINS: u32 = 256;
-
-/// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
-/// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
-pub const FIXED40_RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
-
-/// The first depths of the ranges of [`FIXED40_RANGES`].
-#[must_use]
-pub fn fixed40_firsts() -> [u64; 3] {
-    let [(a, per_a), (b, per_b), (c, _)] = FIXED40_RANGES;
-    let second = ((b - a) * per_a) as u64;
-    [0, second, second + ((c - b) * per_b) as u64]
-}
 
 /// A batch on the GPU: a run of points and the box that their coordinates are relative to.
 ///
@@ -138,8 +118,8 @@ pub struct Batch {
     pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
-    /// Of discs and triangles: the steps of tolerance that some of them are drawn at: from, and until from [`UNTIL_SHIFT`] on.
-    pub interval: u32,
+    /// Always 0.
+    pub reserved: u32,
 }
 
 impl Batch {
@@ -150,17 +130,7 @@ impl Batch {
         let (cell, num_points) = (batch.cell, batch.num_points);
         let steps_per_unit = cell.map(|c| if c > 0.0 { 1.0 / (c * HEAD_CELL_STEP as f32) } else { 0.0 });
         let (min_hi, min_lo) = (hi.to_array(), lo.to_array());
-        Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, interval: 0 }
-    }
-
-    /// The GPU's form of batch `number` of a sequential point tree, of run number `run`, whose points begin
-    /// at `first_point` of its chunk.
-    #[must_use]
-    pub fn of_discs(spt: &spt::SequentialCloud, number: usize, run: u32, first_point: u32) -> Self {
-        let batch = &spt.cloud.batches[number];
-        let [from, until] = spt.intervals[number].map(u32::from);
-        let plain = Self::new(&spt.cloud.split, batch, run, first_point);
-        Self { interval: from | until << UNTIL_SHIFT, ..plain }
+        Self { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved: 0 }
     }
 }
 
@@ -174,11 +144,9 @@ pub struct Node {
     pub edge: f32,
     /// Smallest corner, fine part.
     pub min_lo: [f32; 3],
-    /// [`NODE_RESIDENT`], [`NODE_WHOLE`], [`NODE_ROOT`], [`NODE_DISCS`], [`NODE_ONE_SIDED`], [`NODE_TRIANGLES`].
+    /// [`NODE_RESIDENT`], [`NODE_WHOLE`], [`NODE_ROOT`].
     pub flags: u32,
-    /// How far apart the finest points in each octant lie, as a share of `edge`, where they lie closest: eight f16. With
-    /// [`NODE_ONE_SIDED`], four f32: the axis of the directions in which only backs are seen, and the sine of the
-    /// angle round it.
+    /// How far apart the finest points in each octant lie, as a share of `edge`, where they lie closest: eight f16.
     pub spacing: [u32; 4],
     /// The number of the child in octant o = x | y≪1 | z≪2, [`NO_CHILD`] or [`CHILD_ABSENT`].
     pub children: [u32; 8],
@@ -212,26 +180,6 @@ impl Node {
         spacing_step: 1.0,
         reserved: 0,
     };
-
-    /// The GPU's form of a run of a sequential point tree.
-    #[must_use]
-    pub fn of_run(split: &Split, run: &spt::BatchRun) -> Self {
-        let (hi, lo) = split.pair(run.bounds.min);
-        let sided = |behind: &spt::clusters::Cone| {
-            let [x, y, z] = behind.axis.to_array();
-            [x, y, z, libm::sin(behind.angle)].map(|v| (v as f32).to_bits())
-        };
-        let side = if run.behind.is_some() { NODE_ONE_SIDED } else { 0 };
-        let triangles = if run.has_triangles { NODE_TRIANGLES } else { 0 };
-        Self {
-            min_hi: hi.to_array(),
-            min_lo: lo.to_array(),
-            edge: run.bounds.size().max_element() as f32,
-            spacing: run.behind.as_ref().map_or([0; 4], sided),
-            flags: NODE_RESIDENT | NODE_WHOLE | NODE_DISCS | side | triangles,
-            ..Self::FLAT
-        }
-    }
 
     /// The GPU's form of node `number` of an octree, all of whose nodes are there.
     #[must_use]
@@ -329,7 +277,7 @@ pub struct VisibleBatch {
     /// Edge of a 30-bit cell an axis.
     pub cell: [f32; 3],
     /// [`VISIBLE_PLANES`]; [`VISIBLE_BY_EYE`], once for each eye that sees it; [`VISIBLE_FILL`],
-    /// [`VISIBLE_DISCS`], [`VISIBLE_TRIANGLES`], [`VISIBLE_WIDE`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
+    /// [`VISIBLE_WIDE`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
     /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
     pub flags: u32,
     /// [`Node::spacing`].
@@ -383,24 +331,6 @@ impl CullCounters {
     pub fn num_batches(&self) -> u32 {
         self.num_visible - self.num_extra.min(MAX_EXTRA_SLICES)
     }
-}
-
-/// What the geometry stages did in a frame that is counted, all eyes together.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
-pub struct Counts {
-    /// Points, discs and triangles that asked for a pixel.
-    pub num_drawn: u32,
-    /// Atomics, or writes where there are none, for pixels.
-    pub num_asked: u32,
-    /// Loads of a pixel's word, to see whether it is worth an atomic, or how near the surface is.
-    pub num_looks: u32,
-    /// Loads of a point's color.
-    pub num_colors: u32,
-    /// Discs of a point tree that the tolerance draws, in the picture or not, in each stage anew.
-    pub num_chosen: u32,
-    /// Always 0.
-    pub reserved: [u32; 3],
 }
 
 /// Which image `dilate` works on, and how far it reaches.

@@ -1,9 +1,8 @@
 //! What the stages know of a frame: the eyes, and how much of the cloud is drawn for them.
 
-use super::{FADE_END, GUARD_PX, KEEP_UNSEEN, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, guarded};
+use super::{FADE_END, GUARD_PX, LOD_FADE, LOD_SMOOTH, MAX_FILL_RADIUS, guarded};
 use base::space::{Eye, Fov, Split, View};
 use bytemuck::{Pod, Zeroable};
-use cloud::spt;
 use glam::DVec3;
 
 /// The angle from the optical axis that images reach at most, 70°, unless they are wider than any headset's.
@@ -30,14 +29,13 @@ pub struct EyeUniform {
     pub pixels_per_radian: f32,
     /// Direction of the gaze in head space, unit length.
     pub gaze_in_head: [f32; 3],
-    /// Angle that an error may have in the inner ring, radians: the tolerance at a distance of 1. 0 but for sequential
-    /// point trees.
-    pub tolerance_rad: f32,
-    /// Direction of the gaze in view space, unit length; (0, 0, −1) is the optical axis.
-    pub gaze_in_view: [f32; 3],
     /// Cosine of the largest angle from the optical axis at which sizes are judged: what is seen lies within, and what
     /// lies beyond is as large as there.
     pub widest_cos: f32,
+    /// Direction of the gaze in view space, unit length; (0, 0, −1) is the optical axis.
+    pub gaze_in_view: [f32; 3],
+    /// Always 0.
+    pub reserved: f32,
     /// Tangents of the angles to the corner that coordinates count from: right and up are positive.
     pub tangent_origin: [f32; 2],
     /// Tangents from one pixel to the next, to the right and down. The centre of pixel (x, y) lies in the
@@ -51,11 +49,8 @@ pub struct EyeUniform {
     pub width: u32,
     /// Height in pixels, with the guard band.
     pub height: u32,
-    /// Between the inner and the middle ring's ends, how many radians the tolerance grows by while the cosine of the angle
-    /// from the gaze falls by 1.
-    pub tolerance_growth: f32,
     /// Always 0.
-    pub reserved_end: u32,
+    pub reserved_end: [u32; 2],
 }
 
 impl EyeUniform {
@@ -79,17 +74,16 @@ impl EyeUniform {
             eye_in_head: (eye.world_from_view.position - head_in_world).as_vec3().to_array(),
             pixels_per_radian: eye.pixels_per_radian() as f32,
             gaze_in_head: (eye.world_from_view.orientation * eye.gaze_in_view).as_vec3().to_array(),
-            tolerance_rad: 0.0,
-            gaze_in_view: eye.gaze_in_view.as_vec3().to_array(),
             widest_cos: widest_cos(&eye.fov),
+            gaze_in_view: eye.gaze_in_view.as_vec3().to_array(),
+            reserved: 0.0,
             tangent_origin: [left + per_px[0] * corner[0], up + per_px[1] * corner[1]].map(|t| t as f32),
             tangent_per_px: per_px.map(|t| t as f32),
             first_px,
             end_px: [first_px[0] + width as f32, first_px[1] + height as f32],
             width,
             height,
-            tolerance_growth: 0.0,
-            reserved_end: 0,
+            reserved_end: [0; 2],
         }
     }
 }
@@ -117,10 +111,6 @@ pub struct Detail {
     /// Pixels, across, that the kernels of dilation close, which the inner, middle and outer ring have: points that are to
     /// close more have a wider kernel, and what the widest leaves open a disc. `None`: all are drawn as one pixel, always.
     pub fill_reach_px: Option<[f32; 3]>,
-    /// Pixels that a disc of a sequential point tree may be wrong by, ε of [SPT §3.5]; `None`: there is none to draw.
-    pub error_px: Option<f32>,
-    /// Batches that neither eye sees are drawn too, so that all points are read.
-    pub keep_unseen: bool,
 }
 
 impl Default for Detail {
@@ -133,26 +123,7 @@ impl Default for Detail {
             smooth: false,
             fade: false,
             fill_reach_px: None,
-            error_px: None,
-            keep_unseen: false,
         }
-    }
-}
-
-impl Detail {
-    /// [`EyeUniform::tolerance_growth`] that makes a tolerance of `error_rad` in the inner ring as many times as large in
-    /// the outer one as thresholds are there; less where that would be too steep for the intervals' overlap
-    /// ([`spt::MAX_TOLERANCE_SLOPE`]).
-    fn tolerance_growth(&self, error_rad: f64) -> f32 {
-        let [inner, middle] = self.ring_rad.map(f64::cos);
-        let ratio = f64::from(self.threshold_px[2] / self.threshold_px[0]);
-        let wanted = error_rad * (ratio - 1.0).max(0.0) / (inner - middle).max(1e-6);
-        // Where the middle ring ends, the tolerance grows fastest: by `error_rad` with the distance, and by this many
-        // times the growth away from the gaze.
-        let steepness = (inner * inner + 1.0 - 2.0 * inner * middle).max(0.0).sqrt().max(1e-3);
-        let spare = spt::MAX_TOLERANCE_SLOPE - error_rad;
-        // Beyond, with the distance alone.
-        wanted.min(spare / steepness).min(spare / (inner - middle).max(1e-6)) as f32
     }
 }
 
@@ -170,7 +141,7 @@ pub struct ViewUniform {
     pub forced_planes: u32,
     /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
     pub threshold_px: [f32; 3],
-    /// [`LOD_FADE`], [`LOD_SMOOTH`], [`KEEP_UNSEEN`].
+    /// [`LOD_FADE`], [`LOD_SMOOTH`].
     pub flags: u32,
     /// Cosines of the angles from the gaze at which the inner and the middle ring end.
     pub ring_cos: [f32; 2],
@@ -178,19 +149,19 @@ pub struct ViewUniform {
     pub ring_sin: [f32; 2],
     /// [`Detail::fill_reach_px`].
     pub fill_reach_px: [f32; 3],
-    /// Of a sequential point tree's lengths; see [`cloud::spt::Scale::base`].
-    pub step_base: u32,
+    /// Pixels outside an eye's image in which a point may still be large enough to be seen.
+    pub margin_px: f32,
     /// Pixels that the edge of the finest node has at most that is drawn whole: in the inner, middle and outer ring twice
     /// the size from which a node is.
     pub undivided_px: [f32; 3],
-    /// Pixels outside an eye's image in which a point may still be large enough to be seen.
-    pub margin_px: f32,
+    /// Always 0.
+    pub reserved: f32,
     /// Left, right. With one eye the second is a copy of the first and not drawn.
     pub eyes: [EyeUniform; 2],
 }
 
 impl ViewUniform {
-    /// The GPU's form of a view of one or two eyes. For a sequential point tree, `step_base` is to be set besides.
+    /// The GPU's form of a view of one or two eyes.
     ///
     /// # Panics
     /// If the view has no eye.
@@ -198,28 +169,20 @@ impl ViewUniform {
     pub fn new(view: &View, split: &Split, detail: &Detail) -> Self {
         let head_in_world = view.head_in_world();
         let (hi, lo) = split.pair(head_in_world);
-        let eye = |index: usize| {
-            let eye = &view.eyes[index.min(view.eyes.len() - 1)];
-            let error_rad = f64::from(detail.error_px.unwrap_or(0.0)) / eye.pixels_per_radian();
-            let error_rad = error_rad.min(spt::MAX_TOLERANCE_RAD);
-            let (tolerance_rad, tolerance_growth) = (error_rad as f32, detail.tolerance_growth(error_rad));
-            EyeUniform { tolerance_rad, tolerance_growth, ..EyeUniform::new(eye, head_in_world) }
-        };
+        let eye = |index: usize| EyeUniform::new(&view.eyes[index.min(view.eyes.len() - 1)], head_in_world);
         Self {
             head_hi: hi.to_array(),
             near: view.near as f32,
             head_lo: lo.to_array(),
             forced_planes: detail.forced_planes,
             threshold_px: detail.threshold_px,
-            flags: if detail.fade { LOD_FADE } else { 0 }
-                | if detail.smooth { LOD_SMOOTH } else { 0 }
-                | if detail.keep_unseen { KEEP_UNSEEN } else { 0 },
+            flags: if detail.fade { LOD_FADE } else { 0 } | if detail.smooth { LOD_SMOOTH } else { 0 },
             ring_cos: detail.ring_rad.map(|angle| angle.cos() as f32),
             ring_sin: detail.ring_rad.map(|angle| angle.sin() as f32),
             fill_reach_px: detail.fill_reach_px.unwrap_or([f32::MAX; 3]),
-            step_base: 0,
-            undivided_px: undivided_px(detail),
             margin_px: if detail.fill_reach_px.is_some() { MAX_FILL_RADIUS as f32 } else { 0.0 },
+            undivided_px: undivided_px(detail),
+            reserved: 0.0,
             eyes: [eye(0), eye(1)],
         }
     }

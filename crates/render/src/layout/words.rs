@@ -7,7 +7,7 @@ use super::{Sums, TILE_HIDES, VisibleBatch, mask_words_per_row};
 
 /// An id is twice a point's number, moved up by this, and [`ID_ODD`] or nothing.
 pub const ID_SHIFT: u32 = 1;
-/// In an id: the point's filtered color counts; or, in point trees, it is of a triangle.
+/// In an id: the point's filtered color counts.
 pub const ID_ODD: u32 = 1;
 /// In a key: the depth's place above the id.
 pub const KEY_DEPTH_SHIFT: u32 = 32;
@@ -47,17 +47,9 @@ pub const PROTECTED_RED_SHIFT: u32 = 16;
 pub const PROTECTED_GREEN_SHIFT: u32 = 32;
 /// [`Sums::Protected`]: the place of blue.
 pub const PROTECTED_BLUE_SHIFT: u32 = 48;
-/// [`Sums::Pairs`]: the place of a pair's second.
-pub const PAIR_SHIFT: u32 = 32;
-
 /// A tile's word: the place of its row, beside [`TILE_HIDES`] and above its column.
 pub const TILE_ROW_SHIFT: u32 = 16;
 /// A tile's word: its column's bits.
 pub const TILE_COLUMN_MASK: u32 = (1 << TILE_ROW_SHIFT) - 1;
 /// Pixels in a word of a mask; see [`mask_words_per_row`].
 pub const MASK_WORD_PX: u32 = u32::BITS;
-
-/// A 40-bit depth that no point has reached.
-pub const EMPTY40: u64 = (1 << 40) - 1;
-/// In a key of the method `fixed40`: the place of the 40-bit depth, above a color without alpha.
-pub const DEPTH40_SHIFT: u32 = 24;

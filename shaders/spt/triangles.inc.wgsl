@@ -4,8 +4,8 @@
 // A pixel belongs to a triangle if its centre does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are of
 // homogeneous coordinates, so that triangles need not be clipped at the near plane. [Olano and Greer 1997]
 //
-// A thread draws a triangle; large ones wait until all threads draw them together. Where the stage is CONVERGED, all
-// triangles do. Where some may be larger still, a batch comes in slices: a workgroup each, which draws its share of the
+// A thread draws a triangle; large ones wait until all threads draw them together. Where threads ask each other (CONVERGED),
+// all triangles do. Where some may be larger still, a batch comes in slices: a workgroup each, which draws its share of the
 // pixels of the large ones.
 
 /// Pixels in the box of a triangle that a thread draws alone.

@@ -2,12 +2,12 @@
 
 /// The largest step that is not more than a length ≥ 0.
 fn step_below(length: f32) -> u32 {
-    return min(max(bitcast<u32>(length) >> STEP_SHIFT, view.step_base) - view.step_base, ENDLESS_STEP - 1u);
+    return min(max(bitcast<u32>(length) >> STEP_SHIFT, tree.step_base) - tree.step_base, ENDLESS_STEP - 1u);
 }
 
 /// The length of a step.
 fn length_of(step: u32) -> f32 {
-    return select(bitcast<f32>((view.step_base + step) << STEP_SHIFT), 0.0, step == 0u);
+    return select(bitcast<f32>((tree.step_base + step) << STEP_SHIFT), 0.0, step == 0u);
 }
 
 // The tolerance at a distance from an eye, of which so much lies along the gaze: it grows between the ends of the inner
@@ -15,7 +15,7 @@ fn length_of(step: u32) -> f32 {
 fn tolerance_at(eye: u32, distance: f32, along: f32) -> f32 {
     let cos = view.ring_cos;
     let outside = min(max(cos.x * distance - along, 0.0), (cos.x - cos.y) * distance);
-    return view.eyes[eye].tolerance_rad * distance + view.eyes[eye].tolerance_growth * outside;
+    return tree.tolerance_rad[eye] * distance + tree.tolerance_growth[eye] * outside;
 }
 
 // The same of a place relative to the eye.

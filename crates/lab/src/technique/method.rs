@@ -3,27 +3,19 @@
 //! [`Method::PointList`] shows any of them, [`Method::Fixed40`], to whose precision more are, the smaller color. They
 //! differ in how long it takes.
 
-use crate::layout::Sums;
-use crate::options::Quality;
+use render::layout::Sums;
+use render::options::Quality;
 use serde::{Deserialize, Serialize};
 
-/// How shaders reach memory, whatever the method. The picture is the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Access {
-    /// Early-z looks at a pixel by a plain load, not by an atomic one.
-    pub plain_looks: bool,
-    /// Shaders check every index.
-    pub checked: bool,
-    /// All threads of a workgroup draw wide points together. `None`: unless the device is software, which runs them in
-    /// turns and pays dearly for their waiting for each other.
-    pub together: Option<bool>,
-}
-
-impl Default for Access {
-    /// Atomic loads; checks in debug builds, and so in tests.
-    fn default() -> Self {
-        Self { plain_looks: false, checked: cfg!(debug_assertions), together: None }
-    }
+/// How early-z loads the pixel that it looks at, before it asks for it by an atomic operation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EarlyZLoad {
+    /// By an atomic load, which a GPU may take past its first cache.
+    #[default]
+    Atomic,
+    /// By a plain load, as the papers do: what it sees may be out of date, which costs an atomic operation and no more.
+    Plain,
 }
 
 /// How points get into pixels. Names as in the papers.
@@ -124,7 +116,8 @@ impl Method {
     #[must_use]
     pub fn sums(self) -> Option<Sums> {
         match self {
-            Self::Hqs => Some(Sums::Pairs),
+            // Two pairs in place of four words.
+            Self::Hqs => Some(Sums::Wide),
             Self::Hqs1 => Some(Sums::Packed),
             Self::Hqs1r => Some(Sums::Protected),
             _ => None,

@@ -54,9 +54,3 @@ fn count_look() {
 fn count_color() {
     atomicAdd(&count_bins[bin()].num_colors, 1u);
 }
-
-// Discs of a turn that the tolerance draws, in the picture or not.
-fn count_chosen(chosen: vec4<bool>) {
-    let ones = select(vec4<u32>(0u), vec4<u32>(1u), chosen);
-    atomicAdd(&count_bins[bin()].num_chosen, ones.x + select(ones.y + ones.z + ones.w, 0u, BASIC));
-}

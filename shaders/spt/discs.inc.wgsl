@@ -4,30 +4,25 @@
 /// A disc's interval and diameter: from | until≪8 | diameter≪16.
 @group(0) @binding(14) var<storage, read> shapes: array<vec4<u32>>;
 
-fn shapes_of(load: u32, turn: u32) -> vec4<u32> {
-    if BASIC {
-        return vec4<u32>(shapes[load][turn % POINTS_PER_LOAD]);
-    }
-    return shapes[load];
-}
-
-// Which discs of a turn this eye is to see. A flat cloud, which is shown before the tree stands, is seen whole.
-fn is_chosen(eye: u32, flags: u32, load: u32, turn: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<bool> {
-    if (flags & VISIBLE_DISCS) == 0u {
-        return vec4<bool>(true);
-    }
-    let dx = x - view.eyes[eye].eye_in_head.x;
-    let dy = y - view.eyes[eye].eye_in_head.y;
-    let dz = z - view.eyes[eye].eye_in_head.z;
+// Which discs of a turn this eye is to see.
+fn is_chosen(eye: u32, points: Turn) -> vec4<bool> {
+    let dx = points.x - view.eyes[eye].eye_in_head.x;
+    let dy = points.y - view.eyes[eye].eye_in_head.y;
+    let dz = points.z - view.eyes[eye].eye_in_head.z;
     var step: vec4<u32>;
     for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
         step[i] = step_below(tolerance_of(eye, dx[i], dy[i], dz[i]));
     }
-    let shape = shapes_of(load, turn);
+    let shape = shapes_of(points.load, points.number);
     let mask = vec4<u32>(STEP_MASK);
     let chosen = (step >= (shape & mask)) & (step < ((shape >> vec4<u32>(UNTIL_SHIFT)) & mask));
     count_chosen(chosen);
     return chosen;
+}
+
+// Where an eye sees the discs of a turn that it is to see.
+fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
+    return project(eye, points.x, points.y, points.z, points.exists & is_chosen(eye, points));
 }
 
 // World units that discs are wide: as far as they are apart.

@@ -3,14 +3,14 @@
 // than what is there, and costs an atomic operation. Only the depth is looked at, one word: of two, one could be of
 // before and one of after an exchange. Where depths are equal all ask, and the smallest id wins as ever.
 
-@group(0) @binding(16) var<storage, read_write> seen_left: array<vec2<u32>>;
-@group(0) @binding(17) var<storage, read_write> seen_right: array<vec2<u32>>;
+@group(0) @binding(16) var<storage, read_write> keys_left_again: array<vec2<u32>>;
+@group(0) @binding(17) var<storage, read_write> keys_right_again: array<vec2<u32>>;
 
 // Whether a key may still win the pixel.
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
     count_look();
     if eye == 0u {
-        return u32(key >> KEY_DEPTH_SHIFT) <= seen_left[pixel].y;
+        return u32(key >> KEY_DEPTH_SHIFT) <= keys_left_again[pixel].y;
     }
-    return u32(key >> KEY_DEPTH_SHIFT) <= seen_right[pixel].y;
+    return u32(key >> KEY_DEPTH_SHIFT) <= keys_right_again[pixel].y;
 }

@@ -1,11 +1,9 @@
-//! Twin of `triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
+//! Twin of `spt/triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
 
-use super::points::{Put, cells, p_in_head, without_reach};
-use super::tolerance;
-use cloud::spt::Scale;
-use render::layout::{
-    EyeUniform, ID_ODD, ID_SHIFT, TRIANGLE_SLACK_PX, VISIBLE_BY_EYE, ViewUniform, VisibleBatch,
-};
+use super::{Tree, tolerance};
+use crate::technique::tree::TRIANGLE_SLACK_PX;
+use crate::twin::points::{Put, cells, p_in_head, without_reach};
+use render::layout::{EyeUniform, ID_ODD, ID_SHIFT, VISIBLE_BY_EYE, ViewUniform, VisibleBatch};
 
 /// What a pixel shows of a triangle beside the corner with the largest share: all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,21 +38,21 @@ struct Triangle {
 }
 
 /// Hands every triangle of a batch to `put`, in every pixel.
-pub(super) fn triangles(
+pub(in crate::twin) fn triangles(
     view: &ViewUniform,
     num_eyes: usize,
     batch: &VisibleBatch,
     planes: [&[u32]; 3],
-    shapes: &[u32],
+    tree: &Tree,
     put: &mut dyn FnMut(Put),
 ) {
     for number in 0..batch.num_points {
-        let word = shapes[(batch.first_point + number) as usize];
+        let word = tree.shapes[(batch.first_point + number) as usize];
         for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
             if batch.flags & VISIBLE_BY_EYE << eye == 0 {
                 continue;
             }
-            let Some(triangle) = Triangle::of(view, uniform, batch, planes, word) else { continue };
+            let Some(triangle) = Triangle::of((view, eye), batch, planes, (tree, word)) else { continue };
             for v in triangle.first[1]..=triangle.last[1] {
                 for u in triangle.first[0]..=triangle.last[0] {
                     let Some((w, shares)) = triangle.in_pixel(view.near, [u, v]) else { continue };
@@ -93,20 +91,19 @@ fn most(v: [f32; 3]) -> f32 {
 impl Triangle {
     /// `None` if it is not drawn.
     fn of(
-        view: &ViewUniform,
-        eye: &EyeUniform,
+        (view, number): (&ViewUniform, usize),
         batch: &VisibleBatch,
         planes: [&[u32]; 3],
-        word: u32,
+        (tree, word): (&Tree, u32),
     ) -> Option<Self> {
+        let eye = &view.eyes[number];
         let [a, b, c, step] = word.to_le_bytes();
         let points = [a, b, c].map(|corner| batch.first_point + u32::from(corner));
         let words = |point: u32| planes.map(|plane| plane[point as usize]);
         let corners = points.map(|point| p_in_head(batch, cells(3, words(point))));
-        let tolerance =
-            corners.map(|p| tolerance::of(view, eye, std::array::from_fn(|i| p[i] - eye.eye_in_head[i])));
-        let scale = Scale { base: view.step_base };
-        if scale.step_below(least(tolerance)) >= step {
+        let from_eye = |p: [f32; 3]| std::array::from_fn(|i| p[i] - eye.eye_in_head[i]);
+        let tolerance = corners.map(|p| tolerance::of(view, &tree.uniform, number, from_eye(p)));
+        if tree.scale().step_below(least(tolerance)) >= step {
             return None;
         }
         let row = |r: [f32; 4]| corners.map(|[x, y, z]| r[0] * x + r[1] * y + r[2] * z + r[3]);

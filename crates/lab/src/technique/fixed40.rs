@@ -1,0 +1,124 @@
+//! The method `fixed40`: depths in 40-bit integers from f64, with the color below them, and a step of `resolve` that
+//! clears what it has read [2019 §2.1].
+
+use super::texts::text;
+use render::Access;
+use render::Parts;
+use render::bindings::{Eye, Geometry};
+use render::gpu::Gpu;
+use render::gpu::stage::{Stage, nothing_besides};
+use render::layout::{EMPTY_KEY, Variant};
+use render::shaders::{self, Of, parts};
+use render::technique::{Clears, Nearest, Pieces, Recording};
+use std::sync::LazyLock;
+
+/// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
+/// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
+pub const RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
+/// A depth that no point has reached.
+pub const EMPTY40: u64 = (1 << 40) - 1;
+/// In a key: the place of the depth, above a color without alpha.
+pub const DEPTH40_SHIFT: u32 = 24;
+
+/// The first depths of the ranges of [`RANGES`].
+#[must_use]
+pub fn firsts() -> [u64; 3] {
+    let [(a, per_a), (b, per_b), (c, _)] = RANGES;
+    let second = ((b - a) * per_a) as u64;
+    [0, second, second + ((c - b) * per_b) as u64]
+}
+
+/// Not every GPU knows f64 or u64: only this method's shaders hear of them.
+static CONSTANTS: LazyLock<String> = LazyLock::new(|| {
+    let names = ["A", "B", "C"].into_iter().zip(RANGES).zip(firsts());
+    let lines = names.map(|((name, (begin, steps)), first)| {
+        format!(
+            "const RANGE_{name}_BEGIN: f64 = {begin:?}lf;\n\
+             const RANGE_{name}_STEPS: f64 = {steps:?}lf;\n\
+             const RANGE_{name}_FIRST: u64 = {first}lu;\n"
+        )
+    });
+    let others = format!(
+        "const EMPTY40: u64 = {EMPTY40}lu;\n\
+         const EMPTY_KEY: u64 = {EMPTY_KEY}lu;\n\
+         const DEPTH40_SHIFT: u32 = {DEPTH40_SHIFT}u;\n"
+    );
+    lines.chain([others]).collect()
+});
+
+const HAS_TRIANGLES: &str = "const HAS_TRIANGLES: bool = true;\n";
+const HAS_NO_TRIANGLES: &str = "const HAS_TRIANGLES: bool = false;\n";
+
+static OF_NODES: LazyLock<[&str; 6]> = LazyLock::new(|| {
+    [
+        &CONSTANTS,
+        HAS_NO_TRIANGLES,
+        text!("keys.inc"),
+        text!("node_colors.inc"),
+        text!("methods/fixed40.inc"),
+        text!("methods/fixed40"),
+    ]
+});
+static OF_TREE: LazyLock<[&str; 6]> = LazyLock::new(|| {
+    [
+        &CONSTANTS,
+        HAS_TRIANGLES,
+        text!("keys.inc"),
+        text!("spt/colors.inc"),
+        text!("methods/fixed40.inc"),
+        text!("methods/fixed40"),
+    ]
+});
+static SHADE: LazyLock<[&str; 3]> =
+    LazyLock::new(|| [&CONSTANTS, text!("methods/fixed40.inc"), text!("methods/shade40")]);
+
+/// `depth`, of nodes or of a tree.
+pub(super) fn depth(is_tree: bool) -> fn(Variant) -> Pieces {
+    if is_tree { |_| &*OF_TREE } else { |_| &*OF_NODES }
+}
+
+/// The step of `resolve` that makes colors of keys, and clears them.
+pub const SHADE40: Of<Eye> = Of::new("shade40", &[parts::SURFACE], |_| &*SHADE);
+
+/// The method's stages.
+#[derive(Debug)]
+pub(super) struct Fixed40 {
+    depth: Stage<Geometry>,
+    shade: Stage<Eye>,
+    /// Of each chunk.
+    depth_groups: Vec<wgpu::BindGroup>,
+    /// Of each eye.
+    shade_groups: Vec<wgpu::BindGroup>,
+}
+
+impl Fixed40 {
+    pub fn new(gpu: &Gpu, variant: Variant, access: Access) -> Self {
+        Self {
+            depth: Stage::of(gpu, shaders::DEPTH, variant, access),
+            shade: Stage::of(gpu, SHADE40, variant, access),
+            depth_groups: vec![],
+            shade_groups: vec![],
+        }
+    }
+}
+
+impl Nearest for Fixed40 {
+    fn clears(&self) -> Clears {
+        Clears::Once
+    }
+
+    fn bind(&mut self, parts: &Parts<'_>) {
+        self.depth_groups = parts.bind_geometry(&self.depth);
+        let eyes = 0..parts.targets.sizes_px.len();
+        let shade = |eye| self.shade.bind(parts.gpu, parts.of_eye(eye), &nothing_besides);
+        self.shade_groups = eyes.map(shade).collect();
+    }
+
+    fn record_depth(&self, encoder: &mut wgpu::CommandEncoder, recording: &Recording<'_>) {
+        recording.dispatch_visible(encoder, &self.depth, &self.depth_groups);
+    }
+
+    fn record_shade(&self, pass: &mut wgpu::ComputePass<'_>, eye: usize, num_tiles: u32) {
+        self.shade.dispatch(pass, &self.shade_groups[eye], num_tiles);
+    }
+}

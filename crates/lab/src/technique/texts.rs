@@ -1,0 +1,175 @@
+//! The texts of the laboratory's techniques, piece by piece: what differs from the frame's, and nothing else.
+
+use super::counts::COUNT_BINS;
+use super::fixed40;
+use super::tree::{
+    RUN_ONE_SIDED, RUN_TRIANGLES, SLICE_PIXELS, TRIANGLE_SLACK_PX, VISIBLE_DISCS, VISIBLE_TRIANGLES,
+};
+use super::{EarlyZLoad, LabTechnique, Method};
+use cloud::format::{
+    CORNER_MASK, DIAMETER_SHIFT, ENDLESS_STEP, SECOND_CORNER_SHIFT, SIDE_SHIFT, STEP_MASK, STEP_SHIFT,
+    THIRD_CORNER_SHIFT, UNTIL_SHIFT,
+};
+use render::layout::Variant;
+use render::technique::{Pieces, Texts};
+use std::sync::LazyLock;
+
+macro_rules! text {
+    ($file:literal) => {
+        include_str!(concat!("../../../../shaders/", $file, ".wgsl"))
+    };
+}
+pub(super) use text;
+
+/// In a word of [`Method::Hqs`]: the place of a pair's second number.
+const PAIR_SHIFT: u32 = 32;
+
+/// Lines of constants by their names.
+macro_rules! constants {
+    ($($type:ident $suffix:literal: $($name:ident)+;)+) => {
+        [$($(format!(concat!("const {}: ", stringify!($type), " = {:?}", $suffix, ";\n"), stringify!($name), $name),)+)+]
+            .concat()
+    };
+}
+
+static TREE_CONSTANTS: LazyLock<String> = LazyLock::new(|| {
+    constants! {
+        u32 "u": CORNER_MASK DIAMETER_SHIFT ENDLESS_STEP RUN_ONE_SIDED RUN_TRIANGLES SECOND_CORNER_SHIFT SIDE_SHIFT
+            SLICE_PIXELS STEP_MASK STEP_SHIFT THIRD_CORNER_SHIFT UNTIL_SHIFT VISIBLE_DISCS VISIBLE_TRIANGLES;
+        f32 "": TRIANGLE_SLACK_PX;
+    }
+});
+static COUNT_CONSTANTS: LazyLock<String> = LazyLock::new(|| constants! { u32 "u": COUNT_BINS; });
+static PAIR_CONSTANTS: LazyLock<String> = LazyLock::new(|| constants! { u32 "u": PAIR_SHIFT; });
+
+/// What all of a tree's stages need.
+static TREE: LazyLock<[&str; 3]> =
+    LazyLock::new(|| [&TREE_CONSTANTS, text!("spt/layout.inc"), text!("spt/tree.inc")]);
+static COUNTS: LazyLock<[&str; 2]> = LazyLock::new(|| [&COUNT_CONSTANTS, text!("methods/counts.inc")]);
+static TREE_COUNTS: LazyLock<[&str; 3]> =
+    LazyLock::new(|| [&COUNT_CONSTANTS, text!("methods/counts.inc"), text!("spt/counts.inc")]);
+static PAIRS: LazyLock<[&str; 2]> = LazyLock::new(|| [&PAIR_CONSTANTS, text!("methods/color_pairs")]);
+
+const IS_CONVERGED: &str = "const CONVERGED: bool = true;\n";
+const IS_NOT_CONVERGED: &str = "const CONVERGED: bool = false;\n";
+
+/// The texts of a technique, which counts what it does or does not, on a GPU with or without operations of subgroups.
+#[must_use]
+pub fn texts(technique: &LabTechnique, counts: bool, has_subgroups: bool) -> Texts {
+    let LabTechnique { method, early_z_load, keep_unseen, error_px } = *technique;
+    let is_plain = early_z_load == EarlyZLoad::Plain;
+    let all = Texts {
+        name: method.name(),
+        turn: if method.is_basic() { &[text!("methods/basic.inc")] } else { Texts::FRAME.turn },
+        put: put(method),
+        seen: if keep_unseen { &[text!("methods/unculled.inc")] } else { Texts::FRAME.seen },
+        wide: if method.is_converged() { |_| &[text!("methods/converged.inc")] } else { Texts::wide },
+        counts: if counts { &*COUNTS } else { Texts::FRAME.counts },
+        depth: depth(method, is_plain, error_px.is_some(), has_subgroups),
+        hqs_depth: if is_plain { plain_depths } else { Texts::FRAME.hqs_depth },
+        color32: if method == Method::Hqs { &*PAIRS } else { Texts::FRAME.color32 },
+        ..Texts::FRAME
+    };
+    if error_px.is_some() { of_tree(all, method, counts) } else { all }
+}
+
+fn plain_depths(_: Variant) -> Pieces {
+    &[text!("depths.inc"), text!("methods/plain_look_depths.inc"), text!("depth")]
+}
+
+fn put(method: Method) -> Pieces {
+    match (method.is_basic(), method.is_converged()) {
+        (false, _) => Texts::FRAME.put,
+        (true, false) => &[text!("methods/put_one.inc")],
+        (true, true) => &[text!("methods/put_converged.inc")],
+    }
+}
+
+/// The same for a tree's discs and triangles.
+fn of_tree(texts: Texts, method: Method, counts: bool) -> Texts {
+    Texts {
+        besides: &*TREE,
+        lod: &[text!("spt/lod")],
+        cull: &[text!("spt/steps.inc"), text!("spt/cull")],
+        choice: match (method.is_basic(), method.is_converged()) {
+            (false, _) => &[
+                IS_NOT_CONVERGED,
+                text!("spt/steps.inc"),
+                text!("spt/shapes.inc"),
+                text!("spt/discs.inc"),
+                text!("spt/triangles.inc"),
+            ],
+            (true, false) => &[
+                IS_NOT_CONVERGED,
+                text!("spt/steps.inc"),
+                text!("spt/shapes_one.inc"),
+                text!("spt/discs.inc"),
+                text!("spt/triangles.inc"),
+            ],
+            (true, true) => &[
+                IS_CONVERGED,
+                text!("spt/steps.inc"),
+                text!("spt/shapes_one.inc"),
+                text!("spt/discs.inc"),
+                text!("spt/triangles.inc"),
+            ],
+        },
+        main: &[text!("spt/main.inc")],
+        counts: if counts { &*TREE_COUNTS } else { &[text!("no_counts.inc"), text!("spt/no_counts.inc")] },
+        colors: &[text!("spt/colors.inc")],
+        ..texts
+    }
+}
+
+/// `depth` with a look at the pixel, atomic or plain, before these pieces, which may ask for it.
+macro_rules! with_look {
+    ($is_plain:expr, $($piece:expr),+) => {
+        if $is_plain {
+            |variant: Variant| -> Pieces {
+                match variant.keys {
+                    true => &[text!("keys.inc"), text!("methods/plain_look_keys.inc"), $($piece),+],
+                    false => &[text!("depths.inc"), text!("methods/plain_look_depths.inc"), $($piece),+],
+                }
+            }
+        } else {
+            |variant: Variant| -> Pieces {
+                match variant.keys {
+                    true => &[text!("keys.inc"), text!("atomic_look.inc"), $($piece),+],
+                    false => &[text!("depths.inc"), text!("atomic_look.inc"), $($piece),+],
+                }
+            }
+        }
+    };
+}
+
+const LOOKS_FIRST: &str = "const EARLY_Z: bool = true;\n";
+const LOOKS_NEVER: &str = "const EARLY_Z: bool = false;\n";
+
+/// `depth` of a method.
+fn depth(method: Method, is_plain: bool, is_tree: bool, has_subgroups: bool) -> fn(Variant) -> Pieces {
+    match (method, has_subgroups) {
+        (Method::JustSet | Method::PrefetchJustSet, _) => |_| &[text!("keys.inc"), text!("methods/just_set")],
+        (Method::BusyLoop, _) => |_| &[text!("methods/busy_loop")],
+        (Method::ExchangeLoop, _) => |_| &[text!("keys.inc"), text!("methods/exchange_loop")],
+        (Method::AtomicMin, _) => with_look!(is_plain, text!("methods/atomic_min")),
+        (Method::Reduce, true) => {
+            with_look!(is_plain, LOOKS_NEVER, text!("methods/subgroup.inc"), text!("methods/reduce"))
+        }
+        (Method::Reduce, false) => {
+            with_look!(is_plain, LOOKS_NEVER, text!("methods/subgroup_emulated.inc"), text!("methods/reduce"))
+        }
+        (Method::ReduceEarlyZ, true) => {
+            with_look!(is_plain, LOOKS_FIRST, text!("methods/subgroup.inc"), text!("methods/reduce"))
+        }
+        (Method::ReduceEarlyZ, false) => {
+            with_look!(is_plain, LOOKS_FIRST, text!("methods/subgroup_emulated.inc"), text!("methods/reduce"))
+        }
+        (Method::Dedup, true) => with_look!(is_plain, text!("methods/subgroup.inc"), text!("methods/dedup")),
+        (Method::Dedup, false) => {
+            with_look!(is_plain, text!("methods/subgroup_emulated.inc"), text!("methods/dedup"))
+        }
+        (Method::Fixed40, _) => fixed40::depth(is_tree),
+        // Those of high-quality shading too: the governor may ask for `closest`.
+        _ => with_look!(is_plain, text!("depth")),
+    }
+}

@@ -1,0 +1,140 @@
+//! The one seam between the frame and other ways to draw, of which the laboratory has many: a technique hands in shader
+//! texts that stand in place of the frame's, what they bind besides, and, if need be, another way to the nearest points.
+//! The frame's own technique is [`Own`], which hands in nothing.
+
+use crate::cloud_buffers::CloudBuffers;
+use crate::gpu::{Gpu, QueueGuard};
+use crate::layout::{Detail, Sums, Variant};
+use crate::look::Access;
+pub use crate::nearest::{Clears, Nearest, Recording};
+use base::space::View;
+use std::fmt;
+
+/// A way to draw.
+pub trait Technique: fmt::Debug + Send {
+    /// The texts of its shaders.
+    fn texts(&self) -> Texts {
+        Texts::FRAME
+    }
+
+    /// The form of sums that it insists on. `None`: whichever is best for the GPU and the cloud.
+    fn sums(&self) -> Option<Sums> {
+        None
+    }
+
+    /// Another way to the nearest points of `closest` quality than the frame's stages.
+    fn nearest(&self, _gpu: &Gpu, _variant: Variant, _access: Access) -> Option<Box<dyn Nearest>> {
+        None
+    }
+
+    /// What its shaders bind by this name, which is in none of [`crate::bindings`]' sets and of no column of the cloud.
+    fn resource(&self, _name: &str) -> Option<wgpu::BindingResource<'_>> {
+        None
+    }
+
+    /// Told of each frame's view before the frame is submitted. `detail` is the look's, with thresholds already
+    /// multiplied by `lod_scale`.
+    fn set_view(
+        &self,
+        _queue: &QueueGuard,
+        _view: &View,
+        _detail: &Detail,
+        _lod_scale: f32,
+        _cloud: &CloudBuffers,
+    ) {
+    }
+}
+
+/// The frame's own technique.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Own;
+
+impl Technique for Own {}
+
+/// A text in pieces.
+pub type Pieces = &'static [&'static str];
+
+/// The texts of the stages that techniques may exchange; each says what is asked of it in its own first lines.
+#[derive(Clone, Copy)]
+pub struct Texts {
+    /// Names the whole.
+    pub name: &'static str,
+    /// Structs, constants and bindings that the others need besides.
+    pub besides: Pieces,
+    /// `lod`, but for what all shaders share.
+    pub lod: Pieces,
+    /// `cull`, behind `cull.inc.wgsl`.
+    pub cull: Pieces,
+    /// Which boxes an eye sees.
+    pub seen: Pieces,
+    /// What a thread of a geometry stage reads at a time.
+    pub turn: Pieces,
+    /// How it puts that into pixels.
+    pub put: Pieces,
+    /// Which points of a turn an eye sees, and how far they lie apart.
+    pub choice: Pieces,
+    /// Points wider than a pixel.
+    pub wide: fn(Variant) -> Pieces,
+    /// Where the geometry stages begin.
+    pub main: Pieces,
+    /// What is counted.
+    pub counts: Pieces,
+    /// `depth` of `closest` quality: what is done with a point in a pixel.
+    pub depth: fn(Variant) -> Pieces,
+    /// The same of `hqs` quality, in which a pixel has a depth alone.
+    pub hqs_depth: fn(Variant) -> Pieces,
+    /// The colors of points.
+    pub colors: Pieces,
+    /// `color` in four u32.
+    pub color32: Pieces,
+}
+
+impl fmt::Debug for Texts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+macro_rules! text {
+    ($file:literal) => {
+        include_str!(concat!("../../../shaders/", $file, ".wgsl"))
+    };
+}
+
+impl Texts {
+    /// Of the frame: nodes of an octree, or all points, four a thread at a time, each nearest by an atomic minimum.
+    pub const FRAME: Self = Self {
+        name: "frame",
+        besides: &[],
+        lod: &[text!("sizes.inc"), text!("lod")],
+        cull: &[text!("cull")],
+        seen: &[text!("seen.inc")],
+        turn: &[text!("turn.inc")],
+        put: &[text!("put_turn.inc")],
+        choice: &[text!("nodes.inc")],
+        wide: Self::wide,
+        main: &[text!("main.inc")],
+        counts: &[text!("no_counts.inc")],
+        depth: Self::depth,
+        hqs_depth: |_| &[text!("depths.inc"), text!("atomic_look.inc"), text!("depth")],
+        colors: &[text!("node_colors.inc")],
+        color32: &[text!("wide_sums.inc"), text!("color32")],
+    };
+
+    /// Points wider than a pixel, where there may be some.
+    #[must_use]
+    pub fn wide(variant: Variant) -> Pieces {
+        match (variant.fill, variant.together) {
+            (false, _) => &[text!("no_wide.inc")],
+            (true, false) => &[text!("wide.inc"), text!("alone.inc")],
+            (true, true) => &[text!("wide.inc"), text!("together.inc")],
+        }
+    }
+
+    fn depth(variant: Variant) -> Pieces {
+        match variant.keys {
+            true => &[text!("keys.inc"), text!("atomic_look.inc"), text!("depth")],
+            false => &[text!("depths.inc"), text!("atomic_look.inc"), text!("depth")],
+        }
+    }
+}

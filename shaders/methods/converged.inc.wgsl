@@ -1,0 +1,8 @@
+// Points wider than a pixel where there are none, and all threads stay, for they ask each other.
+
+fn stays(batch: VisibleBatch) -> bool {
+    return true;
+}
+
+fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, radius_px: f32) {}
+fn put_waiting(eye: u32) {}

@@ -1,3 +1,0 @@
-// Triangles where there are none: in flat clouds and octrees.
-
-fn draw_triangles(batch: VisibleBatch) {}
