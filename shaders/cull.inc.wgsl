@@ -82,8 +82,10 @@ fn show(batch: VisibleBatch, node: u32, wanted_slices: u32, num_batches: u32) {
         atomicAdd(&counters.num_nodes, 1u);
     }
     for (var slice = 0u; slice < num_slices; slice += 1u) {
-        var listed = batch;
-        listed.flags |= (slice << SLICE_SHIFT) | ((num_slices - 1u) << NUM_SLICES_SHIFT);
-        visible[slot + slice] = listed;
+        let of_slice = (slice << SLICE_SHIFT) | ((num_slices - 1u) << NUM_SLICES_SHIFT);
+        visible[slot + slice] = VisibleBatch(
+            batch.head_cell, batch.first_point, batch.offset, batch.num_points, batch.cell, batch.flags | of_slice,
+            batch.spacing, batch.own, batch.drawn, batch.batch, vec2<u32>(0u), batch.spacing_step, batch.sample_spacing,
+        );
     }
 }

@@ -263,9 +263,8 @@ mod tests {
         assert!(silent.contains("does not answer"), "{silent}");
         let asked = CancelToken::default();
         asked.cancel();
-        let began = Instant::now();
-        assert!(wayland_answers(&path("alive"), Duration::from_secs(60), &asked).is_err());
-        assert!(began.elapsed() < Duration::from_secs(30), "whoever asks it to stop is not made to wait");
+        // Whoever asks it to stop is not made to wait, or this test never ends.
+        assert!(wayland_answers(&path("alive"), Duration::MAX, &asked).is_err());
         // Both who waited have left their connections; the third is served.
         let compositor = std::thread::spawn(move || {
             use std::io::{Read, Write};

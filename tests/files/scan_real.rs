@@ -61,8 +61,9 @@ fn difference(scan: &Scan, (name, num_points, min, max): &Row) -> Option<String>
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn counts_and_boxes_are_those_of_other_readers() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     for row in TABLE {
         let scan = read_in(&folder, row.0).unwrap();
         assert_eq!(difference(&scan, row), None);
@@ -89,8 +90,9 @@ fn a_wrong_row_is_noticed() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn the_same_points_are_the_same_in_every_packing() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let points = |name: &str| read_in(&folder, name).unwrap().files.remove(0).points;
     let plain = points("las-small/1.2-with-color.las");
     assert!(plain == points("las-small/simple.laz"));
@@ -105,8 +107,9 @@ fn the_same_points_are_the_same_in_every_packing() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn four_tiles_hold_the_points_of_the_whole() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let tiles: Vec<_> = (1..=4).map(|i| folder.join(format!("laz-tiles-lone-star/split-{i}.laz"))).collect();
     let tiles = read(&tiles, &ReadOptions::default(), &CancelToken::default()).unwrap();
     let whole = read_in(&folder, "copc/lone-star.copc.laz").unwrap();
@@ -128,8 +131,9 @@ fn four_tiles_hold_the_points_of_the_whole() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn colors_and_units_are_recognised() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let scan = |name: &str| read_in(&folder, name).unwrap();
     assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").files[0].color, ColorSource::Rgb8);
     assert_eq!(scan("las-small/sample_c.las").files[0].color, ColorSource::Rgb16);
@@ -154,8 +158,9 @@ fn colors_and_units_are_recognised() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn unreadable_files_say_why() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     for (name, reason) in [
         ("malformed/las/1.2-no-points.las", "1065 should start at byte 229"),
         ("malformed/las/no-points.las", "holds no points"),

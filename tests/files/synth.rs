@@ -2,12 +2,12 @@
 //! each device, the same bytes again, nothing left behind when something goes wrong.
 
 use base::output::{Files, Output, OutputKind, Partials};
-use base::task::CancelToken;
+use base::task::{CancelToken, Count, Task};
 use lab::synth::{Kind, Summary, SynthError, SynthOptions, viewpoints, write};
 use las::{Point, Reader};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::Arc;
 
 const KINDS: [Kind; 3] = [Kind::Terrestrial, Kind::Aerial, Kind::Photogrammetry];
 
@@ -203,19 +203,23 @@ fn an_interrupted_run_leaves_nothing_and_harms_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("scan.las");
     fs::write(&out, "what was there before").unwrap();
-    for (kind, wait_ms) in [(Kind::Terrestrial, 0), (Kind::Terrestrial, 400), (Kind::Aerial, 200)] {
+    for (kind, num_points) in [(Kind::Terrestrial, 0), (Kind::Terrestrial, 10_000), (Kind::Aerial, 50_000)] {
         let stop = CancelToken::default();
-        let (options, stopper) = (
-            SynthOptions { kind, out: output(&out), points: 2_000_000_000, seed: 0 },
-            std::thread::spawn({
-                let stop = stop.clone();
-                move || {
-                    std::thread::sleep(Duration::from_millis(wait_ms));
-                    stop.cancel();
+        let options = SynthOptions { kind, out: output(&out), points: 2_000_000_000, seed: 0 };
+        // Stopped once so many points are written.
+        let (counts, counted) = std::sync::mpsc::channel::<Arc<Count>>();
+        let stopper = std::thread::spawn({
+            let stop = stop.clone();
+            move || {
+                let count = counted.recv().unwrap();
+                while count.now().done < num_points {
+                    std::thread::yield_now();
                 }
-            }),
-        );
-        let error = write(&options, &stop).unwrap_err();
+                stop.cancel();
+            }
+        });
+        let task = Task::new(&stop).observed(move |count| counts.send(Arc::clone(count)).unwrap_or_default());
+        let error = write(&options, task).unwrap_err();
         stopper.join().unwrap();
         assert!(matches!(error, SynthError::Cancelled { .. }), "{error}");
         assert_eq!(num_files(folder.path()), 1);

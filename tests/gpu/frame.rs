@@ -60,11 +60,12 @@ fn whole_scans_equal_their_twin() {
     for place in synth::viewpoints(Kind::Terrestrial) {
         assert_twin(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
     }
-    let Some(data) = std::env::var_os("SCANWALK_TEST_DATA") else {
-        eprintln!("skipped: a real room, for SCANWALK_TEST_DATA names no folder of scans");
-        return;
-    };
-    let room = cloud_from(&Path::new(&data).join("laz-indoor-rooms/indoor-rooms.laz"));
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
+fn a_real_room_equals_its_twin() {
+    let room = cloud_from(&kit::real_scans::folder().join("laz-indoor-rooms/indoor-rooms.laz"));
     let inside = stereo(DVec3::new(6.0, 5.0, 2.4), DVec3::new(9.0, 8.0, 2.2), [501, 503]);
     let drawn = assert_twin(&room, &inside, false, 0);
     assert!(drawn.times.points_read > 100_000);

@@ -72,9 +72,6 @@ fn methods(quality: Quality) -> impl Iterator<Item = Method> {
 
 #[test]
 fn all_methods_but_just_set_draw_the_same_picture() {
-    if !gpu().has_subgroups() {
-        println!("skipped: subgroup operations, which {} lacks", gpu().name());
-    }
     for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
         for quality in [Quality::Closest, Quality::Hqs] {
             let reference = draw(Method::Prefetch, quality, order);

@@ -9,13 +9,11 @@ use lab::synth::{self, Kind, SynthOptions, Viewpoint};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// The second driver's manifest; `None`, and a line that says so, where there is none.
-fn second_driver() -> Option<PathBuf> {
+/// The second driver's manifest: tests that need it are ignored unless the feature `with-second-driver` says that there is one.
+fn second_driver() -> PathBuf {
     let manifest = std::env::var_os("SCANWALK_SECOND_DRIVER").map(PathBuf::from);
-    match &manifest {
-        Some(manifest) => assert!(manifest.is_file(), "{}: there is no such driver", manifest.display()),
-        None => eprintln!("skipped: SCANWALK_SECOND_DRIVER names no Vulkan driver; scripts/test fetches one"),
-    }
+    let manifest = manifest.expect("SCANWALK_SECOND_DRIVER names a driver's manifest");
+    assert!(manifest.is_file(), "{}: there is no such driver", manifest.display());
     manifest
 }
 
@@ -52,8 +50,12 @@ fn last_words(output: &Output) -> String {
 }
 
 #[test]
+#[cfg_attr(
+    not(feature = "with-second-driver"),
+    ignore = "needs a second Vulkan driver, see scripts/second-driver"
+)]
 fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
-    let Some(driver) = second_driver() else { return };
+    let driver = second_driver();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (scan, out) = (courtyard(folder.path(), 50_000), folder.path().join("out.png"));
     let place = &synth::viewpoints(Kind::Terrestrial)[0];
@@ -113,8 +115,12 @@ fn assert_same(driver: &Path, scan: &Path, folder: &Path, shots: &[Shot]) -> Vec
 }
 
 #[test]
+#[cfg_attr(
+    not(feature = "with-second-driver"),
+    ignore = "needs a second Vulkan driver, see scripts/second-driver"
+)]
 fn both_drivers_draw_the_same_picture() {
-    let Some(driver) = second_driver() else { return };
+    let driver = second_driver();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 50_000);
     let places = synth::viewpoints(Kind::Terrestrial);
@@ -142,8 +148,12 @@ fn has_subgroups(driver: &Path) -> bool {
 
 /// Both have subgroup operations, of other sizes perhaps.
 #[test]
+#[cfg_attr(
+    not(feature = "with-second-driver"),
+    ignore = "needs a second Vulkan driver, see scripts/second-driver"
+)]
 fn both_drivers_draw_the_same_picture_by_every_method() {
-    let Some(driver) = second_driver() else { return };
+    let driver = second_driver();
     assert!(has_subgroups(&driver));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 50_000);
@@ -164,8 +174,12 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
 
 /// As a headset would get it: an octree's nodes by rings, points that fade in, discs and dilation that close gaps.
 #[test]
+#[cfg_attr(
+    not(feature = "with-second-driver"),
+    ignore = "needs a second Vulkan driver, see scripts/second-driver"
+)]
 fn both_drivers_draw_the_same_whole_frame() {
-    let Some(driver) = second_driver() else { return };
+    let driver = second_driver();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 400_000);
     let whole = ["--preset", "quality"];

@@ -6,7 +6,6 @@ use kit::screen::{Screen, wait_for};
 use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 /// `args` of the program, in a folder that holds a silent compositor's socket; on an X server, if there is one.
 fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Program {
@@ -23,7 +22,7 @@ fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Program {
 fn a_compositor_that_keeps_silent_is_given_up() {
     let screen = Screen::start();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let _silent = UnixListener::bind(folder.path().join("wayland-0")).expect("a socket");
+    let silent = UnixListener::bind(folder.path().join("wayland-0")).expect("a socket");
     let scan = Scene::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
     let view = ["view", &scan, "--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"];
 
@@ -44,8 +43,11 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     assert!(said.contains("wayland-0, where a compositor listens, but does not answer"), "{said}");
 
     // While it waits for the compositor; it would end by itself with a failure.
+    silent.set_nonblocking(true).expect("a socket's option");
+    while silent.accept().is_ok() {}
+    silent.set_nonblocking(false).expect("a socket's option");
     let run = start(folder.path(), &view, None);
-    std::thread::sleep(Duration::from_millis(700));
+    let _asked = silent.accept().expect("whoever asks");
     let id = run.0.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
     let (code, said) = run.end();

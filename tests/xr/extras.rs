@@ -17,8 +17,9 @@ fn eye_size(done: &Finished) -> [usize; 2] {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn depth_goes_to_the_runtime_in_its_own_terms() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let runtime = lab.runtime().validate().fault("watch:10");
     let done = Job { exit_after: 30, near_m: 0.125, ..Job::default() }.run(&runtime);
     done.assert_ok();
@@ -32,8 +33,9 @@ fn depth_goes_to_the_runtime_in_its_own_terms() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn what_is_switched_off_is_not_used() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let runtime = lab.runtime().validate().fault("watch:10");
     let done = Job { exit_after: 30, plain: true, ..Job::default() }.run(&runtime);
     done.assert_ok();
@@ -45,8 +47,9 @@ fn what_is_switched_off_is_not_used() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_walk_goes_on_without_either() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     for (fault, missing) in [("nodepth", "depth_format"), ("nomask", "hidden_triangles")] {
         let done = Job { exit_after: 10, ..Job::default() }.run(&lab.runtime().validate().fault(fault));
         done.assert_ok();
@@ -58,8 +61,9 @@ fn the_walk_goes_on_without_either() {
 
 /// The test runtime hides a triangle in each corner: an eighth of the width by an eighth of the height.
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_lenses_hide_the_corners() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let done = Job { exit_after: 10, dump_hidden: true, ..Job::default() }.run(&lab.runtime().validate());
     done.assert_ok();
     done.assert_valid();
@@ -84,8 +88,9 @@ fn the_lenses_hide_the_corners() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_new_mask_is_told_once() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let done = Job { exit_after: 40, ..Job::default() }.run(&lab.runtime().validate().fault("newmask:20"));
     done.assert_ok();
     done.assert_valid();
@@ -104,8 +109,9 @@ fn gaze(done: &Finished) -> [Option<glam::DVec3>; 2] {
 
 /// The test runtime knows the extension and has no eye tracker: the layer plays one.
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_gaze_arrives_where_eyes_are_tracked() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let run = |runtime: kit::xr::Runtime| {
         let done = Job { exit_after: 30, ..Job::default() }.run(&runtime);
         done.assert_ok();

@@ -12,8 +12,9 @@ fn run_with_fault(lab: &Lab, fault: &str) -> Finished {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_runtime_ends_the_session() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let done = run_with_fault(&lab, "exit:20");
     done.assert_valid();
     assert_eq!(last(&done.lines, "ended").unwrap(), "the headset's software ended the session");
@@ -21,8 +22,9 @@ fn the_runtime_ends_the_session() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn losses_end_with_a_sentence() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     for (fault, word) in [
         ("losspending:20", "headset was lost"),
         ("sessionlost:20", "headset was lost"),
@@ -36,16 +38,18 @@ fn losses_end_with_a_sentence() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_failing_call_is_an_error_that_names_it() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let done = run_with_fault(&lab, "badend:20");
     let error = last(&done.lines, "error").unwrap();
     assert!(error.as_str().unwrap().contains("xrEndFrame: ERROR_LAYER_INVALID"), "{error}");
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_killed_runtime_ends_the_walk() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let mut run = Job::default().start(&lab.runtime().timeout_s(30));
     run.wait_for("frame", |line| line.contains("\"frame\":20").then_some(()));
     run.kill_runtime();
@@ -56,8 +60,9 @@ fn a_killed_runtime_ends_the_walk() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn what_is_missing_is_told_and_leaves_nothing_behind() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     for (fault, words) in [
         ("noheadset", ["finds no headset", "Monado"]),
         // These fail with the Vulkan device, and the left eye's images, already made.
@@ -98,8 +103,9 @@ fn run_with_variable(lab: &Lab, assignment: &str) -> String {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn no_runtime_and_a_silent_one_are_told_apart() {
-    let Some(lab) = Lab::enter() else { return };
+    let lab = Lab::enter();
     let missing = run_with_variable(&lab, "XR_RUNTIME_JSON=/nonexistent/runtime.json");
     assert!(missing.contains("no OpenXR runtime is set up"), "{missing}");
     let missing = run_with_variable(&lab, "XDG_RUNTIME_DIR=/nonexistent");

@@ -5,6 +5,7 @@ pub mod damage;
 pub mod frames;
 pub mod las_files;
 pub mod real_scans;
+pub mod rows;
 pub mod screen;
 pub mod xr;
 pub mod xwd;

@@ -1,16 +1,17 @@
-//! Real scans, where `SCANWALK_TEST_DATA` names a folder of them.
+//! Real scans, in the folder that `SCANWALK_TEST_DATA` names.
 
 use base::task::CancelToken;
 use points::{ReadOptions, Scan, read};
 use std::path::{Path, PathBuf};
 
-/// The folder, or a line that says why the test is skipped.
-pub fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("SCANWALK_TEST_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: SCANWALK_TEST_DATA does not name a folder of real scans");
-    }
-    folder
+/// The folder.
+///
+/// # Panics
+/// If there is none: tests that need it are ignored unless the feature `with-scans` says that there is.
+pub fn folder() -> PathBuf {
+    std::env::var_os("SCANWALK_TEST_DATA")
+        .map(PathBuf::from)
+        .expect("SCANWALK_TEST_DATA names a folder of real scans")
 }
 
 /// A file of it, or the message.

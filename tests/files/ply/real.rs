@@ -30,8 +30,9 @@ fn difference(scan: &Scan, (name, num_points, num_triangles, min, max): &Row) ->
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn counts_and_boxes_are_those_of_other_readers() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     for row in TABLE {
         let scan = read_in(&folder, row.0).unwrap();
         assert_eq!(difference(&scan, row), None);
@@ -42,8 +43,9 @@ fn counts_and_boxes_are_those_of_other_readers() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn colors_normals_and_programs_are_recognised() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let color = |name: &str| read_in(&folder, name).unwrap().files[0].color;
     assert_eq!(color("ply/Guanyin.ply"), ColorSource::Rgb8);
     assert!(matches!(color("ply/source.ply"), ColorSource::Intensity { .. }));
@@ -60,8 +62,9 @@ fn colors_normals_and_programs_are_recognised() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn unreadable_files_say_why() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     for (name, reason) in [
         ("malformed/ply/no_vertex.ply", "no element named vertex"),
         ("malformed/ply/sized_dims.ply", "line 4: the element vertex has no z"),
