@@ -1,7 +1,8 @@
 //! Arguments of `scanwalk render`.
 
 use super::parse;
-use crate::config::{Config, LodMethod};
+use crate::config::Config;
+use crate::nodes::LodMethod;
 use clap::{Args, ValueEnum};
 use cloud::Order;
 use glam::DVec3;

@@ -12,10 +12,8 @@ use points::Scan;
 use render::Look;
 use render::Method;
 use render::layout::VISIBLE_TRIANGLES;
-use render::options::{Dilate, Quality};
+use render::options::{Dilate, Quality, Tier};
 use render::tier;
-use scanwalk::config::{Config, LodMethod};
-use scanwalk::resolve;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -386,12 +384,10 @@ fn methods_draw_meshes_too() {
 
 #[test]
 fn hardware_points_are_no_discs() {
-    let mut config = Config::default();
-    config.frame.method = Method::PointList;
-    assert!(tier(&gpu(), config.gpu.tier, &resolve::look(&config)).is_ok());
-    config.lod.method = LodMethod::Spt;
-    let refusal =
-        tier(&gpu(), config.gpu.tier, &resolve::look(&config)).expect_err("discs have sizes").to_string();
+    let mut look = Look { method: Method::PointList, ..Look::default() };
+    assert!(tier(&gpu(), Tier::Auto, &look).is_ok());
+    look.detail.error_px = Some(1.0);
+    let refusal = tier(&gpu(), Tier::Auto, &look).expect_err("discs have sizes").to_string();
     assert!(refusal.contains("point-list") && refusal.contains("lod.method"), "{refusal}");
 }
 
