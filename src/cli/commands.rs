@@ -2,7 +2,7 @@
 
 use super::{
     Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, files,
-    report,
+    report, settings,
 };
 use crate::config::{Config, ConfigError, load};
 use crate::resolve::Plan;
@@ -15,7 +15,7 @@ use lab::synth::{self, SynthOptions};
 /// Runs the command that was asked for.
 pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow::Result<()> {
     let outputs = files::check(cli, partials)?;
-    let config = settings(cli)?;
+    let config = config(cli)?;
     let plan = &Plan::of(&config);
     let task = &Task::in_terminal(stop);
     match &cli.command {
@@ -24,6 +24,7 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow:
         Command::Info(args) => points::info::print(&args.scans, args.json, &plan.read, task),
         Command::Synth(args) => synth(args, outputs, task),
         Command::Report(args) => report::run(args, outputs),
+        Command::Settings(args) => settings::run(args, &config),
         Command::Doctor(args) => doctor::run(&plan.adapter, args.json, stop),
         Command::Convert(_) => {
             Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
@@ -33,10 +34,11 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow:
 }
 
 /// All settings: afterwards nobody looks at the options again that they come from.
-pub(super) fn settings(cli: &Cli) -> Result<Config, ConfigError> {
+pub(super) fn config(cli: &Cli) -> Result<Config, ConfigError> {
     let presets: &[String] = match &cli.command {
         Command::View(args) => &args.preset,
         Command::Render(args) => &args.preset,
+        Command::Settings(args) => &args.preset,
         _ => &[],
     };
     let mut config = load(presets, cli.shared.config.as_deref(), &cli.shared.set)?;

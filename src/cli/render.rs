@@ -130,7 +130,7 @@ mod tests {
 
     fn settings(options: &[&str]) -> Config {
         let words = ["scanwalk", "render", "a.laz", "-o", "a.png"].iter().chain(options);
-        commands::settings(&Cli::try_parse_from(words).unwrap()).unwrap()
+        commands::config(&Cli::try_parse_from(words).unwrap()).unwrap()
     }
 
     /// Quality, level of detail, dilation, fill, fade.
