@@ -18,6 +18,7 @@
 pub mod cli;
 pub mod config;
 pub mod desktop;
+pub mod draw;
 pub mod ending;
 pub mod nodes;
 pub mod overview;

@@ -1,11 +1,36 @@
-//! A scan's octree to the GPU, node by node as it is built.
+//! How a scan is kept on the GPU; its octree to the GPU, node by node as it is built.
 
 use base::task::{Progress, Task};
-use cloud::BuildError;
 use cloud::octree::{Hierarchy, build_nodes};
+use cloud::{BuildError, Order};
 use points::Scan;
 use render::gpu::Gpu;
 use render::{CloudBuffers, CloudUpload, UploadError};
+use serde::{Deserialize, Serialize};
+
+/// How a scan is kept on the GPU.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CloudOptions {
+    /// What level of detail goes by; `None`: every point is drawn, always.
+    pub lod: Option<LodMethod>,
+    /// The order of points that have no level of detail.
+    pub order: Order,
+    /// Discs of a point tree that show the eye their backs are left out.
+    pub cull_backfaces: bool,
+    /// Bytes of the point pool that one binding holds at most; 0: as much as the GPU allows.
+    pub chunk_limit: u64,
+}
+
+/// What level of detail goes by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LodMethod {
+    /// A layered octree: nodes by their projected size.
+    #[default]
+    Octree,
+    /// A sequential point tree: discs by their projected error.
+    Spt,
+}
 
 /// What the count is of: each point several times.
 pub const PASSES: &str = "points in several passes";

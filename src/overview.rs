@@ -4,6 +4,7 @@
 //! plane asks for a distance that is linear in the scene's extremes, and the least distance that suits all of them is
 //! found without search, for any field of view, also of two eyes.
 
+use crate::draw::NEAR_SHARE;
 use base::space::{Fov, View};
 use glam::{DQuat, DVec2, DVec3};
 use points::Scene;
@@ -14,8 +15,6 @@ const FILL: f64 = 0.9;
 const FROM_A_POINT: f64 = 1.0;
 /// Steps by which the place is found from which the silhouette is in the middle: of a picture, a thousandth of a pixel.
 const HALVINGS: usize = 24;
-/// The near clip as a share of the scene's longest edge, at most.
-const NEAR_SHARE: f64 = 0.02;
 
 /// An eye of those that look the same way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,14 +47,6 @@ pub fn place(scene: &Scene, orientation: DQuat, lenses: &[Lens], target: Option<
     let aside =
         axes.map(|(ranges, axis)| aim.map_or_else(|| middle(ranges, &seen, axis, back), |aim| aim[axis]));
     center + orientation * DVec3::new(aside[0], aside[1], back)
-}
-
-/// The near clip, world units: as set, but where nobody has set it not so large that it cuts a small scene.
-#[must_use]
-pub fn near(set: f64, scene: &Scene) -> f64 {
-    let edge = scene.bounds.edge();
-    let is_default = set == crate::config::FrameConfig::default().near_m;
-    if is_default && !scene.is_a_point() { set.min(NEAR_SHARE * edge) } else { set }
 }
 
 /// What to say of a picture in which no point is: where the scene lies instead.
@@ -291,7 +282,6 @@ mod tests {
         let eye = place(&one, orientation, &[lens], None);
         assert!((eye - (p - DVec3::Y)).length() < 1e-6, "{eye}");
         assert_eq!(span(&one, orientation, &lens, eye), Some([0.0, 0.0]));
-        assert_eq!(near(0.05, &one), 0.05);
     }
 
     #[test]
@@ -326,14 +316,5 @@ mod tests {
         let near = told(middle - DVec3::Y * 2.0, middle, 5.0);
         assert!(near.contains("is 2.0 units from the eye, straight ahead;"), "{near}");
         assert!(near.contains("nothing nearer than 5.0 is drawn"), "{near}");
-    }
-
-    #[test]
-    fn the_near_clip_shrinks_with_small_scenes_unless_it_is_set() {
-        let cube = |edge: f64| scene(vec![DVec3::ZERO, DVec3::splat(edge)]);
-        assert_eq!(near(0.05, &cube(20.0)), 0.05);
-        assert_eq!(near(0.05, &cube(0.05)), 0.001);
-        assert_eq!(near(0.3, &cube(0.05)), 0.3);
-        assert_eq!(near(0.01, &cube(0.05)), 0.01);
     }
 }

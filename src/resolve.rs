@@ -1,52 +1,121 @@
-//! Settings to what each room is told: nobody below sees [`Config`].
+//! Settings, resolved once: what each room is told. Nobody below sees [`Config`].
 
-use crate::config::{Config, LodMethod};
-use lab::technique::{DISCS_REACH_PX, LabTechnique, NoSuchMethod};
+use crate::config::{Config, Setting, choices};
+use crate::desktop::{Choice, Label, Widgets, WindowOptions};
+use crate::draw::DrawOptions;
+use crate::nodes::{CloudOptions, LodMethod};
+use crate::walk::WalkOptions;
+use crate::walk::governor::GovernorOptions;
+use crate::walk::locomotion::LocomotionOptions;
+use crate::walk::simulated::SimulatedOptions;
+use base::space::Fov;
+use lab::technique::{DISCS_REACH_PX, LabTechnique};
 use points::ReadOptions;
-use render::gpu::{Atomics, Gpu};
 use render::layout::Detail;
 use render::options::{Dilate, Precision};
-use render::{Access, Look, NO_REACH_PX, NoSuchTier, RINGS_REACH_PX, tier};
+use render::{Access, Look, NO_REACH_PX, RINGS_REACH_PX};
+use serde::Deserialize;
 use xr::XrOptions;
 
-/// How files are read.
-#[must_use]
-pub fn read(config: &Config) -> ReadOptions {
-    let cloud = &config.cloud;
-    ReadOptions {
-        up: cloud.up,
-        unit: cloud.unit,
-        vertical_unit: cloud.vertical_unit,
-        project: cloud.project,
-        strict: cloud.strict,
-        show_withheld: cloud.show_withheld,
+/// What the settings come to, a part for each room.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The GPU to open where no headset's runtime chooses it: part of its name; empty: the fastest kind.
+    pub adapter: String,
+    /// How files are read.
+    pub read: ReadOptions,
+    /// How a scan is kept on the GPU.
+    pub cloud: CloudOptions,
+    /// What frames are drawn with.
+    pub draw: DrawOptions,
+    /// What a headset's runtime is asked for.
+    pub headset: XrOptions,
+    /// What the simulated headset is like.
+    pub simulated: SimulatedOptions,
+    /// What a walk goes by.
+    pub walk: WalkOptions,
+    /// How the window begins.
+    pub window: WindowOptions,
+    /// For the frame log: differs where settings do.
+    pub digest: String,
+}
+
+impl Default for Plan {
+    /// What the default settings come to.
+    fn default() -> Self {
+        Self::of(&Config::default())
     }
 }
 
-/// What a headset's runtime is asked for.
-#[must_use]
-pub fn headset(config: &Config) -> XrOptions {
-    let headset = &config.headset;
-    XrOptions {
-        resolution_scale: headset.resolution_scale,
-        depth_layer: headset.depth_layer,
-        visibility_mask: headset.visibility_mask,
-        near_m: config.frame.near_m,
+impl Plan {
+    /// What `config` comes to.
+    #[must_use]
+    pub fn of(config: &Config) -> Self {
+        let Config { gpu, cloud, frame, lod, governor, headset, simulated, locomotion, window, .. } = config;
+        let [outward, inward, up, down] = simulated.fov_deg.map(f64::to_radians);
+        Self {
+            adapter: gpu.adapter.clone(),
+            read: ReadOptions {
+                up: cloud.up,
+                unit: cloud.unit,
+                vertical_unit: cloud.vertical_unit,
+                project: cloud.project,
+                strict: cloud.strict,
+                show_withheld: cloud.show_withheld,
+            },
+            cloud: CloudOptions {
+                lod: lod.enabled.then_some(lod.method),
+                order: cloud.order,
+                cull_backfaces: lod.cull_backfaces,
+                chunk_limit: u64::from(gpu.chunk_mib) << 20,
+            },
+            draw: DrawOptions {
+                look: look(config),
+                technique: technique(config),
+                tier: gpu.tier,
+                near: frame.near_m,
+                near_yields: frame.near_m == Config::default().frame.near_m,
+            },
+            headset: XrOptions {
+                resolution_scale: headset.resolution_scale,
+                depth_layer: headset.depth_layer,
+                visibility_mask: headset.visibility_mask,
+                near_m: frame.near_m,
+            },
+            simulated: SimulatedOptions {
+                size_px: simulated.size_px,
+                left_fov: Fov::from_angles(-outward, inward, up, -down),
+                eye_distance_m: simulated.eye_distance_m,
+                cant_rad: simulated.cant_deg.to_radians(),
+                refresh_hz: simulated.refresh_hz,
+                eye_height_m: simulated.eye_height_m,
+            },
+            walk: WalkOptions {
+                locomotion: LocomotionOptions {
+                    speed_m_per_s: (locomotion.speed > 0.0).then_some(locomotion.speed),
+                    fast: locomotion.fast,
+                    snap_rad: locomotion.snap_deg.to_radians(),
+                    look_rad_per_px: locomotion.look_deg_per_px.to_radians(),
+                },
+                governor: GovernorOptions { enabled: governor.enabled, budget: governor.budget as f32 },
+                overlay: window.overlay,
+            },
+            window: WindowOptions {
+                size: window.size,
+                panel: window.panel,
+                mirror: window.mirror,
+                widgets: widgets(),
+            },
+            digest: config.digest(),
+        }
     }
-}
-
-/// Bytes of the point pool that one binding holds at most; 0: as much as the GPU allows.
-#[must_use]
-pub fn chunk_limit(config: &Config) -> u64 {
-    u64::from(config.gpu.chunk_mib) << 20
 }
 
 /// What a frame is to look like. A method that is of one quality decides it: nobody else reads `frame.quality`.
-#[must_use]
-pub fn look(config: &Config) -> Look {
-    let frame = &config.frame;
+fn look(config: &Config) -> Look {
+    let Config { gpu, frame, fovea, lod, .. } = config;
     // Discs have their sizes, and are drawn so.
-    let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
+    let discs = lod.enabled && lod.method == LodMethod::Spt;
     let reach_px = match frame.dilate {
         Dilate::Off => NO_REACH_PX,
         Dilate::Rings if discs => DISCS_REACH_PX,
@@ -54,47 +123,133 @@ pub fn look(config: &Config) -> Look {
     };
     let detail = Detail {
         forced_planes: if frame.precision == Precision::Full { 3 } else { 0 },
-        threshold_px: config.lod.threshold_px.map(|px| px as f32),
-        ring_rad: config.fovea.ring_deg.map(f64::to_radians),
-        smooth: config.fovea.smooth,
-        fade: config.lod.fade,
+        threshold_px: lod.threshold_px.map(|px| px as f32),
+        ring_rad: fovea.ring_deg.map(f64::to_radians),
+        smooth: fovea.smooth,
+        fade: lod.fade,
         fill_reach_px: ((frame.fill || discs) && !frame.method.draws_pixels()).then_some(reach_px),
     };
     let quality = frame.method.quality().unwrap_or(frame.quality);
-    let access =
-        Access { checked: config.gpu.bounds_checks || Access::default().checked, ..Access::default() };
+    let access = Access { checked: gpu.bounds_checks || Access::default().checked, ..Access::default() };
     Look { quality, dilate: frame.dilate, background: frame.background, detail, access }
 }
 
 /// By which technique it is drawn.
-#[must_use]
-pub fn technique(config: &Config) -> LabTechnique {
-    let discs = config.lod.enabled && config.lod.method == LodMethod::Spt;
+fn technique(config: &Config) -> LabTechnique {
+    let Config { gpu, frame, lod, .. } = config;
+    let discs = lod.enabled && lod.method == LodMethod::Spt;
     LabTechnique {
-        method: config.frame.method,
-        early_z_load: config.gpu.early_z_load,
-        keep_unseen: !config.frame.cull,
-        error_px: discs.then_some(config.lod.error_px as f32),
+        method: frame.method,
+        early_z_load: gpu.early_z_load,
+        keep_unseen: !frame.cull,
+        error_px: discs.then_some(lod.error_px as f32),
     }
 }
 
-/// Why a frame cannot be drawn as the settings ask for.
-#[derive(Debug, thiserror::Error)]
-pub enum CannotDraw {
-    /// The GPU lacks the tier.
-    #[error(transparent)]
-    Tier(#[from] NoSuchTier),
-    /// The GPU, or what is drawn, is not of the method.
-    #[error(transparent)]
-    Method(#[from] NoSuchMethod),
+/// The panel's widgets for the settings that a walk can change.
+fn widgets() -> Widgets {
+    let Label { title, help } = label("locomotion.speed");
+    Widgets {
+        mirror: choice("window.mirror"),
+        overlay: choice("window.overlay"),
+        speed: Label { title, help: format!("A factor on {help}") },
+    }
 }
 
-/// The tier of atomics to draw with.
-///
-/// # Errors
-/// If the GPU does not have the one that is asked for, or not what the technique needs.
-pub fn atomics(config: &Config, gpu: &Gpu) -> Result<Atomics, CannotDraw> {
-    let atomics = tier(gpu, config.gpu.tier)?;
-    technique(config).check(gpu, atomics)?;
-    Ok(atomics)
+fn choice<'de, T: Deserialize<'de>>(key: &str) -> Choice<T> {
+    let values = choices().into_iter().map(|(name, value)| (title(name), value)).collect();
+    Choice { label: label(key), values }
+}
+
+fn label(key: &str) -> Label {
+    // A key that is not in the table is a mistake of this file, which every test of a plan shows.
+    let setting = Setting::find(key).expect("a setting");
+    Label { title: title(setting.name), help: format!("{key}: {}", setting.help()) }
+}
+
+/// A name as a title: "mirror" as "Mirror".
+fn title(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lab::technique::Method;
+    use render::options::{Overlay, Quality};
+
+    fn plan(change: impl FnOnce(&mut Config)) -> Plan {
+        let mut config = Config::default();
+        change(&mut config);
+        Plan::of(&config)
+    }
+
+    #[test]
+    fn a_method_of_one_quality_decides_it() {
+        for method in Method::ALL {
+            for asked in [Quality::Closest, Quality::Hqs] {
+                let look =
+                    plan(|config| (config.frame.method, config.frame.quality) = (method, asked)).draw.look;
+                assert_eq!(look.quality, method.quality().unwrap_or(asked), "{method:?}, {asked:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn angles_become_radians_and_nothing_becomes_none() {
+        let Plan { walk, simulated, .. } = plan(|config| {
+            config.locomotion.snap_deg = 180.0;
+            config.simulated.fov_deg = [45.0, -10.0, 45.0, 45.0];
+        });
+        assert_eq!(walk.locomotion.snap_rad, std::f64::consts::PI);
+        let Fov { left, right, up, down } = simulated.left_fov;
+        assert!((left + 1.0).abs() + (up - 1.0).abs() + (down + 1.0).abs() < 1e-12 && right < 0.0);
+        assert_eq!(walk.locomotion.speed_m_per_s, None);
+        let fast = plan(|config| config.locomotion.speed = 3.0);
+        assert_eq!(fast.walk.locomotion.speed_m_per_s, Some(3.0));
+    }
+
+    #[test]
+    fn level_of_detail_is_one_answer() {
+        let lod = |enabled, method| {
+            let plan = plan(|config| (config.lod.enabled, config.lod.method) = (enabled, method));
+            (plan.cloud.lod, plan.draw.technique.error_px.is_some())
+        };
+        assert_eq!(lod(false, LodMethod::Spt), (None, false));
+        assert_eq!(lod(true, LodMethod::Octree), (Some(LodMethod::Octree), false));
+        assert_eq!(lod(true, LodMethod::Spt), (Some(LodMethod::Spt), true));
+    }
+
+    #[test]
+    fn only_the_default_near_clip_yields() {
+        assert!(Plan::default().draw.near_yields);
+        let set = plan(|config| config.frame.near_m = 0.04);
+        assert!(!set.draw.near_yields && set.headset.near_m == 0.04);
+    }
+
+    /// Logs, tables and the names of screenshots write what a user writes.
+    #[test]
+    fn rooms_name_their_choices_as_settings_do() {
+        assert!(choices::<Overlay>().iter().all(|(name, overlay)| *name == overlay.name()));
+        assert!(choices::<Quality>().iter().all(|(name, quality)| *name == quality.name()));
+        let methods = choices::<Method>();
+        assert!(methods.iter().all(|(name, method)| *name == method.name()));
+        assert!(methods.iter().map(|(_, method)| *method).eq(Method::ALL));
+    }
+
+    #[test]
+    fn the_panel_offers_what_the_settings_take() {
+        let widgets = Plan::default().window.widgets;
+        let overlays: Vec<Overlay> = widgets.overlay.values.iter().map(|(_, overlay)| *overlay).collect();
+        assert_eq!(overlays, Overlay::ALL);
+        let titles: Vec<&str> = widgets.mirror.values.iter().map(|(title, _)| title.as_str()).collect();
+        assert_eq!(titles, ["Left", "Right", "Both"]);
+        let Label { title, help } = widgets.speed;
+        assert_eq!(title, "Speed");
+        assert!(
+            help.starts_with("A factor on locomotion.speed: ") && help.ends_with("metres a second."),
+            "{help}"
+        );
+    }
 }

@@ -1,10 +1,10 @@
 //! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
 //! point falls on.
 
-use crate::config::{Config, LodMethod};
-use crate::nodes;
+use crate::draw::DrawOptions;
+use crate::nodes::{self, CloudOptions, LodMethod};
 use crate::overview::{self, Lens};
-use crate::resolve;
+use crate::resolve::Plan;
 use anyhow::Context;
 use base::output::{Output, OutputError, OutputFile};
 use base::percentile::Sorted;
@@ -99,20 +99,20 @@ impl ShotFov {
 ///
 /// # Errors
 /// Unreadable scan, unusable GPU, a size that does not fit it, a file that cannot be written.
-pub fn run(options: &ShotOptions, config: &Config, task: &Task) -> anyhow::Result<()> {
-    let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
+pub fn run(options: &ShotOptions, plan: &Plan, task: &Task) -> anyhow::Result<()> {
+    let gpu = Arc::new(Gpu::open(Some(&plan.adapter))?);
     let load_began = Instant::now();
-    let scan = points::read(&options.scans, &resolve::read(config), task)?;
+    let scan = points::read(&options.scans, &plan.read, task)?;
     for warning in &scan.warnings {
         eprintln!("scanwalk: warning: {warning}");
     }
     let options = &options.in_world(&scan);
-    let (buffers, scene) = upload(&gpu, scan, config, task)?;
+    let (buffers, scene) = upload(&gpu, scan, &plan.cloud, task)?;
     let num_points = buffers.num_points;
     let load_s = load_began.elapsed().as_secs_f64();
 
-    let view = view(options, &scene, config.frame.near_m)?;
-    let mut shot = Shot::new(&gpu, &view, config)?;
+    let view = view(options, &scene, plan.draw.near_in(&scene))?;
+    let mut shot = Shot::new(&gpu, &view, &plan.draw)?;
     shot.renderer.set_cloud(buffers)?;
     let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
     let times: Vec<FrameTimes> =
@@ -144,19 +144,24 @@ pub fn run(options: &ShotOptions, config: &Config, task: &Task) -> anyhow::Resul
 }
 
 /// The scan on the GPU, as the settings want it, and its scene.
-fn upload(gpu: &Gpu, scan: Scan, config: &Config, task: &Task) -> anyhow::Result<(CloudBuffers, Scene)> {
+fn upload(
+    gpu: &Gpu,
+    scan: Scan,
+    options: &CloudOptions,
+    task: &Task,
+) -> anyhow::Result<(CloudBuffers, Scene)> {
     let num_points = scan.num_points() as u64;
-    let chunk_limit = resolve::chunk_limit(config);
+    let chunk_limit = options.chunk_limit;
     let sending = || task.begin("sending", "bytes", 16 * num_points);
-    if config.lod.enabled && config.lod.method == LodMethod::Spt {
+    if options.lod == Some(LodMethod::Spt) {
         // Points are counted twice, discs once.
         let building = task.begin("building the point tree", "points", 7 * num_points / 2);
-        let spt = build_spt(&scan, config.lod.cull_backfaces, &building)?;
+        let spt = build_spt(&scan, options.cull_backfaces, &building)?;
         drop((scan, building));
         let buffers = tree::upload(gpu, &spt, chunk_limit, &sending())?;
         return Ok((buffers, spt.cloud.scene));
     }
-    if config.lod.enabled {
+    if options.lod == Some(LodMethod::Octree) {
         let mut sent = None;
         nodes::send::<anyhow::Error>(gpu, &scan, chunk_limit, task, |cloud, hierarchy| {
             sent = Some((cloud, hierarchy.scene.clone()));
@@ -165,16 +170,16 @@ fn upload(gpu: &Gpu, scan: Scan, config: &Config, task: &Task) -> anyhow::Result
         return sent.context("an octree without nodes");
     }
     let sorting = task.begin("batching", "points", num_points);
-    let cloud = cloud::build(&scan, config.cloud.order, &sorting)?;
+    let cloud = cloud::build(&scan, options.order, &sorting)?;
     drop((scan, sorting));
     Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene))
 }
 
-/// The eyes of the picture.
+/// The eyes of the picture; `near` in world units.
 ///
 /// # Errors
 /// Eye and target at one place, an upward direction of no length, or a field of view or a size that shows nothing.
-pub fn view(options: &ShotOptions, scene: &Scene, near_m: f64) -> anyhow::Result<View> {
+pub fn view(options: &ShotOptions, scene: &Scene, near: f64) -> anyhow::Result<View> {
     let [width, height] = options.size_px;
     anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
     let fov = options.fov.left(options.size_px);
@@ -214,7 +219,7 @@ pub fn view(options: &ShotOptions, scene: &Scene, near_m: f64) -> anyhow::Result
             gaze_in_view: Eye::AHEAD,
         }
     };
-    Ok(View { eyes: lenses.iter().map(at).collect(), near: overview::near(near_m, scene) })
+    Ok(View { eyes: lenses.iter().map(at).collect(), near })
 }
 
 /// A renderer with images of its own.
@@ -225,7 +230,7 @@ struct Shot {
 }
 
 impl Shot {
-    fn new(gpu: &Arc<Gpu>, view: &View, config: &Config) -> anyhow::Result<Self> {
+    fn new(gpu: &Arc<Gpu>, view: &View, options: &DrawOptions) -> anyhow::Result<Self> {
         let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|e| e.size_px).collect();
         let max = gpu.device.limits().max_texture_dimension_2d;
         for [width, height] in &sizes_px {
@@ -237,10 +242,9 @@ impl Shot {
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
-        let atomics = resolve::atomics(config, gpu)?;
+        let atomics = options.atomics(gpu)?;
         let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
-        let technique = resolve::technique(config).open(gpu);
-        let renderer = Renderer::with_technique(gpu, setup, resolve::look(config), technique)?;
+        let renderer = Renderer::with_technique(gpu, setup, options.look, options.technique.open(gpu))?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, images })
     }
 

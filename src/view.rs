@@ -3,11 +3,10 @@
 //! Three threads: the loader reads the scan and sends it to the GPU, node by node; the frame thread draws ([`crate::walk`]);
 //! the main thread runs the window, if there is one.
 
-use crate::config::{Config, LodMethod};
 use crate::desktop::{self, Display};
 use crate::ending::Ending;
-use crate::nodes;
-use crate::resolve;
+use crate::nodes::{self, CloudOptions, LodMethod};
+use crate::resolve::Plan;
 use crate::walk::link::{self, WalkEnd};
 use crate::walk::simulated::SimulatedHeadset;
 use crate::walk::start::start;
@@ -19,7 +18,7 @@ use base::words::{self, counted};
 use cloud::spt::build_spt;
 use cloud::{self, BuildError};
 use lab::technique::tree;
-use points::{self, Scan, ScanError, Scene};
+use points::{self, ReadOptions, Scan, ScanError, Scene};
 use render::gpu::Gpu;
 use render::{CloudBuffers, UploadError};
 use std::path::PathBuf;
@@ -74,14 +73,14 @@ impl ViewOptions {
 /// # Errors
 /// Unreadable scan, no usable GPU, a headset or window that was required and is missing, a frame log that cannot
 /// be begun, a runtime or device that fails.
-pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow::Result<()> {
+pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Result<()> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
     let display = open_display(options.window, stop)?;
     if stop.is_cancelled() {
         return Ok(());
     }
-    let (gpu, mut headset) = open_headset(options.headset, config)?;
-    let facts = facts(options, config, &gpu, &*headset);
+    let (gpu, mut headset) = open_headset(options.headset, plan)?;
+    let facts = facts(options, plan, &gpu, &*headset);
     let log = options.log.as_ref().map(|output| FrameLog::start(output, &facts)).transpose()?;
     let (link, actions, viewer) = link::link();
     let windowed = display.is_some();
@@ -95,8 +94,8 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow
             let (gpu, link) = (Arc::clone(&gpu), link.clone());
             move || {
                 let _guard = ending.guard();
-                let loader = Loader { config, gpu: &gpu, link: &link, loaded: &loaded_sender };
-                let result = loader.load(&options.scans, stop);
+                let loader = Loader { options: &plan.cloud, gpu: &gpu, link: &link, loaded: &loaded_sender };
+                let result = loader.load(&options.scans, &plan.read, stop);
                 // The walk takes this for the sign that all has come.
                 drop(loaded_sender);
                 // However it ended, nothing goes on any more.
@@ -119,7 +118,8 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow
         });
         let walk = Walk {
             gpu: Arc::clone(&gpu),
-            config,
+            draw: plan.draw,
+            options: plan.walk,
             loaded,
             actions,
             link,
@@ -140,8 +140,8 @@ pub fn run(options: &ViewOptions, config: &Config, stop: &CancelToken) -> anyhow
             summary
         });
         if let Some(display) = display {
-            let shown =
-                display.run(Arc::clone(&gpu), viewer, window_facts(options, &facts), config, stop.clone());
+            let facts = window_facts(options, &facts);
+            let shown = display.run(Arc::clone(&gpu), viewer, facts, plan.window.clone(), stop.clone());
             match shown {
                 Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
                 Err(error) => ending.fail(error.into()),
@@ -184,20 +184,20 @@ fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display
 }
 
 /// The headset that was wished for, and the GPU that it lives on.
-fn open_headset(wish: Wish, config: &Config) -> anyhow::Result<(Arc<Gpu>, Box<dyn Headset>)> {
+fn open_headset(wish: Wish, plan: &Plan) -> anyhow::Result<(Arc<Gpu>, Box<dyn Headset>)> {
     if wish != Wish::Off {
-        match xr::open(&resolve::headset(config)) {
+        match xr::open(&plan.headset) {
             Ok((gpu, headset)) => return Ok((gpu, Box::new(headset))),
             Err(missing) if wish == Wish::On => return Err(missing).context("--headset require"),
             Err(missing) => eprintln!("scanwalk: no headset, so a simulated one is used: {missing}"),
         }
     }
-    let gpu = Arc::new(Gpu::open(Some(&config.gpu.adapter))?);
-    let headset = SimulatedHeadset::new(&gpu, &config.simulated);
+    let gpu = Arc::new(Gpu::open(Some(&plan.adapter))?);
+    let headset = SimulatedHeadset::new(&gpu, plan.simulated);
     Ok((gpu, Box::new(headset)))
 }
 
-fn facts(options: &ViewOptions, config: &Config, gpu: &Gpu, headset: &dyn Headset) -> RunFacts {
+fn facts(options: &ViewOptions, plan: &Plan, gpu: &Gpu, headset: &dyn Headset) -> RunFacts {
     let files: Vec<String> = options.scans.iter().map(|p| p.display().to_string()).collect();
     let [left, right] = headset.eye_sizes();
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
@@ -207,23 +207,23 @@ fn facts(options: &ViewOptions, config: &Config, gpu: &Gpu, headset: &dyn Headse
         driver: gpu.driver(),
         runtime: headset.runtime(),
         resolution: if left == right { size(left) } else { format!("{} {}", size(left), size(right)) },
-        config_digest: config.digest(),
+        config_digest: plan.digest.clone(),
     }
 }
 
 /// The loader's thread: files to points, points to an octree, whose nodes are drawn as they come, the root first.
 struct Loader<'a> {
-    config: &'a Config,
+    options: &'a CloudOptions,
     gpu: &'a Gpu,
     link: &'a WalkEnd,
     loaded: &'a Sender<Loaded>,
 }
 
 impl Loader<'_> {
-    fn load(&self, scans: &[PathBuf], stop: &CancelToken) -> Result<(), LoadError> {
+    fn load(&self, scans: &[PathBuf], read: &ReadOptions, stop: &CancelToken) -> Result<(), LoadError> {
         let watching = self.link.clone();
         let task = Task::in_terminal(stop).observed(move |count| watching.set_doing(Some(Arc::clone(count))));
-        let scan = points::read(scans, &resolve::read(self.config), &task)?;
+        let scan = points::read(scans, read, &task)?;
         for warning in &scan.warnings {
             eprintln!("scanwalk: warning: {warning}");
         }
@@ -240,12 +240,10 @@ impl Loader<'_> {
 
     /// Sends a scan to the GPU, in the form that the settings ask for; its bytes there.
     fn send(&self, scan: Scan, task: &Task) -> Result<u64, LoadError> {
-        let lod = &self.config.lod;
-        if !lod.enabled {
-            return self.flat(&scan, task);
-        }
-        if lod.method == LodMethod::Spt {
-            return self.sequential(&scan, task);
+        match self.options.lod {
+            None => return self.flat(&scan, task),
+            Some(LodMethod::Spt) => return self.sequential(&scan, task),
+            Some(LodMethod::Octree) => {}
         }
         match self.layered(&scan, task) {
             Ok(bytes) => Ok(bytes),
@@ -260,17 +258,17 @@ impl Loader<'_> {
     fn flat(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         let num_points = scan.num_points() as u64;
         let sorting = task.begin("sorting", "points", num_points);
-        let cloud = cloud::build(scan, self.config.cloud.order, &sorting)?;
+        let cloud = cloud::build(scan, self.options.order, &sorting)?;
         drop(sorting);
         let sending = task.begin("sending to the GPU", "bytes", 16 * num_points);
-        let buffers = CloudBuffers::upload(self.gpu, &cloud, resolve::chunk_limit(self.config), &sending)?;
+        let buffers = CloudBuffers::upload(self.gpu, &cloud, self.options.chunk_limit, &sending)?;
         Ok(self.show(buffers, &cloud.scene, scan))
     }
 
     /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
     fn layered(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         let mut bytes = 0;
-        nodes::send(self.gpu, scan, resolve::chunk_limit(self.config), task, |cloud, hierarchy| {
+        nodes::send(self.gpu, scan, self.options.chunk_limit, task, |cloud, hierarchy| {
             bytes = self.show(cloud, &hierarchy.scene, scan);
         })
         .map(|()| bytes)
@@ -280,13 +278,12 @@ impl Loader<'_> {
     fn sequential(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         // Points are counted twice, discs once.
         let building = task.begin("building the point tree", nodes::PASSES, 7 * scan.num_points() as u64 / 2);
-        let spt = build_spt(scan, self.config.lod.cull_backfaces, &building)?;
+        let spt = build_spt(scan, self.options.cull_backfaces, &building)?;
         drop(building);
         // Three planes, colors and shapes.
         let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
         let sending = task.begin("sending to the GPU", "bytes", num_bytes);
-        let chunk_limit = resolve::chunk_limit(self.config);
-        let buffers = tree::upload(self.gpu, &spt, chunk_limit, &sending)?;
+        let buffers = tree::upload(self.gpu, &spt, self.options.chunk_limit, &sending)?;
         Ok(self.show(buffers, &spt.cloud.scene, scan))
     }
 
@@ -398,6 +395,7 @@ fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
 mod tests {
     use super::*;
     use base::task::Cancelled;
+    use cloud::Order;
 
     /// Whatever keeps a scan from getting its octree, the panel says so, and the walk goes on.
     #[test]
@@ -448,13 +446,18 @@ mod tests {
         let scan = Scan { files: vec![points::ScanFile { bounds, ..file }], ..Default::default() };
         let (link, _actions, _viewer) = link::link();
         let (sender, loaded) = std::sync::mpsc::channel();
-        let config = Config::default();
+        let options = CloudOptions {
+            lod: Some(LodMethod::Octree),
+            order: Order::Morton,
+            cull_backfaces: false,
+            chunk_limit: 0,
+        };
         // What has come when the walk is told: observed on the loader's own thread, between two runs of nodes.
         let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
         let seen = Arc::clone(&counts);
         let task = Task::new(&CancelToken::default())
             .observed(move |count| seen.lock().unwrap().push(Arc::clone(count)));
-        let loader = Loader { config: &config, gpu: &gpu, link: &link, loaded: &sender };
+        let loader = Loader { options: &options, gpu: &gpu, link: &link, loaded: &sender };
         let first = std::thread::scope(|scope| {
             let loading = scope.spawn(|| loader.send(scan, &task).expect("a cloud"));
             let Loaded { cloud, .. } = loaded.recv().expect("a cloud");

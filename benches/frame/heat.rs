@@ -5,7 +5,6 @@ use render::Access;
 use render::Look;
 use render::gpu::Atomics;
 use render::options::{Dilate, Quality};
-use scanwalk::config::{Config, FrameConfig};
 use scanwalk::resolve;
 
 /// Hardware points take seconds a frame above this many points, so there they stay out.
@@ -195,16 +194,14 @@ fn closest() -> Look {
 
 /// High-quality shading, nothing filled.
 fn hqs(fade: bool) -> Look {
-    let frame =
-        FrameConfig { quality: Quality::Hqs, dilate: Dilate::Off, fill: false, ..FrameConfig::default() };
-    let mut config = Config { frame, ..Config::default() };
-    config.lod.fade = fade;
-    resolve::look(&config)
+    let mut look = Look { quality: Quality::Hqs, dilate: Dilate::Off, ..no_fill() };
+    look.detail.fade = fade;
+    look
 }
 
 /// The frame as the program draws it unless told otherwise.
 fn whole() -> Look {
-    resolve::look(&Config::default())
+    resolve::Plan::default().draw.look
 }
 
 /// All of it but larger points.

@@ -14,7 +14,7 @@ use render::gpu::{Gpu, readback};
 use render::options::{Dilate, Precision, Quality, Tier};
 use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
 use scanwalk::config::{Config, FrameConfig};
-use scanwalk::resolve;
+use scanwalk::resolve::Plan;
 use std::sync::Arc;
 
 /// What nothing looks like, in the truth and for all contestants.
@@ -48,7 +48,7 @@ pub const CONTESTANTS: [(&str, Make); 9] = [
     }),
     // The frame as the program draws it unless told otherwise.
     ("lod-hqs-fade-fill-rings", |gpu, scene, size_px| {
-        layered(gpu, scene, size_px, resolve::look(&Config::default()))
+        layered(gpu, scene, size_px, Plan::default().draw.look)
     }),
 ];
 
@@ -59,7 +59,7 @@ fn hqs(switch_on: &dyn Fn(&mut Config)) -> Look {
     config.frame.quality = Quality::Hqs;
     (config.frame.dilate, config.frame.fill, config.lod.fade) = (Dilate::Off, false, false);
     switch_on(&mut config);
-    resolve::look(&config)
+    Plan::of(&config).draw.look
 }
 
 fn flat(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {

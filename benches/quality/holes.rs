@@ -2,13 +2,14 @@
 //! presets and steps of the governor.
 
 use anyhow::{Context, Result};
-use base::space::{Bounds, Eye, Fov, Pose, View};
+use base::space::{Bounds, Eye, Pose, View};
 use glam::DVec3;
 use points::{ColorSource, Lattice, Points, Scan, ScanFile};
 use render::gpu::{Gpu, readback};
-use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
-use scanwalk::config::{self, Config};
-use scanwalk::resolve;
+use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Look, Renderer, Setup};
+use scanwalk::config;
+use scanwalk::draw::DrawOptions;
+use scanwalk::resolve::Plan;
 use std::sync::Arc;
 
 /// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
@@ -53,25 +54,24 @@ pub fn sphere(num_points: u64) -> Scan {
     Scan { files: vec![file], ..Scan::default() }
 }
 
-/// Settings of these presets, then of `sets`.
-pub fn settings(presets: &[&str], sets: &[String]) -> Result<Config> {
+/// What the settings of these presets, then of `sets`, come to.
+pub fn plan(presets: &[&str], sets: &[String]) -> Result<Plan> {
     let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
-    let mut config = config::load(&presets, None, sets)?;
-    config.frame.background = EMPTY_RGB;
-    Ok(config)
+    let mut plan = Plan::of(&config::load(&presets, None, sets)?);
+    plan.draw.look.background = EMPTY_RGB;
+    Ok(plan)
 }
 
 /// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
-pub fn left_eye(config: &Config, eye: DVec3, target: DVec3, share: f64) -> View {
-    let [outward, inward, up, down] = config.simulated.fov_deg.map(f64::to_radians);
-    let share = share * config.headset.resolution_scale;
+pub fn left_eye(plan: &Plan, eye: DVec3, target: DVec3, share: f64) -> View {
+    let share = share * plan.headset.resolution_scale;
     let eye = Eye {
         world_from_view: Pose::look_at(eye, target, DVec3::Z),
-        fov: Fov::from_angles(-outward, inward, up, -down),
-        size_px: config.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32),
+        fov: plan.simulated.left_fov,
+        size_px: plan.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32),
         gaze_in_view: Eye::AHEAD,
     };
-    View { eyes: vec![eye], near: config.frame.near_m }
+    View { eyes: vec![eye], near: plan.draw.near }
 }
 
 /// A frame, as far as holes are counted.
@@ -116,14 +116,19 @@ pub struct Drawer {
 }
 
 impl Drawer {
-    /// Of a cloud, in pictures of this size; `config` says what pipelines are for.
+    /// Of a cloud, in pictures of this size; `options` say what pipelines are for.
     ///
     /// # Errors
     /// If the size does not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, config: &Config, size_px: [u32; 2]) -> Result<Self> {
-        let atomics = resolve::atomics(config, gpu)?;
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        cloud: CloudBuffers,
+        options: &DrawOptions,
+        size_px: [u32; 2],
+    ) -> Result<Self> {
+        let atomics = options.atomics(gpu)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
-        let mut renderer = Renderer::new(gpu, setup, resolve::look(config))?;
+        let mut renderer = Renderer::new(gpu, setup, options.look)?;
         renderer.set_cloud(cloud)?;
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let image = gpu.texture("image", size_px, FORMAT, usage);
@@ -139,8 +144,8 @@ impl Drawer {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn draw(&mut self, config: &Config, view: &View, lod_scale: f32) -> Result<Drawn> {
-        self.renderer.set_look(resolve::look(config))?;
+    pub fn draw(&mut self, look: Look, view: &View, lod_scale: f32) -> Result<Drawn> {
+        self.renderer.set_look(look)?;
         self.renderer.set_lod_scale(lod_scale);
         let color = &self.image.create_view(&wgpu::TextureViewDescriptor::default());
         self.frame += 1;
@@ -159,11 +164,10 @@ impl Drawer {
     }
 }
 
-/// The same settings with every point drawn.
-pub fn unreduced(config: &Config) -> Config {
-    let mut whole = config.clone();
-    whole.lod.threshold_px = [1e-3; 3];
-    whole
+/// The same look with every point drawn.
+pub fn unreduced(mut look: Look) -> Look {
+    look.detail.threshold_px = [1e-3; 3];
+    look
 }
 
 /// Pixels that are judged, of a ring or of outlines.

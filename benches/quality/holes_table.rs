@@ -1,6 +1,6 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
-use super::holes::{self, Drawer, Drawn, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};
+use super::holes::{self, Drawer, Drawn, OUTLINE_PX, RINGS_DEG, left_eye, plan, sphere, unreduced};
 use super::scene::{SOURCES, Source};
 use anyhow::{Context, Result};
 use base::space::View;
@@ -9,9 +9,8 @@ use cloud::octree::build_octree;
 use glam::DVec3;
 use lab::synth::{Kind, Viewpoint};
 use points::Scan;
-use render::CloudBuffers;
 use render::gpu::Gpu;
-use scanwalk::config::Config;
+use render::{CloudBuffers, Look};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -95,12 +94,12 @@ impl Holes {
         for place in places {
             for headset in HEADSETS.into_iter().filter(|headset| headset.contains(&self.headset)) {
                 for preset in PRESETS.into_iter().filter(|preset| preset.contains(&self.preset)) {
-                    let config = settings(&[preset, headset], &self.sets)?;
-                    let view = left_eye(&config, place.eye, place.target, self.share);
+                    let plan = plan(&[preset, headset], &self.sets)?;
+                    let view = left_eye(&plan, place.eye, place.target, self.share);
                     let buffers = cloud.take().context("no cloud to draw")?;
-                    let mut drawer = Drawer::new(gpu, buffers, &config, view.eyes[0].size_px)?;
+                    let mut drawer = Drawer::new(gpu, buffers, &plan.draw, view.eyes[0].size_px)?;
                     let names = format!("{name} {},{headset},{preset}", place.name);
-                    self.frames(&mut drawer, (&names, num_points, is_open), &config, &view, kept)?;
+                    self.frames(&mut drawer, (&names, num_points, is_open), plan.draw.look, &view, kept)?;
                     cloud = drawer.finish();
                 }
             }
@@ -113,16 +112,15 @@ impl Holes {
         &self,
         drawer: &mut Drawer,
         (names, num_points, is_open): (&str, u64, bool),
-        config: &Config,
+        mut look: Look,
         view: &View,
         kept: &mut Kept,
     ) -> Result<()> {
-        let whole = if is_open { Some(drawer.draw(&unreduced(config), view, 1.0)?) } else { None };
+        let whole = if is_open { Some(drawer.draw(unreduced(look), view, 1.0)?) } else { None };
         for &smooth in &self.smooth {
-            let mut config = config.clone();
-            config.fovea.smooth = smooth;
+            look.detail.smooth = smooth;
             for &lod_scale in &self.lod_scale {
-                let drawn = drawer.draw(&config, view, lod_scale)?;
+                let drawn = drawer.draw(look, view, lod_scale)?;
                 let holes = holes::holes(view, &drawn, whole.as_ref(), self.outline_px);
                 let names = format!("{names},{smooth},{lod_scale}");
                 kept.row(&names, num_points, &drawn, &holes)?;

@@ -129,6 +129,28 @@ pub struct ReportArgs {
     pub worst_poses: Option<PathBuf>,
 }
 
+/// List settings with their meanings and values, as a file for --config.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  scanwalk settings                             those that most users need, with their defaults
+  scanwalk settings fovea                       those of one section
+  scanwalk settings near_m                      what one means, and which values it takes
+  scanwalk settings --preset performance > my.toml
+                                                a file to change and pass with --config
+
+What --preset, --config and --set say is in the values; without words and --laboratory all of it is listed.")]
+pub struct SettingsArgs {
+    /// Only those whose key has one of these words in it, those of the laboratory too: frame, near_m, lod.fade
+    #[arg(value_name = "WORD")]
+    pub words: Vec<String>,
+    /// Only those of the laboratory: the papers' methods, and what one needs to compare, to measure and to look for faults
+    #[arg(long, conflicts_with = "words")]
+    pub laboratory: bool,
+    /// Settings that belong together, as `view` and `render` take them; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub preset: Vec<String>,
+}
+
 /// Say what this machine has and lacks.
 #[derive(Clone, Debug, Args)]
 pub struct DoctorArgs {

@@ -3,8 +3,7 @@
 use super::exit::Usage;
 use super::report::bench_document;
 use super::{BenchArgs, BenchTable};
-use crate::config::Config;
-use crate::resolve;
+use crate::resolve::Plan;
 use crate::walk::start::start;
 use base::output::{OutputKind, Outputs};
 use base::task::Task;
@@ -18,12 +17,7 @@ use std::io::{self, Write};
 const EYE_HEIGHT_M: f64 = 1.7;
 
 /// Measures, writes the page if one is wanted, prints the results.
-pub(super) fn run(
-    args: &BenchArgs,
-    mut outputs: Outputs,
-    config: &Config,
-    task: &Task,
-) -> anyhow::Result<()> {
+pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> anyhow::Result<()> {
     let tables = match args.table {
         None => vec![Table::Paper2019, Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
         Some(BenchTable::Paper2019) => vec![Table::Paper2019],
@@ -39,11 +33,11 @@ pub(super) fn run(
     }
     let options = BenchOptions {
         scan: args.scan.clone(),
-        read: resolve::read(config),
+        read: plan.read.clone(),
         eyes,
-        adapter: config.gpu.adapter.clone(),
-        chunk_limit: resolve::chunk_limit(config),
-        headset_look: resolve::look(&Config::default()),
+        adapter: plan.adapter.clone(),
+        chunk_limit: plan.cloud.chunk_limit,
+        headset_look: Plan::default().draw.look,
         tables,
         points: args.points.iter().map(|millions| (1e6 * millions).round() as u64).collect(),
         methods: args.method.clone(),

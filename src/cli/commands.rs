@@ -2,10 +2,10 @@
 
 use super::{
     Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, files,
-    report,
+    report, settings,
 };
-use crate::config::{self, Config, ConfigError};
-use crate::resolve;
+use crate::config::{Config, ConfigError, load};
+use crate::resolve::Plan;
 use crate::shot::{self, ShotFov, ShotOptions};
 use crate::view::{self, ViewOptions, Wish};
 use base::output::{OutputKind, Outputs, Partials};
@@ -15,30 +15,33 @@ use lab::synth::{self, SynthOptions};
 /// Runs the command that was asked for.
 pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow::Result<()> {
     let outputs = files::check(cli, partials)?;
-    let config = settings(cli)?;
+    let config = config(cli)?;
+    let plan = &Plan::of(&config);
     let task = &Task::in_terminal(stop);
     match &cli.command {
-        Command::View(args) => view(args, outputs, &config, stop),
-        Command::Render(args) => render(args, outputs, &config, task),
-        Command::Info(args) => points::info::print(&args.scans, args.json, &resolve::read(&config), task),
+        Command::View(args) => view(args, outputs, plan, stop),
+        Command::Render(args) => render(args, outputs, plan, task),
+        Command::Info(args) => points::info::print(&args.scans, args.json, &plan.read, task),
         Command::Synth(args) => synth(args, outputs, task),
         Command::Report(args) => report::run(args, outputs),
-        Command::Doctor(args) => doctor::run(&config, args.json, stop),
+        Command::Settings(args) => settings::run(args, &config),
+        Command::Doctor(args) => doctor::run(&plan.adapter, args.json, stop),
         Command::Convert(_) => {
             Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
         }
-        Command::Bench(args) => bench::run(args, outputs, &config, task),
+        Command::Bench(args) => bench::run(args, outputs, plan, task),
     }
 }
 
 /// All settings: afterwards nobody looks at the options again that they come from.
-pub(super) fn settings(cli: &Cli) -> Result<Config, ConfigError> {
+pub(super) fn config(cli: &Cli) -> Result<Config, ConfigError> {
     let presets: &[String] = match &cli.command {
         Command::View(args) => &args.preset,
         Command::Render(args) => &args.preset,
+        Command::Settings(args) => &args.preset,
         _ => &[],
     };
-    let mut config = config::load(presets, cli.shared.config.as_deref(), &cli.shared.set)?;
+    let mut config = load(presets, cli.shared.config.as_deref(), &cli.shared.set)?;
     if let Some(adapter) = &cli.shared.adapter {
         config.gpu.adapter.clone_from(adapter);
     }
@@ -60,7 +63,7 @@ fn not_there_yet(command: &str, instead: &str) -> anyhow::Error {
     Usage(format!("{command} does not exist yet; {instead}")).into()
 }
 
-fn view(args: &ViewArgs, mut outputs: Outputs, config: &Config, stop: &CancelToken) -> anyhow::Result<()> {
+fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) -> anyhow::Result<()> {
     let options = ViewOptions {
         scans: args.scans.clone(),
         headset: match args.headset {
@@ -78,10 +81,10 @@ fn view(args: &ViewArgs, mut outputs: Outputs, config: &Config, stop: &CancelTok
         seconds: args.seconds,
         pose_path: args.pose_path.clone(),
     };
-    view::run(&options, config, stop)
+    view::run(&options, plan, stop)
 }
 
-fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, task: &Task) -> anyhow::Result<()> {
+fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> anyhow::Result<()> {
     let options = ShotOptions {
         scans: args.scans.clone(),
         out: outputs.take(OutputKind::Picture),
@@ -98,7 +101,7 @@ fn render(args: &RenderArgs, mut outputs: Outputs, config: &Config, task: &Task)
         depth: outputs.take(OutputKind::Depth),
         metrics: outputs.take_one(OutputKind::Metrics),
     };
-    shot::run(&options, config, task)
+    shot::run(&options, plan, task)
 }
 
 fn synth(args: &SynthArgs, mut outputs: Outputs, task: &Task) -> anyhow::Result<()> {

@@ -1,6 +1,5 @@
 //! `scanwalk doctor`: what this machine has and lacks, and what to install.
 
-use crate::config::Config;
 use crate::desktop::{self, Server};
 use base::task::CancelToken;
 use render::gpu::{Atomics, Gpu};
@@ -30,9 +29,9 @@ impl Check {
     }
 }
 
-/// Looks, and prints what it found: as JSON for programs, else as lines. Finding a lack is no failure.
-pub(super) fn run(config: &Config, json: bool, stop: &CancelToken) -> anyhow::Result<()> {
-    let mut checks = gpu(config);
+/// Looks, at the GPU whose name contains `adapter`, and prints what it found: as JSON for programs, else as lines. Finding a lack is no failure.
+pub(super) fn run(adapter: &str, json: bool, stop: &CancelToken) -> anyhow::Result<()> {
+    let mut checks = gpu(adapter);
     checks.push(display(stop));
     checks.push(headset());
     let mut out = io::stdout().lock();
@@ -50,8 +49,8 @@ pub(super) fn run(config: &Config, json: bool, stop: &CancelToken) -> anyhow::Re
 }
 
 /// The GPU, its driver and its clock.
-fn gpu(config: &Config) -> Vec<Check> {
-    let gpu = match Gpu::open(Some(&config.gpu.adapter)) {
+fn gpu(adapter: &str) -> Vec<Check> {
+    let gpu = match Gpu::open(Some(adapter)) {
         Ok(gpu) => gpu,
         Err(error) => {
             let advice =

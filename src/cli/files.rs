@@ -43,7 +43,7 @@ pub(super) fn check(cli: &Cli, partials: &Partials) -> anyhow::Result<Outputs> {
             args.out.iter().for_each(|path| files.writes("-o", path, OutputKind::Page));
             args.worst_poses.iter().for_each(|path| files.writes("--worst-poses", path, OutputKind::Poses));
         }
-        Command::Info(_) | Command::Doctor(_) => files.prints(),
+        Command::Info(_) | Command::Settings(_) | Command::Doctor(_) => files.prints(),
         // Not there yet: it writes nothing.
         Command::Convert(_) => {}
     }
@@ -57,7 +57,7 @@ fn scans(command: &Command) -> &[PathBuf] {
         Command::Info(args) => &args.scans,
         Command::Convert(args) => &args.scans,
         Command::Bench(args) => args.scan.as_slice(),
-        Command::Synth(_) | Command::Report(_) | Command::Doctor(_) => &[],
+        Command::Synth(_) | Command::Report(_) | Command::Settings(_) | Command::Doctor(_) => &[],
     }
 }
 

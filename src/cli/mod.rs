@@ -13,9 +13,12 @@ mod parse;
 mod quiet;
 mod render;
 mod report;
+mod settings;
 mod view;
 
-pub use args::{BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SynthArgs};
+pub use args::{
+    BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SettingsArgs, SynthArgs,
+};
 pub use exit::Usage;
 pub use render::{Lod, RenderArgs};
 pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
@@ -49,10 +52,10 @@ Exit codes: 0 done, 1 failed, 2 wrong usage.";
 /// Options of every command.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct SharedArgs {
-    /// Settings to use instead of the defaults, as TOML; config/default.toml shows them all
+    /// Settings to use instead of the defaults, as TOML; `scanwalk settings` lists them
     #[arg(long, global = true, value_name = "FILE", help_heading = "Options of every command")]
     pub config: Option<PathBuf>,
-    /// One setting, for example frame.near_m=0.1; may be repeated, wins over --config
+    /// One setting, for example frame.near_m=0.1; `scanwalk settings` lists them; may be repeated, wins over --config
     #[arg(long, global = true, value_name = "KEY=VALUE", help_heading = "Options of every command")]
     pub set: Vec<String>,
     /// The GPU to use: part of its name [default: the fastest kind]
@@ -83,6 +86,8 @@ pub enum Command {
     Bench(BenchArgs),
     /// Say what measurements show: a frame log, two of them compared, benchmark results
     Report(ReportArgs),
+    /// List settings with their meanings and values, as a file for --config
+    Settings(SettingsArgs),
     /// Say what this machine has and lacks, and what to install
     Doctor(DoctorArgs),
 }

@@ -1,7 +1,8 @@
 //! Arguments of `scanwalk render`.
 
 use super::parse;
-use crate::config::{Config, LodMethod};
+use crate::config::Config;
+use crate::nodes::LodMethod;
 use clap::{Args, ValueEnum};
 use cloud::Order;
 use glam::DVec3;
@@ -129,7 +130,7 @@ mod tests {
 
     fn settings(options: &[&str]) -> Config {
         let words = ["scanwalk", "render", "a.laz", "-o", "a.png"].iter().chain(options);
-        commands::settings(&Cli::try_parse_from(words).unwrap()).unwrap()
+        commands::config(&Cli::try_parse_from(words).unwrap()).unwrap()
     }
 
     /// Quality, level of detail, dilation, fill, fade.

@@ -1,6 +1,6 @@
 //! Assignments `section.key = value`, as a file or `--set` makes them, each with its place.
 
-use super::ConfigError;
+use super::{ConfigError, SECTIONS, Setting};
 use serde::Deserialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -68,15 +68,14 @@ pub(super) fn in_file(path: &Path, text: &str) -> Result<Vec<Assignment>, Config
 /// Appends each value below `table` as (dotted key, byte where the key starts, value). A section is handed on
 /// as a value where a value belongs, or where it is empty and unknown, so that somebody complains.
 fn flatten<'i>(table: DeTable<'i>, section: &str, flat: &mut Vec<(String, usize, Spanned<DeValue<'i>>)>) {
-    let valid = super::Config::keys();
     for (name, value) in table {
         let start = name.span().start;
         let name = name.into_inner();
         let key = if section.is_empty() { name.into_owned() } else { format!("{section}.{name}") };
-        let is_section = valid.iter().any(|valid| valid.starts_with(&format!("{key}.")));
+        let is_section = SECTIONS.iter().any(|section| section.name == key);
         let span = value.span();
         match value.into_inner() {
-            DeValue::Table(inner) if is_section || !(inner.is_empty() || valid.contains(&key)) => {
+            DeValue::Table(inner) if is_section || !(inner.is_empty() || Setting::find(&key).is_some()) => {
                 flatten(inner, &key, flat);
             }
             other => flat.push((key, start, Spanned::new(span, other))),

@@ -2,8 +2,9 @@
 //! defaults. Each is checked when it is made, so that every complaint names the line it stems from.
 
 use super::assign::{Assignment, Place, in_file, in_set};
+use super::kind::Kind;
 use super::presets::in_preset;
-use super::{Config, check};
+use super::{Config, Setting, check};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs::File;
@@ -52,7 +53,7 @@ pub enum ConfigError {
         /// As written.
         key: String,
         /// The valid key that is spelt most like it.
-        nearest: String,
+        nearest: &'static str,
     },
     /// A value of another type than the key wants.
     #[error("{place}: {key} must be {wanted}, not {found}")]
@@ -60,9 +61,9 @@ pub enum ConfigError {
         /// Where.
         place: Place,
         /// The key.
-        key: String,
-        /// What it takes, in words.
-        wanted: String,
+        key: &'static str,
+        /// What it takes.
+        wanted: Kind,
         /// What it got.
         found: String,
     },
@@ -126,7 +127,7 @@ struct Resolving {
     /// The same, typed.
     config: Config,
     /// Where a key was last assigned.
-    places: HashMap<String, Place>,
+    places: HashMap<&'static str, Place>,
 }
 
 impl Resolving {
@@ -137,19 +138,16 @@ impl Resolving {
     /// Makes one assignment, or says what is wrong with it.
     fn apply(&mut self, assignment: Assignment) -> Result<(), ConfigError> {
         let Assignment { key, value, place } = assignment;
-        let Some(slot) = value_mut(&mut self.table, &key) else {
-            return Err(ConfigError::UnknownKey { place, nearest: nearest_key(&key), key });
+        let Some(setting) = Setting::find(&key) else {
+            return Err(ConfigError::UnknownKey { place, nearest: Setting::nearest(&key).key, key });
         };
         let found = in_words(&value);
-        let before = std::mem::replace(slot, value);
-        match Config::deserialize(self.table.clone()) {
-            Ok(config) => self.config = config,
-            Err(error) => {
-                let wanted = wanted_in_words(&before, error.message());
-                return Err(ConfigError::WrongType { place, key, wanted, found });
-            }
-        }
-        self.places.insert(key, place);
+        self.table[setting.section][setting.name] = value;
+        let Ok(config) = Config::deserialize(self.table.clone()) else {
+            return Err(ConfigError::WrongType { place, key: setting.key, wanted: setting.kind(), found });
+        };
+        self.config = config;
+        self.places.insert(setting.key, place);
         Ok(())
     }
 
@@ -165,25 +163,6 @@ impl Resolving {
     }
 }
 
-/// The value of a dotted key; `None` if there is no such key or it is a section.
-fn value_mut<'a>(table: &'a mut Table, key: &str) -> Option<&'a mut Value> {
-    match key.split_once('.') {
-        Some((section, rest)) => value_mut(table.get_mut(section)?.as_table_mut()?, rest),
-        None => table.get_mut(key).filter(|value| !value.is_table()),
-    }
-}
-
-/// The valid key that is spelt most like `key`: as a whole, or by its last word where the section is wrong.
-fn nearest_key(key: &str) -> String {
-    let word = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
-    let distance = |candidate: &String| {
-        let whole = strsim::damerau_levenshtein(key, candidate);
-        let last = strsim::damerau_levenshtein(&word(key), &word(candidate)) + 1;
-        whole.min(last)
-    };
-    Config::keys().into_iter().min_by_key(distance).unwrap_or_default()
-}
-
 /// A value's kind and text, for people.
 fn in_words(value: &Value) -> String {
     let kind = match value {
@@ -194,28 +173,4 @@ fn in_words(value: &Value) -> String {
         Value::Integer(_) | Value::Float(_) | Value::Boolean(_) => "",
     };
     format!("{kind}{value}").replace('\n', " ").trim_end().to_owned()
-}
-
-/// What a key takes, told by its present (valid) value and, for names, by serde's list of them.
-fn wanted_in_words(valid: &Value, message: &str) -> String {
-    match valid {
-        Value::String(_) => match message.split_once("expected ") {
-            Some((_, names)) if names.contains('`') => names.replace('`', "\""),
-            _ => "a text in quotes".into(),
-        },
-        Value::Integer(_) => format!("a whole number from 0 to {}", u32::MAX),
-        Value::Float(_) => "a number".into(),
-        Value::Boolean(_) => "true or false".into(),
-        Value::Array(items) => match items.first() {
-            Some(Value::Integer(_)) if message.contains("u8") => {
-                format!("a list of {} whole numbers from 0 to 255", items.len())
-            }
-            Some(Value::Integer(_)) => {
-                format!("a list of {} whole numbers from 0 to {}", items.len(), u32::MAX)
-            }
-            _ => format!("a list of {} numbers", items.len()),
-        },
-        Value::Table(_) => "a section".into(),
-        Value::Datetime(_) => "a date".into(),
-    }
 }

@@ -2,7 +2,7 @@
 //! go in, at most one action comes out of each.
 
 use super::keys::{self, Input, KeyAction};
-use crate::config::{Mirror, WindowConfig};
+use super::{Mirror, WindowOptions};
 use crate::walk::state::Action;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
@@ -28,8 +28,8 @@ pub(super) struct View {
 
 impl View {
     /// At start.
-    pub(super) fn new(config: &WindowConfig) -> Self {
-        let WindowConfig { mirror, panel, .. } = *config;
+    pub(super) fn new(options: &WindowOptions) -> Self {
+        let WindowOptions { mirror, panel, .. } = *options;
         let (help, full_screen, leave) = (false, false, false);
         Self { mirror, panel, help, full_screen, leave, leave_asked: None }
     }
@@ -165,9 +165,10 @@ fn next(mirror: Mirror) -> Mirror {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::resolve::Plan;
 
     fn controls() -> Controls {
-        Controls::new(View::new(&WindowConfig::default()))
+        Controls::new(View::new(&Plan::default().window))
     }
 
     fn moving(direction: [f32; 3], fast: bool) -> Option<Action> {

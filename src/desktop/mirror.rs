@@ -1,7 +1,7 @@
 //! The pipeline that lays the eyes' images on the window.
 
+use super::Mirror;
 use super::placement::{Area, panes};
-use crate::config;
 use crate::walk::link::MirrorImages;
 use wgpu::util::DeviceExt;
 
@@ -70,7 +70,7 @@ impl MirrorPipeline {
         pass: &mut wgpu::RenderPass<'_>,
         size_px: [u32; 2],
         images: &MirrorImages,
-        mirror: config::Mirror,
+        mirror: Mirror,
     ) {
         let longest_px = self.longest_px;
         let groups = self.groups(device, images).clone();

@@ -20,14 +20,14 @@
 //! # fn main() -> anyhow::Result<()> {
 //! use base::task::CancelToken;
 //! use render::gpu::Gpu;
-//! use scanwalk::{config::Config, desktop, walk::link};
+//! use scanwalk::{desktop, resolve::Plan, walk::link};
 //! let gpu = std::sync::Arc::new(Gpu::open(None)?);
-//! let (stop, config) = (CancelToken::default(), Config::default());
+//! let (stop, options) = (CancelToken::default(), Plan::default().window);
 //! let (walk_end, actions, viewer) = link::link();
 //! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end cancels `stop`
 //! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
 //! match desktop::Display::open(&stop) {
-//!     Ok(display) => display.run(gpu, viewer, facts, &config, stop.clone())?,
+//!     Ok(display) => display.run(gpu, viewer, facts, options, stop.clone())?,
 //!     Err(_) => {} // `--window auto`: the walk goes on without
 //! }
 //! frames.join().ok();
@@ -44,6 +44,7 @@ mod keys;
 mod mirror;
 mod notice;
 mod numbers;
+mod options;
 mod painter;
 #[cfg(test)]
 mod painter_tests;
@@ -55,9 +56,9 @@ mod server;
 mod style;
 mod window;
 
+pub use options::{Choice, Label, Mirror, Widgets, WindowOptions};
 pub use server::{Server, is_named, server};
 
-use crate::config::Config;
 use crate::walk::link::ViewerEnd;
 use base::task::CancelToken;
 use render::gpu::Gpu;
@@ -137,10 +138,10 @@ impl Display {
         gpu: Arc<Gpu>,
         viewer: ViewerEnd,
         facts: WindowFacts,
-        config: &Config,
+        options: WindowOptions,
         stop: CancelToken,
     ) -> Result<(), DesktopError> {
-        let mut app = window::App::new(gpu, viewer, facts, config, stop);
+        let mut app = window::App::new(gpu, viewer, facts, options, stop);
         self.0
             .run_app(&mut app)
             .map_err(|error| DesktopError::EventLoop { reason: server::event_loop_words(&error) })?;

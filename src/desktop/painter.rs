@@ -1,7 +1,7 @@
 //! One picture of the window: the mirror, egui on top. Draws into any texture view, so tests need no window.
 
+use super::Mirror;
 use super::mirror::MirrorPipeline;
-use crate::config;
 use crate::walk::link::MirrorImages;
 use render::gpu::Gpu;
 
@@ -50,7 +50,7 @@ impl Painter {
         gpu: &Gpu,
         target: &wgpu::TextureView,
         size_px: [u32; 2],
-        mirror: Option<(&MirrorImages, config::Mirror)>,
+        mirror: Option<(&MirrorImages, Mirror)>,
         mut ui: EguiPicture,
     ) -> Vec<wgpu::CommandBuffer> {
         let device = &gpu.device;

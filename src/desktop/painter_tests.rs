@@ -3,8 +3,8 @@
 use super::controls::{Controls, View};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
-use super::{WindowFacts, help, keys, notice, panel, style};
-use crate::config::{Mirror, WindowConfig};
+use super::{Mirror, WindowFacts, WindowOptions, help, keys, notice, panel, style};
+use crate::resolve::Plan;
 use crate::walk::link::{LoadState, MirrorImages};
 use crate::walk::state::AppState;
 use base::task::Done;
@@ -130,8 +130,17 @@ fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String 
         WindowFacts { scan: "hall.laz".into(), device: "Some GPU".into(), runtime: "Monado 25".into() };
     let now = Instant::now();
     let state = AppState::new(overlay);
-    let contents = panel::Contents { facts: &facts, history, load, state, eye_px: Some([1440, 1600]), now };
-    let mut view = View::new(&WindowConfig::default());
+    let options = Plan::default().window;
+    let contents = panel::Contents {
+        facts: &facts,
+        history,
+        load,
+        widgets: &options.widgets,
+        state,
+        eye_px: Some([1440, 1600]),
+        now,
+    };
+    let mut view = View::new(&options);
     painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), None))
 }
 
@@ -194,7 +203,7 @@ fn the_panel_bears_having_nothing_to_tell() {
 
 #[test]
 fn the_help_lists_the_whole_table() {
-    let mut view = View::new(&WindowConfig { panel: false, ..WindowConfig::default() });
+    let mut view = View::new(&WindowOptions { panel: false, ..Plan::default().window });
     assert_eq!(painted(|ui| help::show(ui, &mut view)), "");
     let mut controls = Controls::new(view);
     controls.key(winit::keyboard::KeyCode::F1, true, Instant::now());

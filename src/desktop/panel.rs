@@ -3,8 +3,7 @@
 use super::controls::View;
 use super::history::{History, Spread};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
-use super::{WindowFacts, numbers, plot};
-use crate::config::Mirror;
+use super::{Label, Widgets, WindowFacts, numbers, plot};
 use crate::walk::link::LoadState;
 use crate::walk::state::{Action, SPEED_LIMIT, Snapshot};
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
@@ -25,6 +24,8 @@ pub(super) struct Contents<'a> {
     pub history: &'a History,
     /// Of the scan.
     pub load: &'a LoadState,
+    /// What the user can choose.
+    pub widgets: &'a Widgets,
     /// Of the application.
     pub state: Snapshot,
     /// Pixels of an eye's image.
@@ -53,7 +54,7 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<
                 section(ui);
                 points(ui, contents.history.newest());
                 section(ui);
-                action = choices(ui, contents.history.newest(), contents.state, view);
+                action = choices(ui, contents, view);
                 scan(ui, contents.load);
                 machine(ui, contents);
             });
@@ -164,31 +165,33 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
 }
 
 /// Mirror, overlay, speed, help.
-fn choices(ui: &mut Ui, row: Option<&FrameRow>, state: Snapshot, view: &mut View) -> Option<Action> {
+fn choices(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> {
+    let Contents { widgets, state, .. } = contents;
     let (mut speed, mut overlay) = (state.speed(), state.overlay);
     Grid::new("choices").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
-        ui.label(RichText::new("Mirror").color(FAINT));
+        label(ui, &widgets.mirror.label);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
-            for (mirror, name) in [(Mirror::Left, "Left"), (Mirror::Right, "Right"), (Mirror::Both, "Both")] {
-                ui.selectable_value(&mut view.mirror, mirror, name);
+            for (title, mirror) in &widgets.mirror.values {
+                ui.selectable_value(&mut view.mirror, *mirror, title);
             }
         });
         ui.end_row();
-        ui.label(RichText::new("Overlay").color(FAINT));
-        egui::ComboBox::from_id_salt("overlay").selected_text(overlay_title(overlay)).show_ui(ui, |ui| {
-            for choice in Overlay::ALL {
-                ui.selectable_value(&mut overlay, choice, overlay_title(choice));
+        label(ui, &widgets.overlay.label);
+        let shown = widgets.overlay.title(&overlay);
+        egui::ComboBox::from_id_salt("overlay").selected_text(shown).show_ui(ui, |ui| {
+            for (title, choice) in &widgets.overlay.values {
+                ui.selectable_value(&mut overlay, *choice, title);
             }
         });
         ui.end_row();
-        ui.label(RichText::new("Speed").color(FAINT));
+        label(ui, &widgets.speed);
         ui.spacing_mut().slider_width = 122.0;
         let slider = Slider::new(&mut speed, 1.0 / SPEED_LIMIT..=SPEED_LIMIT).logarithmic(true);
         ui.add(slider.custom_formatter(|speed, _| numbers::factor(speed as f32)));
         ui.end_row();
     });
-    let meaning = overlay_meaning(overlay, row);
+    let meaning = overlay_meaning(overlay, contents.history.newest());
     if !meaning.is_empty() {
         ui.label(caption(meaning));
         ui.label(caption("The GPU's times above are without it."));
@@ -206,6 +209,11 @@ fn choices(ui: &mut Ui, row: Option<&FrameRow>, state: Snapshot, view: &mut View
     chosen.or_else(|| (speed != state.speed()).then_some(Action::SetSpeed(speed)))
 }
 
+/// What stands before a widget.
+fn label(ui: &mut Ui, label: &Label) {
+    ui.label(RichText::new(&label.title).color(FAINT)).on_hover_text(&label.help);
+}
+
 /// What an overlay's colours mean. `row`: of the newest frame.
 fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
     let is_closest = row.is_some_and(|row| row.quality == Quality::Closest.name());
@@ -217,17 +225,6 @@ fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
         Overlay::Overdraw => "Points that a pixel blends: 1 dark, 8 red, 64 and more white.",
         Overlay::Depth => "Near dark, far white, each colour a factor of 7; black where nothing is.",
         Overlay::Precision => "Boxes of batches, by bits read: 10 blue, 20 green, 30 orange.",
-    }
-}
-
-fn overlay_title(overlay: Overlay) -> &'static str {
-    match overlay {
-        Overlay::None => "None",
-        Overlay::Rings => "Rings",
-        Overlay::Nodes => "Nodes",
-        Overlay::Overdraw => "Overdraw",
-        Overlay::Depth => "Depth",
-        Overlay::Precision => "Precision",
     }
 }
 

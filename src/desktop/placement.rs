@@ -1,6 +1,6 @@
 //! Where the eyes' images lie in the window. Everything in physical pixels, (0, 0) at the top left, y down.
 
-use crate::config::Mirror;
+use super::Mirror;
 
 /// A rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,7 @@ use super::controls::{Controls, View};
 use super::history::History;
 use super::painter::{EguiPicture, Painter};
 use super::screen::Screen;
-use super::{DesktopError, WindowFacts, help, notice, panel, server, style};
-use crate::config::{Config, WindowConfig};
+use super::{DesktopError, WindowFacts, WindowOptions, help, notice, panel, server, style};
 use crate::walk::link::{LoadState, ViewerEnd};
 use crate::walk::state::{Action, Snapshot};
 use base::task::CancelToken;
@@ -33,7 +32,7 @@ pub(super) struct App {
     gpu: Arc<Gpu>,
     viewer: ViewerEnd,
     facts: WindowFacts,
-    config: WindowConfig,
+    options: WindowOptions,
     stop: CancelToken,
     controls: Controls,
     history: History,
@@ -75,17 +74,16 @@ impl App {
         gpu: Arc<Gpu>,
         viewer: ViewerEnd,
         facts: WindowFacts,
-        config: &Config,
+        options: WindowOptions,
         stop: CancelToken,
     ) -> Self {
-        let config = config.window.clone();
-        let controls = Controls::new(View::new(&config));
+        let controls = Controls::new(View::new(&options));
         let (load, state) = (viewer.load(), viewer.snapshot());
         Self {
             gpu,
             viewer,
             facts,
-            config,
+            options,
             stop,
             controls,
             history: History::default(),
@@ -103,7 +101,7 @@ impl App {
     }
 
     fn open(&self, events: &ActiveEventLoop) -> Result<Shown, DesktopError> {
-        let [width, height] = self.config.size.map(|edge| edge.max(1));
+        let [width, height] = self.options.size.map(|edge| edge.max(1));
         let title = match self.facts.scan.as_str() {
             "" => "scanwalk".to_string(),
             scan => format!("{scan} – scanwalk"),
@@ -235,6 +233,7 @@ impl App {
             facts: &self.facts,
             history: &self.history,
             load: &self.load,
+            widgets: &self.options.widgets,
             state: self.state,
             eye_px: images.as_ref().map(|images| images.drawn_px[0]),
             now,

@@ -1,6 +1,6 @@
 //! The governor: trades quality for time, so that the GPU keeps to its share of the display period.
 //!
-//! What it can trade is a ladder of settings: at the top what the configuration asks for, then coarser level of
+//! What it can trade is a ladder of settings: at the top what the frame is to look like, then coarser level of
 //! detail, then fewer pixels, then `closest`. It goes down at once, and as far as the overload asks for; it comes
 //! back a rung at a time, when there has been room for a while. Between too slow and room to spare lies the dead
 //! band in which nothing happens. A step up that had to be undone is tried again much later, and later each time.
@@ -18,8 +18,8 @@ mod ladder;
 
 pub use ladder::Settings;
 
-use crate::config::Config;
 use ladder::{NEW_LOAD, Rung, good_rung, ladder, later};
+use render::Look;
 use std::fmt;
 use timing::Phase;
 
@@ -36,6 +36,15 @@ const MARGIN: f32 = 0.1;
 /// Displays that an image may stay for at most, if quality is given up for it: at 72 to 120 Hz this is 24 to 40 images a
 /// second, the least that looks like motion (film has 24).
 const MOST_PERIODS: f32 = 3.0;
+
+/// Whether and for what quality is given up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GovernorOptions {
+    /// It is given up at all.
+    pub enabled: bool,
+    /// Share of the display period that the GPU may use.
+    pub budget: f32,
+}
 
 /// A change of settings, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,8 +115,7 @@ struct Hopeless {
 /// [`Governor::observe`] when its time has come back.
 #[derive(Clone, Debug)]
 pub struct Governor {
-    /// Share of the display period to aim at.
-    budget: f32,
+    options: GovernorOptions,
     /// From what was asked for to the cheapest; at least one.
     ladder: Vec<Rung>,
     /// Where on the ladder.
@@ -126,12 +134,16 @@ pub struct Governor {
 }
 
 impl Governor {
-    /// At the top of the ladder: what [`crate::resolve::look`] the configuration says.
+    /// At the top of the ladder, which is what `look` asks for.
     #[must_use]
-    pub fn new(config: &Config) -> Self {
+    pub fn new(options: GovernorOptions, look: &Look) -> Self {
+        Self::at_top(options, ladder(look.quality, true))
+    }
+
+    fn at_top(options: GovernorOptions, ladder: Vec<Rung>) -> Self {
         Self {
-            budget: config.governor.budget as f32,
-            ladder: ladder(config, true),
+            options,
+            ladder,
             at: 0,
             newest_frame: 0,
             first_frame: 0,
@@ -144,10 +156,10 @@ impl Governor {
 
     /// From the next frame on the walk's own cloud is shown: all that was learnt is forgotten. `has_detail`: it can be
     /// drawn with fewer points.
-    pub fn restart(&mut self, config: &Config, has_detail: bool) {
+    pub fn restart(&mut self, has_detail: bool) {
+        let ladder = ladder(self.ladder[0].settings.quality, has_detail);
         let newest_frame = self.newest_frame;
-        let first_frame = newest_frame + 1;
-        *self = Self { ladder: ladder(config, has_detail), newest_frame, first_frame, ..Self::new(config) };
+        *self = Self { newest_frame, first_frame: newest_frame + 1, ..Self::at_top(self.options, ladder) };
     }
 
     /// The settings in force.
@@ -166,9 +178,9 @@ impl Governor {
     /// known (NaN), that other settings led to, or that is not of the walk says nothing: while a scan is read, built and
     /// sent, others use the same GPU, and frames without one cost nothing.
     pub fn observe(&mut self, frame: u64, phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
-        let target_ms = self.budget * budget_ms;
+        let target_ms = self.options.budget * budget_ms;
         let known = gpu_ms.is_finite() && target_ms.is_finite() && target_ms > 0.0;
-        if !known || phase != Phase::Walking || frame < self.first_frame || self.ladder.len() < 2 {
+        if !known || phase != Phase::Walking || frame < self.first_frame || !self.options.enabled {
             return None;
         }
         self.times.push(gpu_ms);
@@ -232,7 +244,7 @@ impl Governor {
         // As if half of the frame's time, in logarithms, went to what the rung changes.
         let likely = gpu_ms * most.sqrt() <= room_ms;
         // It may well fail, but even then no display is missed; and without trying nobody would ever know.
-        let harmless = gpu_ms <= room_ms && gpu_ms * most <= target_ms / self.budget;
+        let harmless = gpu_ms <= room_ms && gpu_ms * most <= target_ms / self.options.budget;
         if !(likely || harmless) {
             self.calm = 0;
             return None;

@@ -2,7 +2,6 @@
 //! move it. Pure arithmetic in f64; the frame thread calls it once a frame.
 
 use super::state::Action;
-use crate::config::LocomotionConfig;
 use base::space::{Eye, Pose, View};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
@@ -12,6 +11,19 @@ use xr::{ControllerInput, StageEye};
 const DEAD_ZONE: f32 = 0.15;
 /// A snap turn fires when the stick passes this, and again only after it came back below half.
 const SNAP_AT: f32 = 0.7;
+
+/// How sticks, keys and mouse move the viewer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocomotionOptions {
+    /// Metres a second at full stick or key; `None`: chosen from the scan's size.
+    pub speed_m_per_s: Option<f64>,
+    /// Factor while the fast key is held.
+    pub fast: f64,
+    /// Radians of a snap turn.
+    pub snap_rad: f64,
+    /// Radians that the view turns for each pixel that the mouse moves.
+    pub look_rad_per_px: f64,
+}
 
 /// Where a walk begins, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +45,7 @@ pub struct Start {
 /// The stage in the world, and the speed.
 #[derive(Clone, Debug)]
 pub struct Locomotion {
-    config: LocomotionConfig,
+    options: LocomotionOptions,
     start: Start,
     floor_in_world: DVec3,
     yaw: f64,
@@ -49,9 +61,9 @@ pub struct Locomotion {
 impl Locomotion {
     /// Standing at the start. `may_pitch`: the mouse may look up and down, which is for simulated headsets only.
     #[must_use]
-    pub fn new(config: &LocomotionConfig, start: Start, may_pitch: bool) -> Self {
+    pub fn new(options: LocomotionOptions, start: Start, may_pitch: bool) -> Self {
         Self {
-            config: config.clone(),
+            options,
             start,
             floor_in_world: start.floor_in_world,
             yaw: start.yaw,
@@ -72,12 +84,10 @@ impl Locomotion {
     /// Metres a second at full deflection, until the user changes it.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        if self.config.speed > 0.0 {
-            return self.config.speed;
-        }
         // Round a small object one moves slowly.
         let extent_m = self.start.extent_m;
-        (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0)
+        let chosen = (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0);
+        self.options.speed_m_per_s.unwrap_or(chosen)
     }
 
     /// Applies what moves the viewer.
@@ -85,13 +95,13 @@ impl Locomotion {
         match action {
             Action::Move { direction, fast } => self.held = (direction, fast),
             Action::Look { delta_px } => {
-                let radians = self.config.look_deg_per_px.to_radians();
+                let radians = self.options.look_rad_per_px;
                 self.turn(-f64::from(delta_px[0]) * radians);
                 if self.may_pitch {
                     self.pitch = (self.pitch - f64::from(delta_px[1]) * radians).clamp(-FRAC_PI_2, FRAC_PI_2);
                 }
             }
-            Action::Snap(steps) => self.turn(-f64::from(steps) * self.config.snap_deg.to_radians()),
+            Action::Snap(steps) => self.turn(-f64::from(steps) * self.options.snap_rad),
             Action::Reset => self.reset(),
             Action::WholeView => {
                 (self.floor_in_world, self.yaw) = self.start.overview;
@@ -129,7 +139,7 @@ impl Locomotion {
         let dead = |v: f32| if v.abs() < DEAD_ZONE { 0.0 } else { f64::from(v) };
         let [right, up, forward] = self.held.0.map(f64::from);
         let [stick_right, stick_forward] = controllers.left_stick.map(dead);
-        let fast = if self.held.1 { self.config.fast } else { 1.0 };
+        let fast = if self.held.1 { self.options.fast } else { 1.0 };
         let direction = DVec3::new(right * fast + stick_right, 0.0, -(forward * fast + stick_forward));
         let in_world = self.world_from_head(stage_from_head).orientation * direction + DVec3::Z * up * fast;
         // A hitch of the program must not throw the viewer through a wall.
@@ -141,7 +151,7 @@ impl Locomotion {
             self.snap_ready = true;
         } else if turn.abs() > SNAP_AT && self.snap_ready {
             self.snap_ready = false;
-            self.turn(-f64::from(turn.signum()) * self.config.snap_deg.to_radians());
+            self.turn(-f64::from(turn.signum()) * self.options.snap_rad);
         }
         if controllers.reset {
             self.reset();
@@ -202,6 +212,14 @@ pub fn head_of(eyes: &[StageEye; 2]) -> Pose {
 mod tests {
     use super::*;
     use base::space::Fov;
+    use std::f64::consts::PI;
+
+    const OPTIONS: LocomotionOptions = LocomotionOptions {
+        speed_m_per_s: None,
+        fast: 4.0,
+        snap_rad: PI / 6.0,
+        look_rad_per_px: PI / 1200.0,
+    };
 
     fn start() -> Start {
         Start {
@@ -224,7 +242,7 @@ mod tests {
     }
 
     fn walk() -> Locomotion {
-        Locomotion::new(&LocomotionConfig::default(), start(), true)
+        Locomotion::new(OPTIONS, start(), true)
     }
 
     fn seen(walk: &Locomotion, eyes: &[StageEye; 2]) -> View {
@@ -307,7 +325,7 @@ mod tests {
 
     #[test]
     fn the_mouse_never_pitches_a_real_head() {
-        let mut walk = Locomotion::new(&LocomotionConfig::default(), start(), false);
+        let mut walk = Locomotion::new(OPTIONS, start(), false);
         walk.apply(Action::Look { delta_px: [0.0, -200.0] });
         let view = seen(&walk, &eyes());
         assert!((view.eyes[0].world_from_view.orientation * DVec3::NEG_Z).z.abs() < 1e-12);

@@ -20,4 +20,4 @@ mod tube;
 mod views;
 mod waiting;
 
-pub use run::{Loaded, Walk, WalkError, WalkSummary};
+pub use run::{Loaded, Walk, WalkError, WalkOptions, WalkSummary};

@@ -1,8 +1,8 @@
 //! The frame thread's loop.
 
-use super::governor::{Governor, Settings};
+use super::governor::{Governor, GovernorOptions, Settings};
 use super::link::WalkEnd;
-use super::locomotion::{Locomotion, Start, head_of};
+use super::locomotion::{Locomotion, LocomotionOptions, Start, head_of};
 use super::masks::Masks;
 use super::mirror::Mirror;
 use super::rows::{Rows, ms, pass_on};
@@ -10,11 +10,11 @@ use super::screenshot::Screenshots;
 use super::state::{Action, AppState};
 use super::views::Views;
 use super::waiting::Waiting;
-use crate::config::Config;
-use crate::resolve::{self, CannotDraw};
+use crate::draw::{CannotDraw, DrawOptions};
 use base::space::{Pose, View};
 use base::task::CancelToken;
 use render::gpu::Gpu;
+use render::options::Overlay;
 use render::{CloudBuffers, EyeImage, Renderer, Setup, TargetTooLarge};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -36,13 +36,26 @@ pub struct Loaded {
     pub start: Start,
 }
 
+/// What a walk goes by, besides what its frames are drawn with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkOptions {
+    /// How the user moves.
+    pub locomotion: LocomotionOptions,
+    /// How frames are kept within their time.
+    pub governor: GovernorOptions,
+    /// What is drawn over the mirror at start.
+    pub overlay: Overlay,
+}
+
 /// What the loop needs besides the headset.
 #[derive(Debug)]
 pub struct Walk<'a> {
     /// The device that the headset's images live on.
     pub gpu: Arc<Gpu>,
-    /// Settings.
-    pub config: &'a Config,
+    /// What frames are drawn with.
+    pub draw: DrawOptions,
+    /// What the walk goes by.
+    pub options: WalkOptions,
     /// The scan, as soon as something of it can be drawn; the loader lets go of the other end when all of it can.
     pub loaded: Receiver<Loaded>,
     /// From those who show the walk.
@@ -150,7 +163,6 @@ struct Frames {
     sizes_px: [[u32; 2]; 2],
     /// Pixels of them that are drawn, from the top left corner.
     drawn_px: [[u32; 2]; 2],
-    locomotion_config: crate::config::LocomotionConfig,
     may_pitch: bool,
     rows: Rows,
     /// The loader is not done.
@@ -167,14 +179,14 @@ impl Frames {
             sizes_px: sizes_px.to_vec(),
             color_format: headset.image_format(),
             depth_format: headset.depth_format(),
-            atomics: resolve::atomics(walk.config, &walk.gpu)?,
+            atomics: walk.draw.atomics(&walk.gpu)?,
         };
-        let governor = Governor::new(walk.config);
+        let governor = Governor::new(walk.options.governor, &walk.draw.look);
         let settings = governor.settings();
-        let technique = resolve::technique(walk.config).open(&walk.gpu);
-        let renderer = Renderer::with_technique(&walk.gpu, setup, resolve::look(walk.config), technique)?;
+        let technique = walk.draw.technique.open(&walk.gpu);
+        let renderer = Renderer::with_technique(&walk.gpu, setup, walk.draw.look, technique)?;
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer));
-        let state = AppState::new(walk.config.window.overlay);
+        let state = AppState::new(walk.options.overlay);
         walk.link.publish(state);
         Ok(Self {
             renderer,
@@ -188,7 +200,6 @@ impl Frames {
             settings,
             sizes_px,
             drawn_px: sizes_px,
-            locomotion_config: walk.config.locomotion.clone(),
             may_pitch: headset.is_simulated(),
             rows: Rows::new(walk.gpu.queue.written_bytes()),
             arriving: true,
@@ -207,7 +218,7 @@ impl Frames {
                 Err(TryRecvError::Empty) => break,
                 Err(TryRecvError::Disconnected) => {
                     self.arriving = false;
-                    self.governor.restart(walk.config, self.renderer.has_detail());
+                    self.governor.restart(self.renderer.has_detail());
                     break;
                 }
             };
@@ -215,7 +226,7 @@ impl Frames {
             match &mut self.locomotion {
                 Some(locomotion) => locomotion.restart(start),
                 None => {
-                    self.locomotion = Some(Locomotion::new(&self.locomotion_config, start, self.may_pitch));
+                    self.locomotion = Some(Locomotion::new(walk.options.locomotion, start, self.may_pitch));
                 }
             }
         }
@@ -284,11 +295,11 @@ impl Frames {
         self.mask(headset, &eyes);
         let world_from_head = self.world_from_head(walk, &eyes);
         if let Some((locomotion, pose)) = self.locomotion.as_ref().zip(world_from_head.as_ref()) {
-            let view = locomotion.view(pose, &eyes, self.drawn_px, walk.config.frame.near_m);
+            let view = locomotion.view(pose, &eyes, self.drawn_px, walk.draw.near);
             self.renderer.set_view(&walk.gpu.queue.lock(), &view);
             self.last_view = Some(view);
         } else {
-            let (queue, near) = (walk.gpu.queue.lock(), walk.config.frame.near_m);
+            let (queue, near) = (walk.gpu.queue.lock(), walk.draw.near);
             self.waiting.show(&mut self.renderer, &queue, &walk.link, (&eyes, self.drawn_px, near));
         }
         headset.submit(Some(encoder))?;

@@ -1,7 +1,6 @@
-//! The headset that stands in where there is none: the same stereo path with eye distance, field of view,
-//! resolution and refresh rate from the configuration.
+//! The headset that stands in where there is none: the same stereo path with eye distance, field of view, resolution and
+//! refresh rate of the user's choice.
 
-use crate::config::SimulatedConfig;
 use base::space::{Fov, Pose};
 use glam::{DQuat, DVec3};
 use render::IMAGE_USAGES;
@@ -16,11 +15,28 @@ const MAX_IN_FLIGHT: usize = 2;
 /// Format of the images; what most runtimes offer first.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
+/// What the simulated headset is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulatedOptions {
+    /// Pixels of each eye's image: width, height.
+    pub size_px: [u32; 2],
+    /// What the left eye sees; the right eye mirrors it.
+    pub left_fov: Fov,
+    /// Distance between the eyes, metres.
+    pub eye_distance_m: f64,
+    /// Outward turn of each eye's display, radians.
+    pub cant_rad: f64,
+    /// Displays a second.
+    pub refresh_hz: f64,
+    /// Height of the eyes above the floor, metres.
+    pub eye_height_m: f64,
+}
+
 /// A headset without hardware. Its images stay valid, so the mirror shows them as they are.
 #[derive(Debug)]
 pub struct SimulatedHeadset {
     gpu: Arc<Gpu>,
-    config: SimulatedConfig,
+    options: SimulatedOptions,
     images: [wgpu::Texture; 2],
     in_flight: VecDeque<wgpu::SubmissionIndex>,
     began: Instant,
@@ -32,12 +48,12 @@ pub struct SimulatedHeadset {
 impl SimulatedHeadset {
     /// One with images on `gpu`.
     #[must_use]
-    pub fn new(gpu: &Arc<Gpu>, config: &SimulatedConfig) -> Self {
+    pub fn new(gpu: &Arc<Gpu>, options: SimulatedOptions) -> Self {
         let usage = IMAGE_USAGES | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let image = |label| gpu.texture(label, config.size_px, FORMAT, usage);
+        let image = |label| gpu.texture(label, options.size_px, FORMAT, usage);
         Self {
             gpu: Arc::clone(gpu),
-            config: config.clone(),
+            options,
             images: [image("left eye"), image("right eye")],
             in_flight: VecDeque::with_capacity(MAX_IN_FLIGHT + 1),
             began: Instant::now(),
@@ -48,22 +64,21 @@ impl SimulatedHeadset {
 
     /// The eyes of a head at rest in the stage.
     #[must_use]
-    pub fn eyes(config: &SimulatedConfig) -> [StageEye; 2] {
-        let [outward, inward, up, down] = config.fov_deg.map(f64::to_radians);
-        let left = Fov::from_angles(-outward, inward, up, -down);
+    pub fn eyes(options: &SimulatedOptions) -> [StageEye; 2] {
+        let SimulatedOptions { left_fov, eye_distance_m, eye_height_m, cant_rad, .. } = *options;
         // sign: −1 left, +1 right. A positive turn about y (up) is to the left, which is outward for the left eye.
         [-1.0, 1.0].map(|sign: f64| StageEye {
             stage_from_view: Pose {
-                position: DVec3::new(sign * 0.5 * config.eye_distance_m, config.eye_height_m, 0.0),
-                orientation: DQuat::from_rotation_y(-sign * config.cant_deg.to_radians()),
+                position: DVec3::new(sign * 0.5 * eye_distance_m, eye_height_m, 0.0),
+                orientation: DQuat::from_rotation_y(-sign * cant_rad),
             },
-            fov: if sign < 0.0 { left } else { left.mirrored() },
+            fov: if sign < 0.0 { left_fov } else { left_fov.mirrored() },
             gaze_in_view: None,
         })
     }
 
     fn period(&self) -> Duration {
-        Duration::from_secs_f64(1.0 / self.config.refresh_hz)
+        Duration::from_secs_f64(1.0 / self.options.refresh_hz)
     }
 }
 
@@ -73,11 +88,11 @@ impl Headset for SimulatedHeadset {
     }
 
     fn eye_sizes(&self) -> [[u32; 2]; 2] {
-        [self.config.size_px; 2]
+        [self.options.size_px; 2]
     }
 
     fn refresh_hz(&self) -> f64 {
-        self.config.refresh_hz
+        self.options.refresh_hz
     }
 
     fn image_format(&self) -> wgpu::TextureFormat {
@@ -99,7 +114,7 @@ impl Headset for SimulatedHeadset {
         }
         // The next display that can still be met; those that passed meanwhile are missed.
         let elapsed = self.began.elapsed();
-        let passed = (elapsed.as_secs_f64() * self.config.refresh_hz) as u64;
+        let passed = (elapsed.as_secs_f64() * self.options.refresh_hz) as u64;
         self.next_period = (self.next_period + 1).max(passed + 1);
         let period = self.period();
         let begin = period.mul_f64((self.next_period - 1) as f64);
@@ -120,7 +135,7 @@ impl Headset for SimulatedHeadset {
     }
 
     fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
-        Ok(Self::eyes(&self.config))
+        Ok(Self::eyes(&self.options))
     }
 
     fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
@@ -142,12 +157,15 @@ mod tests {
 
     #[test]
     fn eyes_mirror_each_other() {
-        let config = SimulatedConfig {
-            fov_deg: [50.0, 40.0, 45.0, 48.0],
-            cant_deg: 5.0,
-            ..SimulatedConfig::default()
+        let options = SimulatedOptions {
+            size_px: [960, 1080],
+            left_fov: Fov::from_angles(-0.9, 0.7, 0.8, -0.85),
+            eye_distance_m: 0.063,
+            cant_rad: 0.1,
+            refresh_hz: 90.0,
+            eye_height_m: 1.7,
         };
-        let [left, right] = SimulatedHeadset::eyes(&config);
+        let [left, right] = SimulatedHeadset::eyes(&options);
         assert!(left.stage_from_view.position.x < 0.0 && right.stage_from_view.position.x > 0.0);
         assert!(
             (left.fov.left + right.fov.right).abs() < 1e-12

@@ -1,9 +1,8 @@
 //! Where walks begin in scenes of every kind and size, near zero and far from it.
 
 use super::*;
-use crate::config::{LocomotionConfig, SimulatedConfig};
-use crate::walk::locomotion::{Locomotion, head_of};
-use crate::walk::simulated::SimulatedHeadset;
+use crate::walk::locomotion::{Locomotion, LocomotionOptions, head_of};
+use crate::walk::simulated::{SimulatedHeadset, SimulatedOptions};
 use glam::DVec4;
 
 /// A sequence that fills a square evenly.
@@ -42,11 +41,22 @@ fn egg(width: f64, height: f64) -> Vec<DVec3> {
     square(8000).map(at).collect()
 }
 
+/// 90 degrees in both directions.
+const HEADSET: SimulatedOptions = SimulatedOptions {
+    size_px: [100, 100],
+    left_fov: Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 },
+    eye_distance_m: 0.063,
+    cant_rad: 0.0,
+    refresh_hz: 90.0,
+    eye_height_m: 1.7,
+};
+const LOCOMOTION: LocomotionOptions =
+    LocomotionOptions { speed_m_per_s: None, fast: 4.0, snap_rad: 0.5, look_rad_per_px: 0.003 };
+
 /// Part of the scene that both eyes of the simulated headset see at the start.
 fn seen(scene: &Scene, start: Start) -> f64 {
-    let config = SimulatedConfig::default();
-    let eyes = SimulatedHeadset::eyes(&config);
-    let walk = Locomotion::new(&LocomotionConfig::default(), start, true);
+    let eyes = SimulatedHeadset::eyes(&HEADSET);
+    let walk = Locomotion::new(LOCOMOTION, start, true);
     let view = walk.view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
     let is_seen = |p: DVec3| {
         view.eyes.iter().all(|eye| {

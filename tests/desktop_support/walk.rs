@@ -5,8 +5,8 @@ use super::fault;
 use base::task::{CancelToken, Task};
 use render::gpu::Gpu;
 use render::options::Overlay;
-use scanwalk::config::Config;
-use scanwalk::desktop::{Display, WindowFacts};
+use scanwalk::desktop::{Display, WindowFacts, WindowOptions};
+use scanwalk::resolve::Plan;
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
 use scanwalk::walk::state::AppState;
 use std::sync::Arc;
@@ -69,10 +69,9 @@ pub fn play(role: &str) {
         }
     });
     let facts = WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
-    let mut config = Config::default();
-    config.window.size = [960, 640];
+    let options = WindowOptions { size: [960, 640], ..Plan::default().window };
     let outcome = Display::open(&stop)
-        .and_then(|display| display.run(Arc::clone(&gpu), viewer, facts, &config, stop.clone()));
+        .and_then(|display| display.run(Arc::clone(&gpu), viewer, facts, options, stop.clone()));
     // An error of the window ends the stand-in too.
     let stopped = stop.is_cancelled();
     stop.cancel();

@@ -12,14 +12,14 @@ use render::Look;
 use render::gpu::{Gpu, readback};
 use render::options::Quality;
 use render::{CloudBuffers, CloudUpload, EyeImage};
-use scanwalk::config::Config;
-use scanwalk::resolve;
+use scanwalk::resolve::Plan;
+use scanwalk::walk::governor::GovernorOptions;
 use scanwalk::walk::link::WalkEnd;
 use scanwalk::walk::locomotion::Start;
-use scanwalk::walk::simulated::SimulatedHeadset;
+use scanwalk::walk::simulated::{SimulatedHeadset, SimulatedOptions};
 use scanwalk::walk::start::start;
 use scanwalk::walk::state::Action;
-use scanwalk::walk::{Loaded, Walk, WalkError, link};
+use scanwalk::walk::{Loaded, Walk, WalkError, WalkOptions, link};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use timing::FrameRow;
@@ -55,7 +55,7 @@ fn allocations(gpu: &Gpu) -> Vec<(String, u64, u64)> {
 
 /// As headsets draw.
 fn look(quality: Quality) -> Look {
-    Look { quality, ..resolve::look(&Config::default()) }
+    Look { quality, ..Plan::default().draw.look }
 }
 
 #[test]
@@ -207,17 +207,19 @@ impl Witness {
     }
 }
 
-/// A walk without window, log and limits.
-fn endless<'a>(
+/// A walk without window, log, governor and limits.
+fn endless(
     gpu: &Arc<Gpu>,
-    config: &'a Config,
     loaded: Receiver<Loaded>,
     (actions, link): (Receiver<Action>, WalkEnd),
     stop: &CancelToken,
-) -> Walk<'a> {
+) -> Walk<'static> {
+    let Plan { draw, walk, .. } = Plan::default();
+    let governor = GovernorOptions { enabled: false, ..walk.governor };
     Walk {
         gpu: Arc::clone(gpu),
-        config,
+        draw,
+        options: WalkOptions { governor, ..walk },
         loaded,
         actions,
         link,
@@ -232,8 +234,6 @@ fn endless<'a>(
 
 /// The rows and the pictures of a walk that shows nothing, then the root, then the octree.
 fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
-    let mut config = Config::default();
-    config.governor.enabled = false;
     let (hierarchy, runs) = runs(scan);
     let outside = start(&hierarchy.scene, 1.0);
     // So near that the points fill the view.
@@ -244,7 +244,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     // Without room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
     let stop = CancelToken::default();
-    let walk = endless(&gpu(), &config, loaded, (actions, frame_link), &stop);
+    let walk = endless(&gpu(), loaded, (actions, frame_link), &stop);
     let mut pictures: Vec<Seen> = Vec::new();
     std::thread::scope(|scope| {
         let frames = scope.spawn(move || walk.run(&mut Witness::new(seen_sender)));
@@ -298,13 +298,12 @@ fn no_frame_is_missed_or_empty_while_nodes_arrive() {
 fn a_lost_gpu_ends_the_walk_with_its_reason() {
     let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
     assert_eq!(gpu.lost(), None);
-    let mut config = Config::default();
-    config.simulated.size_px = SIZE_PX;
+    let options = SimulatedOptions { size_px: SIZE_PX, ..Plan::default().simulated };
     let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
-    let walk = endless(&gpu, &config, loaded, (actions, frame_link), &CancelToken::default());
+    let walk = endless(&gpu, loaded, (actions, frame_link), &CancelToken::default());
     let error = std::thread::scope(|scope| {
-        let frames = scope.spawn(|| walk.run(&mut SimulatedHeadset::new(&gpu, &config.simulated)));
+        let frames = scope.spawn(|| walk.run(&mut SimulatedHeadset::new(&gpu, options)));
         viewer.rows.recv().expect("a frame");
         gpu.device.destroy();
         frames.join().expect("no panic").expect_err("no GPU")

@@ -5,8 +5,7 @@ use lab::bench::{self, BenchOptions, Table};
 use lab::report::{BenchResults, BenchRow, bench_markdown, bench_page};
 use lab::technique::Method;
 use points::ReadOptions;
-use scanwalk::config::Config;
-use scanwalk::resolve;
+use scanwalk::resolve::Plan;
 
 const POINTS: u64 = 20_000;
 
@@ -21,7 +20,7 @@ fn measure_some(table: Table, points: u64, methods: &[&str]) -> BenchResults {
         eyes: |_, _| unreachable!("no scan of a user's"),
         adapter: String::new(),
         chunk_limit: 0,
-        headset_look: resolve::look(&Config::default()),
+        headset_look: Plan::default().draw.look,
         tables: vec![table],
         points: vec![points],
         methods: methods.iter().map(|&name| name.into()).collect(),

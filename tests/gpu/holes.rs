@@ -12,7 +12,7 @@ mod scene;
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
-use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, settings, sphere, unreduced};
+use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, plan, sphere, unreduced};
 use kit::frames::gpu;
 use lab::synth::{Kind, Viewpoint};
 use render::CloudBuffers;
@@ -54,16 +54,16 @@ fn holes_from(
     presets: &[&str],
     frames: &[(&str, f32)],
 ) -> Vec<Holes> {
-    let of = |set: &str| settings(presets, &[set.to_owned()]).expect("settings");
+    let of = |set: &str| plan(presets, &[set.to_owned()]).expect("settings");
     let first = of(frames[0].0);
     let view = left_eye(&first, place.eye, place.target, share);
     let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
-    let mut drawer = Drawer::new(&gpu(), cloud, &first, view.eyes[0].size_px).expect("room on the GPU");
-    let mut draw = |config: &_, lod_scale| drawer.draw(config, &view, lod_scale).expect("a frame");
+    let mut drawer = Drawer::new(&gpu(), cloud, &first.draw, view.eyes[0].size_px).expect("room on the GPU");
+    let mut draw = |look, lod_scale| drawer.draw(look, &view, lod_scale).expect("a frame");
     // Of the preset itself, whatever is set besides.
-    let whole = is_open.then(|| draw(&unreduced(&settings(presets, &[]).expect("settings")), 1.0));
+    let whole = is_open.then(|| draw(unreduced(plan(presets, &[]).expect("settings").draw.look), 1.0));
     let of_frame = |&(set, lod_scale): &(&str, f32)| {
-        let drawn = draw(&of(set), lod_scale);
+        let drawn = draw(of(set).draw.look, lod_scale);
         holes::holes(&view, &drawn, whole.as_ref(), OUTLINE_PX)
     };
     frames.iter().map(of_frame).collect()
@@ -150,14 +150,14 @@ fn thresholds_set_by_hand_open_no_holes() {
 /// An empty pixel counts in the ring that it lies in, unless it is empty without level of detail too.
 #[test]
 fn a_hole_is_counted_in_its_ring() {
-    let config = settings(&["balanced", "valve-index"], &[]).expect("settings");
-    let view = left_eye(&config, DVec3::ZERO, DVec3::Y, 0.02);
+    let plan = plan(&["balanced", "valve-index"], &[]).expect("settings");
+    let view = left_eye(&plan, DVec3::ZERO, DVec3::Y, 0.02);
     let [width, height] = view.eyes[0].size_px;
     let whole =
         Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };
     let with_hole = |at: usize| {
         let mut drawn = whole.clone();
-        drawn.rgb[at] = config.frame.background;
+        drawn.rgb[at] = plan.draw.look.background;
         drawn
     };
     let center = (height / 2 * width + width / 2) as usize;
@@ -178,5 +178,5 @@ fn a_hole_is_counted_in_its_ring() {
         let narrow = holes::holes(&view, &with_hole(at + 1), Some(&drawn), OUTLINE_PX);
         assert_eq!(narrow.outline, Judged { empty: 1, judged: outline });
     }
-    assert!(unreduced(&config).lod.threshold_px.iter().all(|&px| px < 1.0));
+    assert!(unreduced(plan.draw.look).detail.threshold_px.iter().all(|&px| px < 1.0));
 }

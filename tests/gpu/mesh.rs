@@ -13,8 +13,6 @@ use lab::twin::{self, Frame, Scene};
 use points::Scan;
 use render::Look;
 use render::options::{Dilate, Quality};
-use scanwalk::config::{Config, LodMethod};
-use scanwalk::resolve;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -384,11 +382,10 @@ fn methods_draw_meshes_too() {
 
 #[test]
 fn hardware_points_are_no_discs() {
-    let mut config = Config::default();
-    config.frame.method = Method::PointList;
-    assert!(resolve::atomics(&config, &gpu()).is_ok());
-    config.lod.method = LodMethod::Spt;
-    let refusal = resolve::atomics(&config, &gpu()).expect_err("discs have sizes").to_string();
+    let mut technique = LabTechnique::method(Method::PointList);
+    assert!(technique.check(&gpu(), gpu().atomics()).is_ok());
+    technique.error_px = Some(1.0);
+    let refusal = technique.check(&gpu(), gpu().atomics()).expect_err("discs have sizes").to_string();
     assert!(refusal.contains("point-list") && refusal.contains("lod.method"), "{refusal}");
 }
 

@@ -5,8 +5,7 @@ use glam::{DQuat, DVec3};
 use kit::frames::{gpu, image};
 use render::gpu::readback;
 use render::{EyeImage, Renderer, Setup};
-use scanwalk::config::Config;
-use scanwalk::resolve;
+use scanwalk::resolve::Plan;
 
 const SIZE_PX: [u32; 2] = [160, 120];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -21,7 +20,7 @@ fn seen(fraction: Option<f64>, turned_rad: f64) -> [Vec<[u8; 4]>; 2] {
         depth_format: Some(depth_format),
         atomics: gpu.atomics(),
     };
-    let mut renderer = Renderer::new(&gpu, setup, resolve::look(&Config::default())).expect("a renderer");
+    let mut renderer = Renderer::new(&gpu, setup, Plan::default().draw.look).expect("a renderer");
     let eye = |x: f64| Eye {
         world_from_view: Pose {
             position: DVec3::new(x, 1.6, 0.0),

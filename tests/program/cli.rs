@@ -81,6 +81,7 @@ fn every_command_explains_its_options() {
         ("synth", &["terrestrial", "aerial", "photogrammetry", "--points", "--seed", "statue.ply"]),
         ("bench", &["2021", "2022", "vr", "spt", "--json", "--csv"]),
         ("report", &["--out", "--worst-poses", "FRAMES.csv", "RESULTS.json", "Examples:"]),
+        ("settings", &["--laboratory", "--preset", "WORD", "Examples:"]),
         ("doctor", &["--json"]),
     ] {
         let output = output(&[command, "--help"]);
@@ -100,6 +101,36 @@ fn help_names_every_preset() {
             assert!(help.contains(preset.name), "{} is not in\n{help}", preset.name);
         }
     }
+}
+
+/// What `scanwalk settings` lists.
+fn listed(args: &[&str]) -> toml::Table {
+    let output = output(&[&["settings"], args].concat());
+    assert_eq!(output.status.code(), Some(0), "{args:?}");
+    String::from_utf8(output.stdout).unwrap().parse().unwrap()
+}
+
+#[test]
+fn settings_are_listed_as_a_file_for_config() {
+    let users = listed(&[]);
+    assert!(users["frame"].get("near_m").is_some() && users["frame"].get("method").is_none());
+    let laboratory = listed(&["--laboratory"]);
+    assert!(laboratory["frame"].get("near_m").is_none() && laboratory["frame"].get("method").is_some());
+    // Words find the settings of both.
+    let named = listed(&["near_m", "chunk"]);
+    assert_eq!(named, "gpu.chunk_mib = 0\nframe.near_m = 0.05".parse().unwrap());
+    // With the values in force; and what is listed says the same when it is read.
+    let changed = listed(&["--preset", "performance", "--set", "lod.fade=false"]);
+    assert!(changed != users && changed["lod"]["fade"].as_bool() == Some(false));
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("my.toml");
+    std::fs::write(&file, changed.to_string()).unwrap();
+    assert_eq!(listed(&["--config", file.to_str().unwrap()]), changed);
+    let plain = listed(&["--preset", "plain"]);
+    assert_eq!(plain["cloud"].get("order").and_then(toml::Value::as_str), Some("original"), "set, so listed");
+    assert!(users["cloud"].get("order").is_none());
+    let (_, sentence) = refusal(&["settings", "nearm"]);
+    assert!(sentence.contains("no setting 'nearm'; did you mean 'frame.near_m'?"), "{sentence}");
 }
 
 #[test]
@@ -130,6 +161,9 @@ fn wrong_usage_exits_2() {
         &["report", "a.csv", "-o", "a.csv"],
         &["report", "Cargo.toml", "-o", "./src/../Cargo.toml"],
         &["report", "a.csv", "-o", "b", "--worst-poses", "b"],
+        &["settings", "nearm"],
+        &["settings", "--laboratory", "lod"],
+        &["settings", "--set", "lod.fade=7"],
     ] {
         let (code, text) = refusal(args);
         assert_eq!(code, 2, "{args:?}: {text}");

@@ -1,10 +1,9 @@
-//! Settings: the default file is the defaults, and every mistake is named with its place and the way out.
+//! Settings: the table yields the files that show them, and every mistake is named with its place and the way out.
 
 use render::options::Precision;
-use scanwalk::config::{Config, ConfigError, Mirror, PRESETS, Preset, load};
-use std::path::PathBuf;
-
-const DEFAULT_TOML: &str = include_str!("../../config/default.toml");
+use scanwalk::config::{Config, ConfigError, FILES, Kind, PRESETS, Preset, Setting, file, load, page};
+use scanwalk::desktop::Mirror;
+use std::path::{Path, PathBuf};
 
 fn sets(sets: &[&str]) -> Result<Config, ConfigError> {
     load(&[], None, &sets.iter().map(|set| (*set).to_owned()).collect::<Vec<_>>())
@@ -19,7 +18,7 @@ fn complaint(text: &str) -> String {
     error.replace(&format!("{}/", folder.path().display()), "")
 }
 
-/// Keys that `default.toml` assigns, dotted; with their comment lines counted.
+/// Keys that a file assigns, dotted.
 fn keys_in(text: &str) -> Vec<String> {
     let table: toml::Table = text.parse().unwrap();
     let mut keys = Vec::new();
@@ -29,19 +28,81 @@ fn keys_in(text: &str) -> Vec<String> {
     keys
 }
 
+/// A file below `config/`.
+fn path_of(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(name)
+}
+
+/// `SCANWALK_BLESS=1` writes the files anew.
 #[test]
-fn the_default_file_is_the_defaults() {
-    let parsed: Config = toml::from_str(DEFAULT_TOML).unwrap();
-    assert_eq!(parsed, Config::default());
-    assert_eq!(keys_in(DEFAULT_TOML), Config::keys(), "every key appears, and no other");
+fn the_files_are_what_the_table_yields() {
+    for (name, audience, about) in FILES {
+        let text = file(audience, about);
+        if std::env::var_os("SCANWALK_BLESS").is_some() {
+            std::fs::write(path_of(name), &text).unwrap();
+        }
+        let written = std::fs::read_to_string(path_of(name)).unwrap();
+        assert!(
+            written == text,
+            "config/{name} is not what the table says: `SCANWALK_BLESS=1 cargo test --test program config` writes it anew"
+        );
+        assert!(text.lines().all(|line| line.chars().count() <= 120));
+    }
+}
+
+#[test]
+fn the_files_are_the_defaults_and_all_of_them() {
+    let texts = FILES.map(|(_, audience, about)| file(audience, about));
+    let mut keys = Vec::new();
+    for text in &texts {
+        let parsed: Config = toml::from_str(text).unwrap();
+        assert_eq!(parsed, Config::default());
+        keys.extend(keys_in(text));
+    }
+    let mut all: Vec<&str> = Setting::all().map(|setting| setting.key).collect();
+    all.sort_unstable();
+    keys.sort_unstable();
+    assert_eq!(keys, all, "every key once");
     // The comparison can fail.
-    let shorter: String = DEFAULT_TOML
-        .lines()
-        .filter(|line| !line.starts_with("snap_deg"))
-        .fold(String::new(), |text, line| text + line + "\n");
-    assert_ne!(keys_in(&shorter), Config::keys());
-    let other: Config = toml::from_str(&DEFAULT_TOML.replace("near_m = 0.05", "near_m = 0.06")).unwrap();
+    let other: Config = toml::from_str(&texts[0].replace("near_m = 0.05", "near_m = 0.06")).unwrap();
     assert_ne!(other, Config::default());
+}
+
+/// Names in quotes that a text has.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('"').skip(1).step_by(2).collect()
+}
+
+#[test]
+fn the_meaning_of_a_choice_names_all_that_there_are() {
+    let mut num_choices = 0;
+    for setting in Setting::all() {
+        let Kind::Choice(names) = setting.kind() else { continue };
+        num_choices += 1;
+        let help = setting.help();
+        let mut told = quoted(&help);
+        let mut names = names.to_vec();
+        told.sort_unstable();
+        names.sort_unstable();
+        assert_eq!(told, names, "{}: {help}", setting.key);
+    }
+    assert!(num_choices > 8, "{num_choices}");
+    assert_eq!(quoted("\"a\" or \"b\""), ["a", "b"]);
+}
+
+/// An entry of the table that is missing something is seen where people read it.
+#[test]
+fn meanings_are_sentences_and_numbers_have_limits() {
+    for setting in Setting::all() {
+        let (key, help) = (setting.key, setting.help());
+        assert!(help.ends_with('.') && help.split_whitespace().count() > 2, "{key}: {help}");
+        let is_number = |kind: &Kind| *kind == Kind::Number;
+        let kind = setting.kind();
+        let is_free = is_number(&kind) || matches!(&kind, Kind::List(items, _) if is_number(items));
+        assert!(!is_free || setting.range.is_some(), "{key} has no range");
+        let has_unit = ["_m", "_deg", "_px", "_mib", "_hz"].iter().any(|end| key.ends_with(end));
+        assert!(!has_unit || !setting.unit.is_empty(), "{key} has no unit");
+    }
 }
 
 /// Lines that assign something and have no comment above.
@@ -55,7 +116,7 @@ fn without_comment(text: &str) -> Vec<&str> {
 
 #[test]
 fn every_key_has_a_comment() {
-    assert_eq!(without_comment(DEFAULT_TOML), [""; 0]);
+    assert_eq!(without_comment(&page(&Config::default(), |_| true)), [""; 0]);
     for Preset { name, text } in PRESETS {
         assert_eq!(without_comment(text), [""; 0], "{name}");
     }
@@ -71,17 +132,19 @@ fn every_preset_is_a_configuration() {
     for Preset { name, text } in PRESETS {
         let config = preset(&[name]).unwrap_or_else(|error| panic!("{name}: {error}"));
         let keys = keys_in(text);
-        assert!(keys.iter().all(|key| Config::keys().contains(key)), "{name}: {keys:?}");
+        assert!(keys.iter().all(|key| Setting::find(key).is_some()), "{name}: {keys:?}");
         // What it says is what it does, and it does nothing else.
         let (default, table) = (Config::default().to_table(), config.to_table());
         let said: toml::Table = text.parse().unwrap();
-        for key in Config::keys() {
-            let (section, word) = key.split_once('.').unwrap();
-            let expected = said.get(section).and_then(|section| section.get(word));
-            assert_eq!(&table[section][word], expected.unwrap_or(&default[section][word]), "{name}: {key}");
+        for Setting { section, name: word, key, .. } in Setting::all() {
+            let expected = said.get(*section).and_then(|section| section.get(*word));
+            assert_eq!(
+                &table[*section][*word],
+                expected.unwrap_or(&default[*section][*word]),
+                "{name}: {key}"
+            );
         }
-        let file = format!("{}/config/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-        assert_eq!(std::fs::read_to_string(file).unwrap(), text, "{name}");
+        assert_eq!(std::fs::read_to_string(path_of(&format!("{name}.toml"))).unwrap(), text, "{name}");
     }
 }
 
@@ -234,12 +297,30 @@ fn values_out_of_range_are_refused_with_their_place() {
         "locomotion.snap_deg=0",
         "locomotion.look_deg_per_px=nan",
         "window.size=[0, 0]",
+        "cloud.unit=0",
+        "fovea.ring_deg=[10, 90]",
+        "lod.threshold_px=[10, 100, 100]",
     ] {
         let error = sets(&[set]).expect_err(set);
         assert!(matches!(error, ConfigError::OutOfRange { .. }), "{set}: {error}");
         assert!(error.to_string().starts_with(&format!("--set {set}: {}", set.split('=').next().unwrap())));
     }
-    assert!(complaint("\n\nframe.near_m = -1").starts_with("walk.toml, line 3: frame.near_m is -1, but"));
+    for (text, expected) in [
+        (
+            "\n\nframe.near_m = -1",
+            "walk.toml, line 3: frame.near_m is -1, but must be from 0.000001 to 1000000",
+        ),
+        (
+            "window.size = [0, 9]",
+            "walk.toml, line 1: window.size is [0, 9], but each must be from 1 to 16384",
+        ),
+        (
+            "fovea.ring_deg = [30, 20]",
+            "walk.toml, line 1: fovea.ring_deg is [30.0, 20.0], but the inner ring must end first",
+        ),
+    ] {
+        assert_eq!(complaint(text), expected);
+    }
     // An asymmetric field of view, whose inner half looks outwards, is no mistake.
     assert!(sets(&["simulated.fov_deg=[60, -10, 45, 45]"]).is_ok());
 }

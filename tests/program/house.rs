@@ -360,6 +360,34 @@ fn the_queue_stays_behind_its_lock() {
     assert!(bare_queues(&file("src/desktop/painter.rs")).is_empty());
 }
 
+/// Those who see settings as such: the command line makes them, and `resolve` makes of them what each room is told.
+const SEES_SETTINGS: [&str; 4] = ["src/cli/", "src/config/", "src/resolve.rs", "src/lib.rs"];
+
+/// Lines outside of those that name the settings.
+fn settings_seen(file: &File) -> Vec<String> {
+    if SEES_SETTINGS.iter().any(|place| file.path.starts_with(place)) {
+        return Vec::new();
+    }
+    let is_named = |text: &str| {
+        text.contains("config::") || ["Config", "crate::config"].iter().any(|word| names(text, word))
+    };
+    let lines = code(&file.text).filter(|(_, text)| is_named(text));
+    lines.map(|(line, _)| format!("{}:{line}: take options of your own", file.path)).collect()
+}
+
+#[test]
+fn settings_are_resolved_once() {
+    let faults: Vec<String> = sources().iter().flat_map(settings_seen).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let sample = |path: &str, text: &str| settings_seen(&File { path: path.into(), text: text.into() }).len();
+    for text in ["config: &Config,", "use crate::config::FrameConfig;", "use crate::{config::Mirror, view};"]
+    {
+        assert_eq!(sample("src/walk/run.rs", text), 1, "{text}");
+        assert_eq!(sample("src/cli/mod.rs", text), 0, "{text}");
+    }
+    assert_eq!(sample("src/desktop/screen.rs", "let config: SurfaceConfiguration = self.config;"), 0);
+}
+
 const MAX_LINES: usize = 500;
 
 fn too_long(file: &File) -> Option<String> {

@@ -2,13 +2,12 @@
 
 use kit::xr::{Finished, Running, Runtime};
 use render::gpu::Gpu;
-use scanwalk::config::Config;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use xr::hidden_area::HiddenArea;
-use xr::{self, XrHeadset};
+use xr::{self, XrHeadset, XrOptions};
 use xr::{Beat, EyeImages, Headset, StageEye};
 
 /// Carries the [`Job`] to the child.
@@ -95,15 +94,14 @@ fn probe() {
     if job.misuse == "openxr" {
         return crate::validation::misuse_openxr();
     }
-    let mut config = Config::default();
-    if job.resolution_scale > 0.0 {
-        config.headset.resolution_scale = job.resolution_scale;
-    }
-    if job.near_m > 0.0 {
-        config.frame.near_m = job.near_m;
-    }
-    (config.headset.depth_layer, config.headset.visibility_mask) = (!job.plain, !job.plain);
-    let (gpu, headset) = match xr::open(&scanwalk::resolve::headset(&config)) {
+    let asked_or = |asked: f64, otherwise: f64| if asked > 0.0 { asked } else { otherwise };
+    let options = XrOptions {
+        resolution_scale: asked_or(job.resolution_scale, 1.0),
+        depth_layer: !job.plain,
+        visibility_mask: !job.plain,
+        near_m: asked_or(job.near_m, 0.05),
+    };
+    let (gpu, headset) = match xr::open(&options) {
         Ok(opened) => opened,
         Err(missing) => return report(&json!({ "missing": missing.to_string() })),
     };

@@ -1,8 +1,6 @@
 //! The governor's ladder: what there is to trade, from what was asked for down to the cheapest, and what was learnt of
 //! each rung.
 
-use crate::config::Config;
-use crate::resolve;
 use render::options::Quality;
 
 /// LOD scales of the ladder below 1: a fourth fewer points each, where points lie on surfaces.
@@ -97,15 +95,12 @@ pub(super) fn later(patience: u32) -> u32 {
     (LATER * patience).min(MOST_PATIENCE)
 }
 
-/// What there is to trade, dearest first. Only what was asked for if the governor is off. `has_detail`: the cloud that is
-/// shown can be drawn with fewer points.
-pub(super) fn ladder(config: &Config, has_detail: bool) -> Vec<Rung> {
-    let mut now = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality: resolve::look(config).quality };
+/// What there is to trade, dearest first: `quality` is what was asked for. `has_detail`: the cloud that is shown can be drawn
+/// with fewer points.
+pub(super) fn ladder(quality: Quality, has_detail: bool) -> Vec<Rung> {
+    let mut now = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality };
     let mut ladder = vec![Rung::new(now)];
-    if !config.governor.enabled {
-        return ladder;
-    }
-    if config.lod.enabled && has_detail {
+    if has_detail {
         for lod_scale in LOD_SCALES {
             now.lod_scale = lod_scale;
             ladder.push(Rung::new(now));

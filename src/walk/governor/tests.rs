@@ -3,8 +3,6 @@
 
 use super::ladder::RESOLUTION_SCALES;
 use super::*;
-use crate::resolve;
-use lab::technique::Method;
 use render::options::Quality;
 use std::collections::VecDeque;
 
@@ -63,8 +61,8 @@ impl Decides for Naive {
         self.0.settings()
     }
     fn observe(&mut self, _frame: u64, _phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
-        let Self(Governor { at, ladder, budget, .. }) = self;
-        let target_ms = *budget * budget_ms;
+        let Self(Governor { at, ladder, options, .. }) = self;
+        let target_ms = options.budget * budget_ms;
         let from = ladder[*at].settings;
         *at = if gpu_ms > target_ms { (*at + 1).min(ladder.len() - 1) } else { at.saturating_sub(1) };
         let to = ladder[*at].settings;
@@ -128,8 +126,26 @@ impl<D: Decides> Run<D> {
     }
 }
 
+const OPTIONS: GovernorOptions = GovernorOptions { enabled: true, budget: 0.8 };
+
 fn governor() -> Governor {
-    Governor::new(&Config::default())
+    governor_of(Quality::Hqs)
+}
+
+/// What is asked for is `quality`.
+fn governor_of(quality: Quality) -> Governor {
+    Governor::new(OPTIONS, &look_of(quality))
+}
+
+fn look_of(quality: Quality) -> Look {
+    Look { quality, ..Look::default() }
+}
+
+/// With a cloud that has no level of detail.
+fn flat() -> Governor {
+    let mut governor = governor();
+    governor.restart(false);
+    governor
 }
 
 fn calm(governor: Governor) -> Run<Governor> {
@@ -197,9 +213,7 @@ fn hopeless_overload_leaves_a_good_picture() {
         naive.under(Load::of(times), 3000);
         assert_eq!(naive.governor.0.settings(), CHEAPEST, "the comparison can fail");
     }
-    let mut config = Config::default();
-    config.lod.enabled = false;
-    let mut flat = calm(Governor::new(&config));
+    let mut flat = calm(flat());
     flat.under(Load::of(100.0), 1000);
     assert_eq!(flat.governor.settings(), BEST, "every rung below blurs");
 }
@@ -239,7 +253,7 @@ fn frames_before_the_walk_do_not_count() {
     }
     let mut run = started(noisy(1));
     assert!(run.steps.is_empty() && run.governor.settings() == BEST, "{:?}", run.steps);
-    run.governor.restart(&Config::default(), true);
+    run.governor.restart(true);
     run.under(Load::of(0.6), 1000);
     assert!(run.steps.is_empty(), "{:?}", run.steps);
     assert_eq!(started(Run::new(Naive(governor()), 0.1, 1)).governor.0.settings(), CHEAPEST);
@@ -254,7 +268,7 @@ fn a_cloud_without_detail_has_fewer_rungs() {
     let mut run = calm(governor());
     run.under(Load::of(BEARABLE), 100);
     assert_eq!(run.governor.settings(), CHEAPEST);
-    run.governor.restart(&Config::default(), false);
+    run.governor.restart(false);
     assert_eq!(run.governor.settings(), BEST, "what another cloud made it give up is back");
     let steps_before = run.steps.len();
     run.under(Load::of(1.5), 300);
@@ -329,9 +343,7 @@ fn what_saves_nothing_is_given_back() {
     run.under(Load::of(BEARABLE), 500);
     run.under(after(0.6 * TARGET_MS), 3000);
     assert_eq!(run.governor.settings(), BEST, "{:?}", run.steps.last());
-    let mut config = Config::default();
-    config.frame.quality = Quality::Closest;
-    let mut run = calm(Governor::new(&config));
+    let mut run = calm(governor_of(Quality::Closest));
     run.under(Load::of(BEARABLE), 500);
     run.under(after(0.85 * TARGET_MS), 5000);
     assert_eq!(run.governor.settings(), Settings { quality: Quality::Closest, ..BEST }, "{:?}", run.steps);
@@ -418,44 +430,31 @@ fn the_order_is_level_of_detail_then_resolution_then_closest_and_back() {
 
 #[test]
 fn what_is_off_is_skipped() {
-    let config = |change: &dyn Fn(&mut Config)| {
-        let mut config = Config::default();
-        change(&mut config);
-        Governor::new(&config)
-    };
-    let mut flat = calm(config(&|config| config.lod.enabled = false));
+    let mut flat = calm(flat());
     flat.under(Load::of(1.5), 300);
     assert!(flat.steps.iter().all(|(_, step)| step.to.lod_scale == 1.0) && !flat.steps.is_empty());
     assert!(flat.steps[0].1.to.resolution_scale < 1.0);
-    let mut closest = calm(config(&|config| config.frame.quality = Quality::Closest));
+    let mut closest = calm(governor_of(Quality::Closest));
     closest.under(Load::of(BEARABLE), 1000);
     assert_eq!(closest.governor.settings(), CHEAPEST);
     assert!(closest.steps.iter().all(|(_, step)| step.from.quality == Quality::Closest));
-    let mut off = calm(config(&|config| config.governor.enabled = false));
+    let mut off = calm(Governor::new(GovernorOptions { enabled: false, ..OPTIONS }, &look_of(Quality::Hqs)));
     off.under(Load::of(50.0), 1000);
     assert!(off.steps.is_empty() && off.governor.settings() == BEST);
 }
 
-/// A method of one quality is drawn so whatever the settings say: steps down must not begin with a dearer one.
+/// What the look asks for is the top, and giving up must not begin with what is dearer.
 #[test]
 fn the_top_is_what_is_drawn_and_no_rung_is_dearer() {
-    for method in Method::ALL {
-        for asked in [Quality::Closest, Quality::Hqs] {
-            let mut config = Config::default();
-            (config.frame.method, config.frame.quality) = (method, asked);
-            let drawn = resolve::look(&config).quality;
-            let mut run = calm(Governor::new(&config));
-            assert_eq!(run.governor.settings().quality, drawn, "{method:?}, {asked:?}");
-            run.under(Load::of(10.0), 500);
-            assert!(!run.steps.is_empty());
-            let dearer =
-                |step: &Step| step.from.quality == Quality::Closest && step.to.quality == Quality::Hqs;
-            assert!(
-                !run.steps.iter().any(|(_, step)| dearer(step)),
-                "{method:?}, {asked:?}: {:?}",
-                run.steps
-            );
-        }
+    for quality in [Quality::Closest, Quality::Hqs] {
+        let mut run = calm(governor_of(quality));
+        assert_eq!(run.governor.settings().quality, quality);
+        run.under(Load::of(10.0), 500);
+        assert!(!run.steps.is_empty());
+        let dearer = |step: &Step| step.from.quality == Quality::Closest && step.to.quality == Quality::Hqs;
+        assert!(!run.steps.iter().any(|(_, step)| dearer(step)), "{quality:?}: {:?}", run.steps);
+        run.governor.restart(true);
+        assert_eq!(run.governor.settings().quality, quality, "a new walk begins at the top too");
     }
 }
 

@@ -1,0 +1,27 @@
+//! `scanwalk settings`: what can be set, what it means, and what it is set to.
+
+use super::{SettingsArgs, Usage};
+use crate::config::{Audience, Config, Setting, page};
+use std::io::{self, Write};
+
+/// Prints the settings that were asked for, as `config` has them.
+pub(super) fn run(args: &SettingsArgs, config: &Config) -> anyhow::Result<()> {
+    for word in &args.words {
+        if !Setting::all().any(|setting| setting.key.contains(word.as_str())) {
+            let nearest = Setting::nearest(word).key;
+            return Err(Usage(format!("there is no setting '{word}'; did you mean '{nearest}'?")).into());
+        }
+    }
+    let (values, defaults) = (config.to_table(), Config::default().to_table());
+    let is_wanted = |setting: &Setting| match (&args.words[..], args.laboratory) {
+        ([], true) => setting.audience == Audience::Laboratory,
+        // And whatever somebody has set: as a file, this says the same.
+        ([], false) => {
+            let Setting { section, name, audience, .. } = *setting;
+            audience == Audience::Users || values[section][name] != defaults[section][name]
+        }
+        (words, _) => words.iter().any(|word| setting.key.contains(word.as_str())),
+    };
+    write!(io::stdout().lock(), "{}", page(config, is_wanted))?;
+    Ok(())
+}

@@ -1,0 +1,179 @@
+//! What a setting takes: its type tells, by what it asks serde for.
+
+use serde::de::value::{Error as Refusal, StrDeserializer};
+use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::{Deserialize, forward_to_deserialize_any};
+use std::fmt::{self, Display};
+
+/// What can be assigned to a setting. As text it continues "must be …".
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// True or false.
+    Flag,
+    /// A number without fraction, up to this one.
+    Whole(u32),
+    /// A number.
+    Number,
+    /// Any text.
+    Text,
+    /// One of these names.
+    Choice(&'static [&'static str]),
+    /// So many of one kind.
+    List(Box<Self>, usize),
+    /// What the type says of itself.
+    Other(String),
+}
+
+impl Kind {
+    /// What `T` takes.
+    #[must_use]
+    pub fn of<'de, T: Deserialize<'de>>() -> Self {
+        match T::deserialize(Asked) {
+            Err(Answer(kind)) => kind,
+            // It asked for nothing.
+            Ok(_) => Self::Other("anything".into()),
+        }
+    }
+}
+
+impl Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let most = |most: &u32| format!("from 0 to {most}");
+        match self {
+            Self::Flag => f.write_str("true or false"),
+            Self::Whole(number) => write!(f, "a whole number {}", most(number)),
+            Self::Number => f.write_str("a number"),
+            Self::Text => f.write_str("a text in quotes"),
+            Self::Choice([one, other]) => write!(f, "\"{one}\" or \"{other}\""),
+            Self::Choice(names) => write!(f, "one of \"{}\"", names.join("\", \"")),
+            Self::List(kind, len) => match &**kind {
+                Self::Whole(number) => write!(f, "a list of {len} whole numbers {}", most(number)),
+                _ => write!(f, "a list of {len} numbers"),
+            },
+            Self::Other(words) => f.write_str(&words.replace('`', "\"")),
+        }
+    }
+}
+
+/// The choices of `T` by their names, in its own order; none if it is not chosen by name.
+#[must_use]
+pub fn choices<'de, T: Deserialize<'de>>() -> Vec<(&'static str, T)> {
+    let Kind::Choice(names) = Kind::of::<T>() else { return Vec::new() };
+    let value = |name: &'static str| {
+        let name_as_value: StrDeserializer<'static, Refusal> = name.into_deserializer();
+        Some((name, T::deserialize(name_as_value).ok()?))
+    };
+    names.iter().copied().filter_map(value).collect()
+}
+
+/// Stands in for a value: whoever wants to read it learns nothing, but tells what it wants.
+struct Asked;
+
+/// What was asked for. It travels as an error, which ends the reading.
+#[derive(Debug)]
+struct Answer(Kind);
+
+impl Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl std::error::Error for Answer {}
+
+impl Error for Answer {
+    fn custom<T: Display>(words: T) -> Self {
+        Self(Kind::Other(words.to_string()))
+    }
+}
+
+impl<'de> Deserializer<'de> for Asked {
+    type Error = Answer;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Answer> {
+        struct Expected<V>(V);
+        impl<'de, V: Visitor<'de>> Display for Expected<V> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.expecting(f)
+            }
+        }
+        Err(Answer::custom(Expected(visitor)))
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(Kind::Flag))
+    }
+
+    fn deserialize_u8<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(Kind::Whole(u8::MAX.into())))
+    }
+
+    fn deserialize_u32<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(Kind::Whole(u32::MAX)))
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(Kind::Number))
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(Kind::Text))
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        names: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Kind::Choice(names)))
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Answer> {
+        visitor.visit_seq(self).map_err(|Answer(kind)| Answer(Kind::List(Box::new(kind), len)))
+    }
+
+    forward_to_deserialize_any! {
+        i8 i16 i32 i64 i128 u16 u64 u128 f32 char str bytes byte_buf option unit unit_struct newtype_struct seq
+        tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// The first element of a list tells what all are.
+impl<'de> SeqAccess<'de> for Asked {
+    type Error = Answer;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Answer> {
+        seed.deserialize(Self).map(Some)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use points::{Unit, Up};
+    use render::options::Quality;
+
+    #[test]
+    fn types_tell_what_they_take() {
+        let kinds = [Kind::of::<bool>(), Kind::of::<u32>(), Kind::of::<f64>(), Kind::of::<String>()];
+        assert_eq!(kinds, [Kind::Flag, Kind::Whole(u32::MAX), Kind::Number, Kind::Text]);
+        assert_eq!(Kind::of::<[u8; 3]>(), Kind::List(Box::new(Kind::Whole(255)), 3));
+        assert_eq!(Kind::of::<Up>(), Kind::Choice(&["auto", "z", "y", "-y"]));
+    }
+
+    #[test]
+    fn words_continue_a_sentence() {
+        assert_eq!(Kind::of::<[f64; 2]>().to_string(), "a list of 2 numbers");
+        assert_eq!(Kind::of::<Quality>().to_string(), "\"closest\" or \"hqs\"");
+        assert_eq!(Kind::of::<Up>().to_string(), "one of \"auto\", \"z\", \"y\", \"-y\"");
+        let unit = Kind::of::<Unit>().to_string();
+        assert!(unit.starts_with("\"auto\", \"m\"") && unit.ends_with("or a number of metres"), "{unit}");
+    }
+
+    #[test]
+    fn choices_are_those_of_the_type() {
+        assert_eq!(choices::<Quality>(), [("closest", Quality::Closest), ("hqs", Quality::Hqs)]);
+        assert_eq!(choices::<bool>(), []);
+    }
+}

@@ -1,0 +1,162 @@
+//! What a setting is, and the macro that makes structs, defaults and the list of all settings from the one table.
+
+use super::kind::Kind;
+
+/// Settings that belong together.
+#[derive(Debug)]
+pub struct Section {
+    /// As it stands in brackets: `frame`.
+    pub name: &'static str,
+    /// What it is about: a sentence.
+    pub(super) about: &'static str,
+    /// What is in it.
+    pub settings: &'static [Setting],
+}
+
+impl Section {
+    /// What it is about: a sentence.
+    #[must_use]
+    pub fn about(&self) -> &'static str {
+        self.about.trim()
+    }
+}
+
+/// Something that can be set.
+#[derive(Debug)]
+pub struct Setting {
+    /// Its section's name: `frame`.
+    pub section: &'static str,
+    /// Its own name: `near_m`.
+    pub name: &'static str,
+    /// Both, dotted: `frame.near_m`.
+    pub key: &'static str,
+    /// What it means, without its limits.
+    pub(super) help: &'static str,
+    /// The least and the greatest value, of each number in it.
+    pub range: Option<[f64; 2]>,
+    /// What its numbers count, in words; empty if it has none or they count nothing.
+    pub unit: &'static str,
+    /// Who changes it.
+    pub audience: Audience,
+    /// What its type takes.
+    pub(super) kind: fn() -> Kind,
+}
+
+/// Who changes a setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Audience {
+    /// Whoever walks or draws pictures.
+    Users,
+    /// Whoever compares the papers' methods, measures, or looks for faults.
+    Laboratory,
+}
+
+impl Setting {
+    /// All of them, in the table's order.
+    pub fn all() -> impl Iterator<Item = &'static Self> {
+        super::SECTIONS.iter().flat_map(|section| section.settings)
+    }
+
+    /// The one with this dotted key.
+    #[must_use]
+    pub fn find(key: &str) -> Option<&'static Self> {
+        Self::all().find(|setting| setting.key == key)
+    }
+
+    /// The one whose key is spelt most like `key`: as a whole, or by its last word where the section is wrong.
+    #[must_use]
+    pub fn nearest(key: &str) -> &'static Self {
+        let word = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
+        let distance = |candidate: &&Self| {
+            let whole = strsim::damerau_levenshtein(key, candidate.key);
+            let last = strsim::damerau_levenshtein(&word(key), candidate.name) + 1;
+            whole.min(last)
+        };
+        Self::all().min_by_key(distance).expect("the table is not empty")
+    }
+
+    /// What its type takes.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        (self.kind)()
+    }
+
+    /// What it means and which numbers make sense: sentences.
+    #[must_use]
+    pub fn help(&self) -> String {
+        let each = if matches!(self.kind(), Kind::List(..)) { "Each from" } else { "From" };
+        let limits = match (self.range, self.unit) {
+            (None, "") => String::new(),
+            (None, unit) => format!(" In {unit}."),
+            (Some([least, most]), "") => format!(" {each} {least} to {most}."),
+            (Some([least, most]), unit) => format!(" {each} {least} to {most} {unit}."),
+        };
+        self.help.trim().to_owned() + &limits
+    }
+}
+
+/// Makes of the table: [`Config`](super::Config), a struct for each section, their defaults, and
+/// [`SECTIONS`](super::SECTIONS). A setting is an entry
+///
+/// ```text
+/// /// What it means.
+/// key: Type = default, from LEAST to MOST, in "unit", for Laboratory;
+/// ```
+///
+/// of which `from … to`, `in` and `for` may be left out. The comment is what users read.
+macro_rules! settings {
+    ($(
+        $(#[doc = $about:literal])+
+        $section:ident: $Section:ident {
+            $(
+                $(#[doc = $help:literal])+
+                $key:ident: $type:ty = $default:expr
+                    $(, from $least:literal to $most:literal)? $(, in $unit:literal)? $(, for $audience:ident)?;
+            )+
+        }
+    )+) => {
+        /// Everything that can be set.
+        #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct Config {
+            $($(#[doc = $about])+ pub $section: $Section,)+
+        }
+
+        $(
+            $(#[doc = $about])+
+            #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+            #[serde(deny_unknown_fields, default)]
+            pub struct $Section {
+                $($(#[doc = $help])+ pub $key: $type,)+
+            }
+
+            impl Default for $Section {
+                fn default() -> Self {
+                    Self { $($key: $default,)+ }
+                }
+            }
+        )+
+
+        /// Every setting, by section.
+        pub const SECTIONS: &[Section] = &[$(Section {
+            name: stringify!($section),
+            about: concat!($($about),+),
+            settings: &[$(Setting {
+                section: stringify!($section),
+                name: stringify!($key),
+                key: concat!(stringify!($section), ".", stringify!($key)),
+                help: concat!($($help),+),
+                range: settings!(@range $($least, $most)?),
+                unit: concat!($($unit)?),
+                audience: settings!(@audience $($audience)?),
+                kind: Kind::of::<$type>,
+            },)+],
+        },)+];
+    };
+    (@range) => { None };
+    (@range $least:literal, $most:literal) => { Some([$least as f64, $most as f64]) };
+    (@audience) => { Audience::Users };
+    (@audience $audience:ident) => { Audience::$audience };
+}
+
+pub(super) use settings;

@@ -1,0 +1,172 @@
+//! Every setting: the one place that says its key, type, default, range, unit, meaning, and whom it is for.
+
+use super::kind::Kind;
+use super::setting::{Audience, Section, Setting, settings};
+use crate::desktop::Mirror;
+use crate::nodes::LodMethod;
+use cloud::Order;
+use lab::technique::{EarlyZLoad, Method};
+use points::{Project, Unit, Up};
+use render::options::{Dilate, Overlay, Precision, Quality, Tier};
+use serde::{Deserialize, Serialize};
+
+settings! {
+    /// The GPU.
+    gpu: GpuConfig {
+        /// Part of the GPU's name, in any case; empty: the fastest kind there is. A headset's runtime chooses its own GPU.
+        adapter: String = String::new();
+        /// Largest part of the point pool that one binding holds; 0: as much as the GPU allows.
+        chunk_mib: u32 = 0, in "MiB", for Laboratory;
+        /// Which atomic operations the stages use: "auto" (the best that the GPU has), "int64", "int64-minmax" or "int32".
+        /// All draw the same picture.
+        tier: Tier = Tier::Auto, for Laboratory;
+        /// How early-z loads the pixel that it looks at: "atomic", or "plain", which a GPU may answer from its first cache.
+        /// Both draw the same picture.
+        early_z_load: EarlyZLoad = EarlyZLoad::Atomic, for Laboratory;
+        /// true: shaders check every index, as those of debug builds always do, to find faults. It is slower, and the
+        /// picture is the same.
+        bounds_checks: bool = false, for Laboratory;
+    }
+
+    /// How files are read.
+    cloud: CloudConfig {
+        /// Order of the points in memory: "morton" (neighbors in space lie together, which is fast), "original" (as in the
+        /// file), "shuffled" (at random) or "shuffled-morton" (groups of 128 neighbors at random). An octree has its own.
+        order: Order = Order::Morton, for Laboratory;
+        /// The axis of the files' coordinates that points up: "z" (surveys), "y" (models, much photogrammetry; (x, y, z)
+        /// becomes (x, -z, y)), "-y" (cameras, many splats), or "auto" (where a file's header or its surfaces leave no
+        /// doubt, else z).
+        up: Up = Up::Auto;
+        /// true: a file that cannot be read to its end is an error; false: a warning names it, and what can be read is
+        /// shown.
+        strict: bool = false;
+        /// The unit of the files' lengths: "auto" (as the files state it), "m", "mm", "cm", "ft", "us-ft" or a number of
+        /// metres.
+        unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "metres";
+        /// The unit of the files' heights where it is not that of cloud.unit, written in the same way; heights are then
+        /// scaled to the unit across.
+        vertical_unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "metres";
+        /// Coordinates on the earth, drawn upright and in metres about the scan's middle: "auto" (those that the files
+        /// state, and those that leave no doubt), "degrees" or "geocentric" (whatever the files state), or "off" (drawn as
+        /// they are).
+        project: Project = Project::Auto;
+        /// true: points that LAS files flag as withheld, which means deleted, are drawn too.
+        show_withheld: bool = false;
+    }
+
+    /// How the frame is drawn.
+    frame: FrameConfig {
+        /// Points nearer than this are not drawn; in a picture it counts in units of the scan. The default of 0.05 becomes
+        /// less in pictures of scenes smaller than 2.5 units.
+        near_m: f64 = 0.05, from 1e-6 to 1e6, in "metres";
+        /// Color where no point is: red, green, blue, 0 to 255.
+        background: [u8; 3] = [0, 0, 0];
+        /// Coordinate bits that are read: "auto" (10, 20 or 30 by the projected size) or "full" (always 30).
+        precision: Precision = Precision::Auto, for Laboratory;
+        /// How points get into pixels, by the papers' names: "prefetch" (the fastest), "basic", "just-set", "busy-loop",
+        /// "exchange-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup", "fixed40", "point-list" (the
+        /// hardware's own points), "hqs", "hqs1" or "hqs1r". All but just-set draw the same picture. The first two are of
+        /// either quality, those that begin with hqs of that one, the others of the quality closest, whatever
+        /// frame.quality says. point-list, reduce, reduce-early-z and dedup draw points of one pixel, whatever frame.fill
+        /// says.
+        method: Method = Method::Prefetch, for Laboratory;
+        /// false: what neither eye sees is read too, to measure what that costs.
+        cull: bool = true, for Laboratory;
+        /// What a pixel shows of the points in it: "closest" (the nearest one's color) or "hqs" (the blend of the nearest).
+        quality: Quality = Quality::Hqs;
+        /// How gaps between points are filled: "off", or "rings" (3 × 3, 5 × 5, 7 × 7 pixels from the gaze outwards).
+        dilate: Dilate = Dilate::Rings;
+        /// true: where points lie further apart than the kernels of frame.dilate reach, the finest or what level of detail
+        /// leaves, wider kernels close the gaps, and then points are drawn larger.
+        fill: bool = true;
+    }
+
+    /// One fovea, in degrees from the gaze, for level of detail and dilation.
+    fovea: FoveaConfig {
+        /// Where the inner and the middle ring end.
+        ring_deg: [f64; 2] = [20.0, 38.0], from 0 to 89, in "degrees";
+        /// true: thresholds grow smoothly from ring to ring.
+        smooth: bool = false;
+    }
+
+    /// Level of detail.
+    lod: LodConfig {
+        /// true: what matters is drawn; false: every point, always.
+        enabled: bool = true;
+        /// What is built to tell what matters: "octree" (nodes of points, drawn by their projected size) or "spt" (a
+        /// sequential point tree: discs that stand for points, drawn by their projected error, and a mesh's triangles).
+        method: LodMethod = LodMethod::Octree;
+        /// A node of the octree is drawn if its projected edge has this many pixels: in the inner, middle and outer ring.
+        // Below 50, a pixel could get more points than the stage `color` can add up: see `render::layout::Sums`.
+        threshold_px: [f64; 3] = [100.0, 200.0, 300.0], from 50 to 10_000, in "pixels";
+        /// true: points of a node of the octree appear one by one; false: all at once.
+        fade: bool = true;
+        /// A disc of the point tree is drawn in place of what it stands for if it is wrong by this many pixels at most
+        /// where the eye looks; towards the edge of sight by as many times that as the last of lod.threshold_px is the
+        /// first.
+        error_px: f64 = lab::technique::DEFAULT_ERROR_PX, from 0.1 to 16, in "pixels", for Laboratory;
+        /// true: discs of the point tree that show the eye their backs are left out. This is for scans whose files have
+        /// normals or triangles, and right ones: where they point to the wrong side, the surface is not seen.
+        cull_backfaces: bool = false, for Laboratory;
+    }
+
+    /// What keeps the frame within its time.
+    governor: GovernorConfig {
+        /// true: quality is given up when frames take too long: level of detail first, then resolution, then blending.
+        enabled: bool = true;
+        /// Share of the display period that the GPU may use; the runtime's compositor needs the rest.
+        budget: f64 = 0.8, from 0.1 to 1;
+    }
+
+    /// The headset.
+    headset: HeadsetConfig {
+        /// Factor on the width and height that the runtime recommends for the eyes' images.
+        resolution_scale: f64 = 1.0, from 0.05 to 4;
+        /// true: the runtime gets depths where it takes them, for its reprojection.
+        depth_layer: bool = true;
+        /// true: pixels that the lenses hide are not filled, where the runtime tells which.
+        visibility_mask: bool = true;
+    }
+
+    /// The headset that stands in where there is none.
+    simulated: SimulatedConfig {
+        /// Size of each eye's image: width, height.
+        size_px: [u32; 2] = [960, 1080], from 1 to 16_384, in "pixels";
+        /// Half angles of the left eye's field of view: outwards, inwards, up, down. The right eye mirrors it.
+        fov_deg: [f64; 4] = [45.0, 45.0, 45.0, 45.0], from -89 to 89, in "degrees";
+        /// Distance between the eyes.
+        eye_distance_m: f64 = 0.063, from 0 to 10, in "metres";
+        /// Outward turn of each eye's display.
+        cant_deg: f64 = 0.0, from -60 to 60, in "degrees";
+        /// Displays a second; the frame's budget is one period.
+        refresh_hz: f64 = 90.0, from 1 to 1000, in "hertz";
+        /// Height of the eyes above the floor.
+        eye_height_m: f64 = 1.7, from -1000 to 1000, in "metres";
+    }
+
+    /// Getting about.
+    locomotion: LocomotionConfig {
+        /// Speed at full stick or key; 0: chosen from the scan's size.
+        speed: f64 = 0.0, from 0 to 1e6, in "metres a second";
+        /// Factor while the fast key is held.
+        fast: f64 = 4.0, from 1 to 1000;
+        /// Angle of a snap turn.
+        snap_deg: f64 = 30.0, from 1 to 180, in "degrees";
+        /// Angle that the view turns for each pixel that the mouse moves.
+        look_deg_per_px: f64 = 0.15, from -10 to 10, in "degrees";
+    }
+
+    /// The desktop window.
+    window: WindowConfig {
+        /// Size at start: width, height.
+        size: [u32; 2] = [1280, 720], from 1 to 16_384, in "points";
+        /// Which eye the window mirrors: "left", "right" or "both".
+        mirror: Mirror = Mirror::Left;
+        /// true: the panel is shown at start.
+        panel: bool = true;
+        /// Drawn over the mirror, never in the headset, to see how a frame comes about: "none", "rings" (round the gaze),
+        /// "nodes" (cubes of the octree, by level), "overdraw" (points that a pixel blends), "depth", or "precision" (boxes
+        /// of batches, by the bits that are read of their points).
+        overlay: Overlay = Overlay::None;
+    }
+}

@@ -1,0 +1,66 @@
+//! What the window is told at start: how large it is, what it shows, and what the panel lets the user choose.
+
+use render::options::Overlay;
+use serde::{Deserialize, Serialize};
+
+/// How the window begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WindowOptions {
+    /// Width, height in points.
+    pub size: [u32; 2],
+    /// Whether the panel is shown.
+    pub panel: bool,
+    /// Which eye is mirrored.
+    pub mirror: Mirror,
+    /// What the panel changes.
+    pub widgets: Widgets,
+}
+
+/// The settings that the panel changes while a walk goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Widgets {
+    /// Which eye is mirrored.
+    pub mirror: Choice<Mirror>,
+    /// What is drawn over the mirror.
+    pub overlay: Choice<Overlay>,
+    /// How fast the user moves.
+    pub speed: Label,
+}
+
+/// What a widget is called, and what it does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Before the widget: "Mirror".
+    pub title: String,
+    /// For whoever points at it.
+    pub help: String,
+}
+
+/// A widget that takes one of several values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice<T> {
+    /// What it is called.
+    pub label: Label,
+    /// All values with their titles: "Left".
+    pub values: Vec<(String, T)>,
+}
+
+impl<T: PartialEq> Choice<T> {
+    /// The title of a value.
+    pub(super) fn title(&self, of: &T) -> &str {
+        self.values.iter().find(|(_, value)| value == of).map_or("", |(title, _)| title)
+    }
+}
+
+/// What the window mirrors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mirror {
+    /// The left eye.
+    #[default]
+    Left,
+    /// The right eye.
+    Right,
+    /// Side by side.
+    Both,
+}

@@ -1,0 +1,76 @@
+//! What frames are drawn with, those of a walk and those of pictures.
+
+use lab::technique::{LabTechnique, NoSuchMethod};
+use points::Scene;
+use render::gpu::{Atomics, Gpu};
+use render::options::Tier;
+use render::{Look, NoSuchTier, tier};
+
+/// The near clip of a picture as a share of the scene's longest edge, at most, unless the user has chosen it.
+pub const NEAR_SHARE: f64 = 0.02;
+
+/// What frames are drawn with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawOptions {
+    /// What they are to look like.
+    pub look: Look,
+    /// By which technique they are drawn.
+    pub technique: LabTechnique,
+    /// What the stages ask of the GPU's atomics.
+    pub tier: Tier,
+    /// Points nearer than this are not drawn: metres in a headset, world units in a picture.
+    pub near: f64,
+    /// Nobody has chosen [`Self::near`]: in a picture it becomes less where it would cut a small scene.
+    pub near_yields: bool,
+}
+
+/// Why frames cannot be drawn so.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotDraw {
+    /// The GPU lacks the tier.
+    #[error(transparent)]
+    Tier(#[from] NoSuchTier),
+    /// The GPU, or what is drawn, is not of the method.
+    #[error(transparent)]
+    Method(#[from] NoSuchMethod),
+}
+
+impl DrawOptions {
+    /// The tier of atomics to draw with.
+    ///
+    /// # Errors
+    /// If the GPU does not have the one that is asked for, or not what the technique needs.
+    pub fn atomics(&self, gpu: &Gpu) -> Result<Atomics, CannotDraw> {
+        let atomics = tier(gpu, self.tier)?;
+        self.technique.check(gpu, atomics)?;
+        Ok(atomics)
+    }
+
+    /// The near clip of a picture of `scene`, world units.
+    #[must_use]
+    pub fn near_in(&self, scene: &Scene) -> f64 {
+        let yields = self.near_yields && !scene.is_a_point();
+        if yields { self.near.min(NEAR_SHARE * scene.bounds.edge()) } else { self.near }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::space::Bounds;
+    use glam::DVec3;
+
+    #[test]
+    fn only_a_near_clip_that_nobody_chose_yields_and_only_to_small_scenes() {
+        let near_in = |near_yields, edge: f64| {
+            let (look, technique) = (Look::default(), LabTechnique::default());
+            let options = DrawOptions { look, technique, tier: Tier::Auto, near: 0.05, near_yields };
+            let samples = vec![DVec3::ZERO, DVec3::X * edge];
+            options.near_in(&Scene { bounds: Bounds::around(&samples), samples })
+        };
+        assert_eq!(near_in(true, 1.0), 0.02);
+        assert_eq!(near_in(false, 1.0), 0.05);
+        assert_eq!([near_in(true, 2.5), near_in(true, 100.0)], [0.05; 2]);
+        assert_eq!(near_in(true, 0.0), 0.05, "a point has no size that could be cut");
+    }
+}
