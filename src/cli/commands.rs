@@ -25,7 +25,8 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow:
         Command::Report(args) => report::run(args, outputs),
         Command::Doctor(args) => doctor::run(&config, args.json, stop),
         Command::Convert(_) => {
-            Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
+            let files = points::format_names("and") + " files";
+            Err(not_there_yet("convert", &format!("{files} can be viewed as they are")))
         }
         Command::Bench(args) => bench::run(args, outputs, &config, task),
     }

@@ -44,7 +44,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
 #[test]
 fn colors_normals_and_programs_are_recognised() {
     let Some(folder) = folder() else { return };
-    let color = |name: &str| read_in(&folder, name).unwrap().files[0].color;
+    let color = |name: &str| read_in(&folder, name).unwrap().files[0].coloring.source;
     assert_eq!(color("ply/Guanyin.ply"), ColorSource::Rgb8);
     assert!(matches!(color("ply/source.ply"), ColorSource::Intensity { .. }));
     assert!(matches!(color("ply/mesh.ply"), ColorSource::Height { .. }));
