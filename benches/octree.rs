@@ -87,7 +87,7 @@ fn sort(scan: &Scan) -> Vec<(u64, u32, u32)> {
     let file = &scan.files[0];
     let xyz = file.points.xyz.par_iter().enumerate();
     let mut keys: Vec<(u64, u32, u32)> =
-        xyz.map(|(i, &xyz)| (grid.code(file.lattice.p_in_world(xyz)), i as u32, file.color(i))).collect();
+        xyz.map(|(i, &xyz)| (grid.code(file.grid.p_in_world(xyz)), i as u32, file.color(i))).collect();
     keys.par_sort_unstable();
     keys
 }

@@ -366,7 +366,7 @@ fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> a
 #[cfg(test)]
 mod tests {
     use super::*;
-    use points::{ScanFile, UpAxis, WorldFromFile};
+    use points::{Grid, ScanBuilder, UpAxis, WorldFromFile};
 
     #[test]
     fn places_are_those_of_the_file_and_eyes_are_apart_in_metres() {
@@ -385,8 +385,9 @@ mod tests {
         };
         // Millimetres, y up, heights in metres.
         let world_from_file = WorldFromFile::Axes { up: UpAxis::Y, across_scale: 1.0, height_scale: 1000.0 };
-        let file = ScanFile { world_from_file, ..ScanFile::default() };
-        let scan = Scan { files: vec![file], unit_m: Some(0.001), ..Scan::default() };
+        let made = ScanBuilder::new(Grid::default(), Vec::new()).world_from_file(world_from_file);
+        let mut scan = made.scan();
+        scan.unit_m = Some(0.001);
         let in_world = options.in_world(&scan);
         assert_eq!(in_world.eye, Some(DVec3::new(1.0, -3.0, 2000.0)));
         assert_eq!((in_world.target, in_world.up), (None, Some(DVec3::Z)));

@@ -438,12 +438,9 @@ mod tests {
         let gpu = Gpu::open(None).unwrap();
         let xyz: Vec<[i32; 3]> = (0..300_000).map(|i| [i * 37 % 1000, i * 91 % 1000, i / 300]).collect();
         let num_points = xyz.len() as u64;
-        let points = points::Points { rgb: vec![[100; 3]; xyz.len()], xyz, ..Default::default() };
-        let file = points::ScanFile { points, ..Default::default() };
-        let lattice = file.lattice;
-        let positions = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
-        let bounds = positions.fold(base::space::Bounds::EMPTY, base::space::Bounds::with);
-        let scan = Scan { files: vec![points::ScanFile { bounds, ..file }], ..Default::default() };
+        let rgb = vec![[100; 3]; xyz.len()];
+        let made = points::ScanBuilder::new(points::Grid::default(), xyz).rgb(rgb);
+        let scan = made.color(points::ColorSource::default()).scan();
         let (link, _actions, _viewer) = link::link();
         let (sender, loaded) = std::sync::mpsc::channel();
         let options = CloudOptions {

@@ -2,9 +2,9 @@
 //! presets and steps of the governor.
 
 use anyhow::{Context, Result};
-use base::space::{Bounds, Eye, Pose, View};
+use base::space::{Eye, Pose, View};
 use glam::DVec3;
-use points::{ColorSource, Lattice, Points, Scan, ScanFile};
+use points::{Grid, Scan, ScanBuilder};
 use render::gpu::{Gpu, readback};
 use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Look, Renderer, Setup};
 use scanwalk::config;
@@ -44,14 +44,8 @@ pub fn sphere(num_points: u64) -> Scan {
         let stripe = ((4.0 * p.x).floor() + (4.0 * p.y).floor() + (4.0 * p.z).floor()).rem_euclid(2.0);
         rgb.push([40 + 150 * stripe as u16, 90, 160]);
     }
-    let points = Points { xyz, rgb, ..Points::default() };
-    let bounds = Bounds { min: DVec3::splat(-SPHERE_RADIUS), max: DVec3::splat(SPHERE_RADIUS) };
-    let lattice = Lattice { scale: DVec3::splat(scale), offset: DVec3::ZERO };
-    let format = "made up".into();
-    let color = ColorSource::Rgb8;
-    let file =
-        ScanFile { path: "sphere".into(), format, lattice, points, color, bounds, ..ScanFile::default() };
-    Scan { files: vec![file], ..Scan::default() }
+    let grid = Grid { scale: DVec3::splat(scale), offset: DVec3::ZERO };
+    ScanBuilder::new(grid, xyz).path("sphere").rgb(rgb).scan()
 }
 
 /// What the settings of these presets, then of `sets`, come to.

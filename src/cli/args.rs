@@ -8,8 +8,8 @@ use std::path::PathBuf;
 /// Say what is in the files.
 #[derive(Clone, Debug, Args)]
 pub struct InfoArgs {
-    /// LAS, LAZ or PLY files; several are one scan
-    #[arg(required = true, value_name = "SCAN")]
+    /// Files that are one scan.
+    #[arg(required = true, value_name = "SCAN", help = parse::scans_help())]
     pub scans: Vec<PathBuf>,
     /// Refuse all files if one cannot be read to its end, instead of showing the rest [default: cloud.strict]
     #[arg(long)]
@@ -22,8 +22,8 @@ pub struct InfoArgs {
 /// Write scans as a level-of-detail octree.
 #[derive(Clone, Debug, Args)]
 pub struct ConvertArgs {
-    /// LAS, LAZ or PLY files; several are one scan
-    #[arg(required = true, value_name = "SCAN")]
+    /// Files that are one scan.
+    #[arg(required = true, value_name = "SCAN", help = parse::scans_help())]
     pub scans: Vec<PathBuf>,
     /// OUT.copc.laz, or a folder for Potree 2
     #[arg(short, long, value_name = "OUT")]
@@ -56,8 +56,8 @@ pub struct SynthArgs {
 /// Measure this machine.
 #[derive(Clone, Debug, Args)]
 pub struct BenchArgs {
-    /// A LAS, LAZ or PLY file to measure with [default: made-up ones]
-    #[arg(value_name = "SCAN")]
+    /// A file to measure with.
+    #[arg(value_name = "SCAN", help = parse::scan_help())]
     pub scan: Option<PathBuf>,
     /// Which paper's table [default: all]
     #[arg(long, value_name = "TABLE")]

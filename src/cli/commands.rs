@@ -27,7 +27,8 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow:
         Command::Settings(args) => settings::run(args, &config),
         Command::Doctor(args) => doctor::run(&plan.adapter, args.json, stop),
         Command::Convert(_) => {
-            Err(not_there_yet("convert", "LAS, LAZ and PLY files can be viewed as they are"))
+            let files = points::format_names("and") + " files";
+            Err(not_there_yet("convert", &format!("{files} can be viewed as they are")))
         }
         Command::Bench(args) => bench::run(args, outputs, plan, task),
     }

@@ -1,10 +1,20 @@
-//! Values on the command line: points, sizes, colors, numbers in a range.
+//! Values on the command line: points, sizes, colors, numbers in a range; and what is said of scans.
 
 use glam::DVec3;
 use std::str::FromStr;
 
 /// Largest edge of a picture in pixels.
 const MAX_EDGE_PX: u32 = 16_384;
+
+/// What is said of the files that are one scan.
+pub(super) fn scans_help() -> String {
+    points::format_names("or") + " files; several are one scan"
+}
+
+/// What is said of a file that is measured with.
+pub(super) fn scan_help() -> String {
+    format!("A {} file to measure with [default: made-up ones]", points::format_names("or"))
+}
 
 /// Three parts between commas.
 fn three<T: FromStr>(text: &str) -> Option<[T; 3]> {

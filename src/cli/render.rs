@@ -17,8 +17,8 @@ const PLAIN: &str = "plain";
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RenderArgs {
-    /// LAS, LAZ or PLY files; several are one scan
-    #[arg(required = true, value_name = "SCAN")]
+    /// Files that are one scan.
+    #[arg(required = true, value_name = "SCAN", help = parse::scans_help())]
     pub scans: Vec<PathBuf>,
     /// Refuse all files if one cannot be read to its end, instead of showing the rest [default: cloud.strict]
     #[arg(long)]

@@ -25,9 +25,13 @@ fn read_one(path: &Path) -> Scan {
     read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
 }
 
+/// Whatever is decided about colors, their column stays as it is stored, or is none.
 fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
-    let (_folder, path) = file(color);
-    read_one(&path)
+    let (_folder, path) = file(&color);
+    let scan = read_one(&path);
+    let rgb = &scan.files[0].points.rgb;
+    assert!(rgb.is_empty() || rgb.iter().enumerate().all(|(at, rgb)| *rgb == color(at)));
+    scan
 }
 
 /// Channels of a scene from 0 to 1, of which some are cut off at 1.
@@ -50,7 +54,7 @@ fn a_scene_looks_the_same_in_whatever_bits_it_is_stored() {
         [(255.0, ColorSource::Rgb8), (1023.0, ColorSource::Rgb10), (4095.0, ColorSource::Rgb12)]
     {
         let scan = stored(white);
-        assert_eq!(scan.files[0].color, source);
+        assert_eq!(scan.files[0].coloring.source, source);
         assert!(scan.warnings.is_empty(), "{:?}", scan.warnings);
         let differs = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
         assert!(!shown(&scan).iter().zip(&sixteen).any(differs), "{source:?}");
@@ -65,7 +69,7 @@ fn a_scene_looks_the_same_in_whatever_bits_it_is_stored() {
 #[test]
 fn a_single_wrong_value_darkens_nothing() {
     let scan = scan(|at| if at == 77 { [256; 3] } else { channels(at).map(|c| (c * 255.0).round() as u16) });
-    assert_eq!(scan.files[0].color, ColorSource::Rgb8);
+    assert_eq!(scan.files[0].coloring.source, ColorSource::Rgb8);
     assert_eq!(shown(&scan)[77], [255; 3]);
     assert!(shown(&scan).iter().flatten().filter(|&&c| c == 255).count() > 100);
 }
@@ -74,7 +78,7 @@ fn a_single_wrong_value_darkens_nothing() {
 fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     let white = |at: usize| if at < 1000 { 255.0 } else { 65535.0 };
     let scan = scan(|at| channels(at).map(|c| (c * white(at)).round() as u16));
-    assert_eq!(scan.files[0].color, ColorSource::Rgb16);
+    assert_eq!(scan.files[0].coloring.source, ColorSource::Rgb16);
     assert!(scan.warnings[0].contains("8 bits at some points and of 16 at others"), "{:?}", scan.warnings);
     for (at, bytes) in shown(&scan).iter().enumerate() {
         let expected = channels(at).map(|c| (c * 255.0).round() as u8);
@@ -147,7 +151,7 @@ fn of_points_of_two_kinds_among_each_other_a_warning_says_so() {
     let grey = |at: usize| [((at * 40_503 % 65_536) as f64 / 64_000.0).min(1.0); 3];
     let stored = |at: usize| if at.is_multiple_of(2) { 255.0 } else { 1023.0 };
     let mixed = scan(|at| grey(at).map(|c| (c * stored(at)).round() as u16));
-    assert_eq!(mixed.files[0].color, ColorSource::Rgb10);
+    assert_eq!(mixed.files[0].coloring.source, ColorSource::Rgb10);
     assert!(bits_said(&mixed, 255.0, 1023.0) && mixed.warnings[0].contains("cannot be told"));
     assert!((900..1100).contains(&num_off(&mixed, grey)), "{}", num_off(&mixed, grey));
 }
@@ -181,8 +185,12 @@ fn one_color_everywhere_gives_way_to_intensity() {
     for color in [[65535; 3], [1; 3], [0; 3], [200, 10, 10]] {
         let scan = scan(|_| color);
         let file = &scan.files[0];
-        assert!(matches!(file.color, ColorSource::Intensity { .. }), "{color:?}: {:?}", file.color);
-        let blank = file.blank.unwrap();
+        assert!(
+            matches!(file.coloring.source, ColorSource::Intensity { .. }),
+            "{color:?}: {:?}",
+            file.coloring.source
+        );
+        let blank = file.coloring.blank.unwrap();
         assert_eq!((blank.color, blank.num_others), (color, 0));
         assert_eq!(scan.warnings.len(), usize::from(color != [0; 3]));
     }
@@ -217,7 +225,7 @@ fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
         }
         // More are no accident.
         let some = scan(|at| if at % 100 < 1 { other } else { color });
-        assert_eq!(some.files[0].blank, None, "{color:?} {other:?}");
+        assert_eq!(some.files[0].coloring.blank, None, "{color:?} {other:?}");
     }
 }
 
@@ -259,7 +267,10 @@ fn colors_that_nobody_can_tell_apart_give_way_to_intensity() {
             let (folder, path) = file(|at| if at % step == 1 { a } else { b });
             let (scan, info) = (read_one(&path), said(&path));
             drop(folder);
-            assert!(matches!(scan.files[0].color, ColorSource::Intensity { .. }), "{a:?} {b:?}: {info}");
+            assert!(
+                matches!(scan.files[0].coloring.source, ColorSource::Intensity { .. }),
+                "{a:?} {b:?}: {info}"
+            );
             assert!(info.contains("none (all points are nearly ") && info.contains("intensity"), "{info}");
             let sentence = "has nearly the same color at all points";
             assert!(scan.warnings.len() == 1 && scan.warnings[0].contains(sentence), "{:?}", scan.warnings);
@@ -294,7 +305,12 @@ fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
         // Night: in 8 bits a seventh of the points are black, and more are nearly.
         let light = |at: usize| 0.1 * ((at * 27_644 % 65_536) as f64 / 65_536.0).powi(2);
         let scan = scan(|at| channels(at).map(|c| (c * light(at) * white).round() as u16));
-        assert_eq!((scan.files[0].blank, scan.warnings.len()), (None, 0), "{white}: {:?}", scan.warnings);
+        assert_eq!(
+            (scan.files[0].coloring.blank, scan.warnings.len()),
+            (None, 0),
+            "{white}: {:?}",
+            scan.warnings
+        );
     }
 }
 

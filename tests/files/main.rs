@@ -1,5 +1,6 @@
 //! Files to points, and points to octrees: on the CPU.
 
+mod attributes;
 mod colors;
 mod many_files;
 mod octree;

@@ -1,13 +1,13 @@
 //! What an octree promises, for clouds of every odd shape: nothing lost, nothing twice, nodes inside their
 //! parents, points inside their nodes and apart from each other, the same result on any number of threads.
 
-use base::space::{Bounds, Eye, Fov, Pose, View};
+use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Cancelled, Progress};
 use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
 use lab::twin::{self, Scene};
-use points::{ColorSource, Lattice, Points, Scan, ScanFile};
+use points::{Grid, Scan, ScanBuilder};
 use proptest::prelude::*;
 use render::Look;
 use render::layout::{BATCH_POINTS, COORDINATE_BITS, Detail, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
@@ -27,13 +27,9 @@ impl Random {
 
 /// A scan in steps of a millimetre far from the origin; the colour of point i is i, so every point is known.
 fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
-    let lattice = Lattice { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
-    let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
+    let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let rgb = (0..xyz.len()).map(|i| [i, i >> 8, i >> 16].map(|c| c as u16 & 255)).collect();
-    let points = Points { xyz, rgb, intensity: vec![], ..Points::default() };
-    let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    let file = ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() };
-    Scan { files: vec![file], ..Scan::default() }
+    ScanBuilder::new(grid, xyz).rgb(rgb).scan()
 }
 
 fn octree_of(scan: &Scan) -> Octree {
@@ -119,7 +115,7 @@ fn lost_points(octree: &Octree, scan: &Scan) -> Vec<String> {
                 continue;
             };
             *count += 1;
-            let p = file.lattice.p_in_world(file.points.xyz[point]);
+            let p = file.grid.p_in_world(file.points.xyz[point]);
             let off = (decoded(octree, number, at) - p).abs().max_element();
             // Half a cell, and what f64 loses so far from the origin.
             if off > 0.500001 * f64::from(batch.cell[0]) + 4e-9 {
@@ -292,7 +288,7 @@ fn filtered_colors_are_the_averages_of_cells() {
     let cell_of = |p: DVec3| ((p - root.min) / root.cell()).floor().to_array().map(|v| v as i64);
     let mut cells = std::collections::HashMap::<[i64; 3], [u64; 4]>::new();
     for (i, xyz) in file.points.xyz.iter().enumerate() {
-        let sums = cells.entry(cell_of(file.lattice.p_in_world(*xyz))).or_default();
+        let sums = cells.entry(cell_of(file.grid.p_in_world(*xyz))).or_default();
         let rgb = file.points.rgb[i].map(u64::from);
         *sums = [sums[0] + rgb[0], sums[1] + rgb[1], sums[2] + rgb[2], sums[3] + 1];
     }

@@ -9,7 +9,7 @@ fn read_one(path: &Path) -> Scan {
     read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
 }
 
-/// The columns as the las crate's own reader sees them, from its points back to the lattice.
+/// The columns as the las crate's own reader sees them, from its points back to the grid.
 fn columns_by_las(path: &Path) -> Points {
     let mut reader = las::Reader::from_path(path).unwrap();
     let transforms = *reader.header().transforms();
@@ -57,7 +57,7 @@ fn all_formats_equal_the_las_crate() {
         assert_eq!(scan.files[0].format, expected);
         assert_eq!(peek(std::slice::from_ref(&path)).unwrap()[0].num_points, fixture.num_points as u64);
         let has_rgb = [2, 3, 5, 7, 8, 10].contains(&fixture.point_format);
-        let by_rgb = scan.files[0].color == ColorSource::Rgb16;
+        let by_rgb = scan.files[0].coloring.source == ColorSource::Rgb16;
         assert_eq!(by_rgb, has_rgb, "{fixture:?}");
     }
 }
@@ -77,15 +77,15 @@ fn the_comparison_with_the_las_crate_can_fail() {
 }
 
 #[test]
-fn the_lattice_is_kept_exactly() {
+fn the_grid_is_kept_exactly() {
     let (_folder, path) = save("scan.las", &Fixture::new(6).bytes());
     let scan = read_one(&path);
     let file = &scan.files[0];
-    assert_eq!(file.lattice.scale.to_array(), [0.01, 0.01, 0.001]);
-    assert_eq!(file.lattice.offset.to_array(), [500_000.0, 4_000_000.0, 100.0]);
+    assert_eq!(file.grid.scale.to_array(), [0.01, 0.01, 0.001]);
+    assert_eq!(file.grid.offset.to_array(), [500_000.0, 4_000_000.0, 100.0]);
     let mut bounds = base::space::Bounds::EMPTY;
     for &xyz in &file.points.xyz {
-        bounds = bounds.with(file.lattice.p_in_world(xyz));
+        bounds = bounds.with(file.grid.p_in_world(xyz));
     }
     assert_eq!(file.bounds, bounds);
     assert_eq!(scan.bounds(), bounds);
@@ -98,10 +98,10 @@ fn several_files_keep_their_order_and_share_nothing_but_the_ramp() {
     let scan = read(&[a.1.clone(), b.1.clone()], &ReadOptions::default(), &CancelToken::default()).unwrap();
     assert_eq!(scan.num_points(), 1010);
     assert_eq!([&scan.files[0].path, &scan.files[1].path], [&a.1, &b.1]);
-    assert_eq!(scan.files[0].color, scan.files[1].color);
-    assert!(matches!(scan.files[0].color, ColorSource::Intensity { .. }));
+    assert_eq!(scan.files[0].coloring.source, scan.files[1].coloring.source);
+    assert!(matches!(scan.files[0].coloring.source, ColorSource::Intensity { .. }));
     // Alone, ten points have another range: the ranges above were really shared.
-    assert_ne!(read_one(&b.1).files[0].color, scan.files[1].color);
+    assert_ne!(read_one(&b.1).files[0].coloring.source, scan.files[1].coloring.source);
 }
 
 #[test]

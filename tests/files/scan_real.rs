@@ -116,18 +116,15 @@ fn four_tiles_hold_the_points_of_the_whole() {
     let sorted = |scan: &Scan| {
         // Steps of 0.25 mm, which all five files share.
         let places = scan.files.iter().flat_map(|file| {
-            let lattice = file.lattice;
-            file.points
-                .xyz
-                .iter()
-                .map(move |&p| (lattice.p_in_world(p) * 4e3).round().as_i64vec3().to_array())
+            let grid = file.grid;
+            file.points.xyz.iter().map(move |&p| (grid.p_in_world(p) * 4e3).round().as_i64vec3().to_array())
         });
         let mut places: Vec<_> = places.collect();
         places.sort_unstable();
         places
     };
     assert!(sorted(&tiles) == sorted(&whole));
-    assert_eq!(tiles.files[0].color, tiles.files[3].color);
+    assert_eq!(tiles.files[0].coloring.source, tiles.files[3].coloring.source);
 }
 
 #[test]
@@ -135,17 +132,20 @@ fn four_tiles_hold_the_points_of_the_whole() {
 fn colors_and_units_are_recognised() {
     let folder = folder();
     let scan = |name: &str| read_in(&folder, name).unwrap();
-    assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").files[0].color, ColorSource::Rgb8);
-    assert_eq!(scan("las-small/sample_c.las").files[0].color, ColorSource::Rgb16);
+    assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").files[0].coloring.source, ColorSource::Rgb8);
+    assert_eq!(scan("las-small/sample_c.las").files[0].coloring.source, ColorSource::Rgb16);
     // A part of these rooms was not photographed.
     let rooms = scan("laz-indoor-rooms/indoor-rooms.laz");
-    let blank = rooms.files[0].blank.unwrap();
+    let blank = rooms.files[0].coloring.blank.unwrap();
     assert_eq!(
-        (rooms.files[0].color, blank.color, blank.num_others),
+        (rooms.files[0].coloring.source, blank.color, blank.num_others),
         (ColorSource::Rgb16, [0; 3], 2_804_520)
     );
-    assert!(matches!(scan("laz-tls-tree/pine.laz").files[0].color, ColorSource::Height { .. }));
-    assert!(matches!(scan("las-small/simple1_3.las").files[0].color, ColorSource::Intensity { .. }));
+    assert!(matches!(scan("laz-tls-tree/pine.laz").files[0].coloring.source, ColorSource::Height { .. }));
+    assert!(matches!(
+        scan("las-small/simple1_3.las").files[0].coloring.source,
+        ColorSource::Intensity { .. }
+    ));
     assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").unit_m, Some(0.3048));
     assert_eq!(scan("laz-aerial-rgbnir-ign/las_with_several_extra_byte_bloc.laz").unit_m, Some(1.0));
     let degrees = scan("las-small/epsg_4326.las");

@@ -137,7 +137,7 @@ fn the_default_picture_shows_the_scene_whatever_is_astray() {
     ];
     for (name, strays) in cases {
         let points: Vec<DVec3> = scene.iter().chain(&strays).map(|&p| UTM + p).collect();
-        // A stray must be on the lattice.
+        // A stray must be on the grid.
         let scale = if name == "zeros" { 0.01 } else { 0.001 };
         let path = files.save(&format!("{name}.las"), &las_bytes(&points, 2, false, scale, |_, _| ()));
         let scan = read(std::slice::from_ref(&path));
@@ -253,7 +253,7 @@ fn far_points_of_a_ply_are_left_out_and_named_or_cost_nothing() {
         let scan = read(std::slice::from_ref(&path));
         let file = &scan.files[0];
         for (p, xyz) in scene.iter().zip(&file.points.xyz) {
-            let moved = (file.lattice.p_in_world(*xyz) - *p).length();
+            let moved = (file.grid.p_in_world(*xyz) - *p).length();
             assert!(moved < 1e-6, "{far}: {p} moved by {moved}");
         }
         let is_left_out = file.points.xyz.len() == scene.len();
@@ -298,8 +298,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
         positions
     };
     let rounded = |p: &DVec3| (*p * 1000.0).round() / 1000.0;
-    let truth =
-        sorted(near.files[0].points.xyz.iter().map(|&p| near.files[0].lattice.p_in_world(p)).collect());
+    let truth = sorted(near.files[0].points.xyz.iter().map(|&p| near.files[0].grid.p_in_world(p)).collect());
     for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
         let cloud = build(&far, order, &Progress::hidden()).unwrap();
         let positions = sorted(drawn(&cloud));

@@ -17,7 +17,7 @@ fn read_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Scan {
 /// Places of the points in the world.
 fn world(scan: &Scan) -> Vec<DVec3> {
     let file = &scan.files[0];
-    file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz)).collect()
+    file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz)).collect()
 }
 
 fn tower() -> impl Iterator<Item = DVec3> {

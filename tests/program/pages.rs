@@ -55,6 +55,32 @@ fn prose(path: &str, text: &str) -> String {
     text.lines().filter_map(comment).collect::<Vec<_>>().join("\n")
 }
 
+/// Formats that pages must name and do not.
+fn lost_formats(readme: &str, formats: &str, name_all: &dyn Fn(&str) -> String) -> Vec<String> {
+    let (and, or) = (name_all("and"), name_all("or"));
+    let said = [format!("scanwalk reads {and} files"), format!("- {and} only.")];
+    let mut lost: Vec<String> = said.into_iter().filter(|said| !readme.contains(said)).collect();
+    // "LAS, LAZ or PLY".
+    let names = or.split([' ', ',']).filter(|name| !name.is_empty() && *name != "or");
+    let has_row = |name: &&str| {
+        let starts = |line: &str| line.split([' ', '|']).find(|word| !word.is_empty()) == Some(*name);
+        formats.lines().any(|line| line.starts_with('|') && starts(line))
+    };
+    lost.extend(names.filter(|name| !has_row(name)).map(|name| format!("a row of {name}")));
+    lost
+}
+
+#[test]
+fn pages_name_the_formats_that_are_read() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = |name: &str| std::fs::read_to_string(root.join(name)).unwrap();
+    let (readme, formats) = (page("README.md"), page("docs/FORMATS.md"));
+    assert_eq!(lost_formats(&readme, &formats, &points::format_names), [""; 0]);
+    // A format more would be missed in all places.
+    let more = |before_last: &str| format!("LAS, LAZ, PLY {before_last} XYZ");
+    assert_eq!(lost_formats(&readme, &formats, &more).len(), 3);
+}
+
 #[test]
 fn what_comments_name_is_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

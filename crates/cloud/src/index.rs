@@ -39,14 +39,14 @@ impl<'a> Index<'a> {
     pub(super) fn position(&self, i: usize) -> DVec3 {
         let (file, i) = self.locate(i);
         let file = &self.scan.files[file];
-        file.lattice.p_in_world(file.points.xyz[i])
+        file.grid.p_in_world(file.points.xyz[i])
     }
 
     /// World position and colour.
     pub(super) fn point(&self, i: usize) -> (DVec3, u32) {
         let (file, i) = self.locate(i);
         let file = &self.scan.files[file];
-        (file.lattice.p_in_world(file.points.xyz[i]), file.color(i))
+        (file.grid.p_in_world(file.points.xyz[i]), file.color(i))
     }
 
     /// Colour: r | g≪8 | b≪16 | 255≪24.

@@ -8,13 +8,13 @@ use render::gpu::{Atomics, Gpu, readback};
 use render::options::Quality;
 
 use base::output::{Output, OutputKind};
-use base::space::{Bounds, Eye, Fov, Pose, View};
+use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::synth::{self, Kind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
 use lab::twin::Frame;
 use lab::twin::resolve::{EMPTY, Pixel};
-use points::{self, ColorSource, Lattice, Points, ReadOptions, Scan, ScanFile};
+use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
 use render::Look;
 use render::layout::{CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
@@ -65,23 +65,12 @@ pub fn random_points(count: usize, edge: f64, seed: u64) -> Vec<[i32; 3]> {
     (0..count).map(|_| [axis(), axis(), axis()]).collect()
 }
 
-/// A scan of lattice points; the colour of point i is made from i.
+/// A scan of grid points; the colour of point i is made from i.
 pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
-    let lattice = Lattice { scale: DVec3::splat(scale), offset };
-    let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
+    let grid = Grid { scale: DVec3::splat(scale), offset };
     let rgb =
         (0..xyz.len()).map(|i| [i as u16 & 255, (i >> 8) as u16 & 255, (i >> 16) as u16 & 255]).collect();
-    let points = Points { xyz: xyz.to_vec(), rgb, intensity: vec![], ..Points::default() };
-    let file = ScanFile {
-        path: "made-up".into(),
-        format: "made up".into(),
-        lattice,
-        points,
-        color: ColorSource::Rgb8,
-        bounds,
-        ..ScanFile::default()
-    };
-    Scan { files: vec![file], ..Scan::default() }
+    ScanBuilder::new(grid, xyz.to_vec()).rgb(rgb).scan()
 }
 
 pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cloud {

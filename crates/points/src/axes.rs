@@ -35,7 +35,7 @@ fn on_earth(file: &ScanFile, header: &Header, axes: Axes) -> Option<Axes> {
         Axes::Planar => None,
         Axes::Geographic(angle) | Axes::LatitudeFirst(angle) => {
             let turn = std::f64::consts::TAU / angle.radians();
-            let step = file.lattice.scale.abs();
+            let step = file.grid.scale.abs();
             if header.is_on_fixed_grid && step.x.min(step.y) >= NO_STEP_DEG * turn / 360.0 {
                 return None;
             }
@@ -68,7 +68,7 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
     let has_extent = size.x > 0.0 && size.y > 0.0;
     // A degree is 111 km: what is degrees across looks like a needle, far from zero for its thickness. A grid of whole
     // steps in metres has not got the decimals that degrees need, or has them for heights too.
-    let (step, needle) = (file.lattice.scale.abs(), size.z / across);
+    let (step, needle) = (file.grid.scale.abs(), size.z / across);
     let step_across = step.x.max(step.y);
     let is_far = middle.truncate().length() >= 1000.0 * across;
     let has_decimals = step_across <= 1e-5 && step.z >= 10.0 * step_across;

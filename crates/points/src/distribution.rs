@@ -22,19 +22,26 @@ pub(super) struct Distribution {
 impl Distribution {
     /// Of these points.
     pub fn of(rgb: &[[u16; 3]]) -> Self {
-        let runs = rgb.chunks(RUN);
+        Self::of_colors(rgb.len(), |number| rgb[number])
+    }
+
+    /// Of so many points, which have these colors.
+    pub fn of_colors(num_points: usize, color: impl Fn(usize) -> [u16; 3]) -> Self {
+        let runs = (0..num_points).step_by(RUN).map(|first| first..num_points.min(first + RUN));
         // An odd step, so that it is no multiple of what files repeat by.
         let step = runs.len().div_ceil(MOST_POINTS / RUN).max(1) | 1;
-        let largest = runs.clone().step_by(step).flatten().fold(0, |largest, rgb| largest.max(peak_of(rgb)));
+        let counted = runs.clone().step_by(step).flatten();
+        let largest = counted.fold(0, |largest, number| largest.max(peak_of(&color(number))));
         let mut counts = [(); 4].map(|()| vec![0u32; usize::from(largest) + 1]);
         let mut merged = [Runs::NONE; LESSER_WHITES.len()];
         for run in runs.step_by(step) {
             let mut peaks = [0; RUN];
-            for (peak, rgb) in peaks.iter_mut().zip(run) {
-                for (counts, &c) in counts.iter_mut().zip(rgb) {
+            for (peak, number) in peaks.iter_mut().zip(run.clone()) {
+                let rgb = color(number);
+                for (counts, c) in counts.iter_mut().zip(rgb) {
                     counts[usize::from(c)] += 1;
                 }
-                *peak = peak_of(rgb);
+                *peak = peak_of(&rgb);
                 counts[3][usize::from(*peak)] += 1;
             }
             if run.len() == RUN {

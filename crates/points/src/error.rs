@@ -1,5 +1,6 @@
 //! What can go wrong with a file; every message names the file, the place in it, and what to do.
 
+use crate::format_names;
 use base::task::Cancelled;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,13 +9,13 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ScanError {
     /// No file was named.
-    #[error("no scan was named: give one or more LAS, LAZ or PLY files")]
+    #[error("no scan was named: give one or more {}", format_names("or") + " files")]
     NoFiles,
     /// Only files that lie beside scans were named.
     #[error(
         "{path}: lies beside a scan and holds no points (an index, a coordinate system): \
-         name the scan, a LAS, LAZ or PLY file",
-        path = path.display()
+         name the scan, a {formats} file",
+        path = path.display(), formats = format_names("or")
     )]
     OnlySidecars {
         /// The first of them.
@@ -44,14 +45,17 @@ pub enum ScanError {
         advice: &'static str,
     },
     /// The file is something else.
-    #[error("{path}: is not a LAS, LAZ or PLY file: {looks_like}; {advice}", path = path.display())]
+    #[error(
+        "{path}: is not a {formats} file: {looks_like}; {advice}",
+        path = path.display(), formats = format_names("or")
+    )]
     NotAScan {
         /// The file.
         path: PathBuf,
         /// What its first bytes say.
         looks_like: String,
         /// What to do.
-        advice: &'static str,
+        advice: String,
     },
     /// A header field makes no sense.
     #[error("{path}: {field} (byte {offset}) {problem}", path = path.display())]

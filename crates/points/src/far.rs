@@ -20,21 +20,12 @@ pub(super) fn leave_out(file: &mut ScanFile, far: &Marks) {
     if far.count() == 0 {
         return;
     }
-    let points = &mut file.points;
-    let num_points = points.xyz.len();
-    let mut noise = Marks::default();
+    let num_points = file.points.xyz.len();
     let mut numbers = vec![None; num_points];
     for (next, number) in (0..num_points).filter(|&number| !far.get(number)).enumerate() {
-        if points.noise.get(number) {
-            noise.set(next);
-        }
         numbers[number] = u32::try_from(next).ok();
     }
-    points.noise = noise;
-    keep(&mut points.xyz, far);
-    keep(&mut points.rgb, far);
-    keep(&mut points.intensity, far);
-    keep(&mut points.normals, far);
+    file.points.leave_out(far);
     let renumbered = |triangle: &mut [u32; 3]| {
         let corners = triangle.map(|corner| numbers.get(corner as usize).copied().flatten());
         let [Some(a), Some(b), Some(c)] = corners else { return false };
@@ -42,37 +33,23 @@ pub(super) fn leave_out(file: &mut ScanFile, far: &Marks) {
         true
     };
     file.triangles.retain_mut(renumbered);
-    let lattice = file.in_file.lattice;
-    let places = file.points.xyz.iter().map(|&xyz| lattice.p_in_world(xyz));
+    let grid = file.in_file.grid;
+    let places = file.points.xyz.iter().map(|&xyz| grid.p_in_world(xyz));
     file.in_file.bounds = places.fold(Bounds::EMPTY, Bounds::with);
-}
-
-/// Empty columns stay empty.
-fn keep<T>(column: &mut Vec<T>, far: &Marks) {
-    let mut number = 0;
-    column.retain(|_| {
-        number += 1;
-        !far.get(number - 1)
-    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Points;
+    use crate::{Grid, ScanBuilder};
 
     #[test]
     fn all_columns_lose_the_same_points() {
         let mut noise = Marks::default();
         [1, 4].into_iter().for_each(|number| noise.set(number));
-        let points = Points {
-            xyz: (0..6).map(|i| [i, 10 * i, 0]).collect(),
-            intensity: (0..6).collect(),
-            noise,
-            ..Points::default()
-        };
-        let triangles = vec![[0, 1, 3], [3, 4, 5], [0, 2, 3]];
-        let mut file = ScanFile { points, triangles, ..ScanFile::default() };
+        let made = ScanBuilder::new(Grid::default(), (0..6).map(|i| [i, 10 * i, 0]).collect());
+        let made = made.intensity((0..6).collect()).noise(noise);
+        let mut file = made.triangles(vec![[0, 1, 3], [3, 4, 5], [0, 2, 3]]).file();
         let mut far = Marks::default();
         leave_out(&mut file, &far);
         assert_eq!(file.points.xyz.len(), 6);

@@ -71,7 +71,7 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
         points: file.points.xyz.len(),
         bbox: bbox(file.in_file.bounds),
     };
-    let white = scan.files.iter().filter_map(|file| file.color.white()).max();
+    let white = scan.files.iter().filter_map(|file| file.coloring.source.white()).max();
     Description {
         points: scan.num_points(),
         bbox: bbox(scan.bounds_in_file()),
@@ -145,7 +145,7 @@ fn distinct(values: impl Iterator<Item = String>) -> Vec<String> {
 
 fn for_people(scan: &Scan, headers: &[Header]) -> String {
     // What is drawn elsewhere than its file says has a scene elsewhere too.
-    let in_place = scan.files.iter().all(|file| file.in_file.lattice == file.lattice);
+    let in_place = scan.files.iter().all(|file| file.in_file.grid == file.grid);
     let scene = in_place.then_some(scan.scene.bounds).filter(|_| !scan.scene.is_empty());
     let decimals = decimals(&scan.files, scene);
     let described = describe(scan, headers);
@@ -246,9 +246,9 @@ fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&
 }
 
 fn color_words(file: &ScanFile) -> String {
-    let blank = file.blank.as_ref().map(Blank::words);
+    let blank = file.coloring.blank.as_ref().map(Blank::words);
     let none = blank.as_ref().map_or("none".into(), |blank| format!("none (all points are {blank})"));
-    let bits = match file.color {
+    let bits = match file.coloring.source {
         ColorSource::Rgb8 => "8 bits",
         ColorSource::Rgb10 => "10 bits (next to nothing exceeds 1023)",
         ColorSource::Rgb12 => "12 bits (next to nothing exceeds 4095)",
@@ -260,7 +260,7 @@ fn color_words(file: &ScanFile) -> String {
             return format!("{none}; shown by height, {low:.2} to {high:.2}");
         }
     };
-    let (Some(Blank { num_others, by_intensity, .. }), Some(blank)) = (file.blank, blank) else {
+    let (Some(Blank { num_others, by_intensity, .. }), Some(blank)) = (file.coloring.blank, blank) else {
         return bits.into();
     };
     let num_all = file.points.xyz.len();
@@ -281,14 +281,14 @@ fn unit_words(scan: &Scan, vertical_unit_m: Option<f64>) -> String {
     }
 }
 
-/// Digits behind the point that the finest lattice needs along each axis, within reason: seven of a file's size are
+/// Digits behind the point that the finest grid needs along each axis, within reason: seven of a file's size are
 /// enough, or of the scene's, where strays make the file larger.
 fn decimals(files: &[ScanFile], scene: Option<Bounds>) -> [usize; 3] {
     [0, 1, 2].map(|axis| {
         let step = |file: &ScanFile| {
-            let InFile { lattice, bounds } = file.in_file;
+            let InFile { grid, bounds } = file.in_file;
             let size = scene.map_or(f64::INFINITY, |scene| scene.size()[axis]).min(bounds.size()[axis]);
-            lattice.scale[axis].abs().max(1e-7 * size.min(1e6))
+            grid.scale[axis].abs().max(1e-7 * size.min(1e6))
         };
         let finest = files.iter().map(step).fold(1.0, f64::min);
         (-finest.log10()).ceil().clamp(0.0, 9.0) as usize
@@ -298,30 +298,13 @@ fn decimals(files: &[ScanFile], scene: Option<Bounds>) -> [usize; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Lattice, Points};
+    use crate::{Grid, ScanBuilder};
 
     #[test]
     fn json_has_the_names_of_the_contract() {
-        let points = Points {
-            xyz: vec![[1, 2, 3], [-1, 0, 9]],
-            rgb: vec![[300, 0, 0]; 2],
-            intensity: vec![0; 2],
-            ..Points::default()
-        };
-        let lattice = Lattice { scale: DVec3::splat(0.5), offset: DVec3::ZERO };
-        let bounds = Bounds { min: DVec3::new(-0.5, 0.0, 1.5), max: DVec3::new(0.5, 1.0, 4.5) };
-        let (path, color) = (PathBuf::from("a.las"), ColorSource::Rgb16);
-        let file = ScanFile {
-            path,
-            format: "LAS 1.2".into(),
-            lattice,
-            points,
-            color,
-            bounds,
-            in_file: InFile { lattice, bounds },
-            ..ScanFile::default()
-        };
-        let scan = Scan { files: vec![file], ..Scan::default() }.with_scene();
+        let grid = Grid { scale: DVec3::splat(0.5), offset: DVec3::ZERO };
+        let made = ScanBuilder::new(grid, vec![[1, 2, 3], [-1, 0, 9]]).path("a.las");
+        let scan = made.rgb(vec![[300, 0, 0]; 2]).color(ColorSource::Rgb16).scan().with_scene();
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({
             "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],

@@ -28,7 +28,7 @@ pub(super) fn share_range(files: &mut [ScanFile], scene: &Bounds) -> Option<Stri
     for (file, &times) in files.iter_mut().zip(&times) {
         if is_by_intensity(file) {
             let [low, high] = [low, high].map(|end| end / f64::from(times));
-            file.color = ColorSource::Intensity { low, high };
+            file.coloring.source = ColorSource::Intensity { low, high };
         }
     }
     let of_8: Vec<&ScanFile> =
@@ -43,7 +43,7 @@ pub(super) fn share_range(files: &mut [ScanFile], scene: &Bounds) -> Option<Stri
 }
 
 fn is_by_intensity(file: &ScanFile) -> bool {
-    matches!(file.color, ColorSource::Intensity { .. })
+    matches!(file.coloring.source, ColorSource::Intensity { .. })
 }
 
 /// What the intensities of each file are multiplied by, so that they match those of the others.
@@ -81,7 +81,7 @@ fn histogram(file: &ScanFile, times: u16, scene: Option<&Bounds>) -> Vec<u64> {
         match scene {
             None => block.iter().for_each(|&value| count(value)),
             Some(scene) => {
-                let inside = |xyz: &[i32; 3]| scene.contains(file.lattice.p_in_world(*xyz));
+                let inside = |xyz: &[i32; 3]| scene.contains(file.grid.p_in_world(*xyz));
                 block.iter().zip(xyz).filter(|(_, xyz)| inside(xyz)).for_each(|(&value, _)| count(value));
             }
         }
@@ -122,19 +122,15 @@ fn beyond<'a>(histogram: impl Iterator<Item = (usize, &'a u64)>, tail: u64) -> f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Points;
+    use crate::{Grid, ScanBuilder};
     use glam::DVec3;
 
     const EVERYWHERE: Bounds = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
     fn tile(name: &str, intensity: impl Fn(u32) -> u16) -> ScanFile {
-        let points = Points {
-            xyz: vec![[0; 3]; 1000],
-            intensity: (0..1000).map(intensity).collect(),
-            ..Points::default()
-        };
-        let color = ColorSource::Intensity { low: 0.0, high: 0.0 };
-        ScanFile { path: name.into(), points, color, ..ScanFile::default() }
+        let source = ColorSource::Intensity { low: 0.0, high: 0.0 };
+        let made = ScanBuilder::new(Grid::default(), vec![[0; 3]; 1000]).path(name);
+        made.intensity((0..1000).map(intensity).collect()).color(source).file()
     }
 
     /// From dark to bright of a white, as every scene.
@@ -147,8 +143,10 @@ mod tests {
         let from = |from: u16| move |at: u32| if at == 0 { 60_000 } else { from + at as u16 % 100 };
         let mut files = [tile("a", from(100)), tile("b", from(300))];
         assert_eq!(share_range(&mut files, &EVERYWHERE), None);
-        assert_eq!(files[0].color, files[1].color);
-        let ColorSource::Intensity { low, high } = files[0].color else { panic!("{:?}", files[0].color) };
+        assert_eq!(files[0].coloring.source, files[1].coloring.source);
+        let ColorSource::Intensity { low, high } = files[0].coloring.source else {
+            panic!("{:?}", files[0].coloring.source)
+        };
         assert!((100.0..110.0).contains(&low) && (390.0..400.0).contains(&high), "{low} {high}");
         // Without the robust ends the outlier would decide.
         assert_eq!(files[0].points.intensity.iter().max(), Some(&60_000));
@@ -166,7 +164,7 @@ mod tests {
             // Steps of the ramp are 2 of green at most, and more of other channels.
             assert!(a[1].abs_diff(b[1]) <= 3, "{at}: {a:?} {b:?}");
         }
-        assert_eq!(files[1].color, files[2].color);
+        assert_eq!(files[1].coloring.source, files[2].coloring.source);
         let brightest = |file: &ScanFile| (0..1000).map(|at| file.color(at)).max();
         assert_ne!(brightest(&files[1]), brightest(&files[2]));
     }
@@ -177,13 +175,13 @@ mod tests {
         for dim in [tile("dim", scene(60.0)), tile("dim", scene(300.0)), tile("dim", scene(4000.0))] {
             let mut files = [bright(), dim];
             assert_eq!(share_range(&mut files, &EVERYWHERE), None);
-            assert_eq!(files[0].color, files[1].color);
+            assert_eq!(files[0].coloring.source, files[1].coloring.source);
         }
         // Nor does anything change where none has 16 bits, or none has 8.
         for [a, b] in [[255.0, 255.0], [255.0, 3000.0], [65535.0, 9000.0]] {
             let mut files = [tile("a", scene(a)), tile("b", scene(b))];
             assert_eq!(share_range(&mut files, &EVERYWHERE), None);
-            assert_eq!(files[0].color, files[1].color);
+            assert_eq!(files[0].coloring.source, files[1].coloring.source);
         }
     }
 }

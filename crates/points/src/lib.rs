@@ -1,26 +1,32 @@
-//! Files to columns of points: one reader a format, all handing over a [`Scan`].
+//! Files to columns of points: formats hand over [`Block`]s, of which a [`Scan`] is made.
 //!
-//! Readers parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose
-//! nothing that can be read. A new format is one more [`Format`] in [`FORMATS`]; nothing else knows of formats.
+//! Formats parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose nothing that can be
+//! read. A new format is one more entry in the list of [`formats`]; nothing else knows of formats.
 
 mod axes;
+mod block;
+mod builder;
+mod collect;
 mod color;
+mod coloring;
+mod column;
 mod crs;
 mod distribution;
 mod earth;
 mod error;
 mod far;
+mod formats;
+mod grid;
 mod guard;
 pub mod info;
 mod inputs;
 mod intensity;
-mod las;
 mod marks;
 mod merged;
-mod ply;
+mod ramp;
 mod read;
 mod scene;
-mod sniff;
+mod schema;
 mod source;
 mod stats;
 mod uncolored;
@@ -29,58 +35,36 @@ mod up;
 mod white;
 mod world;
 
+pub use block::{Block, Ending};
+pub use builder::ScanBuilder;
+pub use coloring::{ColorSource, Coloring};
+pub use column::{Column, Type};
 pub use crs::{Angle, Axes};
 pub use earth::{Geodetic, LocalFrame};
 pub use error::ScanError;
+pub use formats::{Dataset, Take, format_names, open};
+pub use grid::Grid;
 pub use marks::Marks;
 pub use read::{peek, read};
 pub use scene::Scene;
+pub use schema::{Attribute, Field, Projection, Schema, Waveform};
+pub use stats::Stats;
 pub use uncolored::Blank;
 pub use unit::Unit;
 pub use up::{Evidence, Up, UpAxis};
 pub use world::{Project, WorldFromFile};
 
 use base::space::Bounds;
-use base::task::Progress;
-use glam::DVec3;
-use source::Source;
-use stats::Stats;
 use std::path::PathBuf;
 
-/// The integer grid of a file's coordinates: `p_in_world = offset + scale · xyz`, exactly as LAS stores it, and as
-/// readers choose it for formats that store other numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lattice {
-    /// World units a step, an axis; finite and not zero.
-    pub scale: DVec3,
-    /// World position of the lattice's origin; finite.
-    pub offset: DVec3,
-}
-
-impl Default for Lattice {
-    /// Whole units from the origin.
-    fn default() -> Self {
-        Self { scale: DVec3::ONE, offset: DVec3::ZERO }
-    }
-}
-
-impl Lattice {
-    /// World position of a lattice point.
-    #[must_use]
-    pub fn p_in_world(&self, xyz: [i32; 3]) -> DVec3 {
-        self.offset + self.scale * DVec3::new(f64::from(xyz[0]), f64::from(xyz[1]), f64::from(xyz[2]))
-    }
-}
-
-/// The points of one file, a column an attribute, in file order. Columns are empty or as long as `xyz`.
+/// The points of one file, a column an attribute, in file order, as it stores them. Columns are empty or as long as `xyz`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
-    /// Lattice coordinates.
+    /// Grid coordinates.
     pub xyz: Vec<[i32; 3]>,
-    /// Red, green, blue as stored (8 to 16 bits used; see [`ColorSource`]); but points that have the [`Blank`] are grey,
-    /// and those of fewer bits in a merged file are as bright as the others.
+    /// Red, green, blue (8 to 16 bits used; see [`Coloring`], which says how they are drawn).
     pub rgb: Vec<[u16; 3]>,
-    /// Intensity as stored.
+    /// Intensity.
     pub intensity: Vec<u16>,
     /// Unit normals, world axes, pointing to the side from which the surface was seen. NaN where a point has none.
     pub normals: Vec<[f32; 3]>,
@@ -88,48 +72,6 @@ pub struct Points {
     pub noise: Marks,
     /// Points that the file says are withheld: deleted. They are in the columns only if they are to be shown.
     pub num_withheld: u64,
-}
-
-impl Points {
-    /// Points that were read, in the columns or left out as withheld.
-    #[must_use]
-    pub fn num_read(&self, show_withheld: bool) -> u64 {
-        self.xyz.len() as u64 + if show_withheld { 0 } else { self.num_withheld }
-    }
-}
-
-/// Where a file's point colours come from; decided once the whole file (for ramps: the whole scan) is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ColorSource {
-    /// `rgb` holds 8-bit values.
-    Rgb8,
-    /// `rgb` holds 10-bit values; 8-bit colour = round(c · 255 / 1023).
-    Rgb10,
-    /// `rgb` holds 12-bit values; 8-bit colour = round(c · 255 / 4095).
-    Rgb12,
-    /// `rgb` holds 16-bit values; 8-bit colour = round(c / 257).
-    Rgb16,
-    /// No colour: intensity through the ramp, `low..=high` of the scan.
-    Intensity {
-        /// Value at the dark end.
-        low: f64,
-        /// Value at the bright end.
-        high: f64,
-    },
-    /// Neither: height (world z) through the ramp, `low..=high` of the scan.
-    Height {
-        /// Height at the dark end.
-        low: f64,
-        /// Height at the bright end.
-        high: f64,
-    },
-}
-
-impl Default for ColorSource {
-    /// By height, of no range yet.
-    fn default() -> Self {
-        Self::Height { low: 0.0, high: 0.0 }
-    }
 }
 
 /// One file, read.
@@ -140,13 +82,11 @@ pub struct ScanFile {
     /// For people: "LAS 1.2, point format 3".
     pub format: String,
     /// Grid of `points.xyz`.
-    pub lattice: Lattice,
+    pub grid: Grid,
     /// The points.
     pub points: Points,
-    /// Their colours.
-    pub color: ColorSource,
-    /// The color that stands for none.
-    pub blank: Option<Blank>,
+    /// How they get their colors.
+    pub coloring: Coloring,
     /// True box of the points read, world space.
     pub bounds: Bounds,
     /// How the file has them.
@@ -162,7 +102,7 @@ pub struct ScanFile {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InFile {
     /// Grid of its coordinates.
-    pub lattice: Lattice,
+    pub grid: Grid,
     /// Box of the points read.
     pub bounds: Bounds,
 }
@@ -202,6 +142,12 @@ pub struct Scan {
 }
 
 impl Scan {
+    /// Of these files, of which nothing else is known.
+    #[must_use]
+    pub fn of(files: Vec<ScanFile>) -> Self {
+        Self { files, ..Self::default() }
+    }
+
     /// Points of all files.
     #[must_use]
     pub fn num_points(&self) -> usize {
@@ -258,59 +204,5 @@ pub struct Header {
     pub warnings: Vec<String>,
 }
 
-/// One file format.
-trait Format: Sync {
-    /// True if a file that starts with `head` (up to [`HEAD_BYTES`]) is of this format.
-    fn recognises(&self, head: &[u8]) -> bool;
-
-    /// Reads and checks the header.
-    fn open(&self, source: Source) -> Result<Box<dyn Reader>, ScanError>;
-}
-
-/// An opened file.
-trait Reader {
-    /// What it says of itself.
-    fn header(&self) -> &Header;
-
-    /// Reads all points that can be read; at least one.
-    fn read(&self, options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError>;
-}
-
-/// The points of a file and what was learnt on the way.
-#[derive(Debug)]
-struct Columns {
-    /// Grid of the points' coordinates.
-    lattice: Lattice,
-    points: Points,
-    /// See [`ScanFile::triangles`].
-    triangles: Vec<[u32; 3]>,
-    stats: Stats,
-    /// The largest that a color can be, where the reader knows it.
-    white: Option<u16>,
-    /// What the file has or announces and could not be read, as sentences whose subject is the file.
-    losses: Vec<String>,
-    /// What else was odd, likewise.
-    warnings: Vec<String>,
-}
-
-impl Default for Columns {
-    fn default() -> Self {
-        let (lattice, points) = (Lattice::default(), Points::default());
-        Self {
-            lattice,
-            points,
-            triangles: Vec::new(),
-            stats: Stats::EMPTY,
-            white: None,
-            losses: Vec::new(),
-            warnings: Vec::new(),
-        }
-    }
-}
-
 /// Largest coordinate: far more than any planet, and f32 still holds its square.
 pub const FARTHEST: f64 = 1e15;
-/// All formats that can be read.
-const FORMATS: [&dyn Format; 2] = [&las::Las, &ply::Ply];
-/// Bytes from a file's start that tell its format.
-const HEAD_BYTES: u64 = 512;

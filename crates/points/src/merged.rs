@@ -4,6 +4,8 @@
 //! A run in which next to no channel exceeds the lesser white, from dark to bright below, is of fewer bits; of more bits,
 //! it would be a part of the scene that is nearly black, and between it and the rest there would be runs that are half dark.
 
+use super::Marks;
+use super::coloring::RaisedPoints;
 use super::distribution::peak_of;
 
 /// Points of a run.
@@ -101,41 +103,39 @@ impl Runs {
     }
 }
 
-/// Makes the colors whose white is `low` as bright as the others, whose white is `high`.
-pub(super) fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, parts: Parts) {
-    let raised = |c: u16| {
-        let (c, low, high) = (u64::from(c), u64::from(low), u64::from(high));
-        // No larger than `high`, which is a u16: `c` is no larger than `low`.
-        if c > low { c as u16 } else { ((c * high + low / 2) / low) as u16 }
-    };
-    let is_low = |rgb: &[u16; 3]| peak_of(rgb) <= low;
+/// Which points have the lesser white, `low`; `None` if nobody knows.
+pub(super) fn of_lesser_white(
+    num_points: usize,
+    color: impl Fn(usize) -> [u16; 3],
+    low: u16,
+    parts: Parts,
+) -> Option<RaisedPoints> {
     match parts {
-        Parts::Unknown => {}
-        Parts::Points => rgb.iter_mut().filter(|rgb| is_low(rgb)).for_each(|rgb| *rgb = rgb.map(raised)),
-        Parts::Tiles => {
-            let is_of_low = tiles(rgb, low);
-            let of_low = rgb.iter_mut().zip(is_of_low).filter(|(_, is_of_low)| *is_of_low);
-            of_low.for_each(|(rgb, _)| *rgb = rgb.map(raised));
-        }
+        Parts::Unknown => None,
+        Parts::Points => Some(RaisedPoints::Dark),
+        Parts::Tiles => Some(RaisedPoints::Marked(tiles(num_points, color, low))),
     }
 }
 
 /// Which points lie in tiles of the lesser white.
-fn tiles(rgb: &[[u16; 3]], low: u16) -> Vec<bool> {
-    let is_low = |rgb: &[u16; 3]| peak_of(rgb) <= low;
-    let mut is_of_low = vec![false; rgb.len()];
-    for (run, is_of_low) in rgb.chunks(RUN).zip(is_of_low.chunks_mut(RUN)) {
-        let above = part_above(run.iter().map(peak_of), low);
+fn tiles(num_points: usize, color: impl Fn(usize) -> [u16; 3], low: u16) -> Marks {
+    let peak = |at: usize| peak_of(&color(at));
+    let mut is_of_low = vec![false; num_points];
+    for (number, is_of_low) in is_of_low.chunks_mut(RUN).enumerate() {
+        let run = number * RUN..number * RUN + is_of_low.len();
+        let above = part_above(run.map(peak), low);
         is_of_low.fill(above.is_some_and(|above| above <= LOW));
     }
     // A tile ends within a run, and goes on over runs that tell nothing: as far as all is low.
-    for at in 1..rgb.len() {
-        is_of_low[at] |= is_of_low[at - 1] && is_low(&rgb[at]);
+    for at in 1..num_points {
+        is_of_low[at] |= is_of_low[at - 1] && peak(at) <= low;
     }
-    for at in (1..rgb.len()).rev() {
-        is_of_low[at - 1] |= is_of_low[at] && is_low(&rgb[at - 1]);
+    for at in (1..num_points).rev() {
+        is_of_low[at - 1] |= is_of_low[at] && peak(at - 1) <= low;
     }
-    is_of_low
+    let mut marks = Marks::default();
+    (0..num_points).filter(|&at| is_of_low[at]).for_each(|at| marks.set(at));
+    marks
 }
 
 #[cfg(test)]

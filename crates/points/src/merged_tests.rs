@@ -1,6 +1,7 @@
 //! Tests of which files were merged, and of what is made of them.
 
 use super::*;
+use crate::coloring::{Raise, Raised};
 
 /// Anything from 0 to 1 that is not regular: a multiplicative hash.
 fn part(at: usize) -> f64 {
@@ -23,6 +24,14 @@ fn runs(rgb: &[[u16; 3]], white: u16) -> Runs {
     let peaks: Vec<u16> = rgb.iter().map(peak_of).collect();
     peaks.as_chunks().0.iter().for_each(|run| runs.add(run, white));
     runs
+}
+
+/// The colors that are drawn if those whose white is `low` are made as bright as the others.
+fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, parts: Parts) {
+    let points = of_lesser_white(rgb.len(), |at| rgb[at], low, parts);
+    let mut raised = Raised::default();
+    points.into_iter().for_each(|points| raised.add(Raise { low, high, points }));
+    rgb.iter_mut().enumerate().for_each(|(at, rgb)| *rgb = raised.color(at, *rgb));
 }
 
 const WHITES: [u16; 4] = [255, 1023, 4095, 65535];

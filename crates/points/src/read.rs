@@ -1,14 +1,14 @@
 //! Several files of any format to one [`Scan`].
 
+use super::block::Ending;
+use super::collect::{self, Collected};
 use super::color::{self, Choice};
 use super::inputs::{self, Inputs};
-use super::source::Source;
 use super::{
-    Columns, FARTHEST, FORMATS, HEAD_BYTES, Header, InFile, ReadOptions, Reader, Scan, ScanError, ScanFile,
-    WorldFromFile, sniff, uncolored, world,
+    FARTHEST, Header, InFile, ReadOptions, Scan, ScanError, ScanFile, WorldFromFile, open, uncolored, world,
 };
 use base::space::Bounds;
-use base::task::Task;
+use base::task::{Progress, Task};
 use base::words::{agreeing, counted};
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ pub(super) fn read_with_headers(
     let mut failures = Failures { strict: options.strict, errors: Vec::new() };
     let mut announced = Vec::new();
     for path in &paths {
-        let header = open(path).map(|reader| reader.header().num_points);
+        let header = open(path).map(|dataset| dataset.header().num_points);
         announced.extend(failures.sort(header)?.map(|num_points| (path, num_points)));
     }
     let expected = announced.iter().fold(0u64, |sum, (_, num_points)| sum.saturating_add(*num_points));
@@ -52,19 +52,9 @@ pub(super) fn read_with_headers(
     let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
     for (path, _) in announced {
         // Opened again: the system allows fewer open files than a scan may have.
-        let columns = open(path).and_then(|reader| {
-            let columns = reader.read(options, &progress)?;
-            within_reach(path, &columns)?;
-            if options.strict
-                && let Some(loss) = columns.losses.first()
-            {
-                return Err(ScanError::Incomplete { path: path.clone(), loss: loss.clone() });
-            }
-            Ok((reader.header().clone(), columns))
-        });
-        if let Some((header, columns)) = failures.sort(columns)? {
-            add(&mut scan, &header, columns, options.show_withheld);
-            headers.push(header);
+        if let Some(file) = failures.sort(file(path, options, &progress))? {
+            headers.push(file.header.clone());
+            add(&mut scan, file, options.show_withheld);
         }
     }
     scan.warnings.extend(failures.warnings(headers.is_empty())?);
@@ -72,7 +62,7 @@ pub(super) fn read_with_headers(
     world::place(&mut scan, &headers, options);
     uncolored::settle(&mut scan);
     let mut scan = scan.with_scene();
-    scan.files.iter_mut().for_each(uncolored::fill_with_grey);
+    scan.files.iter_mut().for_each(uncolored::find_greys);
     Ok((scan, headers))
 }
 
@@ -107,22 +97,49 @@ impl Failures {
     }
 }
 
-fn open(path: &Path) -> Result<Box<dyn Reader>, ScanError> {
-    let source = Source::open(path)?;
-    let head = source.bytes(0, HEAD_BYTES)?;
-    match FORMATS.iter().find(|format| format.recognises(&head)) {
-        Some(format) => format.open(source),
-        None => Err(sniff::not_a_scan(path, &head)),
+/// A file in memory.
+struct Read {
+    header: Header,
+    collected: Collected,
+    ending: Ending,
+}
+
+/// Reads all that the walk wants of a file.
+fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Read, ScanError> {
+    let dataset = open(path)?;
+    let mut collected = Collected::new();
+    let mut take = |block| {
+        let num_points = collected.points.xyz.len() as u64;
+        let memory = |_| ScanError::Memory { path: path.to_owned(), num_points };
+        collected.add(block, options.show_withheld).map_err(memory)
+    };
+    let ending = dataset.read(&collect::wanted(), &mut take, progress)?;
+    collected.shrink();
+    if collected.points.xyz.is_empty() {
+        let num_withheld = collected.points.num_withheld;
+        let all = format!("all {num_withheld} are");
+        let all = agreeing(num_withheld, "its only point is", &all);
+        let advice = "--set cloud.show_withheld=true shows them";
+        let reason = format!("{all} withheld, which means deleted; {advice}");
+        return Err(ScanError::NoPoints { path: path.to_owned(), reason });
+    }
+    within_reach(path, &collected)?;
+    match ending.losses.first() {
+        Some(loss) if options.strict => {
+            Err(ScanError::Incomplete { path: path.to_owned(), loss: loss.clone() })
+        }
+        _ => Ok(Read { header: dataset.header().clone(), collected, ending }),
     }
 }
 
-fn add(scan: &mut Scan, header: &Header, mut columns: Columns, show_withheld: bool) {
-    let stats = columns.stats;
-    let Choice { color, blank, sentences: of_colors } =
-        color::choose(&stats, &mut columns.points.rgb, columns.white);
-    let sentences = header.warnings.iter().chain(&columns.losses).chain(&columns.warnings).chain(&of_colors);
+fn add(scan: &mut Scan, file: Read, show_withheld: bool) {
+    let Read { header, collected, ending } = file;
+    let bounds = bounds(&collected);
+    let Collected { grid, points, stats } = collected;
+    let Choice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, ending.white);
+    let sentences = header.warnings.iter().chain(&ending.losses).chain(&ending.warnings).chain(&of_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
-    let num_withheld = columns.points.num_withheld;
+    let num_withheld = points.num_withheld;
     if num_withheld > 0 && !show_withheld {
         let path = header.path.display();
         scan.warnings.push(format!(
@@ -134,31 +151,29 @@ fn add(scan: &mut Scan, header: &Header, mut columns: Columns, show_withheld: bo
             agreeing(num_withheld, "it", "them"),
         ));
     }
-    let bounds = bounds(&columns);
     scan.files.push(ScanFile {
-        path: header.path.clone(),
-        format: header.format.clone(),
-        lattice: columns.lattice,
-        points: columns.points,
-        triangles: columns.triangles,
-        color,
-        blank,
+        path: header.path,
+        format: header.format,
+        grid,
+        points,
+        triangles: ending.triangles,
+        coloring,
         bounds,
-        in_file: InFile { lattice: columns.lattice, bounds },
+        in_file: InFile { grid, bounds },
         world_from_file: WorldFromFile::default(),
     });
 }
 
 /// True box of a file's points.
-fn bounds(columns: &Columns) -> Bounds {
-    // Scales may be negative, so either corner of the lattice may be the smaller one.
-    let corners = [columns.stats.xyz_min, columns.stats.xyz_max];
-    Bounds::around(&corners.map(|xyz| columns.lattice.p_in_world(xyz)))
+fn bounds(collected: &Collected) -> Bounds {
+    // Scales may be negative, so either corner of the grid may be the smaller one.
+    let corners = [collected.stats.xyz_min, collected.stats.xyz_max];
+    Bounds::around(&corners.map(|xyz| collected.grid.p_in_world(xyz)))
 }
 
 /// Refuses a file whose points nothing can show.
-fn within_reach(path: &Path, columns: &Columns) -> Result<(), ScanError> {
-    let bounds = bounds(columns);
+fn within_reach(path: &Path, collected: &Collected) -> Result<(), ScanError> {
+    let bounds = bounds(collected);
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if farthest > FARTHEST { Err(ScanError::TooFar { path: path.to_owned(), farthest }) } else { Ok(()) }
 }

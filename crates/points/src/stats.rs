@@ -1,11 +1,16 @@
 //! Extremes of columns, gathered block by block while the block is in the cache.
 
+use rayon::prelude::*;
+
+/// Points of a task for a core.
+const TASK_POINTS: usize = 1 << 16;
+
 /// What there is in a run of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Stats {
-    /// Smallest lattice coordinates.
+pub struct Stats {
+    /// Smallest grid coordinates.
     pub xyz_min: [i32; 3],
-    /// Largest lattice coordinates.
+    /// Largest grid coordinates.
     pub xyz_max: [i32; 3],
     /// Smallest intensity.
     pub intensity_min: u16,
@@ -19,6 +24,7 @@ impl Stats {
         Self { xyz_min: [i32::MAX; 3], xyz_max: [i32::MIN; 3], intensity_min: u16::MAX, intensity_max: 0 };
 
     /// Of these columns.
+    #[must_use]
     pub fn of(xyz: &[[i32; 3]], intensity: &[u16]) -> Self {
         let mut stats = Self::EMPTY;
         for p in xyz {
@@ -30,7 +36,15 @@ impl Stats {
         stats
     }
 
+    /// Of long columns, on all cores.
+    pub(crate) fn of_all(xyz: &[[i32; 3]], intensity: &[u16]) -> Self {
+        let xyz = xyz.par_chunks(TASK_POINTS).map(|block| Self::of(block, &[]));
+        let intensity = intensity.par_chunks(TASK_POINTS).map(|block| Self::of(&[], block));
+        xyz.chain(intensity).reduce(|| Self::EMPTY, Self::union)
+    }
+
     /// Of both runs together.
+    #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self {
             xyz_min: std::array::from_fn(|axis| self.xyz_min[axis].min(other.xyz_min[axis])),

@@ -2,8 +2,9 @@
 //! may have colors besides at a few points: marked ones, wrong ones, or a scan that was merged from several of which few
 //! had photographs.
 
-use super::color::byte;
+use super::coloring::Greys;
 use super::distribution::Distribution;
+use super::ramp::byte;
 use super::white::White;
 use super::{ColorSource, Scan, ScanFile};
 use base::words::grouped;
@@ -24,8 +25,6 @@ const FEWEST_BLACK: u64 = 20;
 const BLACK_ALONE: u64 = 8;
 /// Up to this part of white a point is nearly black: 3 of 255.
 const NEARLY_BLACK: u16 = 64;
-/// Greys that points without a color get, as parts of white: seen before black and before white.
-const GREYS: [f64; 2] = [0.25, 0.75];
 /// Values looked at, evenly over the file, to find the ends of the greys.
 const MOST_VALUES: usize = 1 << 18;
 /// Part of the values that may lie beyond each end.
@@ -166,20 +165,21 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
 /// kinds, they tell the files apart and stay; otherwise they tell nothing. Greys are what exporters fill in.
 pub(super) fn settle(scan: &mut Scan) {
     let is_grey = |[r, g, b]: [u8; 3]| are_alike([r, g, b], [g, b, r]);
-    let colors = scan.files.iter().filter_map(|file| file.blank.map(|blank| blank.shown()));
+    let colors = scan.files.iter().filter_map(|file| file.coloring.blank.map(|blank| blank.shown()));
     let single: Vec<[u8; 3]> = colors.filter(|&color| !is_grey(color)).collect();
-    let is_colored = |file: &ScanFile| file.blank.is_none() && file.color.white().is_some();
+    let is_colored =
+        |file: &ScanFile| file.coloring.blank.is_none() && file.coloring.source.white().is_some();
     let do_differ =
         single.iter().any(|&color| !are_alike(color, single[0])) || scan.files.iter().any(is_colored);
     for file in &mut scan.files {
-        let Some(blank) = file.blank else { continue };
+        let Some(blank) = file.coloring.blank else { continue };
         if do_differ && !is_grey(blank.shown()) {
-            file.blank = None;
-            file.color = ColorSource::with_white(blank.white);
+            file.coloring.blank = None;
+            file.coloring.source = ColorSource::with_white(blank.white);
             continue;
         }
         if blank.is_all() {
-            // The column would only cost memory.
+            // A column that tells nothing would only cost memory.
             file.points.rgb = Vec::new();
         }
         let sentence = blank.sentence(file.points.xyz.len());
@@ -187,26 +187,20 @@ pub(super) fn settle(scan: &mut Scan) {
     }
 }
 
-/// Gives the points without a color greys, if others of the file have colors: by intensity, or by height where that is
-/// the same everywhere.
-pub(super) fn fill_with_grey(file: &mut ScanFile) {
-    let (Some(blank), Some(white)) = (&mut file.blank, file.color.white().map(f64::from)) else { return };
-    let (lattice, xyz) = (file.lattice, &file.points.xyz);
-    let intensity = |at: usize| file.points.intensity.get(at).map_or(0.0, |&value| f64::from(value));
-    let height = |at: usize| lattice.p_in_world(xyz[at]).z;
-    let by_intensity = ends(&intensity, xyz.len());
+/// Finds the greys that the points without a color are drawn in, if others of the file have colors: by intensity, or by
+/// height where that is the same everywhere.
+pub(super) fn find_greys(file: &mut ScanFile) {
+    let (Some(mut blank), Some(_)) = (file.coloring.blank, file.coloring.source.white()) else { return };
+    let num_points = file.points.xyz.len();
+    let by_intensity = ends(|at| file.intensity(at), num_points);
     blank.by_intensity = by_intensity[0] < by_intensity[1];
-    let (value, [low, high]): (&(dyn Fn(usize) -> f64 + Sync), _) =
-        if blank.by_intensity { (&intensity, by_intensity) } else { (&height, ends(&height, xyz.len())) };
-    let blank = *blank;
-    file.points.rgb.par_iter_mut().enumerate().filter(|(_, rgb)| blank.is(**rgb)).for_each(|(at, rgb)| {
-        let t = if high > low { ((value(at) - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
-        *rgb = [(white * (GREYS[0] + (GREYS[1] - GREYS[0]) * t)).round() as u16; 3];
-    });
+    let ends = if blank.by_intensity { by_intensity } else { ends(|at| file.height(at), num_points) };
+    file.coloring.greys = Some(Greys { by_intensity: blank.by_intensity, ends });
+    file.coloring.blank = Some(blank);
 }
 
 /// The values between which all but the tails lie.
-fn ends(value: &dyn Fn(usize) -> f64, num_points: usize) -> [f64; 2] {
+fn ends(value: impl Fn(usize) -> f64, num_points: usize) -> [f64; 2] {
     let step = num_points.div_ceil(MOST_VALUES).max(1);
     let mut values: Vec<f64> = (0..num_points).step_by(step).map(value).collect();
     let Some(last) = values.len().checked_sub(1) else { return [0.0; 2] };

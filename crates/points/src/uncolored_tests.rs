@@ -1,20 +1,20 @@
 //! Tests of which points have no color, and what is done about them.
 
 use super::*;
-use crate::color::{Choice, choose};
+use crate::color::choose;
 use crate::stats::Stats;
-use crate::{Lattice, Points};
+use crate::{Grid, ScanBuilder};
 use glam::DVec3;
 
 fn filled(color: ColorSource, intensity: Vec<u16>) -> Vec<[u16; 3]> {
     let xyz = (0..5).map(|z| [0, 0, z]).collect();
     let rgb = vec![[0; 3], [0; 3], [9, 0, 0], [0; 3], [0; 3]];
-    let points = Points { xyz, rgb, intensity, ..Points::default() };
-    let lattice = Lattice { scale: DVec3::splat(-0.5), offset: DVec3::ZERO };
-    let blank = Some(Blank { color: [0; 3], near: 0, white: 255, num_others: 1, by_intensity: false });
-    let mut file = ScanFile { lattice, points, color, blank, ..ScanFile::default() };
-    fill_with_grey(&mut file);
-    file.points.rgb
+    let grid = Grid { scale: DVec3::splat(-0.5), offset: DVec3::ZERO };
+    let mut file = ScanBuilder::new(grid, xyz).rgb(rgb).intensity(intensity).color(color).file();
+    file.coloring.blank =
+        Some(Blank { color: [0; 3], near: 0, white: 255, num_others: 1, by_intensity: false });
+    find_greys(&mut file);
+    (0..5).map(|at| file.rgb(at, color.white().unwrap_or(255))).collect()
 }
 
 #[test]
@@ -74,6 +74,13 @@ fn what_is_alike_without_being_the_same_has_colors() {
     assert!(blank(&[[0; 3]]).is_some());
 }
 
+/// A file with these colors, and what was decided about them.
+fn colored(made: ScanBuilder, rgb: Vec<[u16; 3]>, stats: &Stats) -> ScanFile {
+    let mut file = made.rgb(rgb).file();
+    file.coloring = choose(stats, &file.points.rgb, None).coloring;
+    file
+}
+
 /// Files of one color each, but for `num_others` points: which of them keep their colors, and how many warnings there are.
 fn settled(colors: &[[u16; 3]], num_others: usize) -> (Vec<bool>, usize) {
     let tile = |rgb| {
@@ -81,21 +88,18 @@ fn settled(colors: &[[u16; 3]], num_others: usize) -> (Vec<bool>, usize) {
         rgb[..num_others].fill([7, 6, 5]);
         let intensity: Vec<u16> = (0..2000).collect();
         let stats = Stats::of(&xyz, &intensity);
-        let Choice { color, blank, .. } = choose(&stats, &mut rgb, None);
-        ScanFile {
-            blank,
-            color,
-            points: Points { xyz, rgb, intensity, ..Points::default() },
-            ..ScanFile::default()
-        }
+        colored(ScanBuilder::new(Grid::default(), xyz).intensity(intensity), rgb, &stats)
     };
-    let mut scan = Scan { files: colors.iter().map(|&rgb| tile(rgb)).collect(), ..Scan::default() };
+    let mut scan = Scan::of(colors.iter().map(|&rgb| tile(rgb)).collect());
     settle(&mut scan);
     for file in &scan.files {
-        let is_drawn = num_others > 0 || file.blank.is_none();
-        assert_eq!((file.color.white().is_some(), !file.points.rgb.is_empty()), (is_drawn, is_drawn));
+        let is_drawn = num_others > 0 || file.coloring.blank.is_none();
+        assert_eq!(
+            (file.coloring.source.white().is_some(), !file.points.rgb.is_empty()),
+            (is_drawn, is_drawn)
+        );
     }
-    (scan.files.iter().map(|file| file.blank.is_none()).collect(), scan.warnings.len())
+    (scan.files.iter().map(|file| file.coloring.blank.is_none()).collect(), scan.warnings.len())
 }
 
 #[test]
@@ -116,18 +120,14 @@ fn single_colors_stay_where_they_tell_files_apart() {
 /// A red mark beside a scan in color stays red; a white one is as good as none.
 #[test]
 fn a_single_color_stays_beside_files_in_color() {
-    let colored: Vec<[u16; 3]> = (0..2000).map(|i| [i % 256, i / 8, 90]).collect();
+    let in_color: Vec<[u16; 3]> = (0..2000).map(|i| [i % 256, i / 8, 90]).collect();
     for (color, stays) in [([255, 0, 0], true), ([255; 3], false)] {
-        let file = |mut rgb: Vec<[u16; 3]>| {
-            let Choice { color, blank, .. } = choose(&Stats::EMPTY, &mut rgb, None);
-            let points = Points { xyz: vec![[0; 3]; 2000], rgb, ..Points::default() };
-            ScanFile { blank, color, points, ..ScanFile::default() }
-        };
-        let mut scan =
-            Scan { files: vec![file(colored.clone()), file(vec![color; 2000])], ..Scan::default() };
+        let file = |rgb| colored(ScanBuilder::new(Grid::default(), vec![[0; 3]; 2000]), rgb, &Stats::EMPTY);
+        let mut scan = Scan::of(vec![file(in_color.clone()), file(vec![color; 2000])]);
         settle(&mut scan);
-        let is_drawn = scan.files[1].blank.is_none() && scan.files[1].points.rgb == vec![color; 2000];
-        assert_eq!((is_drawn, scan.files[0].blank), (stays, None), "{color:?}");
+        let is_drawn =
+            scan.files[1].coloring.blank.is_none() && scan.files[1].points.rgb == vec![color; 2000];
+        assert_eq!((is_drawn, scan.files[0].coloring.blank), (stays, None), "{color:?}");
     }
 }
 
@@ -136,7 +136,7 @@ fn the_bits_of_a_few_colors_are_their_own() {
     let source = |blank: [u16; 3], other: [u16; 3]| {
         let mut rgb = vec![blank; 6000];
         rgb[4000] = other;
-        choose(&Stats::EMPTY, &mut rgb, None).color
+        choose(&Stats::EMPTY, &rgb, None).coloring.source
     };
     assert_eq!(source([65535; 3], [200, 10, 10]), ColorSource::Rgb8);
     assert_eq!(source([1; 3], [60_000, 200, 9]), ColorSource::Rgb16);

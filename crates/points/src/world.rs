@@ -5,9 +5,9 @@
 
 use super::crs::{Angle, Axes};
 use super::earth::{Geodetic, LocalFrame};
-use super::ply::grid::Grid;
+use super::grid::FittedGrid;
 use super::up::{self, UpAxis};
-use super::{Header, Lattice, Marks, ReadOptions, Scan, ScanFile, axes, far, unit};
+use super::{Grid, Header, Marks, ReadOptions, Scan, ScanFile, axes, far, unit};
 use base::space::Bounds;
 use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
@@ -212,7 +212,7 @@ impl Units {
 /// Some points of a file, evenly over it, in its coordinates.
 pub(super) fn samples(file: &ScanFile) -> impl Iterator<Item = DVec3> {
     let step = file.points.xyz.len().div_ceil(MOST_SAMPLES).max(1);
-    file.points.xyz.iter().step_by(step).map(|&xyz| file.lattice.p_in_world(xyz))
+    file.points.xyz.iter().step_by(step).map(|&xyz| file.grid.p_in_world(xyz))
 }
 
 /// Half of the points lie on each side, along each axis: strays do not move it.
@@ -239,10 +239,9 @@ fn regrid(file: &mut ScanFile) {
         return;
     }
     let WorldFromFile::Axes { up, across_scale, height_scale } = world_from_file else { return };
-    let Lattice { scale, offset } = file.lattice;
+    let Grid { scale, offset } = file.grid;
     // The sign is the scale's: a negated coordinate might not fit.
-    file.lattice =
-        Lattice { scale: world_from_file.p_in_world(scale), offset: world_from_file.p_in_world(offset) };
+    file.grid = Grid { scale: world_from_file.p_in_world(scale), offset: world_from_file.p_in_world(offset) };
     if up != UpAxis::Z {
         file.points.xyz.par_iter_mut().for_each(|p| p.swap(1, 2));
     }
@@ -253,30 +252,30 @@ fn regrid(file: &mut ScanFile) {
 /// Puts a file's points from the earth onto a new grid along the world's axes, made for its scene; how many are too far
 /// away to be held by it and were left out.
 fn project(file: &mut ScanFile) -> usize {
-    let (world_from_file, lattice) = (file.world_from_file, file.lattice);
-    let place = |xyz: [i32; 3]| world_from_file.p_in_world(lattice.p_in_world(xyz));
+    let (world_from_file, grid) = (file.world_from_file, file.grid);
+    let place = |xyz: [i32; 3]| world_from_file.p_in_world(grid.p_in_world(xyz));
     let box_of =
         |block: &[[i32; 3]]| block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(place(xyz)));
     let bounds = file.points.xyz.par_chunks(BLOCK).map(box_of).reduce(|| Bounds::EMPTY, Bounds::union);
     let sample = samples(file).map(|p| world_from_file.p_in_world(p)).collect();
-    let grid = Grid::over(sample, bounds);
+    let fitted = FittedGrid::over(sample, bounds);
     let mut far = Marks::default();
-    let is_far = |xyz: [i32; 3]| !grid.holds(&place(xyz).to_array());
-    if is_far_anywhere(&grid, &bounds) {
+    let is_far = |xyz: [i32; 3]| !fitted.holds(&place(xyz).to_array());
+    if is_far_anywhere(&fitted, &bounds) {
         let numbers = file.points.xyz.iter().enumerate().filter(|(_, xyz)| is_far(**xyz));
         numbers.for_each(|(number, _)| far.set(number));
     }
     far::leave_out(file, &far);
-    file.points.xyz.par_iter_mut().for_each(|xyz| *xyz = grid.snap(&place(*xyz).to_array()));
-    file.lattice = grid.lattice;
+    file.points.xyz.par_iter_mut().for_each(|xyz| *xyz = fitted.snap(&place(*xyz).to_array()));
+    file.grid = fitted.grid;
     turn_normals(file, DVec3::ONE);
     rebound(file);
     far.count()
 }
 
 /// True if a part of the box is beyond what the grid holds.
-fn is_far_anywhere(grid: &Grid, bounds: &Bounds) -> bool {
-    !grid.holds(&bounds.min.to_array()) || !grid.holds(&bounds.max.to_array())
+fn is_far_anywhere(fitted: &FittedGrid, bounds: &Bounds) -> bool {
+    !fitted.holds(&bounds.min.to_array()) || !fitted.holds(&bounds.max.to_array())
 }
 
 /// Normals along the world's axes. Those of a scaled surface lean the other way: `scale` is the reciprocal.
@@ -292,9 +291,9 @@ fn turn_normals(file: &mut ScanFile, scale: DVec3) {
 
 /// The box again, of the points as they now are.
 fn rebound(file: &mut ScanFile) {
-    let lattice = file.lattice;
+    let grid = file.grid;
     let box_of = |block: &[[i32; 3]]| {
-        block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(lattice.p_in_world(xyz)))
+        block.iter().fold(Bounds::EMPTY, |bounds, &xyz| bounds.with(grid.p_in_world(xyz)))
     };
     file.bounds = file.points.xyz.par_chunks(BLOCK).map(box_of).reduce(|| Bounds::EMPTY, Bounds::union);
 }

@@ -91,10 +91,7 @@ fn read_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Scan {
 
 /// Places of the points in the world.
 fn world(scan: &Scan) -> Vec<DVec3> {
-    scan.files
-        .iter()
-        .flat_map(|file| file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz)))
-        .collect()
+    scan.files.iter().flat_map(|file| file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz))).collect()
 }
 
 fn tower() -> impl Iterator<Item = DVec3> {
@@ -156,7 +153,7 @@ fn units_are_stated_by_code_or_by_the_user() {
     let millimetres = ReadOptions { unit: Unit::Metres(0.001), ..ReadOptions::default() };
     let scan = by_code.read(&millimetres);
     assert_eq!(scan.unit_m, Some(0.001));
-    assert_eq!(scan.files[0].lattice.scale, DVec3::splat(0.001), "a unit of all axes scales none of them");
+    assert_eq!(scan.files[0].grid.scale, DVec3::splat(0.001), "a unit of all axes scales none of them");
 }
 
 #[test]
@@ -179,7 +176,7 @@ fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
         assert_eq!(scan.files[0].points.xyz, stored, "{how}");
         // What the file says is still there, to the last bit.
         let file = &scan.files[0];
-        assert_eq!(file.in_file.lattice.scale, DVec3::splat(0.001), "{how}");
+        assert_eq!(file.in_file.grid.scale, DVec3::splat(0.001), "{how}");
         assert!((file.in_file.bounds.size().z - 6.0 / US_FOOT).abs() < 1e-3, "{how}");
         let p = file.world_from_file.p_in_world(file.in_file.bounds.max);
         assert!((p - file.bounds.max).abs().max_element() < 1e-9, "{how}: {p}");

@@ -74,8 +74,7 @@ fn counts_that_lie_cost_nothing() {
 fn lines_that_are_no_numbers_are_left_out() {
     let body = b"0 0 0\n\n 1 0\n2 0 zero\n\xff\x00 1 2\r\n4 0 0 and more\n";
     let scan = read_bytes(&file("ascii", 5, body)).unwrap();
-    let xs: Vec<f64> =
-        scan.files[0].points.xyz.iter().map(|&p| scan.files[0].lattice.p_in_world(p).x).collect();
+    let xs: Vec<f64> = scan.files[0].points.xyz.iter().map(|&p| scan.files[0].grid.p_in_world(p).x).collect();
     assert_eq!(xs, [0.0, 4.0]);
     assert_eq!(scan.warnings.len(), 1);
     let expected = "scan.ply: has 3 lines that could not be read and were left out, first line 10, \"1 0\"";
@@ -85,7 +84,7 @@ fn lines_that_are_no_numbers_are_left_out() {
 /// The points' places, and the sentences.
 fn places(scan: &Scan) -> Vec<[f64; 3]> {
     let file = &scan.files[0];
-    file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz).to_array()).collect()
+    file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz).to_array()).collect()
 }
 
 #[test]

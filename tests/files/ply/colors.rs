@@ -176,7 +176,7 @@ fn lists_of_colors_on_faces_are_used() {
                 let sentence =
                     format!("has {num_odd} faces with a list of colors of other than 3 or 4 values");
                 assert!(warnings.iter().any(|warning| warning.contains(&sentence)), "{case}");
-                assert_eq!(matches!(file.color, ColorSource::Height { .. }), !is_read, "{case}");
+                assert_eq!(matches!(file.coloring.source, ColorSource::Height { .. }), !is_read, "{case}");
                 for (at, bytes) in
                     shown(&file).into_iter().enumerate().filter(|(at, _)| is_read && at / 3 % 10 != 4)
                 {
@@ -229,7 +229,7 @@ fn exponents_and_semicolons_of_other_hands_are_read() {
         let start: String = body.chars().take(40).collect();
         assert!(warnings.is_empty() && file.points.xyz.len() == NUM_POINTS, "{start:?}: {warnings:?}");
         for (at, &xyz) in file.points.xyz.iter().enumerate() {
-            let moved = file.lattice.p_in_world(xyz) - glam::DVec3::from_array(place(at));
+            let moved = file.grid.p_in_world(xyz) - glam::DVec3::from_array(place(at));
             assert!(moved.abs().max_element() < 1e-6, "{start:?}: {at} moved by {moved}");
         }
     }

@@ -2,7 +2,7 @@
 
 mod broken;
 mod colors;
-mod made;
+pub mod made;
 mod real;
 mod world;
 
@@ -30,9 +30,9 @@ fn difference(file: &ScanFile, made: &Made) -> Option<String> {
     if file.points.xyz.len() != kept.len() {
         return Some(format!("{} points, not {}", file.points.xyz.len(), kept.len()));
     }
-    let half_step = file.lattice.scale * 0.5 * (1.0 + 1e-6);
+    let half_step = file.grid.scale * 0.5 * (1.0 + 1e-6);
     for (i, point) in kept.iter().enumerate() {
-        let moved = file.lattice.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(point.place);
+        let moved = file.grid.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(point.place);
         if moved.abs().cmpgt(half_step).any() {
             return Some(format!("point {i} moved by {moved}"));
         }
@@ -59,7 +59,7 @@ fn all_encodings_hold_the_same_points_and_faces() {
                 let made = Made { faces_first, lists, ..made.clone() };
                 let (file, warnings) = read_one(&made.bytes(encoding));
                 assert_eq!(difference(&file, &made), None, "{encoding:?}, {} points", made.points.len());
-                assert_eq!(file.color, ColorSource::Rgb8);
+                assert_eq!(file.coloring.source, ColorSource::Rgb8);
                 let bad = made.num_bad_faces();
                 let faces = if bad == 1 { "face" } else { "faces" };
                 let sentence = format!("scan.ply: has {bad} {faces} with points that are not there");
@@ -92,9 +92,9 @@ fn many_points_keep_their_order() {
     for bytes in [binary, text.replace('\n', "\r").into_bytes()] {
         let (file, warnings) = read_one(&bytes);
         assert_eq!((file.points.xyz.len(), warnings.len()), (num_points as usize, 0));
-        let wrong = (0..num_points).zip(&file.points.xyz).find(|&(i, &xyz)| {
-            file.lattice.p_in_world(xyz) != glam::DVec3::from_array(place(i).map(f64::from))
-        });
+        let wrong = (0..num_points)
+            .zip(&file.points.xyz)
+            .find(|&(i, &xyz)| file.grid.p_in_world(xyz) != glam::DVec3::from_array(place(i).map(f64::from)));
         assert_eq!(wrong, None);
     }
 }
@@ -177,7 +177,7 @@ fn text(properties: &str, rows: &str) -> Vec<u8> {
 fn colors_are_scaled_by_their_type() {
     let first = |properties: &str, rows: &str| {
         let (file, _) = read_one(&text(&format!("float x, float y, float z, {properties}"), rows));
-        (file.points.rgb[0], file.color, file.color(0) & 0xff_ffff)
+        (file.points.rgb[0], file.coloring.source, file.color(0) & 0xff_ffff)
     };
     let bytes = first("uchar r, uchar g, uchar b", "0 0 0 1 2 255\n");
     assert_eq!(bytes, ([1, 2, 255], ColorSource::Rgb8, 0xff_02_01));
@@ -208,11 +208,11 @@ fn without_color_a_file_goes_by_intensity_or_height() {
     let rows = "0 0 0 -1.5\n0 0 1 0\n0 0 2 1.5\n";
     let (file, _) = read_one(&text("double x, double y, double z, float scalar_Intensity", rows));
     assert_eq!(file.points.intensity, [0, 32768, 65535]);
-    assert_eq!(file.color, ColorSource::Intensity { low: 0.0, high: 65535.0 });
+    assert_eq!(file.coloring.source, ColorSource::Intensity { low: 0.0, high: 65535.0 });
     let (file, _) = read_one(&text("double x, double y, double z, int I", "0 0 0 7\n0 0 0 900\n"));
     assert_eq!(file.points.intensity, [7, 900]);
     let (file, _) = read_one(&text("double x, double y, double z, float other", rows));
-    assert_eq!(file.color, ColorSource::Height { low: 0.0, high: 2.0 });
+    assert_eq!(file.coloring.source, ColorSource::Height { low: 0.0, high: 2.0 });
     assert!(file.points.intensity.is_empty() && file.points.normals.is_empty());
 }
 
@@ -231,7 +231,7 @@ fn one_point_and_equal_points_have_a_place() {
         let (file, _) = read_one(&text("double x, double y, double z", rows));
         assert_eq!(file.bounds.min.to_array(), [1.5, -2.0, 1_234_567_890.123_45]);
         assert_eq!(file.bounds.max, file.bounds.min);
-        assert!(file.lattice.scale.cmpgt(glam::DVec3::ZERO).all());
+        assert!(file.grid.scale.cmpgt(glam::DVec3::ZERO).all());
     }
 }
 
@@ -281,7 +281,7 @@ proptest! {
         prop_assert_eq!(difference(&file, &made), None);
         let extent = file.bounds.size() / 4e9;
         for (i, point) in made.points.iter().enumerate() {
-            let moved = file.lattice.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(point.place);
+            let moved = file.grid.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(point.place);
             prop_assert!(moved.abs().cmple(extent).all(), "point {} moved by {}", i, moved);
         }
     }

@@ -46,7 +46,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
 #[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn colors_normals_and_programs_are_recognised() {
     let folder = folder();
-    let color = |name: &str| read_in(&folder, name).unwrap().files[0].color;
+    let color = |name: &str| read_in(&folder, name).unwrap().files[0].coloring.source;
     assert_eq!(color("ply/Guanyin.ply"), ColorSource::Rgb8);
     assert!(matches!(color("ply/source.ply"), ColorSource::Intensity { .. }));
     assert!(matches!(color("ply/mesh.ply"), ColorSource::Height { .. }));

@@ -68,7 +68,7 @@ fn many_rows_of_several_lines_keep_their_order() {
     let (file, warnings) = read_one(bytes.as_bytes());
     assert_eq!((file.points.xyz.len(), warnings.len()), (num_points, 0));
     let wrong = (0..num_points).find(|&i| {
-        let place = file.lattice.p_in_world(file.points.xyz[i]).to_array();
+        let place = file.grid.p_in_world(file.points.xyz[i]).to_array();
         place != [i as f64, (i % 1000) as f64, 0.5]
             || file.points.rgb[i] != [(i % 256) as u16, 7, (i % 7) as u16]
     });
@@ -87,7 +87,7 @@ fn a_bad_word_costs_its_row_only() {
     assert_eq!(file.points.xyz.len(), 99);
     let sentence = "has 1 line that could not be read and was left out: line 111, \"50 zero 100\"";
     assert!(warnings.len() == 1 && warnings[0].ends_with(sentence), "{warnings:?}");
-    let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz).x).collect();
+    let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz).x).collect();
     assert!(places.iter().all(|&x| x != 50.0 && x < 100.0) && places[98] == 99.0);
     // Cut off within a row.
     let (file, warnings) = read_one(&whole.as_bytes()[..whole.len() - 9]);
@@ -101,7 +101,7 @@ fn a_value_that_is_missing_shifts_nothing() {
     rows[20] = "20 0".into();
     rows[30] = "30 0 0 7 8".into();
     let (file, warnings) = read_one(&text("float x, float y, float z", &(rows.join("\n") + "\n")));
-    let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.lattice.p_in_world(xyz).x).collect();
+    let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz).x).collect();
     let expected: Vec<f64> = (0..50).filter(|&i| i != 20).map(f64::from).collect();
     assert_eq!(places, expected);
     assert!(warnings[0].contains("has 1 line that could not be read"), "{warnings:?}");
@@ -171,7 +171,7 @@ fn intensities_have_many_names() {
     ] {
         let (file, _) = read_one(&text(&format!("float x, float y, float z, float {name}"), rows));
         assert_eq!(file.points.intensity, [0, 32768, 65535], "{name}");
-        assert!(matches!(file.color, ColorSource::Intensity { .. }), "{name}");
+        assert!(matches!(file.coloring.source, ColorSource::Intensity { .. }), "{name}");
     }
     // The likeliest counts.
     let both = text(
@@ -361,7 +361,7 @@ fn compressed_splats_are_unpacked() {
         let visible: Vec<_> = points.iter().filter(|point| point.1[3] > 0.1).collect();
         assert_eq!(file.points.xyz.len(), visible.len());
         for (i, (place, color)) in visible.iter().enumerate() {
-            let moved = file.lattice.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(*place);
+            let moved = file.grid.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(*place);
             // Half a step of the packed position, of a box of at most 10 × 5 × 2.
             assert!(moved.abs().cmple(glam::DVec3::new(0.0026, 0.0026, 0.0006)).all(), "{i}: {moved}");
             for (ours, theirs) in file.points.rgb[i].iter().zip(color) {

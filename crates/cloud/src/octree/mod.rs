@@ -43,7 +43,7 @@ use points::{Scan, Scene};
 use std::ops::Range;
 
 /// Deepest level; the root is level 0. A far point makes the root's cube large: that of a 2³²th of it still tells the
-/// steps of a file's lattice apart.
+/// steps of a file's grid apart.
 pub const MAX_LEVEL: u32 = 31;
 /// A cube with more points than this is split.
 pub const LEAF_POINTS: usize = 30_000;

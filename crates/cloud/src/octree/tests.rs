@@ -4,21 +4,15 @@ use super::keys::{Cube, Frame, Key, Root, sorted};
 use super::sample::{Sample, Sampled, Sampler};
 use super::tree::{Builder, Draft};
 use super::*;
-use base::space::Bounds;
-use points::{ColorSource, Lattice, Points, ScanFile};
+use points::{Grid, ScanBuilder};
 use proptest::prelude::*;
 
-/// A scan of lattice points a millimetre apart whose colours are made from their numbers.
+/// A scan of grid points a millimetre apart whose colours are made from their numbers.
 fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
-    let lattice = Lattice { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
-    let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
+    let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let rgb = (0..xyz.len() as u32).map(|i| [i * 7 % 256, i * 31 % 256, i / 5 % 256].map(|c| c as u16));
-    let points = Points { rgb: rgb.collect(), xyz, intensity: vec![], ..Points::default() };
-    let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    Scan {
-        files: vec![ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() }],
-        ..Scan::default()
-    }
+    let rgb = rgb.collect();
+    ScanBuilder::new(grid, xyz).rgb(rgb).scan()
 }
 
 /// Keys in the root's frame, every point its own candidate.

@@ -66,7 +66,7 @@ fn faces(scan: &Scan) -> impl Iterator<Item = Face> + '_ {
     })
 }
 
-/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line. The lattice
+/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line. The grid
 /// tells exactly.
 fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
     let xyz = |corner: u32| file.points.xyz.get(corner as usize).map(|p| p.map(i64::from));
@@ -76,7 +76,7 @@ fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
     if [turn(1, 2), turn(2, 0), turn(0, 1)] == [0; 3] {
         return None;
     }
-    let [u, v] = [u, v].map(|d| file.lattice.scale * DVec3::from_array(d.map(|v| v as f64)));
+    let [u, v] = [u, v].map(|d| file.grid.scale * DVec3::from_array(d.map(|v| v as f64)));
     let side = u.length().max(v.length()).max((v - u).length());
     Some(Face { corners: corners.map(|c| first + c), normal: u.cross(v), side: rounded_up(side) })
 }

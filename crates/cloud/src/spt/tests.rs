@@ -4,7 +4,7 @@ use super::*;
 use base::space::Bounds;
 use base::task::{CancelToken, Cancelled};
 use glam::DVec3;
-use points::{ColorSource, Lattice, Points, ScanFile};
+use points::{Grid, ScanBuilder};
 use proptest::prelude::*;
 
 /// Numbers below `range`, the same for the same seed.
@@ -16,17 +16,11 @@ pub(super) fn noise(seed: u32) -> impl FnMut(i32) -> i32 {
     }
 }
 
-/// A scan of points on a lattice of a millimetre, colored by `color`.
+/// A scan of points on a grid of a millimetre, colored by `color`.
 pub(super) fn scan_of(xyz: Vec<[i32; 3]>, color: impl Fn(usize) -> [u16; 3]) -> Scan {
-    let lattice = Lattice { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
-    let bounds = xyz.iter().fold(Bounds::EMPTY, |b, &p| b.with(lattice.p_in_world(p)));
-    let points =
-        Points { rgb: (0..xyz.len()).map(color).collect(), xyz, intensity: vec![], ..Points::default() };
-    let (path, format, color) = ("made-up".into(), "made up".into(), ColorSource::Rgb8);
-    Scan {
-        files: vec![ScanFile { path, format, lattice, points, color, bounds, ..ScanFile::default() }],
-        ..Scan::default()
-    }
+    let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
+    let rgb = (0..xyz.len()).map(color).collect();
+    ScanBuilder::new(grid, xyz).rgb(rgb).scan()
 }
 
 pub(super) fn motley(i: usize) -> [u16; 3] {

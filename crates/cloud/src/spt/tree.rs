@@ -13,8 +13,8 @@ use rayon::prelude::*;
 
 /// Subtrees with at most as many points are built by one thread.
 const PART_POINTS: usize = 1 << 14;
-/// Lattice steps along the longest edge of the cloud.
-const LATTICE_STEPS: f64 = u32::MAX as f64;
+/// Grid steps along the longest edge of the cloud.
+const GRID_STEPS: f64 = u32::MAX as f64;
 
 /// Spread of a normal without a side, which may as well point the other way, radians.
 pub(super) const NO_SIDE: f32 = std::f32::consts::PI;
@@ -33,7 +33,7 @@ pub(super) struct Leaf {
 /// A disc: a point, or what stands for several from afar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Mean of its points' positions, on the tree's lattice; see [`PointTree::position`].
+    /// Mean of its points' positions, on the tree's grid; see [`PointTree::position`].
     pub position: [u32; 3],
     /// Mean of its points' normals, packed ([`normals::pack`]).
     pub normal: u32,
@@ -60,7 +60,7 @@ pub struct PointTree {
     pub bounds: Bounds,
     /// The scan's.
     pub scene: Scene,
-    /// A step of the lattice that positions lie on, world units: the longest edge, 2³² times cut, which is finer
+    /// A step of the grid that positions lie on, world units: the longest edge, 2³² times cut, which is finer
     /// than any batch's cells.
     pub step: f64,
     /// Of meshes, those that are not degenerate.
@@ -116,7 +116,7 @@ pub(super) fn build(
     scene: Scene,
     progress: &Progress,
 ) -> PointTree {
-    let step = bounds.size().max_element() / LATTICE_STEPS;
+    let step = bounds.size().max_element() / GRID_STEPS;
     // The scene comes last: each part begins as a copy of this.
     let tree = PointTree { nodes: Vec::new(), bounds, scene: Scene::default(), step, triangles: Vec::new() };
     let mut cubes = Vec::new();
@@ -208,7 +208,7 @@ impl Builder<'_> {
         let (p_in_world, color) = self.sorted.index.point(self.sorted.keys[key].1 as usize);
         let Leaf { normal, diameter, spread } = self.leaves[key];
         let offset = p_in_world - self.tree.bounds.min;
-        let position = self.on_lattice(offset);
+        let position = self.on_grid(offset);
         let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
         self.tree.nodes.push(node);
         Sums {
@@ -219,7 +219,7 @@ impl Builder<'_> {
 
     /// Appends the node that stands for all these.
     fn inner(&mut self, children: &[usize], sums: &Sums, num_points: usize) {
-        let position = self.on_lattice(sums.position / num_points as f64);
+        let position = self.on_grid(sums.position / num_points as f64);
         let (normal, spread) = self.mean_normal(children);
         let count = num_points as u64;
         let [r, g, b] = sums.rgb.map(|sum| ((sum + count / 2) / count) as u32);
@@ -281,7 +281,7 @@ impl Builder<'_> {
         (mean, of_children().map(angle).fold(0.0, f32::max))
     }
 
-    fn on_lattice(&self, offset: DVec3) -> [u32; 3] {
+    fn on_grid(&self, offset: DVec3) -> [u32; 3] {
         // Casts from float saturate; without extent there is one place.
         let axis = |v: f64| if self.tree.step > 0.0 { (v / self.tree.step).round() as u32 } else { 0 };
         offset.to_array().map(axis)

@@ -10,7 +10,7 @@ use super::record::{Format, Layout, Record};
 use super::span::Ray;
 use base::random::Rng;
 use glam::DVec3;
-use points::Lattice;
+use points::Grid;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -147,7 +147,7 @@ fn try_out(land: &Landscape) -> Vec<u32> {
 
 impl Device for Aircraft {
     fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb7, lattice: Lattice { scale: DVec3::splat(0.001), offset: ORIGIN } }
+        Layout { format: Format::Rgb7, grid: Grid { scale: DVec3::splat(0.001), offset: ORIGIN } }
     }
 
     fn plan(&self) -> &Plan {
@@ -200,7 +200,7 @@ impl Aircraft {
     /// Appends the returns of a pulse; the weakest may have been lost.
     fn store(&self, line: u64, part: f64, ray: &Ray, echoes: &[Echo], rng: &mut Rng, out: &mut Vec<Record>) {
         let (strip, number) = self.plan.pass_and_line(line);
-        let (lattice, lines) = (self.layout().lattice, self.plan.lines_per_pass() as f64);
+        let (grid, lines) = (self.layout().grid, self.plan.lines_per_pass() as f64);
         let left = if strip.is_multiple_of(2) { 1.0 } else { -1.0 };
         let angle = -left * libm::atan2(ray.direction.y, -ray.direction.z).to_degrees();
         for (i, echo) in echoes.iter().enumerate() {
@@ -208,7 +208,7 @@ impl Aircraft {
             let strength = 42_000.0 * echo.strength * (1.0 + 0.06 * rng.normal());
             let color = echo.color * (1.0 + 0.02 * rng.normal());
             out.push(Record {
-                xyz: Record::snap(&lattice, ORIGIN + p),
+                xyz: Record::snap(&grid, ORIGIN + p),
                 intensity: strength.clamp(1.0, 65_535.0) as u16,
                 return_number: i as u8 + 1,
                 num_returns: echoes.len() as u8,

@@ -143,10 +143,10 @@ impl<'a> Target<'a> {
     pub fn write(&self, device: &impl Device, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
         let path = || self.output.path().to_path_buf();
         let file = self.output.begin()?;
-        let Layout { format, lattice } = device.layout();
+        let Layout { format, grid } = device.layout();
         let record_bytes = u64::from(format.record_bytes());
         let needed_mb = device.plan().points().saturating_mul(record_bytes).div_ceil(1_000_000);
-        let mut header = Header::new(format, lattice, self.form == Form::Laz);
+        let mut header = Header::new(format, grid, self.form == Form::Laz);
         let written = (|| {
             let mut points = PointWriter::start(&header, file)?;
             let whole = write_points(device, seed, progress, &mut points, &mut header.totals)?;
@@ -164,11 +164,7 @@ impl<'a> Target<'a> {
             return Err(SynthError::Cancelled { path: path() });
         }
         self.output.keep(file)?;
-        Ok(Summary {
-            num_points: header.totals.num_points,
-            file_bytes,
-            bounds: header.totals.bounds(&lattice),
-        })
+        Ok(Summary { num_points: header.totals.num_points, file_bytes, bounds: header.totals.bounds(&grid) })
     }
 }
 

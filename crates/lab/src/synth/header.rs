@@ -4,7 +4,7 @@ use super::record::{Format, Record};
 use base::space::Bounds;
 use glam::DVec3;
 use laz::{LazItemRecordBuilder, LazVlr};
-use points::Lattice;
+use points::Grid;
 use std::io::{Seek, SeekFrom, Write};
 
 /// What the header says of the points.
@@ -47,18 +47,18 @@ impl Totals {
     }
 
     /// True box, world space.
-    pub fn bounds(&self, lattice: &Lattice) -> Bounds {
+    pub fn bounds(&self, grid: &Grid) -> Bounds {
         if self.num_points == 0 {
             return Bounds::EMPTY;
         }
-        Bounds { min: lattice.p_in_world(self.min), max: lattice.p_in_world(self.max) }
+        Bounds { min: grid.p_in_world(self.min), max: grid.p_in_world(self.max) }
     }
 }
 
 /// The start of the file: LAS header and, for LAZ, the record that describes the compression.
 pub struct Header {
     format: Format,
-    lattice: Lattice,
+    grid: Grid,
     /// How the points are compressed, if they are.
     pub laz: Option<LazVlr>,
     /// What it says of the points; to be filled in before the last [`Header::write_to`].
@@ -70,18 +70,18 @@ const CREATED: (u16, u16) = (1, 2026);
 
 impl Header {
     /// For points still to come.
-    pub fn new(format: Format, lattice: Lattice, compressed: bool) -> Self {
+    pub fn new(format: Format, grid: Grid, compressed: bool) -> Self {
         let laz = compressed.then(|| {
             let builder = LazItemRecordBuilder::default_for_point_format_id(format.id(), 0);
             // Fails for point formats that LAZ does not know; both of ours are among the known ones.
             LazVlr::from_laz_items(builder.expect("point formats 2 and 7 can be compressed"))
         });
-        Self { format, lattice, laz, totals: Totals::default() }
+        Self { format, grid, laz, totals: Totals::default() }
     }
 
     fn raw(&self) -> las::raw::Header {
         let Totals { num_points, by_return, .. } = self.totals;
-        let Bounds { min, max } = match self.totals.bounds(&self.lattice) {
+        let Bounds { min, max } = match self.totals.bounds(&self.grid) {
             b if b.is_empty() => Bounds { min: DVec3::ZERO, max: DVec3::ZERO },
             b => b,
         };
@@ -105,12 +105,12 @@ impl Header {
             point_data_record_length: self.format.record_bytes(),
             number_of_point_records: legacy(num_points),
             number_of_points_by_return: std::array::from_fn(|i| legacy(by_return[i])),
-            x_scale_factor: self.lattice.scale.x,
-            y_scale_factor: self.lattice.scale.y,
-            z_scale_factor: self.lattice.scale.z,
-            x_offset: self.lattice.offset.x,
-            y_offset: self.lattice.offset.y,
-            z_offset: self.lattice.offset.z,
+            x_scale_factor: self.grid.scale.x,
+            y_scale_factor: self.grid.scale.y,
+            z_scale_factor: self.grid.scale.z,
+            x_offset: self.grid.offset.x,
+            y_offset: self.grid.offset.y,
+            z_offset: self.grid.offset.z,
             max_x: max.x,
             min_x: min.x,
             max_y: max.y,

@@ -10,7 +10,7 @@ use super::record::{Format, Layout, Record};
 use super::statue;
 use base::random::{Rng, fractal};
 use glam::DVec3;
-use points::Lattice;
+use points::Grid;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -97,7 +97,7 @@ fn throw(corner: DVec3, rng: &mut Rng) -> Option<(DVec3, DVec3)> {
 
 impl Device for Reconstruction {
     fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb2, lattice: Lattice { scale: DVec3::splat(0.0001), offset: DVec3::ZERO } }
+        Layout { format: Format::Rgb2, grid: Grid { scale: DVec3::splat(0.0001), offset: DVec3::ZERO } }
     }
 
     fn plan(&self) -> &Plan {
@@ -106,7 +106,7 @@ impl Device for Reconstruction {
 
     fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
         let corner = self.cubes[line as usize];
-        let lattice = self.layout().lattice;
+        let grid = self.layout().grid;
         let mut found = 0;
         // This ends: points stayed in this cube when it was tried.
         while found < num_points {
@@ -117,7 +117,7 @@ impl Device for Reconstruction {
             let measured = p + (bump + wrong + NOISE_M * rng.normal()) * normal + 0.0005 * rng.direction();
             let color = statue::color(p, normal) * (1.0 + 0.03 * rng.normal());
             out.push(Record {
-                xyz: Record::snap(&lattice, measured),
+                xyz: Record::snap(&grid, measured),
                 intensity: 0,
                 return_number: 1,
                 num_returns: 1,

@@ -1,7 +1,7 @@
 //! A point as LAS stores it: the fields, and their bytes in the two point formats that we write.
 
 use glam::DVec3;
-use points::Lattice;
+use points::Grid;
 
 /// How a file's points are stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Layout {
     /// Point format.
     pub format: Format,
     /// Grid of the coordinates.
-    pub lattice: Lattice,
+    pub grid: Grid,
 }
 
 /// The LAS point formats that we write.
@@ -42,7 +42,7 @@ impl Format {
 /// One point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
-    /// Lattice coordinates.
+    /// Grid coordinates.
     pub xyz: [i32; 3],
     /// Strength of the return.
     pub intensity: u16,
@@ -65,9 +65,9 @@ pub struct Record {
 }
 
 impl Record {
-    /// The lattice point nearest to `p_in_world`.
-    pub fn snap(lattice: &Lattice, p_in_world: DVec3) -> [i32; 3] {
-        ((p_in_world - lattice.offset) / lattice.scale).round().to_array().map(|c| c as i32)
+    /// The grid point nearest to `p_in_world`.
+    pub fn snap(grid: &Grid, p_in_world: DVec3) -> [i32; 3] {
+        ((p_in_world - grid.offset) / grid.scale).round().to_array().map(|c| c as i32)
     }
 
     /// Appends the bytes, little endian.

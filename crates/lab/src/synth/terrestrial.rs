@@ -14,7 +14,7 @@ use super::record::{Format, Layout, Record};
 use super::span::{Hit, Ray};
 use base::random::Rng;
 use glam::DVec3;
-use points::Lattice;
+use points::Grid;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -109,7 +109,7 @@ fn try_out(court: &Courtyard) -> Vec<u32> {
 
 impl Device for Scanner {
     fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb7, lattice: Lattice { scale: DVec3::splat(0.0001), offset: ORIGIN } }
+        Layout { format: Format::Rgb7, grid: Grid { scale: DVec3::splat(0.0001), offset: ORIGIN } }
     }
 
     fn plan(&self) -> &Plan {
@@ -130,7 +130,7 @@ impl Device for Scanner {
             rows += rows / 8 + 1;
             self.column(station, column, rows, &mut hits);
         }
-        let lattice = self.layout().lattice;
+        let grid = self.layout().grid;
         let start = TIMES_S[0] + TIMES_S[1] * pass as f64;
         let column_s = SWEEP / TAU * lines / PULSES_PER_S;
         let mut thin = Thin::new(num_points, hits.len() as u64);
@@ -147,7 +147,7 @@ impl Device for Scanner {
             let noisy = range + (0.0012 + 0.000_08 * range) * rng.normal();
             let p = ORIGIN + ray.at(noisy);
             out.push(Record {
-                xyz: Record::snap(&lattice, p),
+                xyz: Record::snap(&grid, p),
                 intensity: intensity(hit, &ray, material, rng),
                 return_number: 1,
                 num_returns: 1,
@@ -209,10 +209,10 @@ mod tests {
                 let mut points = Vec::new();
                 scanner.measure(line, count, &mut Rng::new(9, line), &mut points);
                 assert_eq!(points.len() as u64, count);
-                let from_station = |r: &Record| scanner.layout().lattice.p_in_world(r.xyz) - ORIGIN - station;
+                let from_station = |r: &Record| scanner.layout().grid.p_in_world(r.xyz) - ORIGIN - station;
                 let mut last_rise = -2.0;
                 for d in points.iter().map(from_station) {
-                    // Snapping to the file's lattice moves the angles a little.
+                    // Snapping to the file's grid moves the angles a little.
                     let rise = d.z / d.length();
                     assert!(rise > last_rise - 2e-4, "{rise} after {last_rise}");
                     last_rise = rise;

@@ -119,7 +119,7 @@ fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
     let at = |number: usize| (number * run + (golden(number) * run as f64) as usize).min(xyz.len() - 1);
     let numbers = (0..xyz.len().div_ceil(run)).map(at);
     let numbers = numbers.filter(|&number| with_noise || !file.points.noise.get(number));
-    numbers.map(|number| file.lattice.p_in_world(xyz[number])).collect()
+    numbers.map(|number| file.grid.p_in_world(xyz[number])).collect()
 }
 
 /// The box of all points that are not far from the box of samples, with or without those of noise; if some are, of those
@@ -136,7 +136,7 @@ fn exact(files: &[&ScanFile], samples: &Bounds, margin: f64, with_noise: bool) -
     let near = samples.grown(margin * samples.edge());
     let of_file = |file: &&ScanFile| {
         let counted = file.points.xyz.par_iter().enumerate().filter(|(number, _)| counts(file, *number));
-        let positions = counted.map(|(_, &xyz)| file.lattice.p_in_world(xyz));
+        let positions = counted.map(|(_, &xyz)| file.grid.p_in_world(xyz));
         let inside = positions.filter(|&p| near.contains(p));
         inside.fold(|| Bounds::EMPTY, Bounds::with).reduce(|| Bounds::EMPTY, Bounds::union)
     };

@@ -192,7 +192,7 @@ impl Shape {
 
 fn of_triangles(file: &ScanFile) -> Vec<Patch> {
     let step = file.triangles.len().div_ceil(MOST).max(1);
-    let corner = |number: u32| Some(file.lattice.p_in_world(*file.points.xyz.get(number as usize)?));
+    let corner = |number: u32| Some(file.grid.p_in_world(*file.points.xyz.get(number as usize)?));
     let triangle = |&[a, b, c]: &[u32; 3]| {
         let corners = [corner(a)?, corner(b)?, corner(c)?];
         let twice = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -224,7 +224,7 @@ fn of_points(file: &ScanFile) -> Vec<Patch> {
     let numbers = (0..normals.len()).step_by(step);
     let patch = |number: usize| {
         let normal = DVec3::from_array(normals[number].map(f64::from));
-        let at = file.lattice.p_in_world(file.points.xyz[number]);
+        let at = file.grid.p_in_world(file.points.xyz[number]);
         (normal.length() > 0.5).then(|| Patch { at, normal: normal.normalize(), area: 1.0 })
     };
     let mut patches: Vec<Patch> = numbers.filter_map(patch).collect();

@@ -1,7 +1,12 @@
 //! What is done with the rows of an element: which values are a point's, a face's, nobody's.
 
 use super::header::{Element, Property, Shape};
+use super::names::{
+    self, CHUNK, HARMONICS, LISTED_RGB, NORMAL, PACKED_RGB, PLACE, RGB, find, intensity, is_of_splats,
+};
 use super::value::{Type, Values};
+use crate::column::Number;
+use crate::{Attribute, Projection};
 use std::ops::Range;
 
 /// Values of a row that are kept, in this order; see [`Row`].
@@ -11,57 +16,6 @@ pub(super) const SLOT_INTENSITY: usize = 6;
 pub(super) const SLOT_NORMAL: Range<usize> = 7..10;
 pub(super) const SLOT_OPACITY: usize = 10;
 pub(super) const NUM_SLOTS: usize = 12;
-
-const PLACE: [&str; 3] = ["x", "y", "z"];
-const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// Names of red, green and blue; the first three that there are count.
-const RGB: [[&str; 3]; 12] = [
-    ["red", "green", "blue"],
-    ["r", "g", "b"],
-    ["diffuse_red", "diffuse_green", "diffuse_blue"],
-    ["scalar_red", "scalar_green", "scalar_blue"],
-    ["scalar_r", "scalar_g", "scalar_b"],
-    ["scalar_rf", "scalar_gf", "scalar_bf"],
-    ["vertex_red", "vertex_green", "vertex_blue"],
-    ["color_red", "color_green", "color_blue"],
-    ["color_r", "color_g", "color_b"],
-    ["colorr", "colorg", "colorb"],
-    ["rf", "gf", "bf"],
-    ["ambient_red", "ambient_green", "ambient_blue"],
-];
-/// Colors of Gaussian splats: the constant term of spherical harmonics.
-const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
-/// Names of a color in a list of red, green, blue and perhaps alpha.
-const LISTED_RGB: [&str; 8] =
-    ["rgb", "rgba", "color", "colors", "colour", "colours", "vertex_color", "face_color"];
-/// Names of a color in one value of 32 bits.
-const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
-/// Names of intensity, the likeliest first; and parts of names that only an intensity has.
-const INTENSITY: [&str; 15] = [
-    "intensity",
-    "scalar_intensity",
-    "reflectance",
-    "scalar_reflectance",
-    "reflectivity",
-    "amplitude",
-    "i",
-    "scalar_i",
-    "scalar_scalar_field",
-    "gray",
-    "grey",
-    "grayvalue",
-    "greyvalue",
-    "luminance",
-    "scalar_gray",
-];
-const INTENSITY_PARTS: [&str; 4] = ["intensit", "reflect", "amplitude", "remission"];
-/// Names of the list of a face's corners.
-const CORNERS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
-/// Boxes of the chunks of a compressed splat: positions, then colors, which older files do not have.
-const CHUNK: [&str; NUM_SLOTS] = [
-    "min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_r", "min_g", "min_b", "max_r", "max_g",
-    "max_b",
-];
 
 /// What the rows of an element are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,6 +86,8 @@ enum Step {
     Keep(Type, usize),
     /// A value that stands for 32 bits.
     KeepBits(Type, usize),
+    /// A value that only the file has a name for.
+    Extra(Type),
     Skip {
         num_values: u64,
         num_bytes: u64,
@@ -140,6 +96,13 @@ enum Step {
     /// A list of red, green, blue and perhaps alpha.
     Colors(Type, Type),
     SkipList(Type, Type),
+}
+
+impl Step {
+    /// Nothing kept of a value.
+    fn skip(kind: Type) -> Self {
+        Self::Skip { num_values: 1, num_bytes: kind.num_bytes() }
+    }
 }
 
 /// One of the ways in which an element may have colors: what is to be kept of its properties.
@@ -151,13 +114,16 @@ pub(super) struct Row {
     /// NaN where a value is unknown.
     pub values: [f64; NUM_SLOTS],
     pub corners: Vec<f64>,
+    /// Values that only the file has names for, if they are wanted, in their order.
+    pub extras: Vec<Number>,
     /// True if a list of colors is none of red, green, blue and perhaps alpha.
     pub has_odd_list: bool,
 }
 
 impl Default for Row {
     fn default() -> Self {
-        Self { values: [f64::NAN; NUM_SLOTS], corners: Vec::new(), has_odd_list: false }
+        let (corners, extras) = (Vec::new(), Vec::new());
+        Self { values: [f64::NAN; NUM_SLOTS], corners, extras, has_odd_list: false }
     }
 }
 
@@ -174,8 +140,12 @@ pub(super) struct Plan {
     /// Rows announced.
     pub count: u64,
     pub purpose: Purpose,
-    /// Names of a point's properties that nothing is done with.
+    /// Names of a point's properties that nothing is done with unless they are asked for, without those of splats.
     pub extra: Vec<String>,
+    /// The same with those of splats, but without lists: which property, its name, its type.
+    pub scalars: Vec<(usize, String, Type)>,
+    /// Those of them that are kept.
+    pub wanted: Vec<(Attribute, Type)>,
     /// Properties of a row.
     pub num_properties: u64,
     steps: Vec<Step>,
@@ -239,13 +209,16 @@ impl Plan {
         let normal = !is_splat && plan.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
         let chunked = chunked.is_some();
         plan.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
-        let unused = plan.steps.iter().zip(&element.properties);
-        let unused = unused.filter(|(step, property)| {
-            matches!(step, Step::Skip { .. } | Step::SkipList(..))
-                && !(is_splat && is_of_splats(&property.name))
-        });
-        plan.extra = unused.map(|(_, property)| property.name.clone()).collect();
-        plan.join_skips();
+        let is_unused = |at: &usize| matches!(plan.steps[*at], Step::Skip { .. } | Step::SkipList(..));
+        for at in (0..element.properties.len()).filter(is_unused) {
+            let Property { name, shape } = &element.properties[at];
+            if !(is_splat && is_of_splats(name)) {
+                plan.extra.push(name.clone());
+            }
+            if let Shape::Value(kind) = *shape {
+                plan.scalars.push((at, name.clone(), kind));
+            }
+        }
         Ok(plan)
     }
 
@@ -274,12 +247,20 @@ impl Plan {
 
     fn unused(element: &Element) -> Self {
         let step = |property: &Property| match property.shape {
-            Shape::Value(kind) => Step::Skip { num_values: 1, num_bytes: kind.num_bytes() },
+            Shape::Value(kind) => Step::skip(kind),
             Shape::List(count, item) => Step::SkipList(count, item),
         };
         let steps: Vec<Step> = element.properties.iter().map(step).collect();
         let num_properties = steps.len() as u64;
-        Self { count: element.count, purpose: Purpose::Unused, extra: Vec::new(), num_properties, steps }
+        Self {
+            count: element.count,
+            purpose: Purpose::Unused,
+            extra: Vec::new(),
+            scalars: Vec::new(),
+            wanted: Vec::new(),
+            num_properties,
+            steps,
+        }
     }
 
     /// Keeps three values if all are there.
@@ -299,11 +280,54 @@ impl Plan {
     }
 
     fn keep_corners(&mut self, element: &Element) -> bool {
-        let is_corners = |property: &Property| CORNERS.contains(&property.name.to_ascii_lowercase().as_str());
-        let Some(at) = element.properties.iter().position(is_corners) else { return false };
+        let Some(at) = names::corners(element) else { return false };
         let Step::SkipList(count, item) = self.steps[at] else { return false };
         self.steps[at] = Step::Corners(count, item);
         true
+    }
+
+    /// The same rows, of which only what is wanted is kept: places and opacities always, since they tell which points there
+    /// are.
+    pub fn projected(&self, want: &Projection) -> Self {
+        let mut plan = self.clone();
+        let has_color = want.wants(&Attribute::Color);
+        let (has_intensity, has_normal) = (want.wants(&Attribute::Intensity), want.wants(&Attribute::Normal));
+        // An opacity may be packed beside a color.
+        let mut keeps_rgb = has_color;
+        match &mut plan.purpose {
+            Purpose::Points(has) => {
+                keeps_rgb |= has.opacity == Opacity::Chunked;
+                has.color = if has_color { has.color } else { Color::Absent };
+                has.intensity = if has_intensity { has.intensity } else { Intensity::Absent };
+                has.normal &= has_normal;
+            }
+            Purpose::Faces(color) if !has_color => *color = Color::Absent,
+            Purpose::Faces(_) | Purpose::Strips | Purpose::Unused => {}
+            // Their slots have other meanings.
+            Purpose::Chunks => return plan,
+        }
+        let is_needed = |slot: usize| match slot {
+            SLOT_INTENSITY => has_intensity,
+            _ if SLOT_RGB.contains(&slot) => keeps_rgb,
+            _ => has_normal || !SLOT_NORMAL.contains(&slot),
+        };
+        for step in &mut plan.steps {
+            *step = match *step {
+                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => Step::skip(kind),
+                Step::Colors(count, item) if !has_color => Step::SkipList(count, item),
+                other => other,
+            };
+        }
+        for (at, name, kind) in &self.scalars {
+            let attribute = Attribute::Named(name.clone());
+            // Of several of one name, the first counts.
+            if want.wants(&attribute) && !plan.wanted.iter().any(|(other, _)| *other == attribute) {
+                plan.steps[*at] = Step::Extra(*kind);
+                plan.wanted.push((attribute, *kind));
+            }
+        }
+        plan.join_skips();
+        plan
     }
 
     /// The same rows, of which only that is kept which the grid and the ranges of columns depend on, and colors if that
@@ -327,9 +351,8 @@ impl Plan {
         };
         for step in &mut plan.steps {
             *step = match *step {
-                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => {
-                    Step::Skip { num_values: 1, num_bytes: kind.num_bytes() }
-                }
+                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => Step::skip(kind),
+                Step::Extra(kind) => Step::skip(kind),
                 Step::Colors(count, item) if !is_needed(SLOT_RGB.start) => Step::SkipList(count, item),
                 Step::Corners(count, item) => Step::SkipList(count, item),
                 other => other,
@@ -367,7 +390,7 @@ impl Plan {
     /// Size of a row in binary files: least, and whether all are of that size.
     pub fn row_bytes(&self) -> (u64, bool) {
         let sizes = self.steps.iter().map(|step| match step {
-            Step::Keep(kind, _) | Step::KeepBits(kind, _) => (kind.num_bytes(), true),
+            Step::Keep(kind, _) | Step::KeepBits(kind, _) | Step::Extra(kind) => (kind.num_bytes(), true),
             Step::Skip { num_bytes, .. } => (*num_bytes, true),
             Step::Corners(count, _) | Step::Colors(count, _) | Step::SkipList(count, _) => {
                 (count.num_bytes(), false)
@@ -385,11 +408,13 @@ impl Plan {
     #[inline]
     pub fn read_row(&self, values: &mut impl Values, row: &mut Row) -> Option<()> {
         row.corners.clear();
+        row.extras.clear();
         row.has_odd_list = false;
         for step in &self.steps {
             match *step {
                 Step::Keep(kind, slot) => row.values[slot] = values.value(kind)?,
                 Step::KeepBits(kind, slot) => row.values[slot] = values.bits(kind)?.into(),
+                Step::Extra(kind) => row.extras.push(values.number(kind)?),
                 Step::Skip { num_values, num_bytes } => values.skip(num_values, num_bytes)?,
                 // `as` saturates: a count below zero is none.
                 Step::SkipList(count, item) => {
@@ -451,35 +476,4 @@ fn plain(kinds: [Type; 3]) -> Color {
     let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
     let any_float = kinds.iter().any(|kind| kind.is_float());
     if any_float { Color::Floats } else { Color::Integers(kinds.map(largest)) }
-}
-
-/// Index and type of the value with this name, in whatever case.
-fn find(element: &Element, name: &str) -> Option<(usize, Type)> {
-    element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-        Shape::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
-        _ => None,
-    })
-}
-
-/// Index and type of the value that is an intensity.
-fn intensity(element: &Element) -> Option<(usize, Type)> {
-    let by_part = || {
-        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-            Shape::Value(kind) => {
-                let name = property.name.to_ascii_lowercase();
-                INTENSITY_PARTS.iter().any(|part| name.contains(part)).then_some((at, kind))
-            }
-            Shape::List(..) => None,
-        })
-    };
-    let (likely, unlikely) = INTENSITY.split_at(6);
-    let by_name = |names: &[&str]| names.iter().find_map(|name| find(element, name));
-    by_name(likely).or_else(by_part).or_else(|| by_name(unlikely))
-}
-
-/// True for what splats have by the dozen and points do not need.
-fn is_of_splats(name: &str) -> bool {
-    ["f_dc_", "f_rest_", "scale_", "rot_", "packed_", "nx", "ny", "nz"]
-        .iter()
-        .any(|start| name.starts_with(start))
 }

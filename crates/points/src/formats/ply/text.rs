@@ -25,7 +25,7 @@ pub(super) fn read<S: Sink>(
     source: &Source,
     (plans, num_elements): (&[Plan], usize),
     window: Window,
-    body: &mut Body<S>,
+    body: &mut Body<'_, S>,
     progress: &Progress,
 ) -> Result<(), ScanError> {
     let mut text = Text { source, window, body, progress };
@@ -50,10 +50,10 @@ pub(super) fn most_rows(plan: &Plan, num_bytes: u64) -> u64 {
     plan.count.min(num_bytes.div_ceil(2 * plan.num_properties.max(1)))
 }
 
-struct Text<'a, S> {
+struct Text<'a, 'b, S> {
     source: &'a Source,
     window: Window,
-    body: &'a mut Body<S>,
+    body: &'a mut Body<'b, S>,
     progress: &'a Progress,
 }
 
@@ -87,7 +87,7 @@ impl<S: Sink> Part<S> {
     }
 }
 
-impl<S: Sink> Text<'_, S> {
+impl<S: Sink> Text<'_, '_, S> {
     /// Reads the rows of an element; `more_follow` if there are others after it. How many are missing.
     fn read_element(&mut self, plan: &Plan, more_follow: bool) -> Result<u64, ScanError> {
         let mut left = plan.count;
@@ -103,6 +103,7 @@ impl<S: Sink> Text<'_, S> {
                 Taken::Rows(num_rows, num_bytes) => {
                     left -= num_rows;
                     self.window.consume(num_bytes);
+                    self.body.empty()?;
                     if matches!(plan.purpose, Purpose::Points(_)) {
                         self.progress.add(S::progress(num_rows));
                     }

@@ -1,9 +1,9 @@
 //! The first pass: what must be known of all points before any can be put into columns.
 
 use super::body::Sink;
-use super::grid;
 use super::plan::{Color, Intensity, Opacity, Row, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
 use super::point::{Chunk, Meaning};
+use crate::grid;
 use base::space::Bounds;
 use glam::DVec3;
 

@@ -1,24 +1,28 @@
 //! From what the survey found to how rows become columns, and from rows to the columns of a scan.
 
-use super::grid::Grid;
 use super::plan::{Color, Intensity};
 use super::point::Meaning;
 use super::rows::{How, Rows};
 use super::survey::Found;
-use crate::stats::Stats;
-use crate::{Columns, Points};
-use rayon::prelude::*;
-
-/// Points of a task for a core.
-const BLOCK: usize = 1 << 16;
+use crate::Attribute;
+use crate::column::Type;
+use crate::grid::FittedGrid;
 
 /// How to put the points of a file into columns.
-pub(super) fn how<'a>(meaning: &'a Meaning, found: &Found, has_faces: bool, num_announced: u64) -> How<'a> {
+pub(super) fn how<'a>(
+    meaning: &'a Meaning,
+    found: &Found,
+    extras: Vec<(Attribute, Type)>,
+    (has_opacity, has_faces): (bool, bool),
+    num_announced: u64,
+) -> How<'a> {
     How {
         meaning,
-        grid: Grid::over(found.sample.clone(), found.bounds),
+        fitted: FittedGrid::over(found.sample.clone(), found.bounds),
         color_factor: float_factor(found.channels, found.num_kept).0,
         intensity: intensity_ramp(intensity_ends(found.intensity, &found.intensities), meaning.has.intensity),
+        has_opacity,
+        extras,
         has_faces,
         num_announced,
     }
@@ -35,37 +39,25 @@ pub(super) struct Loss {
     pub num_colors: u64,
 }
 
-/// The columns of a file, whose faces have colors of this kind.
-pub(super) fn columns(mut rows: Rows, how: &How, found: &Found, of_faces: Color) -> (Columns, Loss) {
-    let (num_points, num_triangles) = (rows.xyz.len(), rows.faces.triangles.len());
+/// Leaves out triangles of points that there are not, and gives points without a color those of their faces. To be called
+/// once all rows were taken in.
+pub(super) fn settle_faces(rows: &mut Rows) -> Loss {
+    let (num_points, num_triangles) = (rows.num_kept(), rows.faces.triangles.len());
     rows.faces.renumber(&rows.gone, num_points);
     let num_triangles = (num_triangles - rows.faces.triangles.len()) as u64;
-    let (num_faces, num_colors) = (rows.faces.num_bad, rows.faces.num_odd_lists);
-    let loss = Loss { num_triangles, num_faces, num_colors };
     if rows.rgb.is_empty() {
         rows.rgb = rows.faces.colors_of_points(num_points);
     }
-    let stats = stats(&rows.xyz, &rows.intensity);
-    let white = white(how.meaning, found, of_faces);
-    let triangles = rows.faces.triangles;
-    let Rows { xyz, rgb, intensity, normals, .. } = rows;
-    let points = Points { xyz, rgb, intensity, normals, ..Points::default() };
-    (Columns { lattice: how.grid.lattice, points, triangles, stats, white, ..Columns::default() }, loss)
+    Loss { num_triangles, num_faces: rows.faces.num_bad, num_colors: rows.faces.num_odd_lists }
 }
 
-/// The largest that a color can be, where the file or its format says so.
-fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option<u16> {
+/// The largest that a color can be, where the file, whose faces have colors of this kind, or its format says so.
+pub(super) fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option<u16> {
     match (meaning.has.color, of_faces) {
         (Color::Floats, _) => Some(float_factor(found.channels, found.num_kept).1),
         (Color::Absent, Color::Floats) => Some(u16::MAX),
         _ => meaning.white(),
     }
-}
-
-fn stats(xyz: &[[i32; 3]], intensity: &[u16]) -> Stats {
-    let xyz = xyz.par_chunks(BLOCK).map(|block| Stats::of(block, &[]));
-    let intensity = intensity.par_chunks(BLOCK).map(|block| Stats::of(&[], block));
-    xyz.chain(intensity).reduce(|| Stats::EMPTY, Stats::union)
 }
 
 /// What float colors are multiplied by, and what white is then: 0 to 1 is what float colors should be, but some

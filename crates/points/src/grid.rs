@@ -1,16 +1,43 @@
-//! Positions of any numbers to a lattice of 32-bit integers, an axis at a time.
+//! The integer grid of coordinates, and how places of any numbers are put on one, an axis at a time.
+//!
+//! LAS stores whole steps of a grid. Formats that store other numbers get a grid made for their points:
 //!
 //! A step is a power of two: the smallest with which the axis' extent has at most 2³² − 3 steps. So a coordinate
 //! moves by half a step at most, which is less than the extent / 4 · 10⁹; and a f32 whose magnitude is 2²⁴ steps
 //! or more, a 128th of the extent at most, does not move at all, and no f64 does where the extent is less than a
-//! 2²¹th of the distance from zero. The lattice's origin is a whole number of steps from zero.
+//! 2²¹th of the distance from zero. The grid's origin is a whole number of steps from zero.
 //!
 //! One point far away would make the steps coarse for all others. So the extent is that of what can be held without
 //! cost to the scene: its steps are never coarser than a 2²²th of the scene. What lies beyond is left out.
 
-use crate::{FARTHEST, Lattice, scene};
+use crate::{FARTHEST, scene};
 use base::space::Bounds;
 use glam::DVec3;
+
+/// The integer grid of a file's coordinates: `p_in_world = offset + scale · xyz`, exactly as LAS stores it, and as
+/// readers choose it for formats that store other numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// World units a step, an axis; finite and not zero.
+    pub scale: DVec3,
+    /// World position of the grid's origin; finite.
+    pub offset: DVec3,
+}
+
+impl Default for Grid {
+    /// Whole units from the origin.
+    fn default() -> Self {
+        Self { scale: DVec3::ONE, offset: DVec3::ZERO }
+    }
+}
+
+impl Grid {
+    /// World position of a grid point.
+    #[must_use]
+    pub fn p_in_world(&self, xyz: [i32; 3]) -> DVec3 {
+        self.offset + self.scale * DVec3::new(f64::from(xyz[0]), f64::from(xyz[1]), f64::from(xyz[2]))
+    }
+}
 
 /// Coordinates beyond this are no place: sums and differences of them might not be finite.
 const MOST: f64 = 1e300;
@@ -23,22 +50,22 @@ const HELD: f64 = 511.0;
 /// A flat scene's thickness counts as so large a part of its longest edge.
 const LEAST_THICKNESS: f64 = 1.0 / 1024.0;
 
-/// True for what can be put on a lattice.
-pub(super) fn is_place(p: &[f64; 3]) -> bool {
+/// True for what can be put on a grid.
+pub(crate) fn is_place(p: &[f64; 3]) -> bool {
     // NaN compares as false.
     p.iter().all(|c| c.abs() <= MOST)
 }
 
-/// The lattice of a file.
+/// A grid made for places, and the box of those that it holds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Grid {
-    pub lattice: Lattice,
+pub(crate) struct FittedGrid {
+    pub grid: Grid,
     /// Steps a unit, an axis.
     per_unit: [f64; 3],
     held: Bounds,
 }
 
-impl Grid {
+impl FittedGrid {
     /// For places of which these are a sample, evenly from all, and that have this box.
     pub fn over(mut sample: Vec<DVec3>, all: Bounds) -> Self {
         let most = Bounds { min: DVec3::splat(-FARTHEST), max: DVec3::splat(FARTHEST) };
@@ -61,9 +88,9 @@ impl Grid {
 
     /// For a box that holds something.
     fn of_box(held: Bounds) -> Self {
-        let lattice = lattice(held);
+        let grid = grid(held);
         // The reciprocal of a power of two is exact.
-        Self { lattice, per_unit: lattice.scale.recip().to_array(), held }
+        Self { grid, per_unit: grid.scale.recip().to_array(), held }
     }
 
     /// True of places that it holds.
@@ -72,18 +99,18 @@ impl Grid {
         self.held.contains(DVec3::from_array(*p))
     }
 
-    /// The nearest lattice point of a place that it holds.
+    /// The nearest grid point of a place that it holds.
     #[inline]
     pub fn snap(&self, p: &[f64; 3]) -> [i32; 3] {
-        let offset = self.lattice.offset.to_array();
+        let offset = self.grid.offset.to_array();
         std::array::from_fn(|axis| nearest((p[axis] - offset[axis]) * self.per_unit[axis]))
     }
 }
 
-/// The lattice for a box that holds something.
-fn lattice(bounds: Bounds) -> Lattice {
+/// The grid for a box that holds something.
+fn grid(bounds: Bounds) -> Grid {
     let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
-    Lattice {
+    Grid {
         scale: DVec3::from_array(axes.map(|(step, _)| step)),
         offset: DVec3::from_array(axes.map(|(_, origin)| origin)),
     }
@@ -99,9 +126,9 @@ fn nearest(value: f64) -> i32 {
     (value + NO_FRACTION).to_bits() as i32
 }
 
-/// True if the lattice over everything has steps that are as good as none to the scene.
+/// True if the grid over everything has steps that are as good as none to the scene.
 fn is_fine_enough(all: &Bounds, scene: &Bounds) -> bool {
-    let [of_all, of_scene] = [*all, *scene].map(|bounds| lattice(bounds).scale);
+    let [of_all, of_scene] = [*all, *scene].map(|bounds| grid(bounds).scale);
     let thickness = scene.size().max(DVec3::splat(LEAST_THICKNESS * scene.edge()));
     let coarsest = thickness * (2.0 * (HELD + 1.0) / 2f64.powi(32));
     of_all.cmple(coarsest.max(of_scene)).all()
@@ -139,15 +166,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn on_lattice(places: &[[f64; 3]]) -> (Lattice, Vec<[f64; 3]>) {
+    fn on_grid(places: &[[f64; 3]]) -> (Grid, Vec<[f64; 3]>) {
         let grid = grid(places);
-        let snapped = |place: &[f64; 3]| grid.lattice.p_in_world(grid.snap(place)).to_array();
-        (grid.lattice, places.iter().map(snapped).collect())
+        let snapped = |place: &[f64; 3]| grid.grid.p_in_world(grid.snap(place)).to_array();
+        (grid.grid, places.iter().map(snapped).collect())
     }
 
-    fn grid(places: &[[f64; 3]]) -> Grid {
+    fn grid(places: &[[f64; 3]]) -> FittedGrid {
         let bounds = places.iter().fold(Bounds::EMPTY, |bounds, p| bounds.with(DVec3::from_array(*p)));
-        Grid::of_box(bounds)
+        FittedGrid::of_box(bounds)
     }
 
     fn axis(places: &[[f64; 3]]) -> Vec<f64> {
@@ -179,9 +206,9 @@ mod tests {
         #[test]
         fn nothing_moves_by_more_than_half_a_step(values in proptest::collection::vec(coordinate(), 1..20)) {
             let places: Vec<[f64; 3]> = values.iter().map(|&v| [v; 3]).collect();
-            let (lattice, moved) = on_lattice(&places);
-            let step = lattice.scale.x;
-            prop_assert!(step > 0.0 && step.is_finite() && lattice.offset.is_finite());
+            let (grid, moved) = on_grid(&places);
+            let step = grid.scale.x;
+            prop_assert!(step > 0.0 && step.is_finite() && grid.offset.is_finite());
             let extent = extent(&values);
             prop_assert!(step == ANY_STEP || step <= extent / 2e9 || step == f64::MIN_POSITIVE || extent < values[0].abs() / 1e6);
             for (was, is) in values.iter().zip(axis(&moved)) {
@@ -196,16 +223,16 @@ mod tests {
         #[test]
         fn floats_move_only_near_zero(values in proptest::collection::vec(-1000f32..1000.0, 2..50)) {
             let places: Vec<[f64; 3]> = values.iter().map(|&v| [f64::from(v); 3]).collect();
-            let (lattice, moved) = on_lattice(&places);
+            let (grid, moved) = on_grid(&places);
             for (was, is) in axis(&places).into_iter().zip(axis(&moved)) {
-                prop_assert!(was == is || was.abs() < lattice.scale.x * f64::from(1 << 24), "{was} to {is}");
+                prop_assert!(was == is || was.abs() < grid.scale.x * f64::from(1 << 24), "{was} to {is}");
             }
         }
 
         #[test]
         fn doubles_far_from_zero_do_not_move(base in 1e6..2e6, deltas in proptest::collection::vec(0.0..0.4, 2..50)) {
             let places: Vec<[f64; 3]> = deltas.iter().map(|delta| [base + delta; 3]).collect();
-            prop_assert_eq!(on_lattice(&places).1, places);
+            prop_assert_eq!(on_grid(&places).1, places);
         }
     }
 
@@ -213,25 +240,25 @@ mod tests {
     fn the_bound_is_one_that_can_be_broken() {
         let values = [0.0, 1.0, 0.3];
         let places = values.map(|v| [v; 3]);
-        let Grid { lattice, per_unit, held } = grid(&places);
-        let lattice = Lattice { scale: lattice.scale * 8.0, ..lattice };
-        let coarse = Grid { lattice, per_unit: per_unit.map(|steps| steps / 8.0), held };
-        let moved = lattice.p_in_world(coarse.snap(&places[2])).x;
+        let FittedGrid { grid, per_unit, held } = grid(&places);
+        let grid = Grid { scale: grid.scale * 8.0, ..grid };
+        let coarse = FittedGrid { grid, per_unit: per_unit.map(|steps| steps / 8.0), held };
+        let moved = grid.p_in_world(coarse.snap(&places[2])).x;
         assert!((moved - 0.3).abs() > 1.0 / 4e9, "{moved}");
     }
 
     #[test]
-    fn what_the_lattice_does_not_reach_is_none() {
+    fn what_the_grid_does_not_reach_is_none() {
         let grid = grid(&[[0.0; 3], [1.0; 3]]);
         assert!(grid.holds(&[1.0, 0.0, 1.0]));
         assert!(!grid.holds(&[9.0, 0.0, 0.0]) && !grid.holds(&[0.0, -1e300, 0.0]));
     }
 
     /// The grid for places that are all looked at.
-    fn of(places: &[[f64; 3]]) -> Grid {
+    fn of(places: &[[f64; 3]]) -> FittedGrid {
         let sample: Vec<DVec3> = places.iter().map(|&p| DVec3::from_array(p)).collect();
         let bounds = Bounds::around(&sample);
-        Grid::over(sample, bounds)
+        FittedGrid::over(sample, bounds)
     }
 
     /// Places all over a unit cube at `origin`, `size` times as large.
@@ -241,8 +268,8 @@ mod tests {
     }
 
     /// Largest distance that one of the first places moves by.
-    fn moved(grid: &Grid, places: &[[f64; 3]]) -> f64 {
-        let moved = |p: &[f64; 3]| (grid.lattice.p_in_world(grid.snap(p)) - DVec3::from_array(*p)).abs();
+    fn moved(grid: &FittedGrid, places: &[[f64; 3]]) -> f64 {
+        let moved = |p: &[f64; 3]| (grid.grid.p_in_world(grid.snap(p)) - DVec3::from_array(*p)).abs();
         places.iter().map(|p| moved(p).max_element()).fold(0.0, f64::max)
     }
 
@@ -273,7 +300,7 @@ mod tests {
         let places: Vec<[f64; 3]> = cube(1000, 10.0, 0.0).into_iter().chain([[5.0, 5.0, 1e3]]).collect();
         let all = of(&places);
         assert!(places.iter().all(|p| all.holds(p)) && moved(&all, &places) < 1e-6);
-        // The comparison can fail: a lattice over everything moves a scene that has a stray.
+        // The comparison can fail: a grid over everything moves a scene that has a stray.
         let places: Vec<[f64; 3]> = cube(1000, 1.0, 0.0).into_iter().chain([[1e9; 3]]).collect();
         assert!(moved(&grid(&places), &places[..1000]) > 0.1);
         // Nothing but places far out: none is held.
@@ -290,8 +317,8 @@ mod tests {
     #[test]
     fn one_place_is_kept_and_none_is_refused() {
         let place = [1.234_57, 12_345.678_9, 1_234_567_890.123_45];
-        let (lattice, moved) = on_lattice(&[place, place]);
-        assert_eq!((lattice.scale, moved), (DVec3::splat(ANY_STEP), vec![place; 2]));
+        let (grid, moved) = on_grid(&[place, place]);
+        assert_eq!((grid.scale, moved), (DVec3::splat(ANY_STEP), vec![place; 2]));
         for none in [f64::NAN, f64::INFINITY, -1e301] {
             assert!(!is_place(&[0.0, none, 0.0]));
         }

@@ -3,9 +3,9 @@
 //! Only what decides where the bytes of the points lie is believed, and only as far as the file's size bears
 //! it out. Boxes and return counts are not even parsed.
 
-use super::record::{self, Flags, Layout};
+use super::record;
 use crate::source::Source;
-use crate::{Lattice, ScanError};
+use crate::{Grid, ScanError};
 use glam::DVec3;
 
 /// Bytes of the shortest header (LAS 1.0–1.2).
@@ -40,7 +40,7 @@ pub(super) struct LasHeader {
     /// Points announced.
     pub announced_points: u64,
     /// Where the coordinates' grid lies.
-    pub lattice: Lattice,
+    pub grid: Grid,
     /// Where the points end at the latest, if something else is announced to follow them.
     pub points_end: Option<u64>,
     /// LAS 1.4 only.
@@ -59,7 +59,7 @@ impl LasHeader {
     /// Reads and checks it.
     ///
     /// # Errors
-    /// Too short, an unknown version or point format, a lattice that is none, points before the header's end.
+    /// Too short, an unknown version or point format, a grid that is none, points before the header's end.
     pub fn read(source: &Source) -> Result<Self, ScanError> {
         let bytes = source.bytes(0, LONGEST)?;
         if (bytes.len() as u64) < SHORTEST {
@@ -73,13 +73,9 @@ impl LasHeader {
         Ok(header)
     }
 
-    /// Columns of an uncompressed record.
-    pub fn layout(&self, source: &Source) -> Result<Layout, ScanError> {
-        let layout = Layout::of_format(self.point_format, self.record_bytes).map(|layout| match self.minor {
-            0 => Layout { flags: Flags::FIRST, ..layout },
-            _ => layout,
-        });
-        layout.ok_or_else(|| ScanError::Field {
+    /// The error of records that are too short for their point format.
+    pub fn short_records(&self, source: &Source) -> ScanError {
+        ScanError::Field {
             path: source.path().to_owned(),
             offset: 105,
             field: "Point Data Record Length",
@@ -89,7 +85,7 @@ impl LasHeader {
                 self.point_format,
                 record::standard_bytes(self.point_format).unwrap_or(0)
             ),
-        })
+        }
     }
 
     /// "2024, day 130 of the year" as a date.
@@ -107,7 +103,7 @@ impl LasHeader {
     }
 
     fn check(&self, fields: &Fields) -> Result<(), ScanError> {
-        let Self { point_format, points_offset, lattice, .. } = self;
+        let Self { point_format, points_offset, grid, .. } = self;
         if record::standard_bytes(*point_format).is_none() {
             let problem =
                 format!("is {point_format}: only 0 to 10 are known; convert the file to one of them");
@@ -120,7 +116,7 @@ impl LasHeader {
         let scale_names = ["X Scale Factor", "Y Scale Factor", "Z Scale Factor"];
         let offset_names = ["X Offset", "Y Offset", "Z Offset"];
         for axis in 0..3 {
-            let (scale, offset) = (lattice.scale[axis], lattice.offset[axis]);
+            let (scale, offset) = (grid.scale[axis], grid.offset[axis]);
             let fix = "no point has a place: repair the header or export the scan again";
             if !scale.is_finite() || scale == 0.0 {
                 return Err(fields.bad(
@@ -180,7 +176,7 @@ impl Fields<'_> {
             record_bytes: self.u16(105),
             compressed: format_byte & 0x80 != 0,
             announced_points,
-            lattice: Lattice { scale: self.vector(131), offset: self.vector(155) },
+            grid: Grid { scale: self.vector(131), offset: self.vector(155) },
             points_end,
             evlrs,
             wkt: minor >= 4 && self.u16(6) & 0x10 != 0,

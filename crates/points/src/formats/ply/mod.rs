@@ -12,8 +12,8 @@ mod body;
 mod columns;
 mod describe;
 mod faces;
-pub(super) mod grid;
 mod header;
+mod names;
 mod plan;
 mod point;
 mod rows;
@@ -22,13 +22,16 @@ mod text;
 mod value;
 mod window;
 
-use super::source::Source;
-use super::{Columns, Format, Header, ReadOptions, Reader, ScanError, uncolored};
+use super::{Dataset, Format, Take};
+use crate::block::Ending;
+use crate::column::Type;
+use crate::source::Source;
+use crate::{Attribute, Field, Header, Projection, ScanError, Schema, uncolored};
 use base::task::Progress;
 use base::words::{agreeing, counted};
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
-use plan::{Color, Kept, Opacity, Plan, Purpose};
+use plan::{Color, Intensity, Kept, Opacity, Plan, Purpose};
 use point::{Chunk, Meaning};
 use rows::{LeftOut, Rows};
 use survey::{Chunks, Found, Survey};
@@ -38,20 +41,26 @@ use window::Window;
 pub(super) struct Ply;
 
 impl Format for Ply {
-    fn recognises(&self, head: &[u8]) -> bool {
+    fn names(&self) -> &'static [&'static str] {
+        &["PLY"]
+    }
+
+    fn probe(&self, head: &[u8]) -> bool {
         let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head).trim_ascii_start();
         let is_ply = text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"ply"));
         is_ply && text.get(3).is_none_or(u8::is_ascii_whitespace)
     }
 
-    fn open(&self, source: Source) -> Result<Box<dyn Reader>, ScanError> {
+    fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError> {
         let ply = PlyHeader::read(&source)?;
         let mut choices = vec![plans(&source, &ply, 0)?];
         let no_points = || ScanError::NoPoints {
             path: source.path().to_owned(),
             reason: "its header has no element named vertex; export it again, with points".into(),
         };
-        let header = describe::header(&source, &ply, &choices[0], points(&choices[0]).ok_or_else(no_points)?);
+        let (points, has) = points(&choices[0]).ok_or_else(no_points)?;
+        let schema = schema(&choices[0], (points, has), ply.encoding == Encoding::Ascii);
+        let header = describe::header(&source, &ply, &choices[0], (points, has), &schema);
         while has_color(&choices[choices.len() - 1]) {
             choices.push(plans(&source, &ply, choices.len())?);
         }
@@ -59,7 +68,7 @@ impl Format for Ply {
         if choices.len() > 1 && color_of_faces(&choices[choices.len() - 1]) == Color::Absent {
             choices.pop();
         }
-        Ok(Box::new(PlyFile { source, ply, choices, header }))
+        Ok(Box::new(PlyFile { source, ply, choices, schema, header }))
     }
 }
 
@@ -73,6 +82,24 @@ fn points(plans: &[Plan]) -> Option<(&Plan, Kept)> {
 
 fn has_color(plans: &[Plan]) -> bool {
     points(plans).is_some_and(|(_, has)| has.color != Color::Absent)
+}
+
+/// What is stored for each point.
+fn schema(plans: &[Plan], (points, has): (&Plan, Kept), is_text: bool) -> Schema {
+    let has_color = has.color != Color::Absent || color_of_faces(plans) != Color::Absent;
+    let standard = [
+        (has_color, Attribute::Color, Type::U16x3),
+        (has.intensity != Intensity::Absent, Attribute::Intensity, Type::U16),
+        (has.normal, Attribute::Normal, Type::F32x3),
+        (has.opacity != Opacity::Absent, Attribute::Opacity, Type::F32),
+    ];
+    let standard = standard.into_iter().filter(|(is_there, ..)| *is_there);
+    let standard = standard.map(|(_, attribute, kind)| Field::plain(attribute, kind));
+    let named = points
+        .scalars
+        .iter()
+        .map(|(_, name, kind)| Field::plain(Attribute::Named(name.clone()), kind.column(is_text)));
+    Schema { fields: standard.chain(named).collect() }
 }
 
 /// How faces have colors, if there are any.
@@ -117,6 +144,7 @@ struct PlyFile {
     ply: PlyHeader,
     /// What to do with each element, for each of the colors that points have; there is one at least, with points.
     choices: Vec<Vec<Plan>>,
+    schema: Schema,
     header: Header,
 }
 
@@ -129,37 +157,61 @@ struct Surveyed<'a> {
     sentence: Option<&'static str>,
 }
 
-impl Reader for PlyFile {
+impl Dataset for PlyFile {
     fn header(&self) -> &Header {
         &self.header
     }
 
-    fn read(&self, _options: &ReadOptions, progress: &Progress) -> Result<Columns, ScanError> {
-        let Surveyed { plans, meaning, found, sentence } = self.survey_best(progress)?;
+    fn schema(&self) -> &Schema {
+        &self.schema
+    }
+
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Ending, ScanError> {
+        let project = |plans: &Vec<Plan>| plans.iter().map(|plan| plan.projected(want)).collect();
+        // Without colors there is nothing to choose.
+        let num_choices = if want.wants(&Attribute::Color) { self.choices.len() } else { 1 };
+        let choices: Vec<Vec<Plan>> = self.choices[..num_choices].iter().map(project).collect();
+        let Surveyed { plans, meaning, found, sentence } = self.survey_best(&choices, progress)?;
         let mut faces = plans.iter().filter(|plan| plan.count > 0);
         let has_faces = faces.any(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let has_opacity = want.wants(&Attribute::Opacity) && meaning.has.opacity != Opacity::Absent;
         let of_faces = color_of_faces(plans);
-        let how = columns::how(&meaning, &found, has_faces, self.num_announced());
+        let how = columns::how(
+            &meaning,
+            &found,
+            self.extras(plans),
+            (has_opacity, has_faces),
+            self.num_announced(),
+        );
+        // Colors of faces are known behind the last point.
+        let awaits_faces = meaning.has.color == Color::Absent && of_faces != Color::Absent;
+        let block_points = if awaits_faces { usize::MAX } else { want.block_points() };
         let mut rows = Rows::new(&how);
         let memory =
             |_| ScanError::Memory { path: self.source.path().to_owned(), num_points: found.num_kept };
-        rows.reserve(found.num_kept).map_err(memory)?;
-        let mut body = Body::new(rows);
+        rows.reserve(found.num_kept.min(block_points as u64)).map_err(memory)?;
+        let mut hand_over = |rows: &mut Rows| match rows.xyz.len() {
+            num if num < block_points => Ok(()),
+            _ => take(rows.hand_over()),
+        };
+        let mut body = Body::emptied_by(rows, &mut hand_over);
         self.pass(plans, plans.len(), &mut body, progress)?;
-        let (mut losses, mut warnings) =
-            (std::mem::take(&mut body.losses), std::mem::take(&mut body.warnings));
-        let num_faces = body.sink.faces.num_faces;
-        losses.extend(self.cut_off(body.sink.num_points(), num_faces));
-        losses.extend(bad_rows(&body));
-        let left_out = body.sink.left_out;
-        let (columns, loss) = columns::columns(body.sink, &how, &found, of_faces);
-        if columns.points.xyz.is_empty() {
+        let bad_rows = bad_rows(&body);
+        let Body { sink: mut rows, mut losses, mut warnings, .. } = body;
+        losses.extend(self.cut_off(rows.num_points(), rows.faces.num_faces));
+        losses.extend(bad_rows);
+        let loss = columns::settle_faces(&mut rows);
+        if rows.num_kept() == 0 {
             // None can be held, or the file changed since the survey.
-            return Err(self.no_points(None, left_out.far));
+            return Err(self.no_points(None, rows.left_out.far));
         }
-        warnings.extend(sentences(left_out, loss, meaning.has.is_splat));
+        warnings.extend(sentences(rows.left_out, loss, meaning.has.is_splat));
         warnings.extend(sentence.map(str::to_owned));
-        Ok(Columns { losses, warnings, ..columns })
+        if !rows.xyz.is_empty() {
+            take(rows.hand_over())?;
+        }
+        let (triangles, white) = (rows.faces.triangles, columns::white(&meaning, &found, of_faces));
+        Ok(Ending { triangles, white, losses, warnings })
     }
 }
 
@@ -169,7 +221,7 @@ impl PlyFile {
         &self,
         plans: &[Plan],
         num_elements: usize,
-        body: &mut Body<S>,
+        body: &mut Body<'_, S>,
         progress: &Progress,
     ) -> Result<(), ScanError> {
         let Self { source, ply, .. } = self;
@@ -185,21 +237,32 @@ impl PlyFile {
         }
     }
 
+    /// What is wanted by the file's own names, and the types of its columns.
+    fn extras(&self, plans: &[Plan]) -> Vec<(Attribute, Type)> {
+        let is_text = self.ply.encoding == Encoding::Ascii;
+        let wanted = points(plans).map(|(plan, _)| &plan.wanted[..]).unwrap_or_default();
+        wanted.iter().map(|(attribute, kind)| (attribute.clone(), kind.column(is_text))).collect()
+    }
+
     fn num_announced(&self) -> u64 {
         points(&self.choices[0]).map_or(0, |(plan, _)| plan.count)
     }
 
     /// A survey with those of the points' colors that most points have; where none is more than the same at all points,
     /// with those of faces.
-    fn survey_best(&self, progress: &Progress) -> Result<Surveyed<'_>, ScanError> {
+    fn survey_best<'a>(
+        &self,
+        choices: &'a [Vec<Plan>],
+        progress: &Progress,
+    ) -> Result<Surveyed<'a>, ScanError> {
         let mut best: Option<(f64, Surveyed)> = None;
-        for (number, plans) in self.choices.iter().enumerate() {
+        for (number, plans) in choices.iter().enumerate() {
             let is_of_points = has_color(plans);
             let least = best.as_ref().map(|(least, _)| *least);
             if !is_of_points && least.is_some_and(|least| least < 1.0) {
                 break;
             }
-            let (meaning, found) = self.survey_one(plans, progress)?;
+            let (meaning, found) = self.survey_one(plans, choices.len() > 1, progress)?;
             let lacking = uncolored::part_without(&found.colors, meaning.white());
             if least.is_none_or(|least| lacking < least || !is_of_points) {
                 let sentence = match number {
@@ -218,7 +281,7 @@ impl PlyFile {
         // There is one choice at least.
         let (_, mut surveyed) = best.ok_or_else(|| self.no_points(None, 0))?;
         let is_of_faces = |plans: &Vec<Plan>| !has_color(plans) && color_of_faces(plans) != Color::Absent;
-        if has_color(surveyed.plans) && self.choices.last().is_some_and(is_of_faces) {
+        if has_color(surveyed.plans) && choices.last().is_some_and(is_of_faces) {
             surveyed.sentence =
                 Some("has colors of faces beside those of its points: those of faces are not read");
         }
@@ -226,27 +289,37 @@ impl PlyFile {
     }
 
     /// A survey that understands opacities, and leaves nearly transparent points out unless all are.
-    fn survey_one(&self, plans: &[Plan], progress: &Progress) -> Result<(Meaning, Found), ScanError> {
+    fn survey_one(
+        &self,
+        plans: &[Plan],
+        with_colors: bool,
+        progress: &Progress,
+    ) -> Result<(Meaning, Found), ScanError> {
         let has = points(plans).map(|(_, has)| has).ok_or_else(|| self.no_points(None, 0))?;
         let chunks = self.chunks(plans, has, progress)?;
         let mut meaning = Meaning { has, chunks, leaves_faint_out: true };
-        let mut found = self.survey(plans, &meaning, progress)?;
+        let mut found = self.survey(plans, &meaning, with_colors, progress)?;
         if has.opacity == Opacity::Unclear {
             let (low, high) = found.opacity;
             let is_part = low >= 0.0 && high <= 1.0;
             meaning.has.opacity = if is_part { Opacity::PartOf(1) } else { Opacity::Logit };
-            found = self.survey(plans, &meaning, progress)?;
+            found = self.survey(plans, &meaning, with_colors, progress)?;
         }
         if found.num_kept == 0 && found.num_faint > 0 {
             meaning.leaves_faint_out = false;
-            found = self.survey(plans, &meaning, progress)?;
+            found = self.survey(plans, &meaning, with_colors, progress)?;
         }
         Ok((meaning, found))
     }
 
     /// What must be known of all points first; there is at least one.
-    fn survey(&self, plans: &[Plan], meaning: &Meaning, progress: &Progress) -> Result<Found, ScanError> {
-        let with_colors = self.choices.len() > 1;
+    fn survey(
+        &self,
+        plans: &[Plan],
+        meaning: &Meaning,
+        with_colors: bool,
+        progress: &Progress,
+    ) -> Result<Found, ScanError> {
         let plans: Vec<Plan> = plans.iter().map(|plan| plan.for_survey(with_colors)).collect();
         let is_points = |plan: &Plan| matches!(plan.purpose, Purpose::Points(_));
         let num_elements = plans.iter().position(is_points).map_or(0, |at| at + 1);
@@ -324,7 +397,7 @@ fn bad_rows<S>(body: &Body<S>) -> Option<String> {
 
 /// Sentences about rows that could be read and are of no use.
 fn sentences(points: LeftOut, faces: columns::Loss, are_splats: bool) -> Vec<String> {
-    use super::far::{self, left_out};
+    use crate::far::{self, left_out};
     let LeftOut { without_place, faint, far, colors } = points;
     let columns::Loss { num_triangles, num_faces, num_colors } = faces;
     let faint_thing = if are_splats { "splat" } else { "point" };
@@ -367,10 +440,10 @@ mod tests {
     #[test]
     fn the_first_word_tells_the_format() {
         for yes in ["ply", "ply\n", "ply \r\nformat", "ply\rformat", "PLY\n", "\u{feff}ply\n", "\nPly\n"] {
-            assert!(Ply.recognises(yes.as_bytes()), "{yes:?}");
+            assert!(Ply.probe(yes.as_bytes()), "{yes:?}");
         }
         for no in ["", "pl", "plywood\n", "PLYWOOD", "#ply\n"] {
-            assert!(!Ply.recognises(no.as_bytes()), "{no:?}");
+            assert!(!Ply.probe(no.as_bytes()), "{no:?}");
         }
     }
 }

@@ -2,27 +2,35 @@
 
 use super::body::Sink;
 use super::faces::Faces;
-use super::grid::{self, Grid};
 use super::plan::{Color, Intensity, Row, SLOT_INTENSITY, SLOT_NORMAL};
 use super::point::Meaning;
+use crate::Attribute;
+use crate::block::Block;
+use crate::column::{Column, Type};
+use crate::grid::{self, FittedGrid};
+use crate::stats::Stats;
 use std::collections::TryReserveError;
 
 /// How rows become columns, once all rows were seen.
 #[derive(Debug)]
 pub(super) struct How<'a> {
     pub meaning: &'a Meaning,
-    pub grid: Grid,
+    pub fitted: FittedGrid,
     /// What float colors are multiplied by.
     pub color_factor: f64,
     /// What intensities have subtracted, and are then multiplied by.
     pub intensity: (f64, f64),
+    /// True if opacities are wanted.
+    pub has_opacity: bool,
+    /// What else is wanted of a row, by the file's names.
+    pub extras: Vec<(Attribute, Type)>,
     /// True if faces may name points.
     pub has_faces: bool,
     /// Points that the header announces.
     pub num_announced: u64,
 }
 
-/// Columns, empty or as long as `xyz`, and what faces say.
+/// The points of the next block, in columns that are empty or as long as `xyz`; and what faces say.
 #[derive(Debug)]
 pub(super) struct Rows<'a> {
     how: &'a How<'a>,
@@ -33,6 +41,10 @@ pub(super) struct Rows<'a> {
     pub intensity: Vec<u16>,
     /// Unit length or NaN.
     pub normals: Vec<[f32; 3]>,
+    opacity: Vec<f32>,
+    extras: Vec<Column>,
+    /// Points that were handed over.
+    num_before: usize,
     pub faces: Faces,
     /// Numbers of points that are left out, if faces may name them.
     pub gone: Vec<u32>,
@@ -63,6 +75,9 @@ impl<'a> Rows<'a> {
             rgb: Vec::new(),
             intensity: Vec::new(),
             normals: Vec::new(),
+            opacity: Vec::new(),
+            extras: how.extras.iter().map(|(_, kind)| Column::new(*kind)).collect(),
+            num_before: 0,
             faces: Faces::new(how.num_announced),
             gone: Vec::new(),
             left_out: LeftOut::default(),
@@ -77,7 +92,41 @@ impl<'a> Rows<'a> {
         self.xyz.try_reserve_exact(more(true))?;
         self.rgb.try_reserve_exact(more(has.color != Color::Absent))?;
         self.intensity.try_reserve_exact(more(has.intensity != Intensity::Absent))?;
-        self.normals.try_reserve_exact(more(has.normal))
+        self.normals.try_reserve_exact(more(has.normal))?;
+        self.opacity.try_reserve_exact(more(self.how.has_opacity))?;
+        self.extras.iter_mut().try_for_each(|column| column.reserve(more(true)))
+    }
+
+    /// Points that are kept so far.
+    pub fn num_kept(&self) -> usize {
+        self.num_before + self.xyz.len()
+    }
+
+    /// The points since the last block.
+    pub fn hand_over(&mut self) -> Block {
+        let xyz = std::mem::take(&mut self.xyz);
+        self.num_before += xyz.len();
+        let (rgb, intensity) = (std::mem::take(&mut self.rgb), std::mem::take(&mut self.intensity));
+        let stats = Stats::of_all(&xyz, &intensity);
+        let has = self.how.meaning.has;
+        let mut columns = Vec::new();
+        // Points may have colors of their own, or those of faces.
+        if has.color != Color::Absent || !rgb.is_empty() {
+            columns.push((Attribute::Color, Column::U16x3(rgb)));
+        }
+        if has.intensity != Intensity::Absent {
+            columns.push((Attribute::Intensity, Column::U16(intensity)));
+        }
+        if has.normal {
+            columns.push((Attribute::Normal, Column::F32x3(std::mem::take(&mut self.normals))));
+        }
+        if self.how.has_opacity {
+            columns.push((Attribute::Opacity, Column::F32(std::mem::take(&mut self.opacity))));
+        }
+        for ((attribute, kind), column) in self.how.extras.iter().zip(&mut self.extras) {
+            columns.push((attribute.clone(), std::mem::replace(column, Column::new(*kind))));
+        }
+        Block { grid: self.how.fitted.grid, xyz, columns, stats }
     }
 
     fn leave_out(&mut self, number: u64) {
@@ -99,6 +148,11 @@ impl Sink for Rows<'_> {
     }
 
     fn append(&mut self, mut later: Self) {
+        let num_here = self.xyz.len();
+        for (column, later) in self.extras.iter_mut().zip(later.extras) {
+            column.append(later, num_here);
+        }
+        self.opacity.append(&mut later.opacity);
         self.xyz.append(&mut later.xyz);
         self.rgb.append(&mut later.rgb);
         self.intensity.append(&mut later.intensity);
@@ -120,7 +174,7 @@ impl Sink for Rows<'_> {
     fn point(&mut self, row: &Row) {
         let number = self.first_point + self.num_points;
         self.num_points += 1;
-        let How { meaning, grid, .. } = self.how;
+        let How { meaning, fitted, .. } = self.how;
         let place = meaning.place(number, row);
         if !grid::is_place(&place) {
             self.left_out.without_place += 1;
@@ -130,11 +184,11 @@ impl Sink for Rows<'_> {
             self.left_out.faint += 1;
             return self.leave_out(number);
         }
-        if !grid.holds(&place) {
+        if !fitted.holds(&place) {
             self.left_out.far += 1;
             return self.leave_out(number);
         }
-        self.xyz.push(grid.snap(&place));
+        self.xyz.push(fitted.snap(&place));
         if meaning.has.color != Color::Absent {
             self.left_out.colors += u64::from(row.has_odd_list);
             self.rgb.push(meaning.rgb(number, row, self.how.color_factor));
@@ -146,6 +200,14 @@ impl Sink for Rows<'_> {
         }
         if meaning.has.normal {
             self.normals.push(unit(row.three(SLOT_NORMAL)));
+        }
+        if self.how.has_opacity {
+            self.opacity.push(meaning.opacity(row).map_or(f32::NAN, |opacity| opacity as f32));
+        }
+        // The place of this point is there already.
+        let number = self.xyz.len() - 1;
+        for (column, value) in self.extras.iter_mut().zip(&row.extras) {
+            column.push(*value, number);
         }
     }
 

@@ -26,7 +26,7 @@ pub(super) fn read<S: Sink>(
     source: &Source,
     plans: &[Plan],
     (offset, big_endian): (u64, bool),
-    body: &mut Body<S>,
+    body: &mut Body<'_, S>,
     progress: &Progress,
 ) -> Result<(), ScanError> {
     let mut file = File { source, big_endian, progress, body };
@@ -43,14 +43,14 @@ pub(super) fn read<S: Sink>(
     Ok(())
 }
 
-struct File<'a, S> {
+struct File<'a, 'b, S> {
     source: &'a Source,
     big_endian: bool,
     progress: &'a Progress,
-    body: &'a mut Body<S>,
+    body: &'a mut Body<'b, S>,
 }
 
-impl<S: Sink> File<'_, S> {
+impl<S: Sink> File<'_, '_, S> {
     /// Rows of `row_bytes` each; returns where the next element starts.
     fn read_fixed(&mut self, plan: &Plan, at: u64, row_bytes: u64) -> Result<u64, ScanError> {
         let num_rows = plan.count.min(self.source.len().saturating_sub(at) / row_bytes);
@@ -90,6 +90,7 @@ impl<S: Sink> File<'_, S> {
     fn append(&mut self, blocks: &Blocks<S>, parsed: Vec<Block<S>>) -> Result<bool, ScanError> {
         for block in parsed {
             self.body.sink.append(block.part);
+            self.body.empty()?;
             if block.num_rows < block.wanted {
                 let at = blocks.at + (block.first + block.num_rows) * blocks.row_bytes;
                 self.body.fail(self.source, at, block.error)?;
@@ -111,6 +112,7 @@ impl<S: Sink> File<'_, S> {
             }
             take(plan, &row, &mut self.body.sink);
             if number % ROWS_BETWEEN_LOOKS == 0 {
+                self.body.empty()?;
                 if matches!(plan.purpose, Purpose::Points(_)) {
                     self.progress.add(S::progress(ROWS_BETWEEN_LOOKS.min(plan.count - number)));
                 }

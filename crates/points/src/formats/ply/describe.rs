@@ -1,10 +1,10 @@
 //! What the header of a PLY file says of it, for people.
 
 use super::header::{Element, Encoding, PlyHeader};
-use super::plan::{Color, Intensity, Kept, Opacity, Plan, Purpose};
+use super::plan::{Color, Kept, Plan, Purpose};
 use super::text;
 use crate::source::Source;
-use crate::{Header, up};
+use crate::{Attribute, Header, Schema, up};
 
 /// What a file says of itself.
 pub(super) fn header(
@@ -12,6 +12,7 @@ pub(super) fn header(
     ply: &PlyHeader,
     plans: &[Plan],
     (points, has): (&Plan, Kept),
+    schema: &Schema,
 ) -> Header {
     let kind = match ply.encoding {
         Encoding::Ascii => "ascii",
@@ -32,7 +33,7 @@ pub(super) fn header(
         path: source.path().to_owned(),
         format: format!("PLY, {kind}{splat}"),
         num_points,
-        attributes: attributes(plans, points, has),
+        attributes: attributes(plans, points, has, schema),
         up: up::stated(&ply.remarks, &points.extra),
         software: software(&ply.remarks),
         created: created(&ply.remarks),
@@ -67,15 +68,10 @@ fn texture(ply: &PlyHeader, has: Kept) -> Option<String> {
     })
 }
 
-fn attributes(plans: &[Plan], points: &Plan, has: Kept) -> Vec<String> {
-    let known = [
-        (has.color != Color::Absent, "rgb"),
-        (has.intensity != Intensity::Absent, "intensity"),
-        (has.normal, "normals"),
-        (has.opacity != Opacity::Absent, "opacity"),
-    ];
-    let mut names: Vec<String> =
-        known.into_iter().filter(|(is_there, _)| *is_there).map(|(_, name)| name.to_owned()).collect();
+fn attributes(plans: &[Plan], points: &Plan, has: Kept, schema: &Schema) -> Vec<String> {
+    let mut names = schema.standard_names();
+    // Colors of faces have a name of their own.
+    names.retain(|name| has.color != Color::Absent || Some(&name[..]) != Attribute::Color.listed_as());
     for plan in plans.iter().filter(|plan| plan.count > 0) {
         match plan.purpose {
             Purpose::Faces(color) => {

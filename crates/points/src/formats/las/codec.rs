@@ -2,16 +2,17 @@
 //!
 //! A chunk is checked before it is handed to the decompressor, which believes sizes that a chunk states.
 
-use super::record::{Flags, Layout};
-use crate::Points;
+use super::record::{self, Cut};
+use crate::block::Block;
+use crate::{Attribute, Grid};
 use base::words::counted;
 use laz::laszip::LazItemType;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{DecompressionSelection, LazItem};
 use std::io::{self, Cursor, Read, Seek};
 
-/// Records decompressed between two requests for memory.
-const BLOCK_POINTS: usize = 1 << 12;
+/// Records that are decompressed before they become columns: few enough to stay in a core's cache.
+const RUN_POINTS: u64 = 1 << 12;
 /// Points that a chunk may hold per byte, and on top of that. Real chunks hold less than one a byte; only
 /// made-up ones with thousands of equal points come near.
 const MOST_POINTS_PER_BYTE: u64 = 1000;
@@ -22,9 +23,9 @@ const VOUCHED_POINTS_PER_BYTE: u64 = 2;
 /// How the records of a file are compressed.
 #[derive(Clone, Debug)]
 pub(super) struct Codec {
-    items: Vec<LazItem>,
-    /// Columns of a decompressed record.
-    pub layout: Layout,
+    pub items: Vec<LazItem>,
+    /// Bytes of a decompressed record.
+    pub record_bytes: usize,
     /// True for LAS 1.4's layered chunks, which state their own count and size.
     pub layered: bool,
     num_layers: usize,
@@ -38,51 +39,36 @@ pub(super) struct LayeredHead {
 }
 
 impl Codec {
-    /// From the items of the LASzip record. The layout follows the items and not the point format: some writers
-    /// leave out what they do not compress (waveforms), and the rest is still readable.
+    /// From the items of the LASzip record.
     pub fn new(items: Vec<LazItem>) -> Result<Self, String> {
         let first = items.first().ok_or("its LASzip record lists no items")?;
         let layered = first.version() >= 3;
         if !matches!(first.item_type(), LazItemType::Point10 | LazItemType::Point14) {
             return Err("its LASzip record does not start with the point itself".into());
         }
-        let (mut record_bytes, mut rgb_offset, mut num_layers) = (0, None, 0);
-        for item in &items {
-            let (bytes, layers) = match item.item_type() {
-                LazItemType::Point10 => (20, 0),
-                LazItemType::GpsTime => (8, 0),
-                LazItemType::RGB12 => (6, 0),
-                LazItemType::WavePacket13 => (29, 0),
-                LazItemType::Byte(count) => (usize::from(count), 0),
-                LazItemType::Point14 => (30, 9),
-                LazItemType::RGB14 => (6, 1),
-                LazItemType::RGBNIR14 => (8, 2),
-                LazItemType::WavePacket14 => (29, 1),
-                LazItemType::Byte14(count) => (usize::from(count), usize::from(count)),
-            };
-            let is_rgb =
-                matches!(item.item_type(), LazItemType::RGB12 | LazItemType::RGB14 | LazItemType::RGBNIR14);
-            rgb_offset = rgb_offset.or(is_rgb.then_some(record_bytes));
-            record_bytes += bytes;
-            num_layers += layers;
-        }
+        let num_layers = items.iter().map(|item| match item.item_type() {
+            LazItemType::Point14 => 9,
+            LazItemType::RGB14 | LazItemType::WavePacket14 => 1,
+            LazItemType::RGBNIR14 => 2,
+            LazItemType::Byte14(count) => usize::from(count),
+            _ => 0,
+        });
+        let num_layers = num_layers.sum();
+        let record_bytes = items.iter().map(|item| record::item_bytes(item.item_type())).sum();
         if record_bytes > usize::from(u16::MAX) {
             return Err(format!("its LASzip record describes points of {record_bytes} bytes"));
         }
-        let is_extended = first.item_type() == LazItemType::Point14;
-        let flags = if is_extended { Flags::EXTENDED } else { Flags::LEGACY };
-        let layout = Layout { record_bytes, core_offset: 0, rgb_offset, flags };
-        Ok(Self { items, layout, layered, num_layers })
+        Ok(Self { items, record_bytes, layered, num_layers })
     }
 
     /// Bytes that every chunk has: its first point uncompressed, and the head of a layered one.
     pub fn least_bytes(&self) -> usize {
-        self.layout.record_bytes + if self.layered { 4 + 4 * self.num_layers } else { 0 }
+        self.record_bytes + if self.layered { 4 + 4 * self.num_layers } else { 0 }
     }
 
     /// Reads the head of a layered chunk; `None` if `bytes` end before it does.
     pub fn layered_head(&self, bytes: &[u8]) -> Option<LayeredHead> {
-        let head = bytes.get(self.layout.record_bytes..self.least_bytes())?;
+        let head = bytes.get(self.record_bytes..self.least_bytes())?;
         let mut words = head.chunks_exact(4).map(|w| u64::from(u32::from_le_bytes([w[0], w[1], w[2], w[3]])));
         let num_points = words.next()?;
         Some(LayeredHead { num_points, num_bytes: self.least_bytes() as u64 + words.sum::<u64>() })
@@ -96,8 +82,8 @@ impl Codec {
         &self,
         bytes: &[u8],
         announced: Option<u64>,
-        show_withheld: bool,
-    ) -> Result<Points, String> {
+        wanted: &Wanted,
+    ) -> Result<Block, String> {
         if bytes.len() < self.least_bytes() {
             return Err("is shorter than a single point".into());
         }
@@ -120,12 +106,12 @@ impl Codec {
         if limit > most {
             return Err(format!("states {} in {}", counted(limit, "point"), counted(bytes.len(), "byte")));
         }
-        let mut points = Points::default();
+        let mut block = wanted.cut.block(wanted.grid);
         // All at once if the chunk's own bytes vouch for it, otherwise as they come.
         let vouched = limit.min(bytes.len() as u64 * VOUCHED_POINTS_PER_BYTE) as usize;
-        self.reserve(&mut points, vouched).map_err(|_| "needs more memory than there is")?;
+        block.reserve(vouched).map_err(|_| "needs more memory than there is")?;
         let mut cursor = Cursor::new(bytes);
-        match self.decode(&mut cursor, limit, show_withheld, &mut points) {
+        match self.decode(&mut cursor, limit, wanted, &mut block) {
             // Without a count, the end of the bytes is the end of the points.
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof && num_points.is_none() => {}
             Err(error) => return Err(format!("is damaged ({error})")),
@@ -135,11 +121,10 @@ impl Codec {
             }
             Ok(()) => {}
         }
-        Ok(points)
+        Ok(block.with_stats())
     }
 
-    /// Reads up to `num_points` points of one chunk that starts where `source` stands, and appends them,
-    /// but for those that are withheld and not to be shown.
+    /// Reads up to `num_points` points of one chunk that starts where `source` stands, and appends them.
     ///
     /// # Errors
     /// The end of the source (the points before it are whole), damage, no memory. May panic on damage.
@@ -147,34 +132,34 @@ impl Codec {
         &self,
         source: R,
         num_points: u64,
-        show_withheld: bool,
-        points: &mut Points,
+        wanted: &Wanted,
+        block: &mut Block,
     ) -> io::Result<()> {
         let mut decompressor =
-            self.decompressor(source).map_err(|error| io::Error::other(error.to_string()))?;
-        let mut record = vec![0; self.layout.record_bytes];
+            self.decompressor(source, wanted.layers).map_err(|error| io::Error::other(error.to_string()))?;
+        let mut records = vec![0; self.record_bytes * num_points.min(RUN_POINTS) as usize];
         let mut left = num_points;
         while left > 0 {
-            let block = left.min(BLOCK_POINTS as u64) as usize;
-            self.reserve(points, block).map_err(|_| io::ErrorKind::OutOfMemory)?;
-            for _ in 0..block {
-                decompressor.decompress_next(&mut record)?;
-                self.layout.push(&record, show_withheld, points);
+            let run = self.record_bytes * left.min(RUN_POINTS) as usize;
+            let (mut num_bytes, mut end) = (0, Ok(()));
+            for record in records[..run].chunks_exact_mut(self.record_bytes) {
+                end = decompressor.decompress_next(record);
+                if end.is_err() {
+                    break;
+                }
+                num_bytes += self.record_bytes;
             }
-            left -= block as u64;
+            wanted.cut.append(&records[..num_bytes], block).map_err(|_| io::ErrorKind::OutOfMemory)?;
+            end?;
+            left -= (num_bytes / self.record_bytes) as u64;
         }
         Ok(())
-    }
-
-    fn reserve(&self, points: &mut Points, more: usize) -> Result<(), std::collections::TryReserveError> {
-        points.xyz.try_reserve(more)?;
-        points.intensity.try_reserve(more)?;
-        if self.layout.rgb_offset.is_some() { points.rgb.try_reserve(more) } else { Ok(()) }
     }
 
     fn decompressor<'a, R: Read + Seek + Send + Sync + 'a>(
         &self,
         source: R,
+        layers: DecompressionSelection,
     ) -> laz::Result<Box<dyn RecordDecompressor<R> + 'a>> {
         let mut decompressor: Box<dyn RecordDecompressor<R> + 'a> = if self.layered {
             Box::new(LayeredPointRecordDecompressor::new(source))
@@ -182,13 +167,44 @@ impl Codec {
             Box::new(SequentialPointRecordDecompressor::new(source))
         };
         decompressor.set_fields_from(&self.items)?;
-        let columns = DecompressionSelection::base()
-            .decompress_z()
-            .decompress_classification()
-            .decompress_flags()
-            .decompress_intensity()
-            .decompress_rgb();
-        decompressor.set_selection(columns);
+        decompressor.set_selection(layers);
         Ok(decompressor)
     }
+}
+
+/// What is wanted of the points.
+#[derive(Clone, Debug)]
+pub(super) struct Wanted {
+    pub grid: Grid,
+    pub cut: Cut,
+    /// Layers that have to be decompressed for it.
+    pub layers: DecompressionSelection,
+}
+
+/// The layers of LAS 1.4's chunks that have what is wanted. Whatever is wanted, places are.
+pub(super) fn layers(cut: &Cut) -> DecompressionSelection {
+    use Attribute as A;
+    let mut layers = DecompressionSelection::base().decompress_z();
+    for (attribute, _) in cut.columns() {
+        layers = match attribute {
+            A::Intensity => layers.decompress_intensity(),
+            A::Classification | A::Noise => layers.decompress_classification(),
+            A::Synthetic
+            | A::KeyPoint
+            | A::Withheld
+            | A::Overlap
+            | A::ScanDirection
+            | A::EdgeOfFlightLine => layers.decompress_flags(),
+            A::ScanAngle => layers.decompress_scan_angle(),
+            A::UserData => layers.decompress_user_data(),
+            A::SourceId => layers.decompress_point_source_id(),
+            A::GpsTime => layers.decompress_gps_time(),
+            A::Color => layers.decompress_rgb(),
+            A::NearInfrared => layers.decompress_nir(),
+            A::Waveform(_) => layers.decompress_wavepacket(),
+            A::Named(_) => layers.decompress_extra_bytes(),
+            A::ReturnNumber | A::NumReturns | A::ScannerChannel | A::Normal | A::Opacity => layers,
+        };
+    }
+    layers
 }

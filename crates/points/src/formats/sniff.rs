@@ -1,12 +1,15 @@
 //! What a file that is no scan of ours looks like, in words, so that the message helps.
 
-use super::ScanError;
+use super::format_names;
+use crate::ScanError;
 use std::path::Path;
 
-/// What is to be done about a file of a kind.
-const CONVERT: &str = "this is not supported yet, convert it to LAS, LAZ or PLY";
-const UNPACK: &str = "unpack it, and name the LAS, LAZ or PLY files in it";
-const OTHER: &str = "name a LAS, LAZ or PLY file";
+/// What is to be done about a file of a kind; [`NAMES`] stands for the names of all that can be read.
+const CONVERT: &str = "this is not supported yet, convert it to FORMATS";
+const UNPACK: &str = "unpack it, and name the FORMATS files in it";
+const OTHER: &str = "name a FORMATS file";
+/// Where an advice names the formats that can be read.
+const NAMES: &str = "FORMATS";
 
 /// First bytes, what they mean, what to do.
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
@@ -69,6 +72,7 @@ pub(crate) fn not_a_scan(path: &Path, head: &[u8]) -> ScanError {
         Some((_, _, what, advice)) => ((*what).to_owned(), *advice),
         None => describe(head),
     };
+    let advice = advice.replace(NAMES, &format_names("or"));
     ScanError::NotAScan { path: path.to_owned(), looks_like, advice }
 }
 
@@ -108,7 +112,7 @@ fn describe(head: &[u8]) -> (String, &'static str) {
     }
     let start: Vec<String> = head.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let looks_like = format!("it starts with the bytes {}, as no scan does", start.join(" "));
-    (looks_like, "it is damaged or of another kind; get it again or convert it to LAS, LAZ or PLY")
+    (looks_like, "it is damaged or of another kind; get it again or convert it to FORMATS")
 }
 
 /// By the first lines that are no comments.
@@ -141,10 +145,7 @@ fn describe_text(text: &str) -> (String, &'static str) {
             "open it in CloudCompare or PDAL, which ask what the columns are, and save it as LAZ or PLY",
         );
     }
-    (
-        "it is text, but no rows of numbers".into(),
-        "check that this is the file you mean; name a LAS, LAZ or PLY file",
-    )
+    ("it is text, but no rows of numbers".into(), "check that this is the file you mean; name a FORMATS file")
 }
 
 /// Printable characters and white space only. A cut multi-byte character at the end is no counter-proof.

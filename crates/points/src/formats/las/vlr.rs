@@ -1,5 +1,6 @@
 //! Variable length records, of both kinds: walked by where they really lie, not by how many are announced.
 
+use super::extra::{self, Extra};
 use super::header::{LasHeader, text};
 use crate::ScanError;
 use crate::source::Source;
@@ -31,7 +32,7 @@ pub(super) enum Kind {
     GeoTexts,
     /// Coordinate system as well-known text.
     Wkt,
-    /// Names of additional dimensions.
+    /// What the bytes behind the standard record are.
     ExtraBytes,
     /// This is a COPC file.
     Copc,
@@ -119,9 +120,10 @@ pub(super) fn payload(vlrs: &[Vlr], kind: Kind) -> Option<&[u8]> {
     vlrs.iter().find(|vlr| vlr.kind == kind).map(|vlr| vlr.payload.as_slice())
 }
 
-/// Names of the additional dimensions: 192 bytes each, the name at byte 4.
-pub(super) fn extra_dimensions(vlrs: &[Vlr]) -> Vec<String> {
-    let records = vlrs.iter().filter(|vlr| vlr.kind == Kind::ExtraBytes);
-    let names = records.flat_map(|vlr| vlr.payload.chunks_exact(192)).map(|entry| text(&entry[4..36]));
-    names.filter(|name| !name.is_empty()).collect()
+/// The additional dimensions that are described.
+pub(super) fn extra(vlrs: &[Vlr]) -> Vec<Extra> {
+    vlrs.iter()
+        .filter(|vlr| vlr.kind == Kind::ExtraBytes)
+        .flat_map(|vlr| extra::parse(&vlr.payload))
+        .collect()
 }

@@ -38,10 +38,13 @@ pub(super) trait Sink: Send + Sync + Sized {
     fn progress(num_points: u64) -> u64;
 }
 
+/// What is done with a sink that has taken in more.
+pub(super) type Emptied<'a, S> = dyn FnMut(&mut S) -> Result<(), ScanError> + Send + 'a;
+
 /// What came of a pass.
-#[derive(Debug)]
-pub(super) struct Body<S> {
+pub(super) struct Body<'a, S> {
     pub sink: S,
+    emptied: Option<&'a mut Emptied<'a, S>>,
     /// Rows of text that could not be read; the first, as the end of a sentence.
     pub num_bad_rows: u64,
     pub first_bad_row: Option<String>,
@@ -51,10 +54,24 @@ pub(super) struct Body<S> {
     pub warnings: Vec<String>,
 }
 
-impl<S: Sink> Body<S> {
+impl<'a, S: Sink> Body<'a, S> {
     /// Nothing yet.
     pub fn new(sink: S) -> Self {
-        Self { sink, num_bad_rows: 0, first_bad_row: None, losses: Vec::new(), warnings: Vec::new() }
+        let (losses, warnings) = (Vec::new(), Vec::new());
+        Self { sink, emptied: None, num_bad_rows: 0, first_bad_row: None, losses, warnings }
+    }
+
+    /// The same, of which something is done with the sink whenever it has taken in more.
+    pub fn emptied_by(sink: S, emptied: &'a mut Emptied<'a, S>) -> Self {
+        Self { emptied: Some(emptied), ..Self::new(sink) }
+    }
+
+    /// To be called when the sink has taken in more.
+    ///
+    /// # Errors
+    /// What it is emptied by reports.
+    pub fn empty(&mut self) -> Result<(), ScanError> {
+        self.emptied.as_mut().map_or(Ok(()), |emptied| emptied(&mut self.sink))
     }
 
     /// Takes note that reading ended at byte `at`: by an error, or because the file ends.

@@ -1,5 +1,6 @@
 //! The numbers of a PLY file: their types, and how they stand in bytes and in text.
 
+use crate::column::{self, Number};
 use std::io::{self, BufRead};
 
 /// Type of a property.
@@ -49,6 +50,23 @@ impl Type {
         }
     }
 
+    /// Type of a column that holds such values: each exactly, except floats written as text that say more than their type
+    /// holds, which are believed.
+    pub fn column(self, is_text: bool) -> column::Type {
+        match self {
+            Self::Char => column::Type::I8,
+            Self::UChar => column::Type::U8,
+            Self::Short => column::Type::I16,
+            Self::UShort => column::Type::U16,
+            Self::Int => column::Type::I32,
+            Self::UInt => column::Type::U32,
+            Self::Long => column::Type::I64,
+            Self::ULong => column::Type::U64,
+            Self::Half | Self::Float if !is_text => column::Type::F32,
+            Self::Half | Self::Float | Self::Double => column::Type::F64,
+        }
+    }
+
     /// True for numbers with a fraction.
     pub fn is_float(self) -> bool {
         matches!(self, Self::Half | Self::Float | Self::Double)
@@ -59,6 +77,9 @@ impl Type {
 pub(super) trait Values {
     /// The next value; `None` where there is none, or none that is a number.
     fn value(&mut self, kind: Type) -> Option<f64>;
+
+    /// The next value with all its digits.
+    fn number(&mut self, kind: Type) -> Option<Number>;
 
     /// The next value where it stands for 32 bits: those of an integer, or of a float, in which some programs
     /// pack them.
@@ -105,6 +126,14 @@ impl<B: ByteValues> Values for B {
             Type::Half => half::f16::from_le_bytes(self.little()?).into(),
             Type::Float => f32::from_le_bytes(self.little()?).into(),
             Type::Double => f64::from_le_bytes(self.little()?),
+        })
+    }
+
+    fn number(&mut self, kind: Type) -> Option<Number> {
+        Some(match kind {
+            Type::Long => Number::Whole(i64::from_le_bytes(self.little()?).into()),
+            Type::ULong => Number::Whole(u64::from_le_bytes(self.little()?).into()),
+            _ => Number::Float(self.value(kind)?),
         })
     }
 
@@ -245,6 +274,15 @@ impl Values for Words<'_> {
             return Some(value);
         }
         number(self.word()?)
+    }
+
+    fn number(&mut self, kind: Type) -> Option<Number> {
+        let word = self.word()?;
+        let whole = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+        match whole {
+            Some(whole) if !kind.is_float() => Some(Number::Whole(whole)),
+            _ => number(word).map(Number::Float),
+        }
     }
 
     fn bits(&mut self, kind: Type) -> Option<u32> {

@@ -42,14 +42,18 @@ impl Meaning {
     /// True for a point that is nearly transparent.
     #[inline]
     pub fn is_faint(&self, row: &Row) -> bool {
-        let opacity = match self.has.opacity {
-            _ if !self.leaves_faint_out => return false,
-            Opacity::Absent | Opacity::Unclear => return false,
-            Opacity::Logit => 1.0 / (1.0 + (-row.values[SLOT_OPACITY]).exp()),
-            Opacity::PartOf(most) => row.values[SLOT_OPACITY] / f64::from(most),
-            Opacity::Chunked => part(row.values[SLOT_RGB.start] as u32, 255),
-        };
-        opacity < FAINT
+        self.leaves_faint_out && self.opacity(row).is_some_and(|opacity| opacity < FAINT)
+    }
+
+    /// What part of the light a point keeps; `None` where that is unknown.
+    #[inline]
+    pub fn opacity(&self, row: &Row) -> Option<f64> {
+        match self.has.opacity {
+            Opacity::Absent | Opacity::Unclear => None,
+            Opacity::Logit => Some(1.0 / (1.0 + (-row.values[SLOT_OPACITY]).exp())),
+            Opacity::PartOf(most) => Some(row.values[SLOT_OPACITY] / f64::from(most)),
+            Opacity::Chunked => Some(part(row.values[SLOT_RGB.start] as u32, 255)),
+        }
     }
 
     /// Color of a point: of 8 or 16 bits, see [`white`](Self::white). `factor`: what floats are multiplied by.
@@ -119,7 +123,7 @@ fn unsigned(value: f64, largest: u16) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ply::plan::Intensity;
+    use crate::formats::ply::plan::Intensity;
 
     fn row(values: &[(usize, f64)]) -> Row {
         let mut row = Row::default();

@@ -1,0 +1,68 @@
+//! Blocks: runs of points in file order, as formats hand them over, and what comes at the end.
+
+use crate::column::{Column, Type};
+use crate::stats::Stats;
+use crate::{Attribute, Grid};
+use std::collections::TryReserveError;
+
+/// Points that follow each other in a file.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Grid of their coordinates: the same for all blocks of a file.
+    pub grid: Grid,
+    /// Grid coordinates.
+    pub xyz: Vec<[i32; 3]>,
+    /// The wanted attributes that the file has, as it stores them; each as long as `xyz`, in all blocks the same.
+    pub columns: Vec<(Attribute, Column)>,
+    /// Extremes, found while the points were in the cache.
+    pub stats: Stats,
+}
+
+impl Block {
+    /// Without points.
+    pub(crate) fn new(grid: Grid, columns: impl IntoIterator<Item = (Attribute, Type)>) -> Self {
+        let columns = columns.into_iter().map(|(attribute, kind)| (attribute, Column::new(kind)));
+        Self { grid, xyz: Vec::new(), columns: columns.collect(), stats: Stats::EMPTY }
+    }
+
+    /// Makes room for more points.
+    pub(crate) fn reserve(&mut self, more: usize) -> Result<(), TryReserveError> {
+        self.xyz.try_reserve(more)?;
+        self.columns.iter_mut().try_for_each(|(_, column)| column.reserve(more))
+    }
+
+    /// Keeps the first points. Their extremes have to be found again.
+    pub(crate) fn truncate(&mut self, len: usize) {
+        self.xyz.truncate(len);
+        self.columns.iter_mut().for_each(|(_, column)| column.truncate(len));
+    }
+
+    /// The column of an attribute, if it was wanted and the file has it.
+    #[must_use]
+    pub fn column(&self, attribute: &Attribute) -> Option<&Column> {
+        self.columns.iter().find(|(other, _)| other == attribute).map(|(_, column)| column)
+    }
+
+    /// Finds the extremes.
+    pub(crate) fn with_stats(mut self) -> Self {
+        let intensity = match self.column(&Attribute::Intensity) {
+            Some(Column::U16(intensity)) => &intensity[..],
+            _ => &[],
+        };
+        self.stats = Stats::of(&self.xyz, intensity);
+        self
+    }
+}
+
+/// What is known of a file once its last point was handed over.
+#[derive(Debug, Default)]
+pub struct Ending {
+    /// Triangles of a mesh, of numbers of the points that were handed over; counter-clockwise where the surface is seen from.
+    pub triangles: Vec<[u32; 3]>,
+    /// The largest that a color can be, where the format knows it.
+    pub white: Option<u16>,
+    /// What the file has or announces and could not be read, as sentences whose subject is the file.
+    pub losses: Vec<String>,
+    /// What else was odd, likewise.
+    pub warnings: Vec<String>,
+}

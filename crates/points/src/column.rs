@@ -1,0 +1,218 @@
+//! Columns: the values of one attribute, as they are stored, of a run of points.
+
+use crate::Marks;
+use std::collections::TryReserveError;
+
+/// A number before it is known which column it goes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Number {
+    Whole(i128),
+    Float(f64),
+}
+
+/// A type whose values a column holds.
+pub(crate) trait Value: Copy + Default {
+    /// The nearest value to a number; 0 of NaN where there is none.
+    fn of(number: Number) -> Self;
+}
+
+macro_rules! whole_numbers {
+    ($($value:ty),*) => {$(
+        impl Value for $value {
+            fn of(number: Number) -> Self {
+                match number {
+                    // The clamped number is one of the type's.
+                    Number::Whole(whole) => whole.clamp(<$value>::MIN.into(), <$value>::MAX.into()) as $value,
+                    Number::Float(float) => float.round() as $value,
+                }
+            }
+        }
+    )*};
+}
+whole_numbers!(u8, i8, u16, i16, u32, i32, u64, i64);
+
+macro_rules! floats {
+    ($($value:ty),*) => {$(
+        impl Value for $value {
+            fn of(number: Number) -> Self {
+                match number {
+                    Number::Whole(whole) => whole as $value,
+                    Number::Float(float) => float as $value,
+                }
+            }
+        }
+    )*};
+}
+floats!(f32, f64);
+
+impl<T: Value> Value for [T; 3] {
+    fn of(number: Number) -> Self {
+        [T::of(number); 3]
+    }
+}
+
+/// Makes the types and, of each, the column and a part of one that is to be written.
+macro_rules! columns {
+    ($($(#[$doc:meta])* $name:ident: $value:ty,)*) => {
+        /// Type of an attribute's values.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Type {
+            /// Yes or no.
+            Bool,
+            $($(#[$doc])* $name,)*
+        }
+
+        /// The values of an attribute, one a point.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Column {
+            /// The points of which it is true.
+            Bool(Marks),
+            $($(#[$doc])* $name(Vec<$value>),)*
+        }
+
+        /// A part of a column that is to be written.
+        #[derive(Debug)]
+        pub(crate) enum ColumnPart<'a> {
+            /// Numbers count from the part's first point.
+            Bool(Marks),
+            $($name(&'a mut [$value]),)*
+        }
+
+        impl Column {
+            /// Without values.
+            #[must_use]
+            pub fn new(kind: Type) -> Self {
+                match kind {
+                    Type::Bool => Self::Bool(Marks::default()),
+                    $(Type::$name => Self::$name(Vec::new()),)*
+                }
+            }
+
+            /// Type of its values.
+            #[must_use]
+            pub fn kind(&self) -> Type {
+                match self {
+                    Self::Bool(_) => Type::Bool,
+                    $(Self::$name(_) => Type::$name,)*
+                }
+            }
+
+            /// So many zeros; `None` if there is no memory for them.
+            pub(crate) fn zeros(kind: Type, len: usize) -> Option<Self> {
+                Some(match kind {
+                    Type::Bool => Self::Bool(Marks::default()),
+                    $(Type::$name => Self::$name(zeros(len)?),)*
+                })
+            }
+
+            /// Makes room for more values.
+            pub(crate) fn reserve(&mut self, more: usize) -> Result<(), TryReserveError> {
+                match self {
+                    Self::Bool(_) => Ok(()),
+                    $(Self::$name(values) => values.try_reserve(more),)*
+                }
+            }
+
+            /// Adds so many zeros, and gives them out to be written; [`mark`](Self::mark) takes in what is true.
+            pub(crate) fn grow(&mut self, more: usize) -> Result<ColumnPart<'_>, TryReserveError> {
+                self.reserve(more)?;
+                Ok(match self {
+                    Self::Bool(_) => ColumnPart::Bool(Marks::default()),
+                    $(Self::$name(values) => {
+                        let len = values.len();
+                        values.resize(len + more, Default::default());
+                        ColumnPart::$name(&mut values[len..])
+                    })*
+                })
+            }
+
+            /// Parts of so many values each, of which there are `num_parts`.
+            pub(crate) fn parts(&mut self, len: usize, num_parts: usize) -> Vec<ColumnPart<'_>> {
+                match self {
+                    Self::Bool(_) => (0..num_parts).map(|_| ColumnPart::Bool(Marks::default())).collect(),
+                    $(Self::$name(values) => values.chunks_mut(len).map(ColumnPart::$name).collect(),)*
+                }
+            }
+
+            /// Marks what is true in a part that starts at point `first`; columns of numbers are written already.
+            pub(crate) fn mark(&mut self, part: &Marks, first: usize) {
+                if let Self::Bool(marks) = self {
+                    marks.append(part, first);
+                }
+            }
+
+            /// Keeps the first values.
+            pub(crate) fn truncate(&mut self, len: usize) {
+                match self {
+                    Self::Bool(marks) => marks.truncate(len),
+                    $(Self::$name(values) => values.truncate(len),)*
+                }
+            }
+
+            /// Adds the values of the same attribute that follow; `len` are here already.
+            pub(crate) fn append(&mut self, later: Self, len: usize) {
+                match (self, later) {
+                    (Self::Bool(marks), Self::Bool(later)) => marks.append(&later, len),
+                    $((Self::$name(values), Self::$name(mut later)) => values.append(&mut later),)*
+                    (column, later) => debug_assert_eq!(column.kind(), later.kind(), "one attribute, one type"),
+                }
+            }
+
+            /// Adds a number, as point `number`; what is not 0 is true.
+            pub(crate) fn push(&mut self, value: Number, number: usize) {
+                match self {
+                    Self::Bool(marks) => {
+                        if value != Number::Whole(0) && value != Number::Float(0.0) {
+                            marks.set(number);
+                        }
+                    }
+                    $(Self::$name(values) => values.push(Value::of(value)),)*
+                }
+            }
+        }
+    };
+}
+
+columns! {
+    /// Whole numbers of 8 bits.
+    U8: u8,
+    /// The same with a sign.
+    I8: i8,
+    /// Whole numbers of 16 bits.
+    U16: u16,
+    /// The same with a sign.
+    I16: i16,
+    /// Whole numbers of 32 bits.
+    U32: u32,
+    /// The same with a sign.
+    I32: i32,
+    /// Whole numbers of 64 bits.
+    U64: u64,
+    /// The same with a sign.
+    I64: i64,
+    /// Floats of 32 bits.
+    F32: f32,
+    /// Floats of 64 bits.
+    F64: f64,
+    /// Three whole numbers of 16 bits: a color.
+    U16x3: [u16; 3],
+    /// Three floats of 32 bits: a direction.
+    F32x3: [f32; 3],
+}
+
+impl ColumnPart<'_> {
+    /// What is true in it; nothing of numbers.
+    pub(crate) fn into_marks(self) -> Marks {
+        match self {
+            Self::Bool(marks) => marks,
+            _ => Marks::default(),
+        }
+    }
+}
+
+/// `vec![zero; len]`, which takes zeroed pages from the system untouched (they become real in parallel, as they are
+/// written), after asking whether they are to be had, which `vec!` cannot say.
+pub(crate) fn zeros<T: Copy + Default>(len: usize) -> Option<Vec<T>> {
+    Vec::<T>::new().try_reserve_exact(len).ok()?;
+    Some(vec![T::default(); len])
+}

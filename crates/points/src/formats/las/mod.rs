@@ -1,0 +1,192 @@
+//! LAS 1.0–1.4, point formats 0–10, plain or compressed (LAZ, and COPC, which is LAZ in a certain order).
+
+mod chunks;
+mod codec;
+mod extra;
+mod header;
+mod laz;
+mod raw;
+mod record;
+mod vlr;
+
+use super::{Dataset, Format, Take};
+use crate::block::Ending;
+use crate::crs::{self, Crs};
+use crate::source::Source;
+use crate::{Header, Projection, ScanError, Schema};
+use base::task::Progress;
+use base::words::counted;
+use extra::Extra;
+use header::LasHeader;
+use laz::Laz;
+use record::Layout;
+use vlr::{Kind, Vlr};
+
+/// The format.
+pub(super) struct Las;
+
+impl Format for Las {
+    fn names(&self) -> &'static [&'static str] {
+        &["LAS", "LAZ"]
+    }
+
+    fn probe(&self, head: &[u8]) -> bool {
+        head.starts_with(b"LASF")
+    }
+
+    fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError> {
+        let las = LasHeader::read(&source)?;
+        let vlrs = vlr::read_all(&source, &las)?;
+        let extra = vlr::extra(&vlrs);
+        let packing = Packing::of(&source, &las, &vlrs)?;
+        let layout = match &packing {
+            Packing::Raw => Layout::of_format(las.point_format, las.minor, las.record_bytes, &extra)
+                .ok_or_else(|| las.short_records(&source))?,
+            Packing::Laz(laz) => laz.layout(las.minor, &extra),
+        };
+        let schema = layout.schema();
+        let header = describe(&source, &las, &vlrs, &packing, attributes(&schema, &extra));
+        Ok(Box::new(LasFile { source, las, packing, layout, schema, header }))
+    }
+}
+
+/// How the points are stored.
+enum Packing {
+    Raw,
+    Laz(Box<Laz>),
+}
+
+impl Packing {
+    fn of(source: &Source, las: &LasHeader, vlrs: &[Vlr]) -> Result<Self, ScanError> {
+        let fail = |reason| ScanError::Compression { path: source.path().to_owned(), reason };
+        match (vlr::payload(vlrs, Kind::Laszip), las.compressed) {
+            (Some(payload), true) => Ok(Self::Laz(Box::new(Laz::parse(payload).map_err(fail)?))),
+            (None, true) => {
+                let reason = "the record that says how (\"laszip encoded\") is missing; get the file again";
+                Err(fail(reason.to_owned()))
+            }
+            (_, false) => Ok(Self::Raw),
+        }
+    }
+}
+
+/// An opened file.
+struct LasFile {
+    source: Source,
+    las: LasHeader,
+    packing: Packing,
+    layout: Layout,
+    schema: Schema,
+    header: Header,
+}
+
+/// What was read of the points.
+#[derive(Debug, Default)]
+struct Outcome {
+    num_points: u64,
+    /// Sentences whose subject is the file: about what could not be read, about what else was odd.
+    losses: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl Dataset for LasFile {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn schema(&self) -> &Schema {
+        &self.schema
+    }
+
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Ending, ScanError> {
+        let Self { source, las, packing, layout, .. } = self;
+        let announced = las.announced_points;
+        let no_points = |reason| Err(ScanError::NoPoints { path: source.path().to_owned(), reason });
+        if las.points_offset >= source.len() {
+            let (start, end) = (las.points_offset, source.len());
+            return no_points(match announced {
+                0 => "its header announces none".to_owned(),
+                _ => format!(
+                    "{announced} should start at byte {start}, but the file ends at byte {end}; get it again"
+                ),
+            });
+        }
+        let Outcome { num_points, mut losses, mut warnings } = match packing {
+            Packing::Raw => raw::read(source, las, &layout.cut(want), want, take, progress)?,
+            Packing::Laz(laz) => laz.read(source, las, &Laz::wanted(las, layout, want), take, progress)?,
+        };
+        if num_points == 0 {
+            return no_points(format!("its header announces {announced}, none could be read"));
+        }
+        if num_points < announced {
+            let end = source.len();
+            losses.push(format!(
+                "announces {}, but only {num_points} could be read (the file has {end} bytes)",
+                counted(announced, "point")
+            ));
+        } else if num_points > announced {
+            warnings.push(format!(
+                "announces {}, but holds {num_points}; all were read",
+                counted(announced, "point")
+            ));
+        }
+        Ok(Ending { losses, warnings, ..Ending::default() })
+    }
+}
+
+fn describe(
+    source: &Source,
+    las: &LasHeader,
+    vlrs: &[Vlr],
+    packing: &Packing,
+    attributes: Vec<String>,
+) -> Header {
+    let kind = match packing {
+        Packing::Raw => "LAS",
+        Packing::Laz(_) if vlr::payload(vlrs, Kind::Copc).is_some() => "COPC (LAZ)",
+        Packing::Laz(_) => "LAZ",
+    };
+    let mut warnings = las.oddities.clone();
+    let crs = crs(las, vlrs);
+    if let Packing::Laz(laz) = packing
+        && laz.record_bytes() < usize::from(record::standard_bytes(las.point_format).unwrap_or(0))
+    {
+        warnings.push(format!(
+            "stores only part of point format {} (its waveforms are missing)",
+            las.point_format
+        ));
+    }
+    Header {
+        path: source.path().to_owned(),
+        format: format!("{kind} 1.{}, point format {}", las.minor, las.point_format),
+        num_points: match packing {
+            Packing::Raw => raw::num_points(source, las),
+            Packing::Laz(_) => las.announced_points,
+        },
+        attributes,
+        crs: crs.name,
+        unit_m: crs.unit_m,
+        vertical_unit_m: crs.vertical_unit_m,
+        axes: crs.axes,
+        is_on_fixed_grid: true,
+        up: None,
+        software: Some(las.software.clone()).filter(|name| !name.is_empty()),
+        created: las.created_date(),
+        warnings,
+    }
+}
+
+fn crs(las: &LasHeader, vlrs: &[Vlr]) -> Crs {
+    let payload = |kind| vlr::payload(vlrs, kind).unwrap_or_default();
+    let wkt = crs::from_wkt(payload(Kind::Wkt));
+    let keys = crs::from_geotiff(payload(Kind::GeoKeys), payload(Kind::GeoDoubles), payload(Kind::GeoTexts));
+    // The second only fills in what the first leaves open.
+    if las.wkt { wkt.or(keys) } else { keys.or(wkt) }
+}
+
+/// Names of what is stored for each point; extra bytes as the file names them, whether they can be read or not.
+fn attributes(schema: &Schema, extra: &[Extra]) -> Vec<String> {
+    let named = extra.iter().filter(|extra| !extra.name.is_empty());
+    let named = named.map(|extra| format!("extra:{}", extra.name));
+    schema.standard_names().into_iter().chain(named).collect()
+}

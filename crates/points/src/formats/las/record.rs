@@ -1,0 +1,412 @@
+//! A point record: which attributes it has and where, and how records become columns [LAS 1.4 R15, tables 7 to 17].
+
+use super::extra::Extra;
+use crate::block::Block;
+use crate::column::{ColumnPart, Type};
+use crate::{Attribute, Field, Grid, Marks, Projection, Schema, Waveform};
+use laz::LazItem;
+use laz::laszip::LazItemType;
+use std::collections::TryReserveError;
+use std::ops::Range;
+
+/// Bytes of a standard record, by point format 0–10.
+const RECORD_BYTES: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
+/// First byte of what only some point formats have, by point format; 0: it has none.
+const GPS_TIME: [usize; 11] = [0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22];
+const RGB: [usize; 11] = [0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30];
+const NIR: [usize; 11] = [0, 0, 0, 0, 0, 0, 0, 0, 36, 0, 36];
+const WAVEFORM: [usize; 11] = [0, 0, 0, 0, 28, 34, 0, 0, 0, 30, 38];
+/// Classes whose points are noise, in all formats: low and high.
+const NOISE_CLASSES: [u8; 2] = [7, 18];
+/// Degrees of a step of the scan angle in point formats 6–10.
+const ANGLE_STEP: f64 = 0.006;
+
+/// What the first bytes of a record are, up to where point formats differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Core {
+    /// LAS 1.0: as the next, which knew no flags.
+    First,
+    /// Point formats 0–5: class and flags share a byte.
+    Legacy,
+    /// Point formats 6–10.
+    Extended,
+}
+
+/// Where a record has an attribute, from its first byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// A number, or three, at this byte.
+    At(usize),
+    /// Some bits of a byte: those of `mask`, shifted down. Of yes or no, whether any is set.
+    Bits { at: usize, shift: u32, mask: u8 },
+    /// The bits of a class, which is noise or not.
+    Noise { at: usize, mask: u8 },
+}
+
+/// The parts of a record that not all have; first bytes.
+#[derive(Clone, Debug, Default)]
+struct Parts {
+    gps_time: Option<usize>,
+    rgb: Option<usize>,
+    nir: Option<usize>,
+    waveform: Option<usize>,
+    extra: Range<usize>,
+}
+
+/// How the records of a file are made up.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// Bytes from one record to the next; at least what its parts need.
+    pub record_bytes: usize,
+    fields: Vec<(Field, Place)>,
+}
+
+/// Bytes of a standard record; `None` for a format that does not exist.
+pub(super) fn standard_bytes(point_format: u8) -> Option<u16> {
+    RECORD_BYTES.get(usize::from(point_format)).copied()
+}
+
+/// Bytes of a part of a decompressed record. What the item itself states is not believed.
+pub(super) fn item_bytes(item: LazItemType) -> usize {
+    match item {
+        LazItemType::Point10 => 20,
+        LazItemType::GpsTime | LazItemType::RGBNIR14 => 8,
+        LazItemType::RGB12 | LazItemType::RGB14 => 6,
+        LazItemType::WavePacket13 | LazItemType::WavePacket14 => 29,
+        LazItemType::Point14 => 30,
+        LazItemType::Byte(count) | LazItemType::Byte14(count) => usize::from(count),
+    }
+}
+
+impl Core {
+    /// Of a point format in a file of LAS 1.`minor`.
+    pub fn of(point_format: u8, minor: u8) -> Self {
+        match (point_format, minor) {
+            (6.., _) => Self::Extended,
+            (_, 0) => Self::First,
+            _ => Self::Legacy,
+        }
+    }
+
+    /// Its attributes, in the order in which lists have them.
+    fn fields(self) -> Vec<(Field, Place)> {
+        use Attribute as A;
+        let bits =
+            |attribute, at, shift, mask| (Field::plain(attribute, Type::U8), Place::Bits { at, shift, mask });
+        let flag =
+            |attribute, at, mask| (Field::plain(attribute, Type::Bool), Place::Bits { at, shift: 0, mask });
+        let noise = |at, mask| (Field::plain(A::Noise, Type::Bool), Place::Noise { at, mask });
+        let byte = |attribute, at| bits(attribute, at, 0, 0xff);
+        let short = |attribute, at| (Field::plain(attribute, Type::U16), Place::At(at));
+        let angle = |kind, scale, at| (Field { scale, ..Field::plain(A::ScanAngle, kind) }, Place::At(at));
+        let mut fields = vec![short(A::Intensity, 12)];
+        match self {
+            Self::First | Self::Legacy => {
+                fields.extend([
+                    bits(A::ReturnNumber, 14, 0, 0x07),
+                    bits(A::NumReturns, 14, 3, 0x07),
+                    flag(A::ScanDirection, 14, 0x40),
+                    flag(A::EdgeOfFlightLine, 14, 0x80),
+                    bits(A::Classification, 15, 0, 0x1f),
+                    noise(15, 0x1f),
+                ]);
+                if self == Self::Legacy {
+                    fields.extend([
+                        flag(A::Synthetic, 15, 0x20),
+                        flag(A::KeyPoint, 15, 0x40),
+                        flag(A::Withheld, 15, 0x80),
+                    ]);
+                }
+                fields.extend([angle(Type::I8, 1.0, 16), byte(A::UserData, 17), short(A::SourceId, 18)]);
+            }
+            Self::Extended => fields.extend([
+                bits(A::ReturnNumber, 14, 0, 0x0f),
+                bits(A::NumReturns, 14, 4, 0x0f),
+                flag(A::Synthetic, 15, 0x01),
+                flag(A::KeyPoint, 15, 0x02),
+                flag(A::Withheld, 15, 0x04),
+                flag(A::Overlap, 15, 0x08),
+                bits(A::ScannerChannel, 15, 4, 0x03),
+                flag(A::ScanDirection, 15, 0x40),
+                flag(A::EdgeOfFlightLine, 15, 0x80),
+                byte(A::Classification, 16),
+                noise(16, 0xff),
+                angle(Type::I16, ANGLE_STEP, 18),
+                byte(A::UserData, 17),
+                short(A::SourceId, 20),
+            ]),
+        }
+        fields
+    }
+}
+
+impl Layout {
+    /// Records of a LAS file; `None` if the format does not exist or the records are too short for it.
+    pub fn of_format(point_format: u8, minor: u8, record_bytes: u16, extra: &[Extra]) -> Option<Self> {
+        let standard = standard_bytes(point_format)?;
+        if record_bytes < standard {
+            return None;
+        }
+        let part = |places: [usize; 11]| Some(places[usize::from(point_format)]).filter(|&at| at > 0);
+        let parts = Parts {
+            gps_time: part(GPS_TIME),
+            rgb: part(RGB),
+            nir: part(NIR),
+            waveform: part(WAVEFORM),
+            extra: usize::from(standard)..usize::from(record_bytes),
+        };
+        Some(Self::new(Core::of(point_format, minor), &parts, record_bytes.into(), extra))
+    }
+
+    /// Records that are compressed as these items. They are what counts, not the point format: some writers leave out what
+    /// they do not compress (waveforms), and the rest is still readable.
+    pub fn of_items(items: &[LazItem], minor: u8, extra: &[Extra]) -> Self {
+        let (mut parts, mut at) = (Parts::default(), 0);
+        let mut core = Core::Extended;
+        for item in items {
+            match item.item_type() {
+                LazItemType::Point10 => core = Core::of(0, minor),
+                LazItemType::Point14 => parts.gps_time = Some(at + GPS_TIME[6]),
+                LazItemType::GpsTime => parts.gps_time = Some(at),
+                LazItemType::RGB12 | LazItemType::RGB14 => parts.rgb = Some(at),
+                LazItemType::RGBNIR14 => (parts.rgb, parts.nir) = (Some(at), Some(at + 6)),
+                LazItemType::WavePacket13 | LazItemType::WavePacket14 => parts.waveform = Some(at),
+                LazItemType::Byte(count) | LazItemType::Byte14(count) => {
+                    parts.extra = at..at + usize::from(count);
+                }
+            }
+            at += item_bytes(item.item_type());
+        }
+        Self::new(core, &parts, at, extra)
+    }
+
+    fn new(core: Core, parts: &Parts, record_bytes: usize, extra: &[Extra]) -> Self {
+        use Waveform as W;
+        let mut fields = core.fields();
+        let mut add = |attribute, kind, at| fields.push((Field::plain(attribute, kind), Place::At(at)));
+        parts.gps_time.into_iter().for_each(|at| add(Attribute::GpsTime, Type::F64, at));
+        parts.rgb.into_iter().for_each(|at| add(Attribute::Color, Type::U16x3, at));
+        parts.nir.into_iter().for_each(|at| add(Attribute::NearInfrared, Type::U16, at));
+        if let Some(at) = parts.waveform {
+            fields.push((
+                Field::plain(Attribute::Waveform(W::Description), Type::U8),
+                Place::Bits { at, shift: 0, mask: 0xff },
+            ));
+            let numbers = [(W::Offset, Type::U64, 1), (W::Size, Type::U32, 9), (W::Location, Type::F32, 13)];
+            let numbers = numbers.into_iter().chain([(W::Direction, Type::F32x3, 17)]);
+            fields.extend(numbers.map(|(part, kind, behind)| {
+                (Field::plain(Attribute::Waveform(part), kind), Place::At(at + behind))
+            }));
+        }
+        let mut at = parts.extra.start;
+        for extra in extra {
+            for (field, num_bytes) in &extra.fields {
+                if let Some(field) = field.clone().filter(|_| at + num_bytes <= parts.extra.end) {
+                    let place = if field.kind == Type::U8 {
+                        Place::Bits { at, shift: 0, mask: 0xff }
+                    } else {
+                        Place::At(at)
+                    };
+                    fields.push((field, place));
+                }
+                at += num_bytes;
+            }
+        }
+        Self { record_bytes, fields }
+    }
+
+    /// What the records have.
+    pub fn schema(&self) -> Schema {
+        Schema { fields: self.fields.iter().map(|(field, _)| field.clone()).collect() }
+    }
+
+    /// What is wanted of them.
+    pub fn cut(&self, want: &Projection) -> Cut {
+        let wanted = self.fields.iter().filter(|(field, _)| want.wants(&field.attribute));
+        Cut { record_bytes: self.record_bytes, fields: wanted.cloned().collect() }
+    }
+}
+
+/// How records become columns of wanted attributes.
+#[derive(Clone, Debug)]
+pub(super) struct Cut {
+    record_bytes: usize,
+    fields: Vec<(Field, Place)>,
+}
+
+impl Cut {
+    /// A block without points.
+    pub fn block(&self, grid: Grid) -> Block {
+        Block::new(grid, self.columns())
+    }
+
+    /// Attributes and types of a block's columns.
+    pub fn columns(&self) -> impl Iterator<Item = (Attribute, Type)> + '_ {
+        self.fields.iter().map(|(field, _)| (field.attribute.clone(), field.kind))
+    }
+
+    /// Parses whole records into a part of a block, of as many points.
+    ///
+    /// One pass a column: some records stay in the cache, and each pass is a plain strided copy.
+    pub fn parse(&self, records: &[u8], xyz: &mut [[i32; 3]], columns: &mut [ColumnPart]) {
+        let records = Records { bytes: records, record_bytes: self.record_bytes };
+        records.copy(xyz, 0, le_i32x3);
+        for (column, (_, place)) in columns.iter_mut().zip(&self.fields) {
+            place.read(&records, column);
+        }
+    }
+
+    /// Appends whole records to a block.
+    ///
+    /// # Errors
+    /// There is no memory.
+    pub fn append(&self, records: &[u8], block: &mut Block) -> Result<(), TryReserveError> {
+        let (first, num_points) = (block.xyz.len(), records.len() / self.record_bytes);
+        block.reserve(num_points)?;
+        block.xyz.resize(first + num_points, [0; 3]);
+        let records = Records { bytes: records, record_bytes: self.record_bytes };
+        records.copy(&mut block.xyz[first..], 0, le_i32x3);
+        for ((_, column), (_, place)) in block.columns.iter_mut().zip(&self.fields) {
+            let mut part = column.grow(num_points)?;
+            place.read(&records, &mut part);
+            if let ColumnPart::Bool(marks) = part {
+                column.mark(&marks, first);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Place {
+    /// Takes an attribute out of records. Its type goes with its place: what they are made by says so.
+    fn read(self, records: &Records, column: &mut ColumnPart) {
+        match (self, column) {
+            (Self::Bits { at, shift, mask }, ColumnPart::U8(values)) => {
+                records.copy(values, at, |[byte]: [u8; 1]| byte >> shift & mask);
+            }
+            (Self::Bits { at, mask, .. }, ColumnPart::Bool(marks)) => {
+                records.mark(marks, at, |byte| byte & mask != 0);
+            }
+            (Self::Noise { at, mask }, ColumnPart::Bool(marks)) => {
+                records.mark(marks, at, |byte| NOISE_CLASSES.contains(&(byte & mask)));
+            }
+            (Self::At(at), ColumnPart::I8(values)) => records.copy(values, at, i8::from_le_bytes),
+            (Self::At(at), ColumnPart::U16(values)) => records.copy(values, at, u16::from_le_bytes),
+            (Self::At(at), ColumnPart::I16(values)) => records.copy(values, at, i16::from_le_bytes),
+            (Self::At(at), ColumnPart::U32(values)) => records.copy(values, at, u32::from_le_bytes),
+            (Self::At(at), ColumnPart::I32(values)) => records.copy(values, at, i32::from_le_bytes),
+            (Self::At(at), ColumnPart::U64(values)) => records.copy(values, at, u64::from_le_bytes),
+            (Self::At(at), ColumnPart::I64(values)) => records.copy(values, at, i64::from_le_bytes),
+            (Self::At(at), ColumnPart::F32(values)) => records.copy(values, at, f32::from_le_bytes),
+            (Self::At(at), ColumnPart::F64(values)) => records.copy(values, at, f64::from_le_bytes),
+            (Self::At(at), ColumnPart::U16x3(values)) => records.copy(values, at, le_u16x3),
+            (Self::At(at), ColumnPart::F32x3(values)) => {
+                records.copy(values, at, |bytes| le_i32x3(bytes).map(|bits| f32::from_bits(bits as u32)));
+            }
+            (place, column) => debug_assert!(false, "{place:?} is not the place of {column:?}"),
+        }
+    }
+}
+
+/// Whole records that follow each other.
+struct Records<'a> {
+    bytes: &'a [u8],
+    record_bytes: usize,
+}
+
+impl Records<'_> {
+    /// The bytes from `at` on of each record as a value.
+    #[inline]
+    fn copy<const N: usize, T>(&self, values: &mut [T], at: usize, value: impl Fn([u8; N]) -> T) {
+        for (to, record) in values.iter_mut().zip(self.bytes.chunks_exact(self.record_bytes)) {
+            // The layout keeps every place within the record.
+            *to = value(record[at..].first_chunk().copied().unwrap_or([0; N]));
+        }
+    }
+
+    /// Marks records by one of their bytes.
+    #[inline]
+    fn mark(&self, marks: &mut Marks, at: usize, is_true: impl Fn(u8) -> bool) {
+        let bytes = self.bytes.get(at..).unwrap_or_default().iter().step_by(self.record_bytes);
+        for (number, byte) in bytes.enumerate() {
+            if is_true(*byte) {
+                marks.set(number);
+            }
+        }
+    }
+}
+
+fn le_i32x3(bytes: [u8; 12]) -> [i32; 3] {
+    std::array::from_fn(|axis| {
+        let at = 4 * axis;
+        i32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+    })
+}
+
+fn le_u16x3(bytes: [u8; 6]) -> [u16; 3] {
+    std::array::from_fn(|channel| u16::from_le_bytes([bytes[2 * channel], bytes[2 * channel + 1]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::Column;
+
+    fn of_format(point_format: u8) -> Layout {
+        Layout::of_format(point_format, 4, standard_bytes(point_format).unwrap(), &[]).unwrap()
+    }
+
+    fn marked(block: &Block, attribute: &Attribute) -> Vec<usize> {
+        let Some(Column::Bool(marks)) = block.column(attribute) else { return Vec::new() };
+        (0..block.xyz.len()).filter(|&number| marks.get(number)).collect()
+    }
+
+    #[test]
+    fn noise_and_the_withheld_are_told_by_each_core() {
+        let first = Layout::of_format(1, 0, 28, &[]).unwrap();
+        // A class, noise, withheld, noise that is withheld, high noise, and other flags.
+        let old = [[2, 9], [7, 0], [0x82, 0], [0x87, 0], [18, 0], [0x62, 7]];
+        let new = [[0, 2], [0, 7], [4, 2], [6, 7], [0xf1, 18], [0xfb, 0x87]];
+        let mut cases = vec![(first, old, vec![])];
+        cases.extend((0..=5).map(|format| (of_format(format), old, vec![2, 3])));
+        cases.extend((6..=10).map(|format| (of_format(format), new, vec![2, 3])));
+        let want = Projection::of([Attribute::Withheld, Attribute::Noise]);
+        for (layout, flags, withheld) in cases {
+            let record = |flags: &[u8; 2]| {
+                let mut record = vec![0; layout.record_bytes];
+                record[15..17].copy_from_slice(flags);
+                record
+            };
+            let records: Vec<u8> = flags.iter().flat_map(record).collect();
+            let cut = layout.cut(&want);
+            let mut block = cut.block(Grid::default());
+            // In two parts, so that numbers have to go on.
+            let (some, others) = records.split_at(3 * layout.record_bytes);
+            cut.append(some, &mut block).unwrap();
+            cut.append(others, &mut block).unwrap();
+            assert_eq!(block.xyz.len(), 6);
+            assert_eq!(marked(&block, &Attribute::Withheld), withheld, "{layout:?}");
+            assert_eq!(marked(&block, &Attribute::Noise), [1, 3, 4], "{layout:?}");
+        }
+    }
+
+    #[test]
+    fn short_records_and_unknown_formats_have_no_layout() {
+        assert_eq!(Layout::of_format(3, 2, 33, &[]), None);
+        assert_eq!(Layout::of_format(11, 4, 200, &[]), None);
+        assert_eq!(of_format(0).schema().field(&Attribute::Color), None);
+        for format in 0..=10 {
+            let layout = of_format(format);
+            let ends = layout.fields.iter().map(|(_, place)| match place {
+                Place::At(at) | Place::Bits { at, .. } | Place::Noise { at, .. } => at + 1,
+            });
+            assert!(ends.max().unwrap() <= layout.record_bytes, "{format}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_wanted_has_no_column() {
+        let cut = of_format(7).cut(&Projection::of([Attribute::Color, Attribute::Normal]));
+        assert_eq!(cut.columns().collect::<Vec<_>>(), [(Attribute::Color, Type::U16x3)]);
+    }
+}

@@ -1,0 +1,73 @@
+//! The formats that can be read: one list, from which all else takes their names.
+
+mod las;
+mod ply;
+mod sniff;
+
+use crate::block::{Block, Ending};
+use crate::source::Source;
+use crate::{Header, Projection, ScanError, Schema};
+use base::task::Progress;
+use std::path::Path;
+
+/// One file format. To add one: a folder beside this file, and an entry in [`FORMATS`].
+pub(crate) trait Format: Sync {
+    /// Its names, as people write them: one for each kind of file.
+    fn names(&self) -> &'static [&'static str];
+
+    /// True if a file that starts with `head` (up to [`HEAD_BYTES`]) is of this format.
+    fn probe(&self, head: &[u8]) -> bool;
+
+    /// Reads and checks the header.
+    fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError>;
+}
+
+/// An opened file.
+///
+/// A format decodes on all cores as it sees fit, and holds no more than the block that it hands over and those in work: memory
+/// is taken for what can be read, never for what a header claims. What is damaged is left out and told at the end.
+/// (A tree of nodes, each a block, is a dataset too: its nodes come in the order of the file.)
+pub trait Dataset {
+    /// What it says of itself.
+    fn header(&self) -> &Header;
+
+    /// What it stores for each point.
+    fn schema(&self) -> &Schema;
+
+    /// Hands over all points that can be read, at least one, in file order, with those of the wanted attributes that there are.
+    ///
+    /// # Errors
+    /// Nothing readable at all, stopped, no memory; what `take` reports.
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Ending, ScanError>;
+}
+
+/// Takes in a block.
+pub type Take<'a> = dyn FnMut(Block) -> Result<(), ScanError> + Send + 'a;
+
+/// All formats that can be read.
+const FORMATS: [&dyn Format; 2] = [&las::Las, &ply::Ply];
+/// Bytes from a file's start that tell its format.
+const HEAD_BYTES: u64 = 512;
+
+/// Opens a file of any format, and reads its header.
+///
+/// # Errors
+/// It cannot be opened, is of no format that can be read, or has no readable header.
+pub fn open(path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+    let source = Source::open(path)?;
+    let head = source.bytes(0, HEAD_BYTES)?;
+    match FORMATS.iter().find(|format| format.probe(&head)) {
+        Some(format) => format.open(source),
+        None => Err(sniff::not_a_scan(path, &head)),
+    }
+}
+
+/// The names of all formats in a sentence, with this word before the last: "LAS, LAZ or PLY".
+#[must_use]
+pub fn format_names(before_last: &str) -> String {
+    let names: Vec<&str> = FORMATS.iter().flat_map(|format| format.names()).copied().collect();
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} {before_last} {last}", others.join(", ")),
+        _ => names.concat(),
+    }
+}

@@ -1,0 +1,94 @@
+//! By which names the properties of points and faces are known.
+
+use super::header::{Element, Property, Shape};
+use super::plan::NUM_SLOTS;
+use super::value::Type;
+
+/// Names of coordinates and of normals.
+pub(super) const PLACE: [&str; 3] = ["x", "y", "z"];
+pub(super) const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// Names of red, green and blue; the first three that there are count.
+pub(super) const RGB: [[&str; 3]; 12] = [
+    ["red", "green", "blue"],
+    ["r", "g", "b"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue"],
+    ["scalar_red", "scalar_green", "scalar_blue"],
+    ["scalar_r", "scalar_g", "scalar_b"],
+    ["scalar_rf", "scalar_gf", "scalar_bf"],
+    ["vertex_red", "vertex_green", "vertex_blue"],
+    ["color_red", "color_green", "color_blue"],
+    ["color_r", "color_g", "color_b"],
+    ["colorr", "colorg", "colorb"],
+    ["rf", "gf", "bf"],
+    ["ambient_red", "ambient_green", "ambient_blue"],
+];
+/// Colors of Gaussian splats: the constant term of spherical harmonics.
+pub(super) const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
+/// Names of a color in a list of red, green, blue and perhaps alpha.
+pub(super) const LISTED_RGB: [&str; 8] =
+    ["rgb", "rgba", "color", "colors", "colour", "colours", "vertex_color", "face_color"];
+/// Names of a color in one value of 32 bits.
+pub(super) const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
+/// Names of intensity, the likeliest first; and parts of names that only an intensity has.
+const INTENSITY: [&str; 15] = [
+    "intensity",
+    "scalar_intensity",
+    "reflectance",
+    "scalar_reflectance",
+    "reflectivity",
+    "amplitude",
+    "i",
+    "scalar_i",
+    "scalar_scalar_field",
+    "gray",
+    "grey",
+    "grayvalue",
+    "greyvalue",
+    "luminance",
+    "scalar_gray",
+];
+const INTENSITY_PARTS: [&str; 4] = ["intensit", "reflect", "amplitude", "remission"];
+/// Names of the list of a face's corners.
+const CORNERS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
+/// Boxes of the chunks of a compressed splat: positions, then colors, which older files do not have.
+pub(super) const CHUNK: [&str; NUM_SLOTS] = [
+    "min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_r", "min_g", "min_b", "max_r", "max_g",
+    "max_b",
+];
+
+/// Index of the list of a face's corners.
+pub(super) fn corners(element: &Element) -> Option<usize> {
+    let is_corners = |property: &Property| CORNERS.contains(&property.name.to_ascii_lowercase().as_str());
+    element.properties.iter().position(is_corners)
+}
+
+/// Index and type of the value with this name, in whatever case.
+pub(super) fn find(element: &Element, name: &str) -> Option<(usize, Type)> {
+    element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
+        Shape::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
+        _ => None,
+    })
+}
+
+/// Index and type of the value that is an intensity.
+pub(super) fn intensity(element: &Element) -> Option<(usize, Type)> {
+    let by_part = || {
+        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
+            Shape::Value(kind) => {
+                let name = property.name.to_ascii_lowercase();
+                INTENSITY_PARTS.iter().any(|part| name.contains(part)).then_some((at, kind))
+            }
+            Shape::List(..) => None,
+        })
+    };
+    let (likely, unlikely) = INTENSITY.split_at(6);
+    let by_name = |names: &[&str]| names.iter().find_map(|name| find(element, name));
+    by_name(likely).or_else(by_part).or_else(|| by_name(unlikely))
+}
+
+/// True for what splats have by the dozen and points do not need.
+pub(super) fn is_of_splats(name: &str) -> bool {
+    ["f_dc_", "f_rest_", "scale_", "rot_", "packed_", "nx", "ny", "nz"]
+        .iter()
+        .any(|start| name.starts_with(start))
+}
