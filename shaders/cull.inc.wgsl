@@ -20,7 +20,7 @@ struct CullCounters {
 /// Half as many cells as a box edge has.
 const HALF_CELLS: f32 = 0.5 * CELLS;
 
-// True unless the box is certainly outside. The terms are added in the twin's order.
+// True unless the box is certainly outside. The terms are added in the CPU reference's order.
 fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     let n = abs(plane);
     let c = abs(center);

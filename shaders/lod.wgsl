@@ -36,7 +36,7 @@ fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
 // Projected edge in thresholds.
 fn importance(eye: EyeUniform, center: vec3<f32>, edge: f32) -> f32 {
     let from_eye = center - eye.eye_in_head;
-    // Written as one product, for compilers would make it one, and the twin must know.
+    // Written as one product, for compilers would make it one, and the CPU reference must know.
     let reach = 0.5 * edge * (abs(eye.row_w.x) + abs(eye.row_w.y) + abs(eye.row_w.z));
     let depth = nearest_depth(eye, center, vec3<f32>(0.5 * edge), reach);
     let edge_px = edge * eye.pixels_per_radian / depth;

@@ -34,7 +34,7 @@ fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
 
 // How wide the square is that a point is to close, in pixels: by its distance from others, `spacing` world units, and by
 // what level of detail leaves open, a share of the finest nodes' edge. Away from the optical axis a length along the radius
-// is longer in pixels than one across, by distance over depth. The terms are added in the twin's order.
+// is longer in pixels than one across, by distance over depth. The terms are added in the CPU reference's order.
 fn open_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     let p = p_in_head - view.eyes[eye].eye_in_head;

@@ -23,6 +23,6 @@ pub mod ending;
 pub mod nodes;
 pub mod overview;
 pub mod resolve;
-pub mod shot;
+pub mod offscreen;
 pub mod view;
 pub mod walk;

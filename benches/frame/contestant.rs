@@ -7,7 +7,7 @@ use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
 use lab::bench::point_list::{self, PointList};
-use lab::twin::resolve::Pixel;
+use lab::reference::resolve::Pixel;
 use render::Look;
 use render::gpu::Gpu;
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};

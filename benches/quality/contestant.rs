@@ -8,7 +8,7 @@ use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
 use lab::bench::point_list::{self, PointList};
-use lab::twin::resolve::depth_of;
+use lab::reference::resolve::depth_of;
 use render::Look;
 use render::gpu::{Gpu, readback};
 use render::options::{Dilate, Precision, Quality, Tier};

@@ -11,7 +11,7 @@ fn length_of(step: u32) -> f32 {
 }
 
 // The tolerance at a distance from an eye, of which so much lies along the gaze: it grows between the ends of the inner
-// and the middle ring. The terms are added in the twin's order.
+// and the middle ring. The terms are added in the CPU reference's order.
 fn tolerance_at(eye: u32, distance: f32, along: f32) -> f32 {
     let cos = view.ring_cos;
     let outside = min(max(cos.x * distance - along, 0.0), (cos.x - cos.y) * distance);

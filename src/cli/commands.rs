@@ -6,7 +6,7 @@ use super::{
 };
 use crate::config::{Config, ConfigError, load};
 use crate::resolve::Plan;
-use crate::shot::{self, ShotFov, ShotOptions};
+use crate::offscreen::{self, PictureFov, PictureOptions};
 use crate::view::{self, ViewOptions, Wish};
 use base::output::{OutputKind, Outputs, Partials};
 use base::task::{CancelToken, Task};
@@ -86,15 +86,15 @@ fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) 
 }
 
 fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> anyhow::Result<()> {
-    let options = ShotOptions {
+    let options = PictureOptions {
         scans: args.scans.clone(),
         out: outputs.take(OutputKind::Picture),
         eye: args.eye,
         target: args.target,
         up: args.up,
         fov: match args.half_angles {
-            Some(half_angles_deg) => ShotFov::HalfAngles(half_angles_deg),
-            None => ShotFov::Vertical(args.fov_y),
+            Some(half_angles_deg) => PictureFov::HalfAngles(half_angles_deg),
+            None => PictureFov::Vertical(args.fov_y),
         },
         size_px: args.size,
         stereo: args.stereo,
@@ -102,7 +102,7 @@ fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> 
         depth: outputs.take(OutputKind::Depth),
         metrics: outputs.take_one(OutputKind::Metrics),
     };
-    shot::run(&options, plan, task)
+    offscreen::run(&options, plan, task)
 }
 
 fn synth(args: &SynthArgs, mut outputs: Outputs, task: &Task) -> anyhow::Result<()> {

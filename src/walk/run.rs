@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 use timing::log::FrameLog;
 use timing::pose_path::PosePath;
 use timing::{FrameRow, Phase, STAGES};
-use xr::{Beat, End, Fault, Headset, StageEye};
+use xr::{FrameState, End, Fault, Headset, StageEye};
 
 /// How long the end of a walk waits for the GPU.
 const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
@@ -127,10 +127,10 @@ impl Walk<'_> {
             }
             let waited = Instant::now();
             match headset.wait()? {
-                Beat::Ended(ended) => return Ok(frames.finish(&self, ended)),
-                Beat::Idle => std::thread::sleep(headset.idle_pause()),
-                Beat::Frame { should_render: false, .. } => headset.submit(None)?,
-                Beat::Frame { predicted_display_ns, period_ns, .. } => {
+                FrameState::Ended(ended) => return Ok(frames.finish(&self, ended)),
+                FrameState::Idle => std::thread::sleep(headset.idle_pause()),
+                FrameState::Frame { should_render: false, .. } => headset.submit(None)?,
+                FrameState::Frame { predicted_display_ns, period_ns, .. } => {
                     let wait_ms = ms(waited.elapsed());
                     frames.draw(&self, headset, predicted_display_ns, period_ns, wait_ms)?;
                 }

@@ -3,7 +3,7 @@
 
 use super::link::WalkEnd;
 use super::mirror::{Mirror, copy};
-use crate::shot::write_png;
+use crate::offscreen::write_png;
 use base::output::{Output, OutputKind};
 use render::gpu::Gpu;
 use render::options::Overlay;

@@ -8,7 +8,7 @@ use render::gpu::Gpu;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use xr::{Beat, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
+use xr::{FrameState, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
 
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;
@@ -103,9 +103,9 @@ impl Headset for SimulatedHeadset {
         true
     }
 
-    fn wait(&mut self) -> Result<Beat, Fault> {
+    fn wait(&mut self) -> Result<FrameState, Fault> {
         if self.exit_requested {
-            return Ok(Beat::Ended(End::ByUser));
+            return Ok(FrameState::Ended(End::ByUser));
         }
         while self.in_flight.len() >= MAX_IN_FLIGHT {
             let submission_index = self.in_flight.pop_front();
@@ -119,7 +119,7 @@ impl Headset for SimulatedHeadset {
         let period = self.period();
         let begin = period.mul_f64((self.next_period - 1) as f64);
         std::thread::sleep(begin.saturating_sub(elapsed));
-        Ok(Beat::Frame {
+        Ok(FrameState::Frame {
             predicted_display_ns: period.mul_f64(self.next_period as f64).as_nanos() as i64,
             period_ns: period.as_nanos() as i64,
             should_render: true,

@@ -8,7 +8,7 @@ use kit::frames::{Canvas, Drawn, gpu, made_up, stereo};
 use lab::synth::{self, Kind};
 use lab::technique::counts::Counts;
 use lab::technique::{EarlyZLoad, LabTechnique, Method, texts};
-use lab::twin::{self, Scene};
+use lab::reference::{self, Scene};
 use render::Access;
 use render::gpu::Atomics;
 use render::gpu::readback;
@@ -30,14 +30,14 @@ fn draw(octree: &Octree, view: &View, look: Look, atomics: Atomics, technique: L
 }
 
 #[test]
-fn all_ways_to_memory_draw_the_twins_picture() {
+fn all_ways_to_memory_draw_the_references_picture() {
     let octree = courtyard(60_000);
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view = stereo(place.eye, place.target, [203, 155]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
         let look = Look { quality, dilate: Dilate::Rings, detail, ..Look::default() };
-        let want = twin::frame(&Scene::layered(&octree), &view, &look, None);
+        let want = reference::frame(&Scene::layered(&octree), &view, &look, None);
         assert_ne!(
             want.pixels[0], want.pixels[1],
             "the comparison can fail: the eyes see different pictures"

@@ -23,7 +23,7 @@ use scanwalk::walk::{Loaded, Walk, WalkError, WalkOptions, link};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use timing::FrameRow;
-use xr::{Beat, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
+use xr::{FrameState, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
 
 const SIZE_PX: [u32; 2] = [97, 65];
 
@@ -159,13 +159,13 @@ impl Headset for Witness {
     fn image_format(&self) -> wgpu::TextureFormat {
         self.images[0].format()
     }
-    fn wait(&mut self) -> Result<Beat, Fault> {
+    fn wait(&mut self) -> Result<FrameState, Fault> {
         if self.ended {
-            return Ok(Beat::Ended(End::ByUser));
+            return Ok(FrameState::Ended(End::ByUser));
         }
         self.display += 1;
         let period_ns = 13_888_889;
-        Ok(Beat::Frame { predicted_display_ns: self.display * period_ns, period_ns, should_render: true })
+        Ok(FrameState::Frame { predicted_display_ns: self.display * period_ns, period_ns, should_render: true })
     }
     fn input(&mut self) -> Result<ControllerInput, Fault> {
         Ok(ControllerInput::default())

@@ -4,7 +4,7 @@ use base::space::{Eye, Fov, Pose, View};
 use cloud::Order;
 use glam::DVec3;
 use kit::frames::{Drawn, cloud_of, draw, scan_of};
-use lab::twin::clear::EMPTY;
+use lab::reference::clear::EMPTY;
 
 /// One eye at the origin that looks along +y, x right, z up; `half` is the tangent of its half angles.
 fn look_north(size_px: [u32; 2], half: f64) -> View {

@@ -1,4 +1,4 @@
-//! GPU stages against their CPU twins: integer buffers match bit for bit.
+//! GPU stages against their CPU references: integer buffers match bit for bit.
 
 use base::output::{Output, OutputKind};
 use base::space::View;
@@ -7,22 +7,22 @@ use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Drawn, cloud_of, draw, gpu, plain, random_points, stereo};
 use lab::synth::{self, Kind, SynthOptions};
-use lab::twin::{self, Scene};
+use lab::reference::{self, Scene};
 use points::{self, ReadOptions};
 use render::CloudBuffers;
 use render::layout::{Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded};
 use std::path::Path;
 
-fn assert_twin(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
+fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
     let drawn = draw(cloud, view, full_precision, chunk_limit);
-    let want = twin::frame(&Scene::flat(cloud), view, &plain(full_precision), None);
+    let want = reference::frame(&Scene::flat(cloud), view, &plain(full_precision), None);
     for eye in 0..view.eyes.len() {
         let num_pixels = want.keys[eye].len();
         let differing = (0..num_pixels).filter(|&i| drawn.keys[eye][i] != want.keys[eye][i]).count();
-        assert_eq!(differing, 0, "eye {eye}: pixels whose depth or id differ from the twin");
+        assert_eq!(differing, 0, "eye {eye}: pixels whose depth or id differ from the CPU reference");
         assert!(drawn.pixels[eye] == want.pixels[eye], "eye {eye}: pixels");
         assert!(drawn.images[eye] == want.images[eye], "eye {eye}: image");
-        assert!(want.keys[eye].iter().any(|&p| p != twin::clear::EMPTY), "eye {eye} sees something");
+        assert!(want.keys[eye].iter().any(|&p| p != reference::clear::EMPTY), "eye {eye} sees something");
     }
     assert_eq!(drawn.times.visible_nodes, 1, "a flat cloud is one node");
     assert_eq!(drawn.times.visible_batches as usize, want.visible.len());
@@ -34,19 +34,19 @@ fn assert_twin(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u6
 }
 
 #[test]
-fn stereo_frame_equals_its_twin() {
+fn stereo_frame_equals_its_reference() {
     let cloud = cloud_of(&random_points(60_001, 10.0, 1), 0.001, DVec3::new(5e5, 4e6, 100.0), Order::Morton);
     let center = cloud.bounds.center();
     for (distance, full) in [(30.0, false), (30.0, true), (0.3, false), (3000.0, false)] {
         let view = stereo(center - DVec3::new(distance, 0.4, 0.2), center, [333, 217]);
-        let drawn = assert_twin(&cloud, &view, full, 0);
+        let drawn = assert_reference(&cloud, &view, full, 0);
         assert_ne!(drawn.keys[0], drawn.keys[1], "the eyes see different pictures");
     }
 }
 
 /// A made-up courtyard from where people stand, and a real room where there is one.
 #[test]
-fn whole_scans_equal_their_twin() {
+fn whole_scans_equal_their_reference() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("courtyard.las");
     let options = SynthOptions {
@@ -58,16 +58,16 @@ fn whole_scans_equal_their_twin() {
     synth::write(&options, &CancelToken::default()).expect("a courtyard");
     let cloud = cloud_from(&out);
     for place in synth::viewpoints(Kind::Terrestrial) {
-        assert_twin(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
+        assert_reference(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
     }
 }
 
 #[test]
 #[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
-fn a_real_room_equals_its_twin() {
+fn a_real_room_equals_its_reference() {
     let room = cloud_from(&kit::real_scans::folder().join("laz-indoor-rooms/indoor-rooms.laz"));
     let inside = stereo(DVec3::new(6.0, 5.0, 2.4), DVec3::new(9.0, 8.0, 2.2), [501, 503]);
-    let drawn = assert_twin(&room, &inside, false, 0);
+    let drawn = assert_reference(&room, &inside, false, 0);
     assert!(drawn.times.points_read > 100_000);
 }
 
@@ -78,12 +78,12 @@ fn cloud_from(path: &Path) -> Cloud {
 }
 
 #[test]
-fn one_eye_equals_its_twin_in_file_order() {
+fn one_eye_equals_its_reference_in_file_order() {
     let cloud = cloud_of(&random_points(30_000, 3.0, 2), 0.01, DVec3::ZERO, Order::Original);
     let center = cloud.bounds.center();
     let mut view = stereo(center - DVec3::Y * 5.0, center, [64, 65]);
     view.eyes.truncate(1);
-    assert_twin(&cloud, &view, true, 0);
+    assert_reference(&cloud, &view, true, 0);
 }
 
 #[test]
@@ -91,15 +91,15 @@ fn chunks_change_nothing() {
     let cloud = cloud_of(&random_points(100_000, 10.0, 3), 0.001, DVec3::ZERO, Order::Morton);
     let center = cloud.bounds.center();
     let view = stereo(center - DVec3::X * 15.0, center, [257, 129]);
-    let whole = assert_twin(&cloud, &view, false, 0);
-    let cut = assert_twin(&cloud, &view, false, 4 * 25_000);
+    let whole = assert_reference(&cloud, &view, false, 0);
+    let cut = assert_reference(&cloud, &view, false, 4 * 25_000);
     let buffers = |limit| CloudBuffers::upload(&gpu(), &cloud, limit, &Progress::hidden()).expect("upload");
     assert!(buffers(4 * 25_000).num_chunks() > 3 && buffers(0).num_chunks() == 1);
     assert!(whole.keys == cut.keys);
 }
 
 #[test]
-fn cull_equals_its_twin() {
+fn cull_equals_its_reference() {
     let cloud = cloud_of(&random_points(400_000, 50.0, 4), 0.001, DVec3::new(-2e5, 7e6, 0.0), Order::Morton);
     let center = cloud.bounds.center();
     let view = stereo(center + DVec3::new(20.0, 5.0, 1.0), center + DVec3::new(60.0, 40.0, 3.0), [640, 480]);
@@ -107,7 +107,7 @@ fn cull_equals_its_twin() {
     let uniform = ViewUniform::new(&view, &cloud.split, &Detail::default());
     let scene = Scene::flat(&cloud);
     let batches = &scene.batches;
-    let cull = |view: &ViewUniform| twin::cull::cull(view, 2, batches, &scene.nodes, &[DRAWN_WHOLE]);
+    let cull = |view: &ViewUniform| reference::cull::cull(view, 2, batches, &scene.nodes, &[DRAWN_WHOLE]);
     let want = cull(&uniform);
     assert_eq!(drawn.visible, want, "visible batches, bit for bit");
     assert!(
@@ -122,10 +122,10 @@ fn cull_equals_its_twin() {
     let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();
     let full = ViewUniform { forced_planes: 3, ..uniform };
     let keys = |visible: &[VisibleBatch]| {
-        let mut keys = vec![twin::clear::pixels(guarded([640, 480]), twin::clear::EMPTY); 2];
+        let mut keys = vec![reference::clear::pixels(guarded([640, 480]), reference::clear::EMPTY); 2];
         let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
-        twin::points::points(&full, 2, visible, planes, None, false, &mut |put| {
-            twin::depth::key(&mut keys, put)
+        reference::points::points(&full, 2, visible, planes, None, false, &mut |put| {
+            reference::depth::key(&mut keys, put)
         });
         keys
     };
@@ -140,7 +140,7 @@ fn forced_visible(view: &ViewUniform, batch: &Batch) -> VisibleBatch {
         eye.row_y = [0.0, 0.0, 0.0, 1.0];
         eye.row_w = [0.0, 0.0, 0.0, 1.0];
     }
-    twin::cull::cull(&everywhere, 2, std::slice::from_ref(batch), &[Node::FLAT], &[DRAWN_WHOLE])[0]
+    reference::cull::cull(&everywhere, 2, std::slice::from_ref(batch), &[Node::FLAT], &[DRAWN_WHOLE])[0]
 }
 
 /// The comparison above can fail: one point moved by one cell in the deepest plane shows.
@@ -151,11 +151,11 @@ fn the_comparison_notices_a_wrong_point() {
     let view = stereo(center - DVec3::Y * 6.0, center, [128, 128]);
     let good = draw(&cloud, &view, true, 0);
     let mut wrong = cloud.clone();
-    let index = good.keys[0].iter().find(|&&p| p != twin::clear::EMPTY).map(|&p| (p as u32 >> 1) as usize);
+    let index = good.keys[0].iter().find(|&&p| p != reference::clear::EMPTY).map(|&p| (p as u32 >> 1) as usize);
     let index = index.expect("something is drawn");
     wrong.planes[0][index] ^= 1 << 9;
     wrong.colors[index] ^= 1;
-    let want = twin::frame(&Scene::flat(&wrong), &view, &plain(true), None);
+    let want = reference::frame(&Scene::flat(&wrong), &view, &plain(true), None);
     assert_ne!(good.keys[0], want.keys[0]);
     assert_ne!(good.pixels[0], want.pixels[0]);
 }

@@ -1,4 +1,4 @@
-//! Layered clouds and high-quality shading: GPU stages against their CPU twins, in every tier, bit for bit.
+//! Layered clouds and high-quality shading: GPU stages against their CPU references, in every tier, bit for bit.
 
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
@@ -7,7 +7,7 @@ use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
 use lab::synth::{self, Kind};
-use lab::twin::{self, Frame, Scene};
+use lab::reference::{self, Frame, Scene};
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
@@ -53,13 +53,13 @@ fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
     assert_eq!(drawn.times.visible_nodes, want.visible_nodes, "{what}: visible nodes");
     for eye in 0..want.pixels.len() {
         let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
-        assert_eq!(differing, 0, "{what}: eye {eye}: pixels that differ from the twin's");
+        assert_eq!(differing, 0, "{what}: eye {eye}: pixels that differ from the CPU reference's");
         assert!(drawn.images[eye] == want.images[eye], "{what}: eye {eye}: image");
     }
 }
 
 #[test]
-fn layered_frames_equal_their_twin_in_every_tier() {
+fn layered_frames_equal_their_reference_in_every_tier() {
     let (_, octree) = courtyard();
     let view = inside([401, 399]);
     let scene = Scene::layered(octree);
@@ -77,7 +77,7 @@ fn layered_frames_equal_their_twin_in_every_tier() {
             // As a GPU draws.
             let access = Access { together: Some(true), ..Access::default() };
             let look = Look { quality, dilate, access, ..hqs(detail) };
-            let want = twin::frame(&scene, &view, &look, None);
+            let want = reference::frame(&scene, &view, &look, None);
             let num_visible = want.visible.iter().filter(|batch| batch.is_first_slice()).count();
             assert!(num_visible > 20 && num_visible < scene.batches.len(), "some are culled");
             let is_sliced = num_visible < want.visible.len();
@@ -121,13 +121,13 @@ fn the_comparison_notices_what_is_wrong() {
     let drawn = Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view);
     let mut wrong = octree.clone();
     wrong.filtered_colors.iter_mut().for_each(|c| *c ^= 8);
-    let want = twin::frame(&Scene::layered(&wrong), &view, &look, None);
+    let want = reference::frame(&Scene::layered(&wrong), &view, &look, None);
     assert!(drawn.states == want.states && drawn.pixels != want.pixels, "filtered colors are looked at");
     let mut wrong = octree.clone();
     wrong.cloud.colors.iter_mut().for_each(|c| *c ^= 8);
-    assert!(drawn.pixels != twin::frame(&Scene::layered(&wrong), &view, &look, None).pixels, "and own ones");
+    assert!(drawn.pixels != reference::frame(&Scene::layered(&wrong), &view, &look, None).pixels, "and own ones");
     let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..Detail::default() });
-    assert!(drawn.states != twin::frame(&Scene::layered(octree), &view, &other, None).states);
+    assert!(drawn.states != reference::frame(&Scene::layered(octree), &view, &other, None).states);
 }
 
 /// 100 000 points in one pixel: more than 18 bits of red hold, more than 16 bits count.
@@ -146,12 +146,12 @@ fn a_hundred_thousand_points_in_one_pixel() {
     let look = hqs(Detail::default());
     for tier in tiers() {
         let drawn = Canvas::layered(&octree, &view, look, tier, 0).draw(&view);
-        assert_same("layered", &drawn, &twin::frame(&Scene::layered(&octree), &view, &look, None));
+        assert_same("layered", &drawn, &reference::frame(&Scene::layered(&octree), &view, &look, None));
         let mut canvas = Canvas::new(&sizes(&view), look, tier);
         let buffers = render::CloudBuffers::upload(&gpu(), &flat, 0, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         let drawn = canvas.draw(&view);
-        let want = twin::frame(&Scene::flat(&flat), &view, &look, None);
+        let want = reference::frame(&Scene::flat(&flat), &view, &look, None);
         assert_same("flat", &drawn, &want);
         let fullest = want.sums[0].iter().max_by_key(|sum| sum[3]).expect("pixels");
         assert!(fullest[3] > 60_000, "{fullest:?}");
@@ -174,7 +174,7 @@ fn a_far_root_is_drawn_thinly() {
     let look = hqs(Detail::default());
     for distance in [2_000.0, 20_000.0, 200_000.0] {
         let view = stereo(center - DVec3::Y * distance, center, [128, 128]);
-        let want = twin::frame(&scene, &view, &look, None);
+        let want = reference::frame(&scene, &view, &look, None);
         let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
         assert!(want.states[0] != 0 && (1..1000).contains(&most), "{distance}: {most} points in a pixel");
         assert_same("far", &Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view), &want);
@@ -189,7 +189,7 @@ fn packed_sums_hold() {
     let look = hqs(Detail { threshold_px: [50.0; 3], ..Detail::default() });
     for place in synth::viewpoints(Kind::Terrestrial) {
         let view = stereo(place.eye, place.target, [401, 399]);
-        let want = twin::frame(&Scene::layered(octree), &view, &look, None);
+        let want = reference::frame(&Scene::layered(octree), &view, &look, None);
         let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
         assert!(most < 500, "{most}");
     }
@@ -208,7 +208,7 @@ fn what_is_drawn_is_a_tree() {
             let view = stereo(place.eye, place.target, [800, 800]);
             let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
             let mut states = vec![0; scene.nodes.len()];
-            twin::lod::lod(&uniform, 2, &scene.nodes, &mut states);
+            reference::lod::lod(&uniform, 2, &scene.nodes, &mut states);
             for (node, &state) in octree.nodes.iter().zip(&states) {
                 let parent = node.parent.map_or(DRAWN_WHOLE, |parent| states[parent as usize]);
                 assert!(state <= parent, "a node of level {} is drawn more than its parent", node.level);
@@ -232,7 +232,7 @@ fn hysteresis_keeps_nodes_from_flickering() {
         // All rings alike: a node that comes into another ring does not tremble.
         let detail = Detail { threshold_px: [300.0; 3], ..Detail::default() };
         let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
-        twin::lod::lod(&uniform, 2, &scene.nodes, states);
+        reference::lod::lod(&uniform, 2, &scene.nodes, states);
     };
     // Nodes that change in two frames running.
     let flips = |keeps_states: bool| {
@@ -268,7 +268,7 @@ fn close_up_nothing_of_the_files_color_is_lost() {
         detail: Detail { threshold_px: [1e-3; 3], forced_planes: 3, ..Detail::default() },
         ..plain(true)
     };
-    let frame = twin::frame(&Scene::layered(octree), &view, &look, None);
+    let frame = reference::frame(&Scene::layered(octree), &view, &look, None);
     assert!(frame.states.iter().all(|&s| s == DRAWN_WHOLE));
     assert!(frame.visible.iter().all(|v| v.own == [u32::MAX; 2]), "own colors only");
     let of_file: std::collections::HashSet<u32> =
@@ -296,9 +296,9 @@ fn fading_is_nested_and_even() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// Max-face, duplicate and collinear points, whatever the mix: the twin and the GPU agree.
+    /// Max-face, duplicate and collinear points, whatever the mix: the CPU reference and the GPU agree.
     #[test]
-    fn odd_clouds_equal_their_twin(
+    fn odd_clouds_equal_their_reference(
         points in prop::collection::vec([0i32..40, 0i32..40, -3i32..3], 1..3000),
         fade: bool,
     ) {
@@ -311,7 +311,7 @@ proptest! {
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
         let look = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
         let drawn = Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = twin::frame(&Scene::layered(&octree), &view, &look, None);
+        let want = reference::frame(&Scene::layered(&octree), &view, &look, None);
         prop_assert!(drawn.pixels == want.pixels);
     }
 }
@@ -331,7 +331,7 @@ fn flat_clouds_blend_too() {
         let mut canvas = Canvas::new(&sizes(&view), hqs(Detail::default()), tier);
         let buffers = render::CloudBuffers::upload(&gpu(), &cloud, 0, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-        let want = twin::frame(&Scene::flat(&cloud), &view, &hqs(Detail::default()), None);
+        let want = reference::frame(&Scene::flat(&cloud), &view, &hqs(Detail::default()), None);
         assert_same(&format!("{tier:?}"), &canvas.draw(&view), &want);
         assert!(want.sums[0].iter().any(|sum| sum[3] > 1), "points are blended");
     }

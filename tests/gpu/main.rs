@@ -1,4 +1,4 @@
-//! Stages and frames on whatever Vulkan driver there is, compared with the twins.
+//! Stages and frames on whatever Vulkan driver there is, compared with the CPU references.
 
 mod access;
 mod arrival;

@@ -1,4 +1,4 @@
-//! Meshes: triangles and discs in one picture, against their CPU twins, against rays, and far and near.
+//! Meshes: triangles and discs in one picture, against their CPU references, against rays, and far and near.
 
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
@@ -9,7 +9,7 @@ use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
 use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
-use lab::twin::{self, Frame, Scene};
+use lab::reference::{self, Frame, Scene};
 use points::Scan;
 use render::Look;
 use render::options::{Dilate, Quality};
@@ -92,7 +92,7 @@ fn closest() -> Look {
 }
 
 #[test]
-fn frames_equal_their_twin_in_every_tier() {
+fn frames_equal_their_reference_in_every_tier() {
     let spt = ball_and_points();
     // Close to the surface, all of it in sight, and from within, where triangles reach behind the eyes.
     for (distance, size_px, error_px) in
@@ -104,7 +104,7 @@ fn frames_equal_their_twin_in_every_tier() {
             [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
         {
             let look = Look { quality, dilate, ..hqs(discs()) };
-            let want = twin::frame(&scene, &view, &look, None);
+            let want = reference::frame(&scene, &view, &look, None);
             let (num_meshes, num_discs) = num_batches(&want);
             assert!(num_meshes > 10 && num_discs > 0, "{num_meshes} and {num_discs}");
             for tier in tiers() {
@@ -127,7 +127,7 @@ fn the_comparison_notices_what_is_wrong() {
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &twin::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
+        difference(&drawn, &reference::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
     };
     let words = |change: fn(u32) -> u32| {
         move |spt: &mut SequentialCloud| {
@@ -176,7 +176,7 @@ fn rays(x: [f64; 2], z: [f64; 2], away: f64, [width, height]: [u32; 2]) -> Vec<f
 /// Pixels that are not as the rays say.
 fn num_wrong(frame: &Frame, rays: &[f64]) -> usize {
     let wrong = |(pixel, &ray): (&[u32; 2], &f64)| {
-        let depth = f64::from(twin::resolve::depth_of(*pixel));
+        let depth = f64::from(reference::resolve::depth_of(*pixel));
         if ray.is_finite() { (depth - ray).abs() > 1e-5 * ray } else { ray > 0.0 && depth != ray }
     };
     frame.pixels[0].iter().zip(rays).filter(|&pair| wrong(pair)).count()
@@ -194,7 +194,7 @@ fn a_wall_of_two_triangles_fills_its_pixels_exactly() {
     ] {
         let spt = wall(x, z, away);
         for look in [closest(), hqs(discs())] {
-            let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+            let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
             let rays = rays(x, z, away, size_px);
             assert!(rays.iter().any(|ray| ray.is_finite()), "something is seen");
             assert_eq!(num_wrong(&want, &rays), 0, "{x:?} {z:?} {away}");
@@ -219,14 +219,14 @@ fn triangles_cross_the_near_plane() {
     let eye = OFFSET + DVec3::Z * height;
     let view = mono(eye, eye + DVec3::Y, 1.0, size_px);
     let look = closest();
-    let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+    let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
     let drawn = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
     assert_eq!(difference(&drawn, &want), None);
     let mut num_floor = 0;
     for v in 0..size_px[1] {
         let down = (2.0 * f64::from(v) + 1.0) / f64::from(size_px[1]) - 1.0;
         for u in 0..size_px[0] {
-            let depth = f64::from(twin::resolve::depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
+            let depth = f64::from(reference::resolve::depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
             // Over its edges, a triangle is as deep as there.
             let (ray, slack) = (height / down, 2.0 / f64::from(size_px[1]) / 64.0 / down);
             if down < 0.0 {
@@ -239,7 +239,7 @@ fn triangles_cross_the_near_plane() {
     }
     assert!(num_floor > 6000, "{num_floor}");
     let behind = mono(eye, eye + DVec3::Z, 1.0, size_px);
-    let away = twin::frame(&Scene::sequential(&spt, 1.0), &behind, &look, None);
+    let away = reference::frame(&Scene::sequential(&spt, 1.0), &behind, &look, None);
     assert!(away.pixels[0].iter().all(|pixel| pixel[0] == u32::MAX), "nothing is seen behind");
 }
 
@@ -256,7 +256,7 @@ fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
             (centre(i % size_px[0] as usize, size_px[0]), centre(i / size_px[0] as usize, size_px[1]));
         if TANGENT * (u * u + v * v).sqrt() < 0.98 * inner {
             num_inside += 1;
-            num_holes += usize::from(f64::from(twin::resolve::depth_of(*pixel)) > distance);
+            num_holes += usize::from(f64::from(reference::resolve::depth_of(*pixel)) > distance);
         }
     }
     (num_inside, num_holes)
@@ -283,7 +283,7 @@ fn the_transition_has_no_holes() {
         let from = DVec3::new(-0.6, -0.7, 0.4).normalize();
         let view = mono(OFFSET + distance * from, OFFSET, TANGENT, size_px);
         for error_px in [1.0, 3.0] {
-            let frame = twin::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
+            let frame = reference::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
             let (num_inside, num_holes) = holes(&frame, distance, size_px);
             let (num_meshes, num_discs) = num_batches(&frame);
             println!(
@@ -299,7 +299,7 @@ fn the_transition_has_no_holes() {
     assert!(num_mixed > 5);
     let ends = [8.0, 200.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        num_batches(&twin::frame(&Scene::sequential(&spt, 1.0), &view, &hqs(discs()), None))
+        num_batches(&reference::frame(&Scene::sequential(&spt, 1.0), &view, &hqs(discs()), None))
     });
     assert!(ends[0].0 > 0 && ends[0].1 == 0, "near: {ends:?}");
     assert!(ends[1].0 == 0 && ends[1].1 > 0, "far: {ends:?}");
@@ -324,7 +324,7 @@ fn uneven_sheets_have_no_holes() {
         let distance = 15.0 * 1.4f64.powi(step);
         let view = mono(center - DVec3::Y * distance, center, TANGENT, size_px);
         for error_px in [1.0, 3.0] {
-            let frame = twin::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
+            let frame = reference::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
             let half = 0.97 * 0.5 * size / distance / TANGENT;
             let inside = |i: usize| ((2.0 * i as f64 + 1.0) / 240.0 - 1.0).abs() < half;
             let pixels =
@@ -346,7 +346,7 @@ fn holes_are_noticed() {
     let size_px = [240, 240];
     let num_holes = [20.0, 30.0, 40.0, 60.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        holes(&twin::frame(&Scene::sequential(&spt, 3.0), &view, &hqs(discs()), None), distance, size_px).1
+        holes(&reference::frame(&Scene::sequential(&spt, 3.0), &view, &hqs(discs()), None), distance, size_px).1
     });
     assert!(num_holes.iter().any(|&num| num > 100), "{num_holes:?}");
 }
@@ -408,7 +408,7 @@ fn backs_of_meshes_are_culled() {
     let (plain, sided) = (spt_of(&scan, false), spt_of(&scan, true));
     let view = view_at(40.0, [400, 400]);
     let look = hqs(discs());
-    let frames = [&plain, &sided].map(|spt| twin::frame(&Scene::sequential(spt, 1.0), &view, &look, None));
+    let frames = [&plain, &sided].map(|spt| reference::frame(&Scene::sequential(spt, 1.0), &view, &look, None));
     let [all, front] = frames.each_ref().map(Frame::points_read);
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");
@@ -416,14 +416,14 @@ fn backs_of_meshes_are_culled() {
 }
 
 /// Two triangles that fill the image are drawn by many workgroups, in every tier and by methods of all kinds; the picture is
-/// the twin's, and each is read once as far as counts go.
+/// the CPU reference's, and each is read once as far as counts go.
 #[test]
 fn large_triangles_are_drawn_by_many_workgroups() {
     let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [400, 384]);
     for (x, away, least) in [([-50.0, 60.0], 3.0, 9), ([-1.0, 1.0], 2.5, 3), ([-0.05, 0.05], 4.0, 1)] {
         let spt = wall(x, x, away);
         for look in [closest(), hqs(discs())] {
-            let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+            let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
             let slices = want.visible.iter().filter(|batch| batch.flags & VISIBLE_TRIANGLES != 0).count();
             assert!(slices >= least && (least > 1 || slices == 1), "{slices} workgroups at {x:?}");
             for tier in tiers() {
@@ -460,7 +460,7 @@ fn slices_end_where_room_does() {
     let mut scan = scan_of(&corners, 1e-4, OFFSET);
     scan.files[0].triangles = (0..NUM_SLIVERS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let spt = spt_of(&scan, false);
-    let want = twin::frame(&Scene::sequential(&spt, 1.0), &view, &closest(), None);
+    let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &closest(), None);
     let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
     let num_slices = want.visible.len() - num_batches;
     assert_eq!(num_slices, render::layout::MAX_EXTRA_SLICES as usize, "of {num_batches} batches");

@@ -7,7 +7,7 @@ use cloud::{Cloud, GROUP_POINTS, Order};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
 use lab::technique::{LabTechnique, Method};
-use lab::twin::{clear, fixed40, points};
+use lab::reference::{clear, fixed40, points};
 use render::CloudBuffers;
 use render::Look;
 use render::gpu::{Atomics, Gpu};
@@ -60,7 +60,7 @@ fn same(a: &Drawn, b: &Drawn) -> bool {
     a.pixels == b.pixels && a.images == b.images
 }
 
-/// `fixed40` rounds depths in its own way: its images are compared, and its depths with its twin.
+/// `fixed40` rounds depths in its own way: its images are compared, and its depths with its CPU reference.
 fn same_as(method: Method, drawn: &Drawn, reference: &Drawn) -> bool {
     if method == Method::Fixed40 { drawn.images == reference.images } else { same(drawn, reference) }
 }
@@ -176,9 +176,9 @@ fn larger(view: &View) -> View {
     View { eyes, ..*view }
 }
 
-/// Each pixel's depth is that of a point which the twin puts there, and no other point's is nearer.
+/// Each pixel's depth is that of a point which the CPU reference puts there, and no other point's is nearer.
 #[test]
-fn fixed40_equals_its_twin() {
+fn fixed40_equals_its_reference() {
     let view = view();
     let cloud = cloud_of(&scattered(), 0.001, DVec3::new(5e5, 4e6, 100.0), Order::Morton);
     let view = View {
@@ -195,7 +195,7 @@ fn fixed40_equals_its_twin() {
     };
     let look = look(Method::Fixed40, Quality::Closest);
     let drawn = flat(Method::Fixed40, &cloud, &view, look).draw(&view);
-    let want = twin_depths(&cloud, &view, &drawn.visible);
+    let want = reference_depths(&cloud, &view, &drawn.visible);
     let mut num_points = 0;
     for (pixel, &depth40) in drawn.pixels.iter().flatten().zip(want.iter().flatten()) {
         let depth = if depth40 == fixed40::EMPTY {
@@ -210,7 +210,7 @@ fn fixed40_equals_its_twin() {
 }
 
 /// The smallest 40-bit depth of each pixel of each eye.
-fn twin_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec<Vec<u64>> {
+fn reference_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec<Vec<u64>> {
     let uniform = ViewUniform::new(view, &cloud.split, &Detail::default());
     let mut depths = vec![clear::pixels(guarded(SIZE_PX), fixed40::EMPTY); view.eyes.len()];
     let planes = cloud.planes.each_ref().map(Vec::as_slice);
@@ -266,7 +266,7 @@ fn orders_are_what_they_say() {
         let at = |point: usize| {
             let batch = &cloud.batches[point / 10_240];
             let words = [0, 1, 2].map(|plane: usize| cloud.planes[plane][point]);
-            let cells = lab::twin::points::cells(3, words).map(f64::from);
+            let cells = lab::reference::points::cells(3, words).map(f64::from);
             batch.min + DVec3::from_array(cells) * DVec3::from_array(batch.cell.map(f64::from))
         };
         let length = |first: usize| (at(first) - at(first + 1)).length();

@@ -6,7 +6,7 @@ use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, Order};
 use glam::DVec3;
 use kit::frames::{Canvas, cloud_of, gpu, random_points, scan_of, stereo};
-use lab::twin::{self, Scene};
+use lab::reference::{self, Scene};
 use render::Look;
 use render::gpu::{Atomics, readback};
 use render::layout::{Detail, DilateUniform, EMPTY_DEPTH, GUARD_PX, ViewUniform};
@@ -153,7 +153,7 @@ fn rings_follow_the_rule_of_dilation() {
     for eye in 0..2 {
         let dilate = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
         let guard = GUARD_PX as usize;
-        let ring = |x, y| twin::dilate::radius_px(&uniform, &dilate, x + guard, y + guard);
+        let ring = |x, y| reference::dilate::radius_px(&uniform, &dilate, x + guard, y + guard);
         let mut num_of = [0; 4];
         for (x, y) in (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))) {
             let own = ring(x, y);
@@ -180,7 +180,7 @@ fn depth_is_a_ramp_from_near() {
     for dilate in [Dilate::Off, Dilate::Rings] {
         let look = look(Quality::Closest, dilate);
         let mut canvas = Canvas::flat(&cloud, &view, look, 0);
-        let pixels = twin::frame(&Scene::flat(&cloud), &view, &look, None).pixels;
+        let pixels = reference::frame(&Scene::flat(&cloud), &view, &look, None).pixels;
         let shown = show(&mut canvas, &view, Overlay::Depth);
         for (eye, pixels) in pixels.iter().enumerate() {
             let wanted = |i: usize| match pixels[i] {
@@ -204,7 +204,7 @@ fn overdraw_counts_what_a_pixel_blends() {
         let look = look(Quality::Hqs, dilate);
         let check = |what: &str, scene: &Scene, canvas: &mut Canvas| {
             // As many frames as the canvas has drawn: none.
-            let sums = twin::frame(scene, &view, &look, None).sums;
+            let sums = reference::frame(scene, &view, &look, None).sums;
             let shown = show(canvas, &view, Overlay::Overdraw);
             for (sums, copy) in sums.iter().zip(&shown.copies) {
                 let wanted = |i: usize| match sums[i][3] {

@@ -70,10 +70,10 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
 }
 
 /// What is compared: a place, and how it is drawn from there.
-type Shot<'a> = (&'a Viewpoint, &'a [&'a str]);
+type Case<'a> = (&'a Viewpoint, &'a [&'a str]);
 
 /// Both eyes' pixels and the name of the GPU that drew them, in the tier that each driver has.
-fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Shot, folder: &Path) -> (Vec<Vec<u8>>, String) {
+fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Case, folder: &Path) -> (Vec<Vec<u8>>, String) {
     let (out, metrics) = (folder.join("out.png"), folder.join("metrics.json"));
     let metrics_path = metrics.to_str().expect("a path of ours");
     let more = [&["--stereo", "--set", "gpu.tier=int32", "--metrics", metrics_path][..], how].concat();
@@ -100,18 +100,18 @@ fn num_different(a: &[Vec<u8>], b: &[Vec<u8>]) -> usize {
     a.chunks_exact(3).zip(b.chunks_exact(3)).filter(|(a, b)| a != b).count()
 }
 
-/// Draws each shot on both drivers, which must agree in every pixel; gives the pictures.
-fn assert_same(driver: &Path, scan: &Path, folder: &Path, shots: &[Shot]) -> Vec<Vec<Vec<u8>>> {
-    let compare = |&shot: &Shot| {
-        let (own, own_name) = drawn(None, scan, shot, folder);
-        let (second, second_name) = drawn(Some(driver), scan, shot, folder);
+/// Draws each case on both drivers, which must agree in every pixel; gives the pictures.
+fn assert_same(driver: &Path, scan: &Path, folder: &Path, cases: &[Case]) -> Vec<Vec<Vec<u8>>> {
+    let compare = |&case: &Case| {
+        let (own, own_name) = drawn(None, scan, case, folder);
+        let (second, second_name) = drawn(Some(driver), scan, case, folder);
         assert!(second_name.contains("SwiftShader") && !own_name.contains("SwiftShader"));
         let different = num_different(&own, &second);
-        eprintln!("{} {:?}: {own_name} and {second_name} differ in {different} pixels", shot.0.name, shot.1);
-        assert_eq!(different, 0, "{} {:?}", shot.0.name, shot.1);
+        eprintln!("{} {:?}: {own_name} and {second_name} differ in {different} pixels", case.0.name, case.1);
+        assert_eq!(different, 0, "{} {:?}", case.0.name, case.1);
         second
     };
-    shots.iter().map(compare).collect()
+    cases.iter().map(compare).collect()
 }
 
 #[test]
@@ -125,8 +125,8 @@ fn both_drivers_draw_the_same_picture() {
     let scan = courtyard(folder.path(), 50_000);
     let places = synth::viewpoints(Kind::Terrestrial);
     let [closest, hqs] = [["--quality", "closest"], ["--quality", "hqs"]];
-    let shots = [(&places[0], &closest[..]), (&places[1], &hqs)];
-    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    let cases = [(&places[0], &closest[..]), (&places[1], &hqs)];
+    let pictures = assert_same(&driver, &scan, folder.path(), &cases);
     // The comparison can fail: places and qualities differ.
     for (pictured, other) in [(&pictures[0], (&places[0], &hqs[..])), (&pictures[1], (&places[0], &hqs))] {
         let (other, _) = drawn(None, &scan, other, folder.path());
@@ -161,8 +161,8 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
     // SwiftShader compiles a method's shaders for ten seconds. Those that are left out are parts of these.
     let methods = ["prefetch", "reduce-early-z", "dedup", "point-list"];
     let ways = methods.map(|method| ["--preset", "plain", "--method", method]);
-    let shots = ways.each_ref().map(|way| (place, &way[..]));
-    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    let cases = ways.each_ref().map(|way| (place, &way[..]));
+    let pictures = assert_same(&driver, &scan, folder.path(), &cases);
     for (picture, method) in pictures.iter().zip(methods) {
         assert_eq!(num_different(picture, &pictures[0]), 0, "{method}");
     }
@@ -185,8 +185,8 @@ fn both_drivers_draw_the_same_whole_frame() {
     let whole = ["--preset", "quality"];
     let closest = ["--preset", "quality", "--quality", "closest"];
     let places = synth::viewpoints(Kind::Terrestrial);
-    let shots = [(&places[0], &whole[..]), (&places[1], &whole), (&places[1], &closest)];
-    let pictures = assert_same(&driver, &scan, folder.path(), &shots);
+    let cases = [(&places[0], &whole[..]), (&places[1], &whole), (&places[1], &closest)];
+    let pictures = assert_same(&driver, &scan, folder.path(), &cases);
     // What the frame is made of shows in the picture: without any of it another comes out.
     for without in [
         "lod.enabled=false",

@@ -1,4 +1,4 @@
-//! Sequential point trees on the GPU: the stages against their CPU twins bit for bit, what is culled, and the picture
+//! Sequential point trees on the GPU: the stages against their CPU references bit for bit, what is culled, and the picture
 //! against the octree's.
 
 use base::space::View;
@@ -9,8 +9,8 @@ use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, made_up, scan_of, spt_of, stereo, tiers};
 use lab::synth::{self, Kind};
 use lab::technique::tree::TreeUniform;
-use lab::twin::tree::{Tree, tolerance};
-use lab::twin::{self, Frame, Scene};
+use lab::reference::tree::{Tree, tolerance};
+use lab::reference::{self, Frame, Scene};
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
@@ -31,7 +31,7 @@ fn inside(size_px: [u32; 2]) -> View {
 }
 
 #[test]
-fn frames_equal_their_twin_in_every_tier() {
+fn frames_equal_their_reference_in_every_tier() {
     let spt = courtyard();
     let view = inside([301, 299]);
     for (quality, dilate, error_px) in [
@@ -42,7 +42,7 @@ fn frames_equal_their_twin_in_every_tier() {
         // As a GPU draws.
         let access = Access { together: Some(true), ..Access::default() };
         let look = Look { quality, dilate, access, ..hqs(discs()) };
-        let want = twin::frame(&Scene::sequential(spt, error_px), &view, &look, None);
+        let want = reference::frame(&Scene::sequential(spt, error_px), &view, &look, None);
         let num_batches = spt.cloud.batches.len();
         assert!(want.visible.len() > 10 && want.visible.len() < num_batches, "some are culled");
         for tier in tiers() {
@@ -72,7 +72,7 @@ fn the_comparison_notices_what_is_wrong() {
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &twin::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
+        difference(&drawn, &reference::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
     };
     assert!(!differs(&|_| ()));
     assert!(differs(&|spt| spt.shapes.iter_mut().for_each(|shape| *shape += 1)), "where intervals begin");
@@ -97,11 +97,11 @@ fn what_is_culled_would_not_have_been_drawn() {
     for place in synth::viewpoints(Kind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
         let look = hqs(discs());
-        let want = twin::frame(&scene, &view, &look, None);
+        let want = reference::frame(&scene, &view, &look, None);
         // Intervals that never end: every batch in the frustum is read, and the points' own test decides.
         let mut open = spt.clone();
         open.intervals.fill([0, 255]);
-        let all = twin::frame(&Scene::sequential(&open, 1.0), &view, &look, None);
+        let all = reference::frame(&Scene::sequential(&open, 1.0), &view, &look, None);
         assert!(want.pixels == all.pixels);
         saved += all.points_read() - want.points_read();
     }
@@ -124,7 +124,7 @@ fn what_is_drawn_lies_in_the_prefix() {
         let step = spt.scale.step_below(tolerance.fold(f32::INFINITY, f32::min));
         // Entries, and so batches, are sorted by octaves of eight steps.
         let prefix = spt.intervals.partition_point(|[_, max]| max >> 3 >= (step + 1) >> 3);
-        let frame = twin::frame(&Scene::sequential(spt, 1.0), &view, &hqs(detail), None);
+        let frame = reference::frame(&Scene::sequential(spt, 1.0), &view, &hqs(detail), None);
         assert!(!frame.visible.is_empty());
         assert!(frame.visible.iter().all(|batch| (batch.batch as usize) < prefix), "{distance}");
         prefixes.push(prefix);
@@ -156,7 +156,7 @@ const OUTLINE: f64 = 0.005;
 
 /// Pixels in which one frame shows something and the other does not, or something else, of all that show something.
 fn share_of_others(a: &Frame, b: &Frame) -> f64 {
-    let depth = |pixel: &[u32; 2]| f64::from(twin::resolve::depth_of(*pixel));
+    let depth = |pixel: &[u32; 2]| f64::from(reference::resolve::depth_of(*pixel));
     let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
     let is_same = |a: f64, b: f64| a == b || a.max(b) < 1.01 * a.min(b);
     let others = pairs().filter(|(a, b)| !is_same(depth(a), depth(b))).count();
@@ -175,10 +175,10 @@ fn backs_are_culled_where_normals_have_sides() {
     for (distance, error_px, most) in [(12.5, 0.5, 0.75), (25.0, 0.3, 0.75)] {
         let view = stereo(center - distance * from, center, [300, 300]);
         let look = hqs(discs());
-        let want = twin::frame(&Scene::sequential(&sided, error_px), &view, &look, None);
+        let want = reference::frame(&Scene::sequential(&sided, error_px), &view, &look, None);
         let drawn = Canvas::sequential(&sided, error_px, &view, look, gpu().atomics(), 0).draw(&view);
         assert_eq!(difference(&drawn, &want), None);
-        let whole = twin::frame(&Scene::sequential(&plain, error_px), &view, &look, None);
+        let whole = reference::frame(&Scene::sequential(&plain, error_px), &view, &look, None);
         let read = want.points_read() as f64 / whole.points_read() as f64;
         let (others, psnr) = (share_of_others(&whole, &want), psnr_db(&whole, &want));
         println!(
@@ -189,7 +189,7 @@ fn backs_are_culled_where_normals_have_sides() {
         // The measure sees what is missing: the wrong side's.
         let mut inverted = sided.clone();
         inverted.runs.iter_mut().filter_map(|run| run.behind.as_mut()).for_each(|cone| cone.axis *= -1.0);
-        let wrong = twin::frame(&Scene::sequential(&inverted, error_px), &view, &look, None);
+        let wrong = reference::frame(&Scene::sequential(&inverted, error_px), &view, &look, None);
         assert!(share_of_others(&whole, &wrong) > 10.0 * OUTLINE);
     }
 }
@@ -240,9 +240,9 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         let look = |detail: Detail| Look { dilate: Dilate::Rings, ..hqs(detail) };
         let fine =
             Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
-        let want = twin::frame(&Scene::layered(&octree), &view, &look(fine), None);
+        let want = reference::frame(&Scene::layered(&octree), &view, &look(fine), None);
         let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs() };
-        let got = twin::frame(&scene, &view, &look(detail), None);
+        let got = reference::frame(&scene, &view, &look(detail), None);
         let psnr = psnr_db(&got, &want);
         println!(
             "view {number}: {psnr:.1} dB; empty {:.3} and {:.3}; read {} and {} points",
@@ -253,7 +253,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         );
         assert!(psnr > LEAST_PSNR_DB, "view {number}: {psnr} dB");
         assert!(empty(&got) < empty(&want) + 0.01, "view {number}: holes");
-        let coarse = twin::frame(&Scene::sequential(&wrong, 1.0), &view, &look(detail), None);
+        let coarse = reference::frame(&Scene::sequential(&wrong, 1.0), &view, &look(detail), None);
         let worse = psnr_db(&coarse, &want);
         println!("view {number}: {worse:.1} dB with errors of 8 pixels");
         assert!(worse < LEAST_PSNR_DB, "view {number}: the measure sees no difference: {worse}");
@@ -263,9 +263,9 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// Max-face, duplicate and collinear points, whatever the mix: the twin and the GPU agree.
+    /// Max-face, duplicate and collinear points, whatever the mix: the CPU reference and the GPU agree.
     #[test]
-    fn odd_clouds_equal_their_twin(
+    fn odd_clouds_equal_their_reference(
         points in prop::collection::vec([0i32..40, 0i32..40, -3i32..3], 1..3000),
         error_px in 0.1f32..8.0,
     ) {
@@ -279,7 +279,7 @@ proptest! {
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
         let look = hqs(discs());
         let drawn = Canvas::sequential(&spt, error_px, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = twin::frame(&Scene::sequential(&spt, error_px), &view, &look, None);
+        let want = reference::frame(&Scene::sequential(&spt, error_px), &view, &look, None);
         prop_assert_eq!(difference(&drawn, &want), None);
     }
 }
@@ -330,7 +330,7 @@ fn read(spt: &SequentialCloud, view: &View, error_px: f32) -> u64 {
     let uniform = TreeUniform::new(view, &discs(), error_px, spt.scale.base);
     let tree = Tree { uniform, ..Tree::new(spt) };
     let view_uniform = ViewUniform::new(view, &spt.cloud.split, &discs());
-    let visible = twin::tree::cull::cull(&view_uniform, view.eyes.len(), &tree);
+    let visible = reference::tree::cull::cull(&view_uniform, view.eyes.len(), &tree);
     Frame { visible, ..Frame::default() }.points_read()
 }
 
@@ -361,7 +361,7 @@ fn close_up_what_is_read_is_what_may_be_drawn() {
     let spt = courtyard();
     for place in synth::viewpoints(Kind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
-        let frame = twin::frame(&Scene::sequential(spt, 1e-4), &view, &hqs(discs()), None);
+        let frame = reference::frame(&Scene::sequential(spt, 1e-4), &view, &hqs(discs()), None);
         let shapes = |first: u32, num: u32| &spt.shapes[first as usize..(first + num) as usize];
         let of_batch = |batch: &render::layout::VisibleBatch| {
             shapes(batch.first_point, batch.num_points).iter().filter(|word| **word & 255 != 0).count() as u64
@@ -388,7 +388,7 @@ fn the_fovea_counts_for_point_trees() {
         for error_px in [1.0, 2.0] {
             let scene = Scene::sequential(spt, error_px);
             let [rings, whole] =
-                [discs(), everywhere(discs())].map(|detail| twin::frame(&scene, &view, &hqs(detail), None));
+                [discs(), everywhere(discs())].map(|detail| reference::frame(&scene, &view, &hqs(detail), None));
             let (fewer, all) = (rings.points_read(), whole.points_read());
             let [holes, holes_before] = [&rings, &whole].map(empty);
             println!("{} {error_px} px: {fewer} of {all} read; empty {holes} and {holes_before}", place.name);

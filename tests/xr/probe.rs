@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use xr::hidden_area::HiddenArea;
 use xr::{self, XrHeadset, XrOptions};
-use xr::{Beat, EyeImages, Headset, StageEye};
+use xr::{FrameState, EyeImages, Headset, StageEye};
 
 /// Carries the [`Job`] to the child.
 pub const JOB: &str = "SCANWALK_XR_PROBE";
@@ -177,9 +177,9 @@ impl Loop<'_> {
         loop {
             anyhow::ensure!(Instant::now() < deadline, "no end after 60 s");
             match self.headset.wait()? {
-                Beat::Ended(reason) => return Ok((reason, self.headset.reached_focus())),
-                Beat::Idle => std::thread::sleep(self.headset.idle_pause()),
-                Beat::Frame { should_render, .. } => self.frame(should_render)?,
+                FrameState::Ended(reason) => return Ok((reason, self.headset.reached_focus())),
+                FrameState::Idle => std::thread::sleep(self.headset.idle_pause()),
+                FrameState::Frame { should_render, .. } => self.frame(should_render)?,
             }
         }
     }

@@ -12,8 +12,8 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::synth::{self, Kind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
-use lab::twin::Frame;
-use lab::twin::resolve::{EMPTY, Pixel};
+use lab::reference::Frame;
+use lab::reference::resolve::{EMPTY, Pixel};
 use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
 use render::Look;
 use render::layout::{CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
@@ -224,11 +224,11 @@ impl Canvas {
         visible.truncate(counters.num_visible as usize);
         visible.sort_by_key(|v| (v.batch, v.flags));
         let targets = self.renderer.targets();
-        // As the twin has it: no color where nothing is.
-        let of_twin = |[depth, color]: Pixel| if depth == EMPTY_DEPTH { EMPTY } else { [depth, color] };
+        // As the CPU reference has it: no color where nothing is.
+        let of_reference = |[depth, color]: Pixel| if depth == EMPTY_DEPTH { EMPTY } else { [depth, color] };
         let finished = (0..view.eyes.len()).map(|eye| {
             let pixels = self.renderer.read_pixels(eye).expect("readback");
-            pixels.into_iter().map(of_twin).collect()
+            pixels.into_iter().map(of_reference).collect()
         });
         Drawn {
             keys: of_eyes(targets, &targets.keys, &read),
@@ -308,7 +308,7 @@ pub fn tiers() -> Vec<Atomics> {
     all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
 }
 
-/// What of a frame differs from the twin's.
+/// What of a frame differs from the CPU reference's.
 pub fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
     if drawn.visible != want.visible {
         return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));

@@ -5,4 +5,4 @@ pub mod bench;
 pub mod report;
 pub mod synth;
 pub mod technique;
-pub mod twin;
+pub mod reference;

@@ -1,4 +1,4 @@
-//! What a frame is to look like: the settings that the stages, on the GPU and as twins, go by.
+//! What a frame is to look like: the settings that the stages, on the GPU and as CPU references, go by.
 
 use crate::layout::Detail;
 use crate::options::{Dilate, Quality};

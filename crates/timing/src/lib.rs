@@ -10,7 +10,7 @@ mod read;
 pub use log::{FrameLog, LogError, LogSummary};
 pub use read::{FrameLogFile, LoggedFrame, ReadError, read};
 
-/// The stages of a frame, in order. One name everywhere: shader, host, twin, timer row, log column, test.
+/// The stages of a frame, in order. One name everywhere: shader, host, CPU reference, timer row, log column, test.
 pub const STAGES: [&str; 6] = ["clear", "lod", "cull", "depth", "color", "resolve"];
 
 /// GPU milliseconds of each of [`STAGES`]; NaN where the device gave no time.

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 /// What the headset wants next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Beat {
+pub enum FrameState {
     /// Draw a frame (or, with `should_render` false, only keep the runtime's rhythm).
     Frame {
         /// Predicted display time, nanoseconds of the headset's clock.
@@ -88,7 +88,7 @@ pub trait Headset: Send {
     /// display stretches them over the whole view. At first it is all of them.
     fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
     /// Handles events, then blocks until the next frame should begin.
-    fn wait(&mut self) -> Result<Beat, Fault>;
+    fn wait(&mut self) -> Result<FrameState, Fault>;
     /// Controllers, as of now.
     fn input(&mut self) -> Result<ControllerInput, Fault>;
     /// The eyes' images to draw into; valid until `submit`.
@@ -98,7 +98,7 @@ pub trait Headset: Send {
     /// Hands the recorded commands to the GPU and the images to the display. `None`: nothing was drawn
     /// (`should_render` was false, `acquire` and `locate` not called).
     fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault>;
-    /// Asks the runtime to end the session; `wait` then returns [`Beat::Ended`] in time.
+    /// Asks the runtime to end the session; `wait` then returns [`FrameState::Ended`] in time.
     fn request_exit(&mut self);
     /// How long an idle loop should sleep before it asks again.
     fn idle_pause(&self) -> Duration {

@@ -21,7 +21,7 @@ mod session;
 mod swapchain;
 
 pub use fault::{End, Fault};
-pub use headset::{Beat, ControllerInput, EyeImages, Headset, StageEye};
+pub use headset::{FrameState, ControllerInput, EyeImages, Headset, StageEye};
 pub use missing::XrMissing;
 pub use openxr::SessionState;
 pub use runtime::Offers;
@@ -166,7 +166,7 @@ impl Headset for XrHeadset {
         self.session_mut().hidden_area()
     }
 
-    fn wait(&mut self) -> Result<Beat, Fault> {
+    fn wait(&mut self) -> Result<FrameState, Fault> {
         self.session_mut().wait()
     }
 

@@ -10,7 +10,7 @@ use super::missing::XrMissing;
 use super::runtime::{Runtime, STEREO, scaled_size};
 use super::swapchain::{EyeSwapchains, ImageFormat};
 use crate::hidden_area::HiddenArea;
-use crate::{Beat, ControllerInput, EyeImages, StageEye, XrOptions};
+use crate::{FrameState, ControllerInput, EyeImages, StageEye, XrOptions};
 use openxr as xr;
 use raw::device::RuntimeGpu;
 use render::gpu::Gpu;
@@ -118,25 +118,25 @@ impl XrSession {
     }
 
     /// Handles events, then waits for the next frame's time and begins it.
-    pub fn wait(&mut self) -> Result<Beat, Fault> {
+    pub fn wait(&mut self) -> Result<FrameState, Fault> {
         if self.frame.is_some() {
             return Err(Fault::Order("the frame before this one was not submitted"));
         }
         self.handle_events()?;
         self.life.lose_patience(Instant::now());
         if !self.life.running() {
-            return Ok(self.life.ended().map_or(Beat::Idle, Beat::Ended));
+            return Ok(self.life.ended().map_or(FrameState::Idle, FrameState::Ended));
         }
         let waited = self.frames.wait();
         let Some(state) = self.life.survive("xrWaitFrame", waited)? else {
-            return Ok(self.ended_beat());
+            return Ok(self.ended_state());
         };
         let begun = self.frames.begin(&self.gpu.queue.lock());
         if self.life.survive("xrBeginFrame", begun)?.is_none() {
-            return Ok(self.ended_beat());
+            return Ok(self.ended_state());
         }
         self.frame = Some(OpenFrame { display_time: state.predicted_display_time, located: false });
-        Ok(Beat::Frame {
+        Ok(FrameState::Frame {
             predicted_display_ns: state.predicted_display_time.as_nanos(),
             period_ns: state.predicted_display_period.as_nanos(),
             should_render: state.should_render,
@@ -144,8 +144,8 @@ impl XrSession {
     }
 
     /// What `wait` says after a loss.
-    fn ended_beat(&self) -> Beat {
-        Beat::Ended(self.life.ended().unwrap_or(End::SessionLost))
+    fn ended_state(&self) -> FrameState {
+        FrameState::Ended(self.life.ended().unwrap_or(End::SessionLost))
     }
 
     fn handle_events(&mut self) -> Result<(), Fault> {

@@ -1,4 +1,4 @@
-//! `dilate`: GPU against CPU twin, bit for bit; the twin against what dilation is for, and against a plain
+//! `dilate`: GPU against CPU reference, bit for bit; the CPU reference against what dilation is for, and against a plain
 //! two-dimensional definition where the two must agree.
 
 mod on_gpu;
@@ -6,9 +6,9 @@ mod on_gpu;
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
 use kit::frames::Random;
-use lab::twin::color::Sum;
-use lab::twin::dilate::{dilate, radius_px};
-use lab::twin::resolve::{EMPTY, Pixel, blend};
+use lab::reference::color::Sum;
+use lab::reference::dilate::{dilate, radius_px};
+use lab::reference::resolve::{EMPTY, Pixel, blend};
 use on_gpu::{Shown, blended_on_gpu, on_gpu, run_shown};
 use render::layout::{
     Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row,
@@ -81,7 +81,7 @@ fn num_differing(a: &[Pixel], b: &[Pixel]) -> usize {
 }
 
 #[test]
-fn gpu_equals_its_twin() {
+fn gpu_equals_its_reference() {
     let sizes = [[333, 217], [5, 3], [16, 16], [1, 1], [32, 16], [33, 17], [1, 40], [40, 1], [128, 96]];
     for (number, size) in sizes.into_iter().enumerate() {
         let view = view(size);
@@ -98,7 +98,7 @@ fn gpu_equals_its_twin() {
 
 /// What is special in the shader: tiles that are skipped as whole, empty ones, and extreme depths and colours.
 #[test]
-fn gpu_equals_its_twin_where_tiles_are_whole_or_depths_extreme() {
+fn gpu_equals_its_reference_where_tiles_are_whole_or_depths_extreme() {
     let size = [100, 70];
     let view = view(size);
     let white = |depth: f32| pixel(depth, [255; 3]);
@@ -128,7 +128,7 @@ fn gpu_equals_its_twin_where_tiles_are_whole_or_depths_extreme() {
 
 /// Pixels that take nothing though the tile is no single surface, single ones that take, and tiles in which none does.
 #[test]
-fn gpu_equals_its_twin_where_few_pixels_take() {
+fn gpu_equals_its_reference_where_few_pixels_take() {
     let size = [200, 150];
     let view = view(size);
     // A floor that recedes by less than the tolerance from row to row: no pixel of it takes from another.
@@ -210,7 +210,7 @@ fn sums_of(surface: &[Pixel], max_points: u64) -> Vec<Sum> {
 }
 
 #[test]
-fn blended_and_dilated_in_one_equals_the_twins() {
+fn blended_and_dilated_in_one_equals_the_references() {
     for (number, size) in [[333, 217], [5, 3], [33, 17], [1, 40], [128, 96]].into_iter().enumerate() {
         let view = view(size);
         for (percent, max_points) in [(10, 1), (40, 3), (70, 1023), (97, 20), (100, 300)] {
@@ -396,7 +396,7 @@ fn plain([width, height]: [usize; 2], radius: usize, surface: &[Pixel]) -> Vec<O
 }
 
 #[test]
-fn the_twin_equals_the_plain_definition_on_one_depth() {
+fn the_reference_equals_the_plain_definition_on_one_depth() {
     let size = [70usize, 50];
     let view = view([70, 50]);
     for (radius, percent) in [(1, 30), (2, 10), (3, 3), (3, 60)] {

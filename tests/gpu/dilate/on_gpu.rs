@@ -1,8 +1,8 @@
 //! Dilation on the GPU, of surfaces, or of depths and sums, without a renderer.
 
 use kit::frames::gpu;
-use lab::twin::color::Sum;
-use lab::twin::resolve::Pixel;
+use lab::reference::color::Sum;
+use lab::reference::resolve::Pixel;
 use render::bindings::{Eye, OfEye};
 use render::gpu::readback;
 use render::gpu::stage::{Stage, nothing_besides};
@@ -61,7 +61,7 @@ fn run(
     run_shown(shader, variant, of, inputs, &Shown::default())
 }
 
-/// The GPU's image, of inputs that have no guard band: round them it is empty, as the twin sees it. The buffers hold
+/// The GPU's image, of inputs that have no guard band: round them it is empty, as the CPU reference sees it. The buffers hold
 /// something else before, so that no pixel can be left out unseen.
 pub fn run_shown(
     shader: &'static str,

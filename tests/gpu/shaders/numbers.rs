@@ -1,5 +1,5 @@
 //! Flags, masks and places of bits have names, which host and shaders share: numbers in their place are refused, in shaders
-//! and in their twins.
+//! and in their CPU references.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -69,21 +69,21 @@ fn is_zero(word: &str) -> bool {
     matches!(word, "0" | "0u" | "0lu")
 }
 
-/// The files of shaders and twins.
+/// The files of shaders and CPU references.
 fn files() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let in_folder = |folder: &str| {
         let entries = std::fs::read_dir(root.join(folder)).expect("a folder");
         entries.map(|entry| entry.expect("an entry").path()).filter(|path| path.is_file())
     };
-    ["shaders", "shaders/methods", "shaders/spt", "crates/lab/src/twin", "crates/lab/src/twin/tree"]
+    ["shaders", "shaders/methods", "shaders/spt", "crates/lab/src/reference", "crates/lab/src/reference/tree"]
         .into_iter()
         .flat_map(in_folder)
         .collect()
 }
 
 #[test]
-fn shaders_and_twins_have_names_for_bits() {
+fn shaders_and_references_have_names_for_bits() {
     let mut used = BTreeSet::new();
     for path in files() {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();

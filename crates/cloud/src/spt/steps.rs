@@ -1,7 +1,7 @@
 //! Lengths in eight bits: the upper end of an f32, with three bits of mantissa.
 //!
 //! A step is an eighth of an octave, 7 to 12 %, and 32 octaves fit. Shaders turn a length into its step, and back,
-//! by a shift, so that they and their twins agree to the bit.
+//! by a shift, so that they and their CPU references agree to the bit.
 
 use crate::format::{ENDLESS_STEP, STEP_SHIFT};
 

@@ -2,7 +2,7 @@
 //! image. The same points in the same order as the compute frame gets. It is what `bench` compares with, rather than
 //! the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
-use crate::twin::points::cells;
+use crate::reference::points::cells;
 use anyhow::Result;
 use base::space::{Eye, Split, View};
 use bytemuck::{Pod, Zeroable};

@@ -61,7 +61,7 @@ fn grown(all: &[DVec3]) -> Option<Bounds> {
     while let Some(more) = bridges
         .iter()
         .find_map(|&(gap, share)| beyond(&positions, &scene, gap, share * num))
-        .or_else(|| twin(&positions, &scene, all))
+        .or_else(|| reference(&positions, &scene, all))
     {
         scene = scene.union(more);
         positions.retain(|&p| !scene.contains(p));
@@ -110,7 +110,7 @@ fn hangs(p: DVec3, scene: &Bounds) -> bool {
 }
 
 /// Box of what lies further away, but is built like the scene.
-fn twin(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bounds> {
+fn reference(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bounds> {
     let edge = scene.edge();
     let around = scene.grown(TWIN_GAP * edge);
     let is_around = |p: &DVec3| around.contains(*p) && !hangs(*p, scene);
@@ -118,12 +118,12 @@ fn twin(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bounds> {
     if (around.len() as f64) < TWIN_SHARE * all.len() as f64 {
         return None;
     }
-    let twin = densest(&around, 0.5 * around.len() as f64)?;
+    let reference = densest(&around, 0.5 * around.len() as f64)?;
     let inside =
         |bounds: &Bounds| -> Vec<DVec3> { all.iter().copied().filter(|&p| bounds.contains(p)).collect() };
-    let is_alike = (TWIN_EDGE[0] * edge..=TWIN_EDGE[1] * edge).contains(&twin.edge())
-        && (!is_fog(&inside(&twin)) || is_fog(&inside(scene)));
-    is_alike.then_some(twin)
+    let is_alike = (TWIN_EDGE[0] * edge..=TWIN_EDGE[1] * edge).contains(&reference.edge())
+        && (!is_fog(&inside(&reference)) || is_fog(&inside(scene)));
+    is_alike.then_some(reference)
 }
 
 /// The box of the densest block with at least `needed` positions: again and again the half that has them.

@@ -19,7 +19,7 @@ pub const VISIBLE_PLANES: u32 = 3;
 pub const VISIBLE_BY_EYE: u32 = 16;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;
-/// [`VisibleBatch::flags`]: some points may be discs that reach farther than [`super::OWN_FILL_RADIUS`].
+/// [`VisibleBatch::flags`]: some points may be splats that reach farther than [`super::OWN_FILL_RADIUS`].
 pub const VISIBLE_WIDE: u32 = 128;
 /// [`VisibleBatch::flags`]: the first bit that the frame leaves to other techniques, up to [`SLICE_SHIFT`].
 pub const VISIBLE_OTHERS: u32 = 256;

@@ -58,14 +58,14 @@ pub const FADE_BEGIN: f32 = 0.840_896_4;
 pub const FADE_END: f32 = 1.189_207_1;
 /// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
 pub const SURFACE_TOLERANCE: f32 = 1.01;
-/// Pixels from a point's own to the edge of the disc that `fill` draws, at most.
+/// Pixels from a point's own to the edge of the splat that `fill` draws, at most.
 pub const MAX_FILL_RADIUS: u32 = 31;
-/// How far the disc of a point reaches that a thread draws alone; all threads of a workgroup draw larger ones together.
+/// How far the splat of a point reaches that a thread draws alone; all threads of a workgroup draw larger ones together.
 pub const OWN_FILL_RADIUS: u32 = 1;
-/// How much wider than the points' mean distance the disc is at most that `fill` draws: it must reach over the diagonal,
+/// How much wider than the points' mean distance the splat is at most that `fill` draws: it must reach over the diagonal,
 /// and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
-/// How much wider than the points' mean distance the square is to be that disc and dilation together cover: of points that
+/// How much wider than the points' mean distance the square is to be that splat and dilation together cover: of points that
 /// lie at random, such a square has none once in eight thousand times, and the mean distance is an estimate.
 pub const POINTS_COVER: f32 = 3.0;
 /// The same of a node's samples, which lie more evenly, as far as dilation alone can: less than 1 % of what level of detail

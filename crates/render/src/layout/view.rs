@@ -109,7 +109,7 @@ pub struct Detail {
     /// Points of a node appear one by one.
     pub fade: bool,
     /// Pixels, across, that the kernels of dilation close, which the inner, middle and outer ring have: points that are to
-    /// close more have a wider kernel, and what the widest leaves open a disc. `None`: all are drawn as one pixel, always.
+    /// close more have a wider kernel, and what the widest leaves open a splat. `None`: all are drawn as one pixel, always.
     pub fill_reach_px: Option<[f32; 3]>,
 }
 

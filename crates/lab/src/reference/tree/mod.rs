@@ -42,7 +42,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// A disc: twin of `spt/discs.inc.wgsl`.
+/// A disc: CPU reference of `spt/discs.inc.wgsl`.
 #[derive(Clone, Copy)]
 pub(super) struct Disc {
     /// The first step of tolerance that it is drawn at, and the first beyond.

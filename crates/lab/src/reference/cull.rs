@@ -1,4 +1,4 @@
-//! Twin of `cull`: frustum, precision, and the head in each batch's cells.
+//! CPU reference of `cull`: frustum, precision, and the head in each batch's cells.
 
 use super::points::radius;
 use super::sizes::nearest_depth;

@@ -1,4 +1,4 @@
-//! Twin of `sizes.inc.wgsl`: how large what lies in a box is drawn.
+//! CPU reference of `sizes.inc.wgsl`: how large what lies in a box is drawn.
 
 use render::layout::{EyeUniform, ViewUniform};
 

@@ -1,4 +1,4 @@
-//! Twin of `rings.inc.wgsl`: the rings round the gaze, for pixels and for points.
+//! CPU reference of `rings.inc.wgsl`: the rings round the gaze, for pixels and for points.
 
 use render::layout::ViewUniform;
 

@@ -1,4 +1,4 @@
-//! Twin of `lod`: each node's state.
+//! CPU reference of `lod`: each node's state.
 
 use super::sizes::nearest_depth;
 use render::layout::{

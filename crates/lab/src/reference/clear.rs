@@ -1,4 +1,4 @@
-//! Twin of `clear`.
+//! CPU reference of `clear`.
 
 /// A key that no point has reached.
 pub const EMPTY: u64 = render::layout::EMPTY_KEY;

@@ -1,8 +1,8 @@
-//! Twin of `spt/triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
+//! CPU reference of `spt/triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
 
 use super::{Tree, tolerance};
 use crate::technique::tree::TRIANGLE_SLACK_PX;
-use crate::twin::points::{Put, cells, p_in_head, without_reach};
+use crate::reference::points::{Put, cells, p_in_head, without_reach};
 use render::layout::{EyeUniform, ID_ODD, ID_SHIFT, VISIBLE_BY_EYE, ViewUniform, VisibleBatch};
 
 /// What a pixel shows of a triangle beside the corner with the largest share: all of them.
@@ -38,7 +38,7 @@ struct Triangle {
 }
 
 /// Hands every triangle of a batch to `put`, in every pixel.
-pub(in crate::twin) fn triangles(
+pub(in crate::reference) fn triangles(
     view: &ViewUniform,
     num_eyes: usize,
     batch: &VisibleBatch,

@@ -1,4 +1,4 @@
-//! Twin of `depth`: the nearest point of each pixel of every eye.
+//! CPU reference of `depth`: the nearest point of each pixel of every eye.
 
 use super::points::Put;
 use render::layout::KEY_DEPTH_SHIFT;

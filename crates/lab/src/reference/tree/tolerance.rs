@@ -1,4 +1,4 @@
-//! Twin of the tolerance in `spt/steps.inc.wgsl` and `spt/cull.wgsl`: the length that a point tree may be wrong by, by the
+//! CPU reference of the tolerance in `spt/steps.inc.wgsl` and `spt/cull.wgsl`: the length that a point tree may be wrong by, by the
 //! distance from an eye and the angle from its gaze.
 
 use crate::technique::tree::TreeUniform;

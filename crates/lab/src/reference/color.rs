@@ -1,4 +1,4 @@
-//! Twin of `color`: sums of the colours of the points within the tolerance of each pixel's nearest.
+//! CPU reference of `color`: sums of the colours of the points within the tolerance of each pixel's nearest.
 
 use super::points::Put;
 use render::layout::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, SURFACE_TOLERANCE};

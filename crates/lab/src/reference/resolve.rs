@@ -1,4 +1,4 @@
-//! Twin of `resolve`: what each pixel shows, before gaps are filled.
+//! CPU reference of `resolve`: what each pixel shows, before gaps are filled.
 
 use super::color::Sum;
 use render::layout::{BLUE_SHIFT, EMPTY_DEPTH, GREEN_SHIFT, KEY_DEPTH_SHIFT, OPAQUE};

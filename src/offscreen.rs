@@ -13,7 +13,7 @@ use base::task::Task;
 use cloud::spt::build_spt;
 use glam::DVec3;
 use lab::technique::tree;
-use lab::twin::resolve::{Pixel, depth_of};
+use lab::reference::resolve::{Pixel, depth_of};
 use points::{self, Scan, Scene};
 use render::gpu::{Gpu, readback};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
@@ -32,7 +32,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// What picture to draw.
 #[derive(Clone, Debug)]
-pub struct ShotOptions {
+pub struct PictureOptions {
     /// Files, shown as one cloud.
     pub scans: Vec<PathBuf>,
     /// The picture of each eye: one, with `stereo` two.
@@ -44,7 +44,7 @@ pub struct ShotOptions {
     /// Which way is up, along the files' axes; None: what is up in the world.
     pub up: Option<DVec3>,
     /// How much is seen.
-    pub fov: ShotFov,
+    pub fov: PictureFov,
     /// Width, height in pixels.
     pub size_px: [u32; 2],
     /// Two eyes, `ipd` apart along the camera's right, both looking the same way.
@@ -57,7 +57,7 @@ pub struct ShotOptions {
     pub metrics: Option<Output>,
 }
 
-impl ShotOptions {
+impl PictureOptions {
     /// The same picture, asked for in the world's coordinates rather than the files'.
     fn in_world(&self, scan: &Scan) -> Self {
         let world_from_file = scan.world_from_file();
@@ -74,7 +74,7 @@ impl ShotOptions {
 
 /// A picture's field of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ShotFov {
+pub enum PictureFov {
     /// Vertical angle in degrees; pixels are square.
     Vertical(f64),
     /// Half angles of the left eye in degrees: outwards (left), inwards (right), up, down; the right eye mirrors
@@ -82,7 +82,7 @@ pub enum ShotFov {
     HalfAngles([f64; 4]),
 }
 
-impl ShotFov {
+impl PictureFov {
     /// Of the left (or only) eye.
     fn left(self, [width, height]: [u32; 2]) -> Fov {
         match self {
@@ -99,7 +99,7 @@ impl ShotFov {
 ///
 /// # Errors
 /// Unreadable scan, unusable GPU, a size that does not fit it, a file that cannot be written.
-pub fn run(options: &ShotOptions, plan: &Plan, task: &Task) -> anyhow::Result<()> {
+pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> anyhow::Result<()> {
     let gpu = Arc::new(Gpu::open(Some(&plan.adapter))?);
     let load_began = Instant::now();
     let scan = points::read(&options.scans, &plan.read, task)?;
@@ -112,25 +112,25 @@ pub fn run(options: &ShotOptions, plan: &Plan, task: &Task) -> anyhow::Result<()
     let load_s = load_began.elapsed().as_secs_f64();
 
     let view = view(options, &scene, plan.draw.near_in(&scene))?;
-    let mut shot = Shot::new(&gpu, &view, &plan.draw)?;
-    shot.renderer.set_cloud(buffers)?;
+    let mut offscreen = Offscreen::new(&gpu, &view, &plan.draw)?;
+    offscreen.renderer.set_cloud(buffers)?;
     let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
     let times: Vec<FrameTimes> =
-        (0..num_frames).map(|frame| shot.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
+        (0..num_frames).map(|frame| offscreen.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
 
-    if !shot.shows_points(&view)? {
+    if !offscreen.shows_points(&view)? {
         eprintln!("scanwalk: warning: {}", overview::out_of_view(&scene, &view));
     }
     // All are written before the first gets its name: a failure leaves what was there before.
     let mut written: Vec<(&Output, OutputFile)> = Vec::new();
-    for (output, image) in options.out.iter().zip(&shot.images) {
+    for (output, image) in options.out.iter().zip(&offscreen.images) {
         written.push((output, write_png(output, image, &gpu)?));
     }
     for (eye, output) in options.depth.iter().enumerate() {
-        written.push((output, write_npy(output, options.size_px, &shot.pixels(eye)?)?));
+        written.push((output, write_npy(output, options.size_px, &offscreen.pixels(eye)?)?));
     }
     if let Some(output) = &options.metrics {
-        let text = metrics(&mut shot, &times, num_points, load_s)?;
+        let text = metrics(&mut offscreen, &times, num_points, load_s)?;
         written.push((output, write_with(output, |file| file.write_all(text.as_bytes()))?));
     }
     anyhow::ensure!(
@@ -179,7 +179,7 @@ fn upload(
 ///
 /// # Errors
 /// Eye and target at one place, an upward direction of no length, or a field of view or a size that shows nothing.
-pub fn view(options: &ShotOptions, scene: &Scene, near: f64) -> anyhow::Result<View> {
+pub fn view(options: &PictureOptions, scene: &Scene, near: f64) -> anyhow::Result<View> {
     let [width, height] = options.size_px;
     anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
     let fov = options.fov.left(options.size_px);
@@ -223,13 +223,13 @@ pub fn view(options: &ShotOptions, scene: &Scene, near: f64) -> anyhow::Result<V
 }
 
 /// A renderer with images of its own.
-struct Shot {
+struct Offscreen {
     gpu: Arc<Gpu>,
     renderer: Renderer,
     images: Vec<wgpu::Texture>,
 }
 
-impl Shot {
+impl Offscreen {
     fn new(gpu: &Arc<Gpu>, view: &View, options: &DrawOptions) -> anyhow::Result<Self> {
         let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|e| e.size_px).collect();
         let max = gpu.device.limits().max_texture_dimension_2d;
@@ -332,7 +332,7 @@ fn write_with(
 }
 
 /// Figures as JSON.
-fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> anyhow::Result<String> {
+fn metrics(offscreen: &mut Offscreen, times: &[FrameTimes], points: u64, load_s: f64) -> anyhow::Result<String> {
     let measured = &times[1..];
     let median = |value: &dyn Fn(&FrameTimes) -> f32| {
         // A device without timestamps gives null.
@@ -344,8 +344,8 @@ fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> a
     }
     gpu_ms.insert("total".to_string(), serde_json::json!(median(&|t| t.gpu_ms)));
     let mut drawn = 0;
-    for eye in 0..shot.images.len() {
-        drawn += shot.pixels(eye)?.iter().filter(|&&p| depth_of(p).is_finite()).count();
+    for eye in 0..offscreen.images.len() {
+        drawn += offscreen.pixels(eye)?.iter().filter(|&&p| depth_of(p).is_finite()).count();
     }
     let metrics = serde_json::json!({
         "points": points,
@@ -353,12 +353,12 @@ fn metrics(shot: &mut Shot, times: &[FrameTimes], points: u64, load_s: f64) -> a
         "points_drawn": drawn,
         "nodes": times[0].visible_nodes,
         "batches": times[0].visible_batches,
-        "gpu_bytes": shot.renderer.resident().1,
+        "gpu_bytes": offscreen.renderer.resident().1,
         "load_s": load_s,
         "frames": measured.len(),
         "gpu_ms": gpu_ms,
-        "device": shot.gpu.name(),
-        "driver": shot.gpu.driver(),
+        "device": offscreen.gpu.name(),
+        "driver": offscreen.gpu.driver(),
     });
     Ok(serde_json::to_string_pretty(&metrics)? + "\n")
 }
@@ -370,13 +370,13 @@ mod tests {
 
     #[test]
     fn places_are_those_of_the_file_and_eyes_are_apart_in_metres() {
-        let options = ShotOptions {
+        let options = PictureOptions {
             scans: Vec::new(),
             out: Vec::new(),
             eye: Some(DVec3::new(1.0, 2.0, 3.0)),
             target: None,
             up: Some(DVec3::Y),
-            fov: ShotFov::Vertical(60.0),
+            fov: PictureFov::Vertical(60.0),
             size_px: [1, 1],
             stereo: true,
             ipd: 0.063,
@@ -400,13 +400,13 @@ mod tests {
     #[test]
     fn cameras_without_a_direction_are_refused() {
         let eye = Some(DVec3::ONE);
-        let options = |target, up| ShotOptions {
+        let options = |target, up| PictureOptions {
             scans: Vec::new(),
             out: Vec::new(),
             eye,
             target,
             up,
-            fov: ShotFov::Vertical(60.0),
+            fov: PictureFov::Vertical(60.0),
             size_px: [1, 1],
             stereo: false,
             ipd: 0.063,

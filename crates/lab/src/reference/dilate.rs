@@ -1,4 +1,4 @@
-//! Twin of `dilate`: the gaps between points of one surface, closed by rows and columns.
+//! CPU reference of `dilate`: the gaps between points of one surface, closed by rows and columns.
 
 use super::resolve::{EMPTY, Pixel};
 use super::rings::ring;

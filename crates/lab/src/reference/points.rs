@@ -1,4 +1,4 @@
-//! Twin of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
+//! CPU reference of `points.inc.wgsl`: every point of the visible batches, in every pixel that it covers.
 
 use super::cull::shares;
 use super::rings::ring;

@@ -1,4 +1,4 @@
-//! Twin of the method `fixed40`: depths in 40-bit integers [2019 §2.1].
+//! CPU reference of the method `fixed40`: depths in 40-bit integers [2019 §2.1].
 
 use super::points::cells;
 use crate::technique::fixed40::{EMPTY40, RANGES, firsts};
