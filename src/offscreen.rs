@@ -12,8 +12,8 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::Task;
 use cloud::spt::build_spt;
 use glam::DVec3;
-use lab::technique::tree;
 use lab::reference::resolve::{Pixel, depth_of};
+use lab::technique::tree;
 use points::{self, Scan, Scene};
 use render::gpu::{Gpu, readback};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
@@ -332,7 +332,12 @@ fn write_with(
 }
 
 /// Figures as JSON.
-fn metrics(offscreen: &mut Offscreen, times: &[FrameTimes], points: u64, load_s: f64) -> anyhow::Result<String> {
+fn metrics(
+    offscreen: &mut Offscreen,
+    times: &[FrameTimes],
+    points: u64,
+    load_s: f64,
+) -> anyhow::Result<String> {
     let measured = &times[1..];
     let median = |value: &dyn Fn(&FrameTimes) -> f32| {
         // A device without timestamps gives null.

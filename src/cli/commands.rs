@@ -5,8 +5,8 @@ use super::{
     report, settings,
 };
 use crate::config::{Config, ConfigError, load};
-use crate::resolve::Plan;
 use crate::offscreen::{self, PictureFov, PictureOptions};
+use crate::resolve::Plan;
 use crate::view::{self, ViewOptions, Wish};
 use base::output::{OutputKind, Outputs, Partials};
 use base::task::{CancelToken, Task};

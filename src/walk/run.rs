@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 use timing::log::FrameLog;
 use timing::pose_path::PosePath;
 use timing::{FrameRow, Phase, STAGES};
-use xr::{FrameState, End, Fault, Headset, StageEye};
+use xr::{End, Fault, FrameState, Headset, StageEye};
 
 /// How long the end of a walk waits for the GPU.
 const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);

@@ -8,7 +8,7 @@ use render::gpu::Gpu;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use xr::{FrameState, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
+use xr::{ControllerInput, End, EyeImages, Fault, FrameState, Headset, StageEye};
 
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;

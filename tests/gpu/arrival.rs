@@ -23,7 +23,7 @@ use scanwalk::walk::{Loaded, Walk, WalkError, WalkOptions, link};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use timing::FrameRow;
-use xr::{FrameState, ControllerInput, End, EyeImages, Fault, Headset, StageEye};
+use xr::{ControllerInput, End, EyeImages, Fault, FrameState, Headset, StageEye};
 
 const SIZE_PX: [u32; 2] = [97, 65];
 
@@ -165,7 +165,11 @@ impl Headset for Witness {
         }
         self.display += 1;
         let period_ns = 13_888_889;
-        Ok(FrameState::Frame { predicted_display_ns: self.display * period_ns, period_ns, should_render: true })
+        Ok(FrameState::Frame {
+            predicted_display_ns: self.display * period_ns,
+            period_ns,
+            should_render: true,
+        })
     }
     fn input(&mut self) -> Result<ControllerInput, Fault> {
         Ok(ControllerInput::default())

@@ -6,8 +6,8 @@ use base::task::{CancelToken, Progress};
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Drawn, cloud_of, draw, gpu, plain, random_points, stereo};
-use lab::synth::{self, Kind, SynthOptions};
 use lab::reference::{self, Scene};
+use lab::synth::{self, Kind, SynthOptions};
 use points::{self, ReadOptions};
 use render::CloudBuffers;
 use render::layout::{Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded};
@@ -151,7 +151,8 @@ fn the_comparison_notices_a_wrong_point() {
     let view = stereo(center - DVec3::Y * 6.0, center, [128, 128]);
     let good = draw(&cloud, &view, true, 0);
     let mut wrong = cloud.clone();
-    let index = good.keys[0].iter().find(|&&p| p != reference::clear::EMPTY).map(|&p| (p as u32 >> 1) as usize);
+    let index =
+        good.keys[0].iter().find(|&&p| p != reference::clear::EMPTY).map(|&p| (p as u32 >> 1) as usize);
     let index = index.expect("something is drawn");
     wrong.planes[0][index] ^= 1 << 9;
     wrong.colors[index] ^= 1;

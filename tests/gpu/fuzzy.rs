@@ -4,11 +4,11 @@
 use base::space::View;
 use cloud::spt::SequentialCloud;
 use kit::frames::{Canvas, discs, gpu, hqs, made_up, spt_of, stereo};
-use lab::synth::{self, Kind};
-use lab::technique::tree::TreeUniform;
 use lab::reference::clear;
 use lab::reference::points::{self, Put};
 use lab::reference::tree::Tree;
+use lab::synth::{self, Kind};
+use lab::technique::tree::TreeUniform;
 use render::layout::{SURFACE_TOLERANCE, ViewUniform, guarded, without_guard};
 
 const SIZE_PX: [u32; 2] = [301, 299];

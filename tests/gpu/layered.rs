@@ -6,8 +6,8 @@ use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
-use lab::synth::{self, Kind};
 use lab::reference::{self, Frame, Scene};
+use lab::synth::{self, Kind};
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
@@ -125,7 +125,10 @@ fn the_comparison_notices_what_is_wrong() {
     assert!(drawn.states == want.states && drawn.pixels != want.pixels, "filtered colors are looked at");
     let mut wrong = octree.clone();
     wrong.cloud.colors.iter_mut().for_each(|c| *c ^= 8);
-    assert!(drawn.pixels != reference::frame(&Scene::layered(&wrong), &view, &look, None).pixels, "and own ones");
+    assert!(
+        drawn.pixels != reference::frame(&Scene::layered(&wrong), &view, &look, None).pixels,
+        "and own ones"
+    );
     let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..Detail::default() });
     assert!(drawn.states != reference::frame(&Scene::layered(octree), &view, &other, None).states);
 }

@@ -7,9 +7,9 @@ use cloud::spt::SequentialCloud;
 use cloud::{Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
+use lab::reference::{self, Frame, Scene};
 use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
-use lab::reference::{self, Frame, Scene};
 use points::Scan;
 use render::Look;
 use render::options::{Dilate, Quality};
@@ -226,7 +226,8 @@ fn triangles_cross_the_near_plane() {
     for v in 0..size_px[1] {
         let down = (2.0 * f64::from(v) + 1.0) / f64::from(size_px[1]) - 1.0;
         for u in 0..size_px[0] {
-            let depth = f64::from(reference::resolve::depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
+            let depth =
+                f64::from(reference::resolve::depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
             // Over its edges, a triangle is as deep as there.
             let (ray, slack) = (height / down, 2.0 / f64::from(size_px[1]) / 64.0 / down);
             if down < 0.0 {
@@ -346,7 +347,8 @@ fn holes_are_noticed() {
     let size_px = [240, 240];
     let num_holes = [20.0, 30.0, 40.0, 60.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        holes(&reference::frame(&Scene::sequential(&spt, 3.0), &view, &hqs(discs()), None), distance, size_px).1
+        holes(&reference::frame(&Scene::sequential(&spt, 3.0), &view, &hqs(discs()), None), distance, size_px)
+            .1
     });
     assert!(num_holes.iter().any(|&num| num > 100), "{num_holes:?}");
 }
@@ -408,7 +410,8 @@ fn backs_of_meshes_are_culled() {
     let (plain, sided) = (spt_of(&scan, false), spt_of(&scan, true));
     let view = view_at(40.0, [400, 400]);
     let look = hqs(discs());
-    let frames = [&plain, &sided].map(|spt| reference::frame(&Scene::sequential(spt, 1.0), &view, &look, None));
+    let frames =
+        [&plain, &sided].map(|spt| reference::frame(&Scene::sequential(spt, 1.0), &view, &look, None));
     let [all, front] = frames.each_ref().map(Frame::points_read);
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");

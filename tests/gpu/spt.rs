@@ -7,10 +7,10 @@ use cloud::octree::build_octree;
 use cloud::spt::{self, SequentialCloud};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, made_up, scan_of, spt_of, stereo, tiers};
-use lab::synth::{self, Kind};
-use lab::technique::tree::TreeUniform;
 use lab::reference::tree::{Tree, tolerance};
 use lab::reference::{self, Frame, Scene};
+use lab::synth::{self, Kind};
+use lab::technique::tree::TreeUniform;
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
@@ -387,8 +387,8 @@ fn the_fovea_counts_for_point_trees() {
         let view = stereo(place.eye, place.target, [500, 500]);
         for error_px in [1.0, 2.0] {
             let scene = Scene::sequential(spt, error_px);
-            let [rings, whole] =
-                [discs(), everywhere(discs())].map(|detail| reference::frame(&scene, &view, &hqs(detail), None));
+            let [rings, whole] = [discs(), everywhere(discs())]
+                .map(|detail| reference::frame(&scene, &view, &hqs(detail), None));
             let (fewer, all) = (rings.points_read(), whole.points_read());
             let [holes, holes_before] = [&rings, &whole].map(empty);
             println!("{} {error_px} px: {fewer} of {all} read; empty {holes} and {holes_before}", place.name);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use xr::hidden_area::HiddenArea;
 use xr::{self, XrHeadset, XrOptions};
-use xr::{FrameState, EyeImages, Headset, StageEye};
+use xr::{EyeImages, FrameState, Headset, StageEye};
 
 /// Carries the [`Job`] to the child.
 pub const JOB: &str = "SCANWALK_XR_PROBE";

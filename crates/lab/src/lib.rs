@@ -2,7 +2,7 @@
 //! methods and tables, sequential point trees, and reports of what was measured.
 
 pub mod bench;
+pub mod reference;
 pub mod report;
 pub mod synth;
 pub mod technique;
-pub mod reference;

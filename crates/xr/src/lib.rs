@@ -21,7 +21,7 @@ mod session;
 mod swapchain;
 
 pub use fault::{End, Fault};
-pub use headset::{FrameState, ControllerInput, EyeImages, Headset, StageEye};
+pub use headset::{ControllerInput, EyeImages, FrameState, Headset, StageEye};
 pub use missing::XrMissing;
 pub use openxr::SessionState;
 pub use runtime::Offers;

@@ -10,7 +10,7 @@ use super::missing::XrMissing;
 use super::runtime::{Runtime, STEREO, scaled_size};
 use super::swapchain::{EyeSwapchains, ImageFormat};
 use crate::hidden_area::HiddenArea;
-use crate::{FrameState, ControllerInput, EyeImages, StageEye, XrOptions};
+use crate::{ControllerInput, EyeImages, FrameState, StageEye, XrOptions};
 use openxr as xr;
 use raw::device::RuntimeGpu;
 use render::gpu::Gpu;

@@ -1,11 +1,11 @@
 //! CPU reference of `spt/cull.wgsl`: which batches of discs and triangles are drawn.
 
 use super::{Tree, tolerance};
+use crate::reference::cull::{HALF_CELLS, head_place, in_frustum, in_slices, planes_needed};
+use crate::reference::sizes::nearest_depth;
 use crate::technique::tree::{
     DiscBatch, RUN_ONE_SIDED, RUN_TRIANGLES, SLICE_PIXELS, VISIBLE_DISCS, VISIBLE_TRIANGLES,
 };
-use crate::reference::cull::{HALF_CELLS, head_place, in_frustum, in_slices, planes_needed};
-use crate::reference::sizes::nearest_depth;
 use cloud::format::{STEP_MASK, UNTIL_SHIFT};
 use render::layout::{
     CULL_SLACK, DRAWN_WHOLE, EyeUniform, MAX_SLICES, OWN_NONE_WORD, VISIBLE_BY_EYE, VISIBLE_FILL,

@@ -1,8 +1,8 @@
 //! CPU reference of `spt/triangles.inc.wgsl`: every triangle of a visible batch, in every pixel that it covers.
 
 use super::{Tree, tolerance};
-use crate::technique::tree::TRIANGLE_SLACK_PX;
 use crate::reference::points::{Put, cells, p_in_head, without_reach};
+use crate::technique::tree::TRIANGLE_SLACK_PX;
 use render::layout::{EyeUniform, ID_ODD, ID_SHIFT, VISIBLE_BY_EYE, ViewUniform, VisibleBatch};
 
 /// What a pixel shows of a triangle beside the corner with the largest share: all of them.
