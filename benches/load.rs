@@ -92,7 +92,7 @@ fn read_with_las(path: &Path) -> Result<usize> {
     Ok(num_points)
 }
 
-/// A scanner's sweep over a wavy ground: neighbours in the file are neighbours in space, with noise. Places and
+/// A scanner's sweep over a wavy ground: neighbors in the file are neighbors in space, with noise. Places and
 /// shades.
 fn sweep(num_points: u64) -> impl Iterator<Item = ([f64; 3], u16)> {
     let row = (num_points as f64).sqrt();

@@ -30,7 +30,7 @@ fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     return distance + radius + CULL_SLACK * magnitude >= 0.0;
 }
 
-// Discs of points beyond the image reach into it.
+// Splats of points beyond the image reach into it.
 fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     let first = eye.first_px - view.margin_px;
     let end = eye.end_px + view.margin_px;

@@ -1,12 +1,12 @@
 // dilate: closes the gaps between points of one surface, on the way to the image. A pixel that lies farther than the nearest
-// surface of its window, or has no point, takes that surface's depth and the blend of its colours, the closer the heavier;
+// surface of its window, or has no point, takes that surface's depth and the blend of its colors, the closer the heavier;
 // others stay as they are. One eye a dispatch, a tile a workgroup; docs/FRAME.md §6.
 //
 // In two passes through workgroup memory: rows first, each pixel with what reaches it, then columns over what the rows
 // found. What lies in a pixel reaches as far as its depth's last bits say, and as its ring's kernel at least. A tile that is
-// one surface without gaps, or empty, is written as it is. Sums are integers, so their order does not show. Neighbours are
+// one surface without gaps, or empty, is written as it is. Sums are integers, so their order does not show. Neighbors are
 // made at once, eight in a row and four in a column, since they share taps. Rows of workgroup memory have odd lengths, so
-// that the threads' taps lie in different banks. A thread keeps its own four pixels' depths and colours.
+// that the threads' taps lie in different banks. A thread keeps its own four pixels' depths and colors.
 
 const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;
@@ -26,25 +26,25 @@ var<private> eye: EyeUniform;
 
 /// Depths of the tile and of what reaches into it.
 var<workgroup> tile_depth: array<u32, TILE_STRIDE * NUM_ROWS>;
-/// Their colours, with 1 for alpha: its sum is that of the weights.
+/// Their colors, with 1 for alpha: its sum is that of the weights.
 var<workgroup> tile_color: array<u32, TILE_STRIDE * NUM_ROWS>;
 /// Not 0 if a pixel of the tile may have something to take: it is neither one surface without gaps, nor empty.
 var<workgroup> varies: atomic<u32>;
 /// Nearest depth of each pixel's row window.
 var<workgroup> row_nearest: array<u32, ROW_STRIDE * NUM_ROWS>;
-/// Sums of that surface's colours times weights, 16 bits each: r | b≪16, g | weights≪16.
+/// Sums of that surface's colors times weights, 16 bits each: r | b≪16, g | weights≪16.
 var<workgroup> row_sums: array<vec2<u32>, ROW_STRIDE * NUM_ROWS>;
 
 /// Ten values that follow each other.
 alias Run = array<u32, 10>;
-/// Fourteen: eight neighbours and what they reach.
+/// Fourteen: eight neighbors and what they reach.
 alias Row = array<u32, 14>;
 /// Two sums share a word, a half each: red below blue, green below the weights.
 const HALF_BITS: u32 = 16u;
 const HALF_MASK: u32 = (1u << HALF_BITS) - 1u;
 /// A channel's bits in each half.
 const CHANNELS_MASK: u32 = CHANNEL_MASK | (CHANNEL_MASK << HALF_BITS);
-/// What each of four neighbours sees of a run, at the distances −3 to 3.
+/// What each of four neighbors sees of a run, at the distances −3 to 3.
 alias Taps = array<vec4<u32>, 7>;
 /// A part of each of four values.
 struct Part {
@@ -185,7 +185,7 @@ fn column_depths(i: u32) -> Taps {
         row_nearest[i + 7u * k], row_nearest[i + 8u * k], row_nearest[i + 9u * k])));
 }
 
-// Colours of four pixels below each other, whose columns begin at `i` and have depths `d`.
+// Colors of four pixels below each other, whose columns begin at `i` and have depths `d`.
 fn blend_columns(i: u32, end: vec4<u32>, d: Taps) -> vec4<u32> {
     let k = ROW_STRIDE;
     let run = array(row_sums[i], row_sums[i + k], row_sums[i + 2u * k], row_sums[i + 3u * k], row_sums[i + 4u * k],
@@ -194,7 +194,7 @@ fn blend_columns(i: u32, end: vec4<u32>, d: Taps) -> vec4<u32> {
         run[9].x));
     let gw = taps(Run(run[0].y, run[1].y, run[2].y, run[3].y, run[4].y, run[5].y, run[6].y, run[7].y, run[8].y,
         run[9].y));
-    // Where nothing counts there is no colour either, and no division by 0.
+    // Where nothing counts there is no color either, and no division by 0.
     let weights = max(weigh(end, d, gw, Part(HALF_BITS, HALF_MASK)), vec4<u32>(1u));
     let r = mean(weigh(end, d, rb, Part(0u, HALF_MASK)), weights);
     let g = mean(weigh(end, d, gw, Part(0u, HALF_MASK)), weights);

@@ -1,5 +1,5 @@
 // The larger splats of a turn wait until all threads of the workgroup draw them together, a team a splat and a thread a pixel: so
-// no thread is held up by a neighbour's large splat, and the pixels that a team looks at lie beside each other.
+// no thread is held up by a neighbor's large splat, and the pixels that a team looks at lie beside each other.
 
 /// Threads that draw a splat together.
 const TEAM: u32 = 32u;

@@ -6,7 +6,7 @@ use render::gpu::{Atomics, Gpu};
 use render::options::Tier;
 use render::{Look, NoSuchTier, tier};
 
-/// The near clip of a picture as a share of the scene's longest edge, at most, unless the user has chosen it.
+/// The near clip of a picture as a share of the scene's longest edge, at most, where it is the default.
 pub const NEAR_SHARE: f64 = 0.02;
 
 /// What frames are drawn with.
@@ -20,7 +20,7 @@ pub struct DrawOptions {
     pub tier: Tier,
     /// Points nearer than this are not drawn: metres in a headset, world units in a picture.
     pub near: f64,
-    /// Nobody has chosen [`Self::near`]: in a picture it becomes less where it would cut a small scene.
+    /// [`Self::near`] is the default: in a picture it becomes less where it would cut a small scene.
     pub near_yields: bool,
 }
 

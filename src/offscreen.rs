@@ -27,7 +27,7 @@ use timing::STAGES;
 const MEASURED_FRAMES: usize = 6;
 /// Where one looks from unless the user says so: from the south-east, 25 degrees up.
 const FROM: DVec3 = DVec3::new(0.55, -0.72, 0.42);
-/// sRGB: what is read back are the stored colours.
+/// sRGB: what is read back are the stored colors.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// What picture to draw.

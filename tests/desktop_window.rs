@@ -69,7 +69,7 @@ fn the_mirror_shows_exact_colors_and_keeps_its_shape() {
     let window = Window::open("walk", &screen);
     window.xdotool(&["key", "Tab"]);
     wait_quarters(&window, [0.0, 0.0, 960.0, 640.0], true, 0);
-    // Cropped in its middle: the colours' border is at the window's centre, in both directions.
+    // Cropped in its middle: the colors' border is at the window's centre, in both directions.
     let picture = window.picture();
     picture.keep("mirror-left");
     assert_eq!((picture.width, picture.height), (960, 640));

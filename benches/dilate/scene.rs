@@ -4,7 +4,7 @@ use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
 use render::layout::{Detail, EMPTY_DEPTH, ViewUniform};
 
-/// Depth bits and colour of each pixel. Of the disc and of the wall, `empty_percent` of the pixels are missing, and
+/// Depth bits and color of each pixel. Of the disc and of the wall, `empty_percent` of the pixels are missing, and
 /// where the disc has gaps the wall shows through.
 pub fn two_layers([width, height]: [u32; 2], empty_percent: u32) -> Vec<[u32; 2]> {
     let mut state = 1u32;

@@ -93,13 +93,13 @@ pub struct Holes {
     pub empty: usize,
     /// Something is there, but behind the surface: one looks through it.
     pub behind: usize,
-    /// Pixels that could have been holes: they and their eight neighbours show something in the truth.
+    /// Pixels that could have been holes: they and their eight neighbors show something in the truth.
     pub judged: usize,
 }
 
 impl Holes {
     /// A pixel is a hole if its depth is more than 1 % behind the true depths of the pixel and of all its
-    /// neighbours. The neighbours make edges and slanted surfaces no holes: there, what a pixel shows is a matter
+    /// neighbors. The neighbors make edges and slanted surfaces no holes: there, what a pixel shows is a matter
     /// of half a pixel.
     pub fn of(picture: &Picture, truth: &Picture) -> Self {
         let [width, height] = truth.size_px.map(|s| s as usize);

@@ -17,6 +17,7 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow:
     let outputs = files::check(cli, partials)?;
     let config = config(cli)?;
     let plan = &Plan::of(&config);
+    plan.draw.technique.check_itself().map_err(|error| Usage(error.to_string()))?;
     let task = &Task::in_terminal(stop);
     match &cli.command {
         Command::View(args) => view(args, outputs, plan, stop),

@@ -62,7 +62,7 @@ settings! {
         /// Color where no point is: red, green, blue, 0 to 255.
         background: [u8; 3] = [0, 0, 0];
         /// Coordinate bits that are read: "auto" (10, 20 or 30 by the projected size) or "full" (always 30).
-        precision: Precision = Precision::Auto, for Laboratory;
+        precision: Precision = Precision::Auto;
         /// How points get into pixels, by the papers' names: "prefetch" (the fastest), "basic", "just-set", "busy-loop",
         /// "exchange-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup", "fixed40", "point-list" (the
         /// hardware's own points), "hqs", "hqs1" or "hqs1r". All but just-set draw the same picture. The first two are of

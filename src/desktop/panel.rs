@@ -214,16 +214,16 @@ fn label(ui: &mut Ui, label: &Label) {
     ui.label(RichText::new(&label.title).color(FAINT)).on_hover_text(&label.help);
 }
 
-/// What an overlay's colours mean. `row`: of the newest frame.
+/// What an overlay's colors mean. `row`: of the newest frame.
 fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
     let is_closest = row.is_some_and(|row| row.quality == Quality::Closest.name());
     match overlay {
         Overlay::None => "",
         Overlay::Rings => "Angle from the gaze: inner ring blue, middle green, outer orange.",
-        Overlay::Nodes => "Cubes of the nodes that are drawn, a colour a level; faint behind surfaces.",
+        Overlay::Nodes => "Cubes of the nodes that are drawn, a color a level; faint behind surfaces.",
         Overlay::Overdraw if is_closest => "Not in the quality 'closest', which counts no points.",
         Overlay::Overdraw => "Points that a pixel blends: 1 dark, 8 red, 64 and more white.",
-        Overlay::Depth => "Near dark, far white, each colour a factor of 7; black where nothing is.",
+        Overlay::Depth => "Near dark, far white, each color a factor of 7; black where nothing is.",
         Overlay::Precision => "Boxes of batches, by bits read: 10 blue, 20 green, 30 orange.",
     }
 }

@@ -1,4 +1,4 @@
-//! Colours and measures of everything that egui draws: dark, small, calm.
+//! Colors and measures of everything that egui draws: dark, small, calm.
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Frame, Margin, RichText, Stroke, TextStyle, vec2};
 use timing::STAGES;
@@ -17,7 +17,7 @@ pub(super) const BAD: Color32 = Color32::from_rgb(240, 110, 96);
 const FILL: Color32 = Color32::from_rgba_premultiplied(17, 19, 23, 238);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(26, 27, 29, 30);
 
-/// A colour a stage, told apart by colour-blind people too.
+/// A color a stage, told apart by color-blind people too.
 pub(super) const STAGE_COLORS: [Color32; STAGES.len()] = [
     Color32::from_rgb(150, 156, 168),
     Color32::from_rgb(0, 158, 115),

@@ -129,7 +129,7 @@ impl<'a> Window<'a> {
         });
     }
 
-    /// Waits until a pixel has its colour.
+    /// Waits until a pixel has its color.
     pub fn wait_pixel(&self, x: usize, y: usize, wanted: Pixel) {
         let mut seen = [0; 3];
         let begin = std::time::Instant::now();

@@ -16,7 +16,7 @@ use timing::{FrameRow, Phase};
 /// Pixels of an eye's image.
 pub const EYE_PX: [u32; 2] = [480, 540];
 
-/// sRGB colours of each eye's quarters: top left, top right, bottom left, bottom right.
+/// sRGB colors of each eye's quarters: top left, top right, bottom left, bottom right.
 pub const QUARTERS: [[[u8; 3]; 4]; 2] = [
     [[200, 30, 40], [20, 180, 60], [30, 60, 210], [127, 128, 129]],
     [[1, 2, 3], [250, 251, 252], [200, 100, 0], [0, 100, 200]],

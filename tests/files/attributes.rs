@@ -467,3 +467,25 @@ fn scalars_of_every_type_are_read_from_ply() {
         assert_eq!(read(&path, &some).0.columns, [(fields[4].attribute.clone(), expected[4].clone())]);
     }
 }
+
+/// What is spread over what all files have in common can be had as it is stored too, alone and beside.
+#[test]
+fn intensities_and_colors_of_ply_can_be_had_as_they_are_stored() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                property double intensity\nproperty float red\nproperty float green\nproperty float blue\n\
+                end_header\n0 0 0 -20.5 0.25 0.5 1\n1 0 0 -10.25 0 0 0\n2 0 0 -3.125 1 1 1\n";
+    let (_folder, path) = save("spread.ply", text.as_bytes());
+    let [intensity, red] = ["intensity", "red"].map(|name| Attribute::Named(name.into()));
+    let stored = Column::F64(vec![-20.5, -10.25, -3.125]);
+    let alone = read(&path, &Projection::of([intensity.clone()])).0;
+    assert_eq!(alone.columns, [(intensity.clone(), stored.clone())]);
+    let want = Projection::of([Attribute::Intensity, Attribute::Color, intensity.clone(), red.clone()]);
+    let all = read(&path, &want).0;
+    assert_eq!(all.column(&intensity), Some(&stored));
+    assert_eq!(all.column(&red), Some(&Column::F64(vec![0.25, 0.0, 1.0])));
+    let spread = read(&path, &Projection::of([Attribute::Intensity, Attribute::Color])).0;
+    for attribute in [Attribute::Intensity, Attribute::Color] {
+        assert!(all.column(&attribute).is_some(), "{attribute:?}");
+        assert_eq!(all.column(&attribute), spread.column(&attribute));
+    }
+}

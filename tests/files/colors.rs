@@ -177,7 +177,7 @@ fn said(path: &Path) -> String {
     let output =
         std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
-    text.lines().find(|line| line.starts_with("colour")).unwrap().to_owned()
+    text.lines().find(|line| line.starts_with("color")).unwrap().to_owned()
 }
 
 #[test]

@@ -25,7 +25,7 @@ impl Random {
     }
 }
 
-/// A scan in steps of a millimetre far from the origin; the colour of point i is i, so every point is known.
+/// A scan in steps of a millimetre far from the origin; the color of point i is i, so every point is known.
 fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let rgb = (0..xyz.len()).map(|i| [i, i >> 8, i >> 16].map(|c| c as u16 & 255)).collect();
@@ -102,7 +102,7 @@ fn faults(octree: &Octree, scan: &Scan) -> Vec<String> {
     faults
 }
 
-/// Every point of the scan must be in one batch, in its cell and with its colour: colours are unique.
+/// Every point of the scan must be in one batch, in its cell and with its color: colors are unique.
 fn lost_points(octree: &Octree, scan: &Scan) -> Vec<String> {
     let file = &scan.files[0];
     let mut seen = vec![0u32; file.points.xyz.len()];
@@ -111,7 +111,7 @@ fn lost_points(octree: &Octree, scan: &Scan) -> Vec<String> {
         for at in batch.first_point as usize..(batch.first_point + batch.num_points) as usize {
             let point = (octree.cloud.colors[at] & 0xff_ffff) as usize;
             let Some(count) = seen.get_mut(point) else {
-                faults.push(format!("no point has the colour {point:x}"));
+                faults.push(format!("no point has the color {point:x}"));
                 continue;
             };
             *count += 1;
@@ -185,7 +185,7 @@ fn above(octree: &Octree, number: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Smallest distance between two points of a node in units of its cell; half a cell of quantisation each
-/// is granted. Points are put into cells as wide as half the cell, so only neighbouring cells matter.
+/// is granted. Points are put into cells as wide as half the cell, so only neighboring cells matter.
 fn smallest_distance(octree: &Octree, node: &Node) -> f64 {
     let mut cells = std::collections::HashMap::<[i64; 3], Vec<DVec3>>::new();
     let batch = node.batches.start as usize;
@@ -269,7 +269,7 @@ fn the_number_of_threads_changes_nothing() {
 }
 
 /// Points near the centres of the root's grid cells: then no sample is too near to another, and every filtered
-/// colour must be the plain average of its cell.
+/// color must be the plain average of its cell.
 #[test]
 fn filtered_colors_are_the_averages_of_cells() {
     let mut random = Random(5);
@@ -300,14 +300,14 @@ fn filtered_colors_are_the_averages_of_cells() {
         assert_eq!(stored, average);
         num_filtered += usize::from(octree.filtered_colors[at] != octree.cloud.colors[at]);
     }
-    assert!(num_filtered > 10_000, "own and filtered colours differ, or this shows nothing");
+    assert!(num_filtered > 10_000, "own and filtered colors differ, or this shows nothing");
     let leaves = octree.nodes.iter().filter(|node| node.children.is_empty());
     for node in leaves {
         assert_eq!(octree.filtered_colors[slots(node)], octree.cloud.colors[slots(node)]);
     }
 }
 
-/// How far apart the neighbours of a node's points lie, world units, as planes and node say, with the points' x in the scan.
+/// How far apart the neighbors of a node's points lie, world units, as planes and node say, with the points' x in the scan.
 fn spacings<'o>(octree: &'o Octree, node: &'o Node) -> impl Iterator<Item = (f64, f64)> + 'o {
     slots(node).map(|at| {
         let words = planes_at(octree, at);

@@ -112,7 +112,7 @@ fn terrestrial_scans_station_after_station() {
     }
     assert!(points.iter().all(|p| p.number_of_returns == 1 && p.intensity > 0));
     let brightest = points.iter().filter_map(|p| p.color).map(|c| c.red.max(c.green)).max();
-    assert!(brightest > Some(40_000), "16-bit colours");
+    assert!(brightest > Some(40_000), "16-bit colors");
 }
 
 /// Heights of the paving west of the first station: y from −1.7 to −0.7, x as given.
@@ -176,7 +176,7 @@ fn photogrammetry_has_8_bit_colors_and_tiles() {
     let colors: Vec<_> = points.iter().filter_map(|p| p.color).collect();
     assert!(colors.iter().all(|c| c.red <= 255 && c.green <= 255 && c.blue <= 255));
     assert!(colors.iter().any(|c| c.red > 180));
-    // Neighbours in the file are mostly neighbours in space: far closer than by chance.
+    // Neighbors in the file are mostly neighbors in space: far closer than by chance.
     let step = |i: usize, j: usize| {
         let (a, b) = (&points[i], &points[j]);
         ((a.x - b.x).powi(2) + (a.y - b.y).powi(2) + (a.z - b.z).powi(2)).sqrt()

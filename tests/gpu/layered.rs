@@ -259,7 +259,7 @@ fn hysteresis_keeps_nodes_from_flickering() {
     assert_eq!(with, 0, "{without} without hysteresis");
 }
 
-/// Close up, all nodes on the way are drawn whole, and each point has the file's colour.
+/// Close up, all nodes on the way are drawn whole, and each point has the file's color.
 #[test]
 fn close_up_nothing_of_the_files_color_is_lost() {
     let (scan, octree) = courtyard();
@@ -319,7 +319,7 @@ proptest! {
     }
 }
 
-/// A flat cloud has no levels: all of it is drawn, with its own colours, and added up safely.
+/// A flat cloud has no levels: all of it is drawn, with its own colors, and added up safely.
 #[test]
 fn flat_clouds_blend_too() {
     let cloud: Cloud = cloud_of(

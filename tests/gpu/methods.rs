@@ -257,7 +257,7 @@ fn what_is_not_seen_can_be_read_for_the_sake_of_measuring() {
     assert!(culled.times.points_read < cloud.num_points);
 }
 
-/// Of 128 neighbours in a shuffled Morton order nearly all steps are short, and from group to group they are long.
+/// Of 128 neighbors in a shuffled Morton order nearly all steps are short, and from group to group they are long.
 #[test]
 fn orders_are_what_they_say() {
     let xyz = random_points(128 * 50, 3.0, 3);

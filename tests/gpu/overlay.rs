@@ -96,7 +96,7 @@ fn linear(srgb: f64) -> f64 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
-/// An sRGB colour over a pixel, as strong as `alpha`.
+/// An sRGB color over a pixel, as strong as `alpha`.
 fn over(image: [u8; 3], color: [f64; 3], alpha: f64) -> [u8; 3] {
     std::array::from_fn(|i| {
         let mixed = alpha * linear(color[i]) + (1.0 - alpha) * linear(f64::from(image[i]) / 255.0);
@@ -239,7 +239,7 @@ fn pixel(image: &[[u8; 3]], [x, y]: [usize; 2]) -> [u8; 3] {
     image[y * SIZE_PX[0] as usize + x]
 }
 
-/// Checks that a box's edges are drawn in a colour, its faces are not, and next to nothing else is.
+/// Checks that a box's edges are drawn in a color, its faces are not, and next to nothing else is.
 fn assert_box(shown: &Shown, view: &View, low: DVec3, size: DVec3, color: [f64; 3]) {
     for (eye, (image, copy)) in view.eyes.iter().zip(shown.images.iter().zip(&shown.copies)) {
         let place = |share: [f64; 3]| pixel_of(view, eye, low + size * DVec3::from_array(share));
@@ -274,7 +274,7 @@ fn nodes_are_cubes_in_their_places() {
     assert!(states[0] != 0 && states[1..].iter().all(|&state| state == 0), "only the root is drawn");
     let shown = show(&mut canvas, &view, Overlay::Nodes);
     assert_box(&shown, &view, root.min, DVec3::splat(root.edge), PALETTE[0]);
-    // Nearer, its parts are drawn too, each level in a colour of its own.
+    // Nearer, its parts are drawn too, each level in a color of its own.
     let near = Look { detail: Detail { threshold_px: [20.0; 3], ..DETAIL }, ..look };
     canvas.renderer.set_look(near).expect("room");
     let nearer = show(&mut canvas, &view, Overlay::Nodes);

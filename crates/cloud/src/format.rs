@@ -13,7 +13,7 @@ pub const PAGE_POINTS: u32 = 128;
 pub const COORDINATE_BITS: u32 = 30;
 /// Bits an axis in one plane.
 pub const PLANE_BITS: u32 = 10;
-/// From this bit on a word of the coarse plane says in two bits how far apart a point's neighbours lie: as far as its octant's
+/// From this bit on a word of the coarse plane says in two bits how far apart a point's neighbors lie: as far as its octant's
 /// spacing says, times its node's `spacing_step` to the power of these bits. 0 in flat clouds.
 pub const SPACING_EXPONENT_SHIFT: u32 = 3 * PLANE_BITS;
 /// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::spt::Scale`].

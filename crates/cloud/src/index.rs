@@ -42,14 +42,14 @@ impl<'a> Index<'a> {
         file.grid.p_in_world(file.points.xyz[i])
     }
 
-    /// World position and colour.
+    /// World position and color.
     pub(super) fn point(&self, i: usize) -> (DVec3, u32) {
         let (file, i) = self.locate(i);
         let file = &self.scan.files[file];
         (file.grid.p_in_world(file.points.xyz[i]), file.color(i))
     }
 
-    /// Colour: r | g≪8 | b≪16 | 255≪24.
+    /// Color: r | g≪8 | b≪16 | 255≪24.
     pub(super) fn color(&self, i: usize) -> u32 {
         let (file, i) = self.locate(i);
         self.scan.files[file].color(i)

@@ -65,7 +65,7 @@ pub fn random_points(count: usize, edge: f64, seed: u64) -> Vec<[i32; 3]> {
     (0..count).map(|_| [axis(), axis(), axis()]).collect()
 }
 
-/// A scan of grid points; the colour of point i is made from i.
+/// A scan of grid points; the color of point i is made from i.
 pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
     let grid = Grid { scale: DVec3::splat(scale), offset };
     let rgb =

@@ -1,4 +1,4 @@
-//! Reads XWD files, in which Xvfb keeps its screen: a header of big-endian words, a colour table, rows of pixels.
+//! Reads XWD files, in which Xvfb keeps its screen: a header of big-endian words, a color table, rows of pixels.
 
 use std::io;
 use std::path::Path;

@@ -2,6 +2,7 @@
 //! methods and tables, sequential point trees, and reports of what was measured.
 
 pub mod bench;
+mod hardware;
 pub mod reference;
 pub mod report;
 pub mod synth;

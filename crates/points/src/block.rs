@@ -56,7 +56,7 @@ impl Block {
 
 /// What is known of a file once its last point was handed over.
 #[derive(Debug, Default)]
-pub struct Ending {
+pub struct Trailer {
     /// Triangles of a mesh, of numbers of the points that were handed over; counter-clockwise where the surface is seen from.
     pub triangles: Vec<[u32; 3]>,
     /// The largest that a color can be, where the format knows it.

@@ -113,7 +113,7 @@ fn without_rgb(stats: &Stats) -> ColorSource {
     }
 }
 
-/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighbouring tiles match. A
+/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighboring tiles match. A
 /// sentence where some need others.
 pub(super) fn share_ranges(files: &mut [ScanFile], scene: &Bounds) -> Option<String> {
     let height = height_range(files, scene);

@@ -10,6 +10,16 @@ pub(crate) enum Number {
     Float(f64),
 }
 
+impl Number {
+    /// The nearest float.
+    pub(crate) fn as_f64(self) -> f64 {
+        match self {
+            Self::Whole(whole) => whole as f64,
+            Self::Float(float) => float,
+        }
+    }
+}
+
 /// A type whose values a column holds.
 pub(crate) trait Value: Copy + Default {
     /// The nearest value to a number; 0 of NaN where there is none.

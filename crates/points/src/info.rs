@@ -159,7 +159,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     }
     lines.push(("format", described.format));
     lines.push(("attributes", described.attributes.join(", ")));
-    lines.push(("colour", distinct(scan.files.iter().map(color_words)).join("; ")));
+    lines.push(("color", distinct(scan.files.iter().map(color_words)).join("; ")));
     lines.push(("normals", if described.normals { "yes".into() } else { String::new() }));
     let triangles = (described.triangles > 0).then(|| grouped(described.triangles));
     lines.push(("triangles", triangles.unwrap_or_default()));

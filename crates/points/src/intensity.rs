@@ -1,4 +1,4 @@
-//! The ends of the ramp that intensities are drawn by: the same for all files of a scan, so that neighbouring tiles match.
+//! The ends of the ramp that intensities are drawn by: the same for all files of a scan, so that neighboring tiles match.
 //!
 //! LAS asks for intensities of 16 bits; many programs write 8. Where a scan has files of both kinds, those of 8 bits
 //! would all be dark: 255 counts as 65535 there.

@@ -35,7 +35,7 @@ mod up;
 mod white;
 mod world;
 
-pub use block::{Block, Ending};
+pub use block::{Block, Trailer};
 pub use builder::ScanBuilder;
 pub use coloring::{ColorSource, Coloring};
 pub use column::{Column, Type};

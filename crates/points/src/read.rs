@@ -1,6 +1,6 @@
 //! Several files of any format to one [`Scan`].
 
-use super::block::Ending;
+use super::block::Trailer;
 use super::collect::{self, Collected};
 use super::color::{self, Choice};
 use super::inputs::{self, Inputs};
@@ -101,7 +101,7 @@ impl Failures {
 struct Read {
     header: Header,
     collected: Collected,
-    ending: Ending,
+    trailer: Trailer,
 }
 
 /// Reads all that the walk wants of a file.
@@ -113,7 +113,7 @@ fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Read,
         let memory = |_| ScanError::Memory { path: path.to_owned(), num_points };
         collected.add(block, options.show_withheld).map_err(memory)
     };
-    let ending = dataset.read(&collect::wanted(), &mut take, progress)?;
+    let trailer = dataset.read(&collect::wanted(), &mut take, progress)?;
     collected.shrink();
     if collected.points.xyz.is_empty() {
         let num_withheld = collected.points.num_withheld;
@@ -124,20 +124,20 @@ fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Read,
         return Err(ScanError::NoPoints { path: path.to_owned(), reason });
     }
     within_reach(path, &collected)?;
-    match ending.losses.first() {
+    match trailer.losses.first() {
         Some(loss) if options.strict => {
             Err(ScanError::Incomplete { path: path.to_owned(), loss: loss.clone() })
         }
-        _ => Ok(Read { header: dataset.header().clone(), collected, ending }),
+        _ => Ok(Read { header: dataset.header().clone(), collected, trailer }),
     }
 }
 
 fn add(scan: &mut Scan, file: Read, show_withheld: bool) {
-    let Read { header, collected, ending } = file;
+    let Read { header, collected, trailer } = file;
     let bounds = bounds(&collected);
     let Collected { grid, points, stats } = collected;
-    let Choice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, ending.white);
-    let sentences = header.warnings.iter().chain(&ending.losses).chain(&ending.warnings).chain(&of_colors);
+    let Choice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, trailer.white);
+    let sentences = header.warnings.iter().chain(&trailer.losses).chain(&trailer.warnings).chain(&of_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     let num_withheld = points.num_withheld;
     if num_withheld > 0 && !show_withheld {
@@ -156,7 +156,7 @@ fn add(scan: &mut Scan, file: Read, show_withheld: bool) {
         format: header.format,
         grid,
         points,
-        triangles: ending.triangles,
+        triangles: trailer.triangles,
         coloring,
         bounds,
         in_file: InFile { grid, bounds },

@@ -48,7 +48,7 @@ pub const IMAGE_USAGES: wgpu::TextureUsages =
 /// An eye's image to draw to.
 #[derive(Clone, Copy, Debug)]
 pub struct EyeImage<'a> {
-    /// Where the colours go: drawn to while there is no cloud, copied to else.
+    /// Where the colors go: drawn to while there is no cloud, copied to else.
     pub color: &'a wgpu::TextureView,
     /// Where [`View::near`] / w goes, 0 where nothing is; given if [`super::Setup::depth_format`] is.
     pub depth: Option<&'a wgpu::TextureView>,

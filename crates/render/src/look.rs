@@ -32,7 +32,7 @@ pub struct Look {
     pub quality: Quality,
     /// How gaps between points are filled.
     pub dilate: Dilate,
-    /// Colour where no point is, as stored.
+    /// Color where no point is, as stored.
     pub background: [u8; 3],
     /// How much of the cloud is drawn.
     pub detail: Detail,

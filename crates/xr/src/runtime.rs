@@ -10,7 +10,7 @@ pub(super) const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::
 /// What the runtime offers beyond the needs of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offers {
-    /// Takes depth images beside the colour images, for better reprojection.
+    /// Takes depth images beside the color images, for better reprojection.
     pub depth_layer: bool,
     /// Tells which pixels the lenses hide.
     pub visibility_mask: bool,

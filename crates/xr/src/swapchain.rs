@@ -1,4 +1,4 @@
-//! The eyes' images: a swapchain of colour an eye, and one of depth where the runtime takes it, wrapped as wgpu
+//! The eyes' images: a swapchain of color an eye, and one of depth where the runtime takes it, wrapped as wgpu
 //! textures.
 //!
 //! Two things that no validation layer notices are made impossible here. The runtime's queue use in

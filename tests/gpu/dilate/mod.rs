@@ -96,7 +96,7 @@ fn gpu_equals_its_reference() {
     }
 }
 
-/// What is special in the shader: tiles that are skipped as whole, empty ones, and extreme depths and colours.
+/// What is special in the shader: tiles that are skipped as whole, empty ones, and extreme depths and colors.
 #[test]
 fn gpu_equals_its_reference_where_tiles_are_whole_or_depths_extreme() {
     let size = [100, 70];
@@ -235,7 +235,7 @@ fn blended_and_dilated_in_one_equals_the_references() {
     }
 }
 
-/// The comparisons above can fail: one bit of a colour or of a depth shows, and so does a wrong radius.
+/// The comparisons above can fail: one bit of a color or of a depth shows, and so does a wrong radius.
 #[test]
 fn the_comparison_notices_a_bit_and_a_radius() {
     let size = [64, 48];
@@ -295,7 +295,7 @@ fn what_is_empty_stays_empty() {
     assert_eq!(dilate(&view, &by_ring(0), &vec![EMPTY; 1200]), vec![EMPTY; 1200]);
 }
 
-/// Whatever is added behind the near surface, that surface and what it fills keep depth and colour.
+/// Whatever is added behind the near surface, that surface and what it fills keep depth and color.
 #[test]
 fn the_far_never_bleeds_over_the_near() {
     let size = [120, 90];
@@ -320,7 +320,7 @@ fn the_far_never_bleeds_over_the_near() {
     }
 }
 
-/// A slit through which a wall shows, as wide as the radius, in a surface of two colours.
+/// A slit through which a wall shows, as wide as the radius, in a surface of two colors.
 #[test]
 fn a_hole_in_the_near_is_closed_from_the_near() {
     let view = view([60, 50]);

@@ -21,7 +21,7 @@ const BLOCK_KEYS: usize = 64;
 /// Where the points come from.
 pub(super) struct Source<'a> {
     pub index: &'a Index<'a>,
-    /// Sorted, with filtered colours.
+    /// Sorted, with filtered colors.
     pub keys: &'a [Placed],
     /// Level of the node that owns each key.
     pub levels: &'a [u8],

@@ -15,7 +15,7 @@ pub(super) struct Key {
     pub code: u64,
     /// Number in the [`Index`].
     pub point: u32,
-    /// Its own colour; once an inner node has taken it, the filtered one.
+    /// Its own color; once an inner node has taken it, the filtered one.
     pub color: u32,
 }
 

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Instead of hash tables: once the points are sorted by Morton code, each cube of the octree is a run of
-//! neighbours, found by bisection, and so is each cell of a node's sampling grid. A node samples the samples of
+//! neighbors, found by bisection, and so is each cell of a node's sampling grid. A node samples the samples of
 //! its children (of leaves: all their points), takes them out of the children, and hands them on to its parent;
 //! the work shrinks by a factor from level to level. The result does not depend on the number of threads.
 //!
@@ -17,7 +17,7 @@
 //! - **Spread**: no two of its points share a cell of its grid of 128³, and no two are closer than half a cell,
 //!   [`Node::cell`] / 2. In a cell, the point nearest to the centre is taken. Where that makes more than
 //!   [`MAX_NODE_POINTS`], some go, evenly.
-//! - **Filter**: its points' filtered colours average all points of its cube, each counted once: a cell's points
+//! - **Filter**: its points' filtered colors average all points of its cube, each counted once: a cell's points
 //!   count for the cell's sample, and where that one is dropped for closeness, for the nearest that was kept, or
 //!   dropped for number, for the one before it on the curve.
 //!
@@ -79,10 +79,10 @@ pub struct Node {
     pub num_points: u32,
     /// Points of the cloud in its cube: its own, those of all nodes below, and those that nodes above took.
     pub num_points_within: u32,
-    /// Distance of neighbours among all points in each octant of its cube, estimated, as a share of `edge`: of an inner node
+    /// Distance of neighbors among all points in each octant of its cube, estimated, as a share of `edge`: of an inner node
     /// where they lie closest. 0 where no points are. Octant number: x | y≪1 | z≪2.
     pub octant_spacing: [f32; 8],
-    /// A sample's neighbours lie `spacing_step`ⁿ times as far apart as its octant's spacing says, 0 ≤ n ≤ 3: see
+    /// A sample's neighbors lie `spacing_step`ⁿ times as far apart as its octant's spacing says, 0 ≤ n ≤ 3: see
     /// [`crate::format::SPACING_EXPONENT_SHIFT`]. 1 of a leaf.
     pub spacing_step: f32,
     /// Most of its points that share a cell of a grid of 128³; 1 if inner.
@@ -99,7 +99,7 @@ impl Node {
         self.edge / f64::from(1u32 << GRID_BITS)
     }
 
-    /// How many times as far apart as in its octant a point's neighbours must lie for its exponent to be 1, 2 and 3. Between
+    /// How many times as far apart as in its octant a point's neighbors must lie for its exponent to be 1, 2 and 3. Between
     /// two steps the upper one is taken from 0.3 of the way on: a point drawn too small leaves gaps, one drawn too large
     /// only blurs.
     fn exponent_bounds(&self) -> [f64; 3] {
@@ -107,7 +107,7 @@ impl Node {
         [0, 1, 2].map(|exponent| step.powf(0.3) * step.powi(exponent))
     }
 
-    /// The exponent of a point in an octant whose neighbours lie `spacing` world units apart; 0 if that is not known.
+    /// The exponent of a point in an octant whose neighbors lie `spacing` world units apart; 0 if that is not known.
     fn spacing_exponent(&self, bounds: [f64; 3], octant: usize, spacing: f64) -> u32 {
         let least = f64::from(self.octant_spacing[octant]) * self.edge;
         bounds.iter().filter(|&bound| spacing > least * bound).count() as u32
@@ -173,10 +173,10 @@ pub type TakeNodes<'a, E> = &'a mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Res
 #[derive(Clone, Debug)]
 pub struct Octree {
     /// All points, node by node, each node cut into batches that share its cube as their box. As it stands this
-    /// is a flat cloud too: drawn whole, it shows every point once. Its colours are the points' own.
+    /// is a flat cloud too: drawn whole, it shows every point once. Its colors are the points' own.
     pub cloud: Cloud,
     /// Beside `cloud.colors`: the average of what a point stands for while nothing below its node is drawn.
-    /// Equal to the own colour in leaves.
+    /// Equal to the own color in leaves.
     pub filtered_colors: Vec<u32>,
     /// As [`Hierarchy::nodes`].
     pub nodes: Vec<Node>,

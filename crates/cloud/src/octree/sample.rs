@@ -1,7 +1,7 @@
-//! Sampling: which points of its children a node takes, and which colours they then stand for.
+//! Sampling: which points of its children a node takes, and which colors they then stand for.
 //!
 //! Candidates come in Morton order, so the candidates of a grid cell follow one another: of each run the one
-//! nearest to the cell's centre is proposed. It is kept unless one already kept in a neighbouring cell is closer
+//! nearest to the cell's centre is proposed. It is kept unless one already kept in a neighboring cell is closer
 //! than half a cell. Which cells are taken is a bitmap in Morton order; since cells come in that order too, the
 //! number of a cell's sample is the count of bits before its own, and no hash table is needed.
 //!
@@ -64,7 +64,7 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// Keeps `limit` of them. Those that go are stood for by the one before: on the curve, a neighbour.
+    /// Keeps `limit` of them. Those that go are stood for by the one before: on the curve, a neighbor.
     fn thin(&mut self, limit: usize) {
         let num_samples = self.samples.len();
         self.num_spread = num_samples;
@@ -224,7 +224,7 @@ impl Sampler {
         // Gaps are a code cell less than the difference of the numbers.
         let reach = grid.min_distance() + 1;
         let end = grid.size() - 1;
-        // Morton parts of the cells in reach along an axis: from the middle of a cell both neighbours are.
+        // Morton parts of the cells in reach along an axis: from the middle of a cell both neighbors are.
         let side = |v: u64| {
             let first = v.saturating_sub(reach) >> grid.cell_bits;
             let last = end.min((v + reach) >> grid.cell_bits);

@@ -13,7 +13,7 @@ const CELLS_PER_FACE: f64 = 1.5;
 /// What the sorted codes of a leaf tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spacing {
-    /// Mean distance of neighbours, taking the points for a surface, as a share of the cube's edge.
+    /// Mean distance of neighbors, taking the points for a surface, as a share of the cube's edge.
     pub share: f64,
     /// Most points in one cell of the sampling grid.
     pub crowd: u32,
@@ -21,7 +21,7 @@ pub(super) struct Spacing {
 
 /// From the codes of a cube's points, in order, whose lowest `bits` tell the place in the cube.
 pub(super) fn spacing(keys: &[Key], bits: u32) -> Spacing {
-    // Neighbours in order that lie in different cells from a depth on begin a new filled cell there.
+    // Neighbors in order that lie in different cells from a depth on begin a new filled cell there.
     let mut begun = [0usize; MAX_DEPTH + 1];
     let (mut crowd, mut run) = (1u32, 1u32);
     for pair in keys.windows(2) {

@@ -7,7 +7,7 @@ use super::*;
 use points::{Grid, ScanBuilder};
 use proptest::prelude::*;
 
-/// A scan of grid points a millimetre apart whose colours are made from their numbers.
+/// A scan of grid points a millimetre apart whose colors are made from their numbers.
 fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let rgb = (0..xyz.len() as u32).map(|i| [i * 7 % 256, i * 31 % 256, i / 5 % 256].map(|c| c as u16));
@@ -80,7 +80,7 @@ fn a_lost_point_shows_in_the_totals() {
     assert_ne!(totals(&[&all[..], &all[..1]].concat()), totals(&all));
 }
 
-/// Sums of the own colours of the keys in a range, looked up by point.
+/// Sums of the own colors of the keys in a range, looked up by point.
 fn own_totals(index: &Index, keys: &[Key]) -> (u64, [u64; 3]) {
     let own: Vec<Sample> = keys
         .iter()
@@ -89,11 +89,11 @@ fn own_totals(index: &Index, keys: &[Key]) -> (u64, [u64; 3]) {
     totals(&own)
 }
 
-/// Largest part of one 8-bit step by which a node's filtered colours, weighted by what they stand for, may
+/// Largest part of one 8-bit step by which a node's filtered colors, weighted by what they stand for, may
 /// leave the true average: each is rounded to half a step.
 const HALF_STEP: f64 = 0.5;
 
-/// The root keeps all its samples: its filtered colours tell the average of the whole cloud.
+/// The root keeps all its samples: its filtered colors tell the average of the whole cloud.
 #[test]
 fn the_roots_filtered_colors_average_the_cloud() {
     let scan = scan_of(sheet(120_000, 7));
@@ -112,7 +112,7 @@ fn the_roots_filtered_colors_average_the_cloud() {
     let mut weighted = [0.0; 3];
     for sample in &samples {
         let color = keys[sample.key as usize].color;
-        assert_eq!(color, sample.color(), "the filtered colour is the average of what the sample stands for");
+        assert_eq!(color, sample.color(), "the filtered color is the average of what the sample stands for");
         assert_eq!(levels[sample.key as usize], 0);
         for (channel, sum) in weighted.iter_mut().enumerate() {
             *sum += f64::from(sample.num_points) * f64::from(color >> (8 * channel) & 255);

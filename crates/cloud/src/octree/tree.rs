@@ -31,7 +31,7 @@ pub(super) struct Draft {
     pub keys: Range<usize>,
     /// Points of its own.
     pub num_points: u32,
-    /// The least distance of neighbours in each octant, world units; 0 of a leaf's where there are few points.
+    /// The least distance of neighbors in each octant, world units; 0 of a leaf's where there are few points.
     pub octant_spacing: [f64; 8],
     /// See [`super::Node::spacing_step`].
     pub spacing_step: f64,
@@ -104,7 +104,7 @@ pub(super) struct Builder<'a> {
 
 impl Builder<'_> {
     /// The tree over sorted keys, at least one. Afterwards `levels` says of each key which of the nodes on its
-    /// path owns it, and its colour is the filtered one. Worthless if `progress` says stop.
+    /// path owns it, and its color is the filtered one. Worthless if `progress` says stop.
     pub fn build(&self, keys: &mut [Key], levels: &mut [u8]) -> Draft {
         let frame = Frame::new(&self.root, Cube::ROOT);
         let part = Part { first: 0, keys, levels };
@@ -238,7 +238,7 @@ impl Builder<'_> {
 pub(super) struct Octant {
     /// Numbers of their keys.
     pub keys: Range<usize>,
-    /// Mean distance of neighbours, world units; 0 where points are too few to tell of a surface.
+    /// Mean distance of neighbors, world units; 0 where points are too few to tell of a surface.
     pub spacing: f64,
 }
 
@@ -294,7 +294,7 @@ fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octa
     parts.map(octant).collect()
 }
 
-/// Of an inner node: the least distance of neighbours in each octant, and the step from there to the most in any; a node at
+/// Of an inner node: the least distance of neighbors in each octant, and the step from there to the most in any; a node at
 /// `level` has at most one part in each octant.
 fn spacing_below(level: u32, below: &[(Draft, Offer)]) -> ([f64; 8], f64) {
     let (mut octants, mut ratio) = ([0.0; 8], 1.0f64);

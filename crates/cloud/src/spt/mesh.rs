@@ -81,7 +81,7 @@ fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
     Some(Face { corners: corners.map(|c| first + c), normal: u.cross(v), side: rounded_up(side) })
 }
 
-/// Puts into the leaves what files know better than neighbours tell: normals, sides if `with_sides`, and how far
+/// Puts into the leaves what files know better than neighbors tell: normals, sides if `with_sides`, and how far
 /// the triangles at a point reach.
 pub(super) fn inform(leaves: &mut [Leaf], sorted: &Sorted, scan: &Scan, with_sides: bool) {
     let corners = corners(scan);

@@ -1,4 +1,4 @@
-//! Triangles in batches: each a few neighbours of about one size with the corners that they share.
+//! Triangles in batches: each a few neighbors of about one size with the corners that they share.
 //!
 //! A corner is a point of its batch like any other; the word beside point i is triangle i of the batch. Corners that
 //! several batches share stand in each.

@@ -18,7 +18,7 @@
 //! distance: `tolerance = ε · distance / pixels per radian`. A disc is drawn while `min ≤ tolerance < max`, where
 //! `min` is its own error and `max` its parent's, and the overlap of [SPT §3.6]. See [`Sequence`].
 //!
-//! **Order.** Sorted by `max`, entries lose their neighbours: any stretch of them is spread all over the cloud, and
+//! **Order.** Sorted by `max`, entries lose their neighbors: any stretch of them is spread all over the cloud, and
 //! none can be culled [SPT §3.7]. The list is therefore sorted by the octave of `max` alone, and in Morton order
 //! inside of each: a batch of it has a small box and an interval of its own, and is culled by both. In a scan of four
 //! million points seen from within, half as many are read as in the paper's order. Discs that are drawn however near the
@@ -29,7 +29,7 @@
 //! whatever the settings say of rings: a step in it would be a hole, for which no overlap is wide enough.
 //!
 //! **Sides.** A point's normal is its file's; else the mean of its triangles', by their areas; else estimated from
-//! neighbours ([`normals`]), and then which side of a surface was seen is unknown: the normal is an axis. Axes are
+//! neighbors ([`normals`]), and then which side of a surface was seen is unknown: the normal is an axis. Axes are
 //! turned into one hemisphere before they are averaged, and nothing is culled for facing away. Where sides are known
 //! and wanted, batches are of one of the clusters of [SPT §3.10] where they have enough discs of it, see [`clusters`] and
 //! [`parts`]; the paper cuts the whole list by them, which from afar reads a batch for each. Files with and
@@ -82,7 +82,7 @@ use points::Scan;
 pub const MAX_TOLERANCE_RAD: f64 = 1.0 / 128.0;
 
 /// The most that the tolerance may grow by from one place to another, as a share of their distance: it grows with the
-/// distance from the eye, and with the angle from the gaze. The overlap of neighbouring intervals is made for it, so that
+/// distance from the eye, and with the angle from the gaze. The overlap of neighboring intervals is made for it, so that
 /// a surface seen at different distances and angles has no holes [SPT §3.6].
 pub const MAX_TOLERANCE_SLOPE: f64 = 1.0 / 64.0;
 

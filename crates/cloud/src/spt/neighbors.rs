@@ -1,7 +1,7 @@
-//! The leaves' normals and diameters, from each point's neighbours.
+//! The leaves' normals and diameters, from each point's neighbors.
 //!
 //! Points are taken by cubes of a few; the cubes round one of them, found by bisection among the codes, hold the
-//! neighbours of all its points. Nothing depends on threads or on chance.
+//! neighbors of all its points. Nothing depends on threads or on chance.
 
 use super::cubes::Cube;
 use super::tree::{Leaf, NO_SIDE};
@@ -19,13 +19,13 @@ const TASK_POINTS: usize = 1 << 14;
 const CUBE_POINTS: usize = 16;
 /// Points looked at in a cube: where a cube beside holds more, evenly spread ones.
 const MAX_CANDIDATES: usize = 64;
-/// Neighbours that make a normal.
+/// Neighbors that make a normal.
 const NORMAL_NEIGHBORS: usize = 12;
-/// Which neighbour tells how far apart points lie: on a square grid, the four nearest are equally far.
+/// Which neighbor tells how far apart points lie: on a square grid, the four nearest are equally far.
 const SPACING_NEIGHBOR: usize = 4;
 /// How much wider than that a leaf's disc is: it must reach over the diagonal, and points lie irregularly.
 pub(super) const OVERLAP: f32 = 1.5;
-/// Points that lie further from their neighbours than these do from theirs, by this factor, are no surface but
+/// Points that lie further from their neighbors than these do from theirs, by this factor, are no surface but
 /// strays, which would be drawn as large discs.
 const STRAY: f32 = 1.5;
 /// Share of points whose diameters are taken as they are: the others, at the rims of what the scanner saw and in
@@ -68,7 +68,7 @@ fn limit(leaves: &mut [Leaf]) {
     }
 }
 
-/// What a thread needs to find neighbours.
+/// What a thread needs to find neighbors.
 struct Search<'a> {
     sorted: &'a Sorted<'a>,
     /// Points of a cube and those round it: number of the key, and position relative to the cube's first point.
@@ -94,7 +94,7 @@ impl Search<'_> {
         }
     }
 
-    /// A point's leaf and the key of its nearest neighbour; its own if it has none.
+    /// A point's leaf and the key of its nearest neighbor; its own if it has none.
     fn leaf(&mut self, number: usize, p: Vec3) -> (Leaf, u32) {
         self.nearest.clear();
         let others = self.candidates.iter().enumerate().filter(|(_, (other, _))| *other != number);
@@ -127,7 +127,7 @@ fn around(keys: &[Key], cube: &Cube, each: &mut dyn FnMut(Range<usize>)) {
         // All there is.
         return;
     }
-    // Strays have neighbours among strays.
+    // Strays have neighbors among strays.
     let first = keys[cube.keys.start].0;
     let (prefix, far) = ((first & !FAR) >> cube.bits, (first & FAR) >> cube.bits);
     let cell = [0, 1, 2].map(|axis| compact(prefix >> axis) as i64);

@@ -1,4 +1,4 @@
-//! Normals: estimated as the direction in which neighbours spread least, and packed into a word.
+//! Normals: estimated as the direction in which neighbors spread least, and packed into a word.
 
 use glam::{DMat3, DVec3};
 

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// A part ends with its octave, unless it is smaller than this or an eighth of the list: within an octave, discs that
-/// follow each other are neighbours.
+/// follow each other are neighbors.
 const MIN_DISCS: usize = 2048;
 /// What a part has at least, however short the list: a few discs a thread.
 const MIN_DISCS_OF_FEW: usize = 256;

@@ -294,7 +294,7 @@ fn a_plane_is_soon_drawn_by_few_large_discs() {
     assert!(inner.all(|n| n.error < 0.45 * n.diameter), "flat: {:?}", tree.nodes.last());
     let mut leaves: Vec<f32> = leaves(&tree).map(|leaf| tree.nodes[leaf].diameter).collect();
     leaves.sort_by(f32::total_cmp);
-    // The leaning axis has 1.41 cm between points, the other 1 cm: the fourth neighbour lies along the former, and at
+    // The leaning axis has 1.41 cm between points, the other 1 cm: the fourth neighbor lies along the former, and at
     // the border further away.
     assert!((leaves[leaves.len() / 2] - 1.5 * 0.01414).abs() < 1e-4, "{}", leaves[leaves.len() / 2]);
     assert!(leaves[0] > 0.02 && leaves[leaves.len() - 1] < 0.031, "even");

@@ -2,13 +2,13 @@
 //! image. The same points in the same order as the compute frame gets. It is what `bench` compares with, rather than
 //! the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
+use crate::hardware::{self, DEPTH_FORMAT, Points};
 use crate::reference::points::cells;
 use anyhow::Result;
 use base::space::{Eye, Split, View};
 use bytemuck::{Pod, Zeroable};
 use cloud::{Batch, Cloud};
 use glam::{DVec3, DVec4, Mat4};
-use render::gpu::points::{self, DEPTH_FORMAT, Points};
 use render::gpu::timer::Timer;
 use render::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
 use render::layout::BATCH_POINTS;
@@ -16,7 +16,7 @@ use std::mem::offset_of;
 use std::time::Instant;
 use wgpu::util::DeviceExt;
 
-/// Colours are stored sRGB-encoded and go to the image as they are: no stage converts them.
+/// Colors are stored sRGB-encoded and go to the image as they are: no stage converts them.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Batches whose vertices are made and sent at once: 4 MB.
 const PIECE_BATCHES: usize = 25;
@@ -189,7 +189,7 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     };
-    points::pipeline(
+    hardware::pipeline(
         gpu,
         Points {
             module: &module,

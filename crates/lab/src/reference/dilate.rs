@@ -12,14 +12,14 @@ use render::layout::{
 struct Row {
     /// Its nearest depth.
     nearest: u32,
-    /// Sums of that surface's colours times weights: r, g, b, a.
+    /// Sums of that surface's colors times weights: r, g, b, a.
     sums: [u32; 4],
 }
 
 /// The image of eye `dilate.eye`, whose pixels are `surface`, row by row.
 ///
 /// A pixel that lies farther than the nearest surface of its window, or has no point, takes that surface's nearest
-/// depth and the blend of its colours, the closer the heavier. Rows come first, each pixel with what reaches it, then
+/// depth and the blend of its colors, the closer the heavier. Rows come first, each pixel with what reaches it, then
 /// columns over what the rows found. What lies in a pixel reaches as far as its depth's last bits say, its ring's kernel
 /// at least.
 ///
@@ -77,7 +77,7 @@ fn surface_end(nearest: u32) -> u32 {
     if nearest == EMPTY_DEPTH { 0 } else { (SURFACE_TOLERANCE * f32::from_bits(nearest)).to_bits() }
 }
 
-/// Weight of a neighbour along one axis.
+/// Weight of a neighbor along one axis.
 fn weight(distance_px: usize) -> u32 {
     1 << (DILATE_FALLOFF_BITS * (DILATE_REACH_PX - distance_px as u32))
 }

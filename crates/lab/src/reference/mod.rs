@@ -74,14 +74,14 @@ impl<'a> Scene<'a> {
         Self { cloud, filtered_colors: &cloud.colors, nodes: vec![], batches: vec![], tree }
     }
 
-    /// The colour that an id stands for.
+    /// The color that an id stands for.
     #[must_use]
     pub fn color(&self, id: u32) -> u32 {
         let colors = if id & ID_ODD != 0 { self.filtered_colors } else { &self.cloud.colors };
         colors[(id >> ID_SHIFT) as usize]
     }
 
-    /// The colour that `hqs` adds to a pixel.
+    /// The color that `hqs` adds to a pixel.
     fn color_put(&self, put: &points::Put) -> u32 {
         let mixed = |mixture: tree::triangles::Mixture| mixture.color(&self.cloud.colors);
         put.mixture.map_or_else(|| self.color(put.id), mixed)
@@ -101,7 +101,7 @@ pub struct Frame {
     pub keys: Vec<Vec<u64>>,
     /// `hqs`: bits of the nearest depth.
     pub depth: Vec<Vec<u32>>,
-    /// `hqs`: sums of colours.
+    /// `hqs`: sums of colors.
     pub sums: Vec<Vec<color::Sum>>,
     /// What the pixels show before gaps are filled.
     pub surface: Vec<Vec<resolve::Pixel>>,

@@ -21,7 +21,7 @@ pub struct Put {
     pub pixel: usize,
     /// Linear depth.
     pub w: f32,
-    /// Twice the point's number, and one more if its filtered colour counts, or if it is of a triangle.
+    /// Twice the point's number, and one more if its filtered color counts, or if it is of a triangle.
     pub id: u32,
     /// Of a triangle.
     pub mixture: Option<Mixture>,

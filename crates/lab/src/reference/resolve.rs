@@ -3,13 +3,13 @@
 use super::color::Sum;
 use render::layout::{BLUE_SHIFT, EMPTY_DEPTH, GREEN_SHIFT, KEY_DEPTH_SHIFT, OPAQUE};
 
-/// Bits of linear depth, and colour r | g≪8 | b≪16 | 255≪24 as stored.
+/// Bits of linear depth, and color r | g≪8 | b≪16 | 255≪24 as stored.
 pub type Pixel = [u32; 2];
 
 /// A pixel where there is nothing.
 pub const EMPTY: Pixel = [EMPTY_DEPTH, 0];
 
-/// `closest` quality: an eye's keys to colours; `color_of` tells the colour of an id.
+/// `closest` quality: an eye's keys to colors; `color_of` tells the color of an id.
 #[must_use]
 pub fn shade(keys: &[u64], color_of: &dyn Fn(u32) -> u32) -> Vec<Pixel> {
     let pixel = |&key: &u64| match (key >> KEY_DEPTH_SHIFT) as u32 {
@@ -19,7 +19,7 @@ pub fn shade(keys: &[u64], color_of: &dyn Fn(u32) -> u32) -> Vec<Pixel> {
     keys.iter().map(pixel).collect()
 }
 
-/// `hqs` quality: an eye's sums to colours.
+/// `hqs` quality: an eye's sums to colors.
 #[must_use]
 pub fn blend(depth: &[u32], sums: &[Sum]) -> Vec<Pixel> {
     let pixel = |(&depth, &[r, g, b, count]): (&u32, &Sum)| {

@@ -20,7 +20,7 @@ const ORIGIN: DVec3 = DVec3::new(452_000.0, 5_412_000.0, 280.0);
 const FLIGHT_M: f64 = 650.0;
 /// Strips; their middles are 200 m apart.
 const NUM_STRIPS: u64 = 5;
-/// Half the width that a strip covers: neighbours overlap.
+/// Half the width that a strip covers: neighbors overlap.
 const HALF_SWATH_M: f64 = 122.0;
 /// Speed of the aircraft.
 const SPEED_M_PER_S: f64 = 60.0;

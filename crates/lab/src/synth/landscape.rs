@@ -187,7 +187,7 @@ impl Landscape {
         best
     }
 
-    /// Display colour of what [`Landscape::top`] found, in the sun.
+    /// Display color of what [`Landscape::top`] found, in the sun.
     pub fn color(&self, p: DVec2, z: f64, cover: Cover, to_sun: DVec3) -> DVec3 {
         let step = 0.6;
         let slope = |d: DVec2| (self.smooth_top(p + d, cover) - self.smooth_top(p - d, cover)) / (2.0 * step);
@@ -229,7 +229,7 @@ impl Landscape {
 }
 
 impl Tree {
-    /// Display colour at a place of the crown.
+    /// Display color at a place of the crown.
     pub fn color(&self, p: DVec3, to_sun: DVec3) -> DVec3 {
         let out = (p - self.crown) / DVec3::new(self.radius, self.radius, self.half_height);
         let sun = (0.35 + 0.65 * out.normalize_or(DVec3::Z).dot(to_sun)).max(0.0) * out.length().min(1.0);

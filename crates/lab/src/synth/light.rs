@@ -8,9 +8,9 @@ use base::space::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Colour and strength of the sun's light.
+/// Color and strength of the sun's light.
 pub const SUN_COLOR: DVec3 = DVec3::new(1.12, 1.0, 0.80);
-/// Colour of the light of sky and walls.
+/// Color of the light of sky and walls.
 pub const SKY_COLOR: DVec3 = DVec3::new(0.74, 0.82, 0.98);
 /// Farther than this nothing throws a shadow.
 const REACH_M: f64 = 80.0;

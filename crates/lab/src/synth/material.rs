@@ -1,6 +1,6 @@
 //! What surfaces look like: patterns, stains and wear as functions of the place.
 //!
-//! Colours here are display values (0 to 1, as on a screen); the light's square root scales them.
+//! Colors here are display values (0 to 1, as on a screen); the light's square root scales them.
 
 use base::random::{cell_value, fractal, noise};
 use glam::DVec3;
@@ -12,7 +12,7 @@ pub enum Material {
     Stone,
     /// Painted plaster of the given tint, dirty near the ground and under the eaves (`foot`, `top`: heights).
     Plaster {
-        /// Base colour.
+        /// Base color.
         tint: DVec3,
         /// Height at which the wall meets the ground.
         foot: f64,
@@ -23,7 +23,7 @@ pub enum Material {
     Brick,
     /// Large floor slabs in a running bond.
     Paving,
-    /// Small square tiles in two colours, their diagonal along the walls.
+    /// Small square tiles in two colors, their diagonal along the walls.
     Checker,
     /// Clay roof tiles in rows; `down` is the horizontal direction in which the roof falls.
     Roof {
@@ -34,14 +34,14 @@ pub enum Material {
     Wood {
         /// Axis of the grain.
         grain: usize,
-        /// Base colour.
+        /// Base color.
         tint: DVec3,
     },
     /// Grass.
     Grass,
     /// Leaves; the value varies from leaf to leaf through the place.
     Leaf {
-        /// Base colour.
+        /// Base color.
         tint: DVec3,
     },
     /// Bark.
@@ -54,19 +54,19 @@ pub enum Material {
     Iron,
     /// Fired clay pots.
     Clay,
-    /// Cloth of the given colour, woven in stripes.
+    /// Cloth of the given color, woven in stripes.
     Cloth {
-        /// Base colour.
+        /// Base color.
         tint: DVec3,
     },
     /// Anything painted evenly.
     Paint {
-        /// Colour.
+        /// Color.
         tint: DVec3,
     },
 }
 
-/// A colour from display values of 0–255.
+/// A color from display values of 0–255.
 pub const fn rgb(r: u8, g: u8, b: u8) -> DVec3 {
     DVec3::new(r as f64 / 255.0, g as f64 / 255.0, b as f64 / 255.0)
 }
@@ -104,7 +104,7 @@ fn bond(u: f64, v: f64, width: f64, height: f64) -> ([i64; 3], f64) {
 }
 
 impl Material {
-    /// Colour at a place of the surface, display values.
+    /// Color at a place of the surface, display values.
     pub fn color(&self, p: DVec3, normal: DVec3) -> DVec3 {
         let (u, v) = on_surface(p, normal);
         let grain = noise(60.0 * p);

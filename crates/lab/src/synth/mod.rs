@@ -46,7 +46,7 @@ pub enum Kind {
     Terrestrial,
     /// 1 km² of land with a village, from an aircraft: strips, up to three returns (LAS 1.4, point format 7).
     Aerial,
-    /// A statue, from photographs: dense, noisy, tile by tile (LAS 1.2, point format 2, 8-bit colours); or, as
+    /// A statue, from photographs: dense, noisy, tile by tile (LAS 1.2, point format 2, 8-bit colors); or, as
     /// .ply, its mesh, smooth and complete.
     Photogrammetry,
 }

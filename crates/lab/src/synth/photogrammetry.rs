@@ -1,4 +1,4 @@
-//! A reconstruction from photographs: a dense, noisy, coloured surface, tile by tile.
+//! A reconstruction from photographs: a dense, noisy, colored surface, tile by tile.
 //!
 //! Small cubes along the surface, tile after tile, are the lines of this device. Points are thrown into a
 //! cube and fall onto the surface; they stay as often as photographs would show the place.

@@ -1,4 +1,4 @@
-//! Writes a mesh as binary PLY: points with normals and colours, then triangles.
+//! Writes a mesh as binary PLY: points with normals and colors, then triangles.
 
 use super::Summary;
 use super::file::{SynthError, Target};
@@ -8,7 +8,7 @@ use base::space::Bounds;
 use base::task::Progress;
 use std::io::{self, BufWriter, Write};
 
-/// Bytes of a vertex: six floats, three bytes of colour.
+/// Bytes of a vertex: six floats, three bytes of color.
 const VERTEX_BYTES: u64 = 27;
 /// Bytes of a triangle: their number, three numbers of vertices.
 const TRIANGLE_BYTES: u64 = 13;

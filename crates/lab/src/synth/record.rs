@@ -15,9 +15,9 @@ pub struct Layout {
 /// The LAS point formats that we write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// LAS 1.2, point format 2: colour, no time.
+    /// LAS 1.2, point format 2: color, no time.
     Rgb2,
-    /// LAS 1.4, point format 7: colour and time.
+    /// LAS 1.4, point format 7: color and time.
     Rgb7,
 }
 

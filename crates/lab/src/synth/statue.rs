@@ -12,7 +12,7 @@ pub const GROUND_M: f64 = 3.4;
 /// Top of the plinth.
 const PLINTH: f64 = 1.12;
 
-/// Part of the scene; what a colour depends on.
+/// Part of the scene; what a color depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Ground,
@@ -147,7 +147,7 @@ pub fn gradient(p: DVec3) -> DVec3 {
     slopes.iter().sum::<DVec3>() / (4.0 * step)
 }
 
-/// Display colour of the surface at `p`, lit by a hazy sky: weathered marble, a mossy plinth, gravel, grass.
+/// Display color of the surface at `p`, lit by a hazy sky: weathered marble, a mossy plinth, gravel, grass.
 pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
     let nearest = parts(p).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     let part = nearest.map_or(Part::Ground, |(_, part)| part);

@@ -163,7 +163,7 @@ impl Device for Scanner {
 }
 
 impl Scanner {
-    /// The surface's colour as the scanner's camera has it: 16 bits, overexposed softly.
+    /// The surface's color as the scanner's camera has it: 16 bits, overexposed softly.
     fn photo(&self, ray: &Ray, hit: &Hit, material: &Material, rng: &mut Rng) -> [u16; 3] {
         let color = self.court.color(ray.at(hit.t), hit.normal, material);
         let haze = rgb(196, 208, 220);

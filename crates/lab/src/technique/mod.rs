@@ -86,17 +86,26 @@ impl LabTechnique {
         Self { error_px: Some(error_px), ..Self::default() }
     }
 
+    /// Whether any GPU could do it.
+    ///
+    /// # Errors
+    /// What contradicts what.
+    pub fn check_itself(&self) -> Result<(), NoSuchMethod> {
+        if self.method == Method::PointList && self.error_px.is_some() {
+            return Err(NoSuchMethod::Sizes { method: self.method.name() });
+        }
+        Ok(())
+    }
+
     /// Whether this GPU can do it in a tier.
     ///
     /// # Errors
     /// What it lacks.
     pub fn check(&self, gpu: &Gpu, atomics: Atomics) -> Result<(), NoSuchMethod> {
         let method = self.method.name();
+        self.check_itself()?;
         if atomics < Atomics::Int64 && self.method.needs_int64() {
             return Err(NoSuchMethod::Tier { method, tier: atomics.name() });
-        }
-        if self.method == Method::PointList && self.error_px.is_some() {
-            return Err(NoSuchMethod::Sizes { method });
         }
         if self.method == Method::Fixed40 && !gpu.has_f64() {
             return Err(NoSuchMethod::F64 { name: gpu.name(), method });

@@ -3,9 +3,9 @@
 //! same places; but each eye reads and decodes every point for itself.
 
 use super::texts::text;
+use crate::hardware::{self, DEPTH_FORMAT, Points};
 use render::bindings::{Chunk, Cloud, Eye};
 use render::gpu::Gpu;
-use render::gpu::points::{self, DEPTH_FORMAT, Points};
 use render::gpu::stage::{Bindings, Stage, shader_module};
 use render::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
 use render::shaders::{Of, parts};
@@ -63,7 +63,7 @@ impl PointList {
                 format: FORMAT,
                 nearer: wgpu::CompareFunction::Less,
             };
-            (points::pipeline(gpu, points), bindings.with(Bindings::of("point-list", &wgsl, "fragment")))
+            (hardware::pipeline(gpu, points), bindings.with(Bindings::of("point-list", &wgsl, "fragment")))
         };
         Self {
             eyes: [eye("left"), eye("right")],

@@ -4,7 +4,7 @@ mod las;
 mod ply;
 mod sniff;
 
-use crate::block::{Block, Ending};
+use crate::block::{Block, Trailer};
 use crate::source::Source;
 use crate::{Header, Projection, ScanError, Schema};
 use base::task::Progress;
@@ -38,7 +38,7 @@ pub trait Dataset {
     ///
     /// # Errors
     /// Nothing readable at all, stopped, no memory; what `take` reports.
-    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Ending, ScanError>;
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError>;
 }
 
 /// Takes in a block.

@@ -8,13 +8,13 @@ use glam::DVec3;
 /// Among fewer points nobody can tell; more are not looked at.
 const FEWEST: usize = 200;
 const MOST: usize = 4096;
-/// Neighbours whose distances are compared.
+/// Neighbors whose distances are compared.
 const NEAR: usize = 4;
 const FAR: usize = 24;
-/// Powers of the distance that numbers of neighbours grow with: 2 on a surface; near 3 in a space, at its sides less.
+/// Powers of the distance that numbers of neighbors grow with: 2 on a surface; near 3 in a space, at its sides less.
 const OF_FOG: f64 = 2.4;
 
-/// True if most of many positions have neighbours on all sides.
+/// True if most of many positions have neighbors on all sides.
 pub(super) fn is_fog(positions: &[DVec3]) -> bool {
     if positions.len() < FEWEST {
         return false;

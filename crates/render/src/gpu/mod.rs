@@ -3,7 +3,6 @@
 
 pub mod drawing;
 mod open;
-pub mod points;
 mod queue;
 pub mod readback;
 pub mod stage;

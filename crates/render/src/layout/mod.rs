@@ -94,7 +94,7 @@ pub const DILATE_REACH_PX: u32 = 3;
 pub const REACH_MASK: u32 = 3;
 /// A tile's word in the list of those that `resolve` works on: lenses hide some of its pixels.
 pub const TILE_HIDES: u32 = 1 << 31;
-/// The weight of a neighbour falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
+/// The weight of a neighbor falls by this many bits a pixel of distance, along each axis: 64, 16, 4, 1.
 pub const DILATE_FALLOFF_BITS: u32 = 2;
 
 /// A batch on the GPU: a run of points and the box that their coordinates are relative to.

@@ -62,7 +62,7 @@ impl Courtyard {
         self.bvh.nearest(ray, reach).map(|(hit, shape)| (hit, self.materials[shape]))
     }
 
-    /// Display colour (0 to 1 and above, where it is overexposed) of a lit surface.
+    /// Display color (0 to 1 and above, where it is overexposed) of a lit surface.
     pub fn color(&self, p: DVec3, normal: DVec3, material: &Material) -> DVec3 {
         let light = self.light.at(&self.bvh, p, normal, material.is_thin());
         material.color(p, normal) * light.map(f64::sqrt)

@@ -10,7 +10,7 @@ mod record;
 mod vlr;
 
 use super::{Dataset, Format, Take};
-use crate::block::Ending;
+use crate::block::Trailer;
 use crate::crs::{self, Crs};
 use crate::source::Source;
 use crate::{Header, Projection, ScanError, Schema};
@@ -98,7 +98,7 @@ impl Dataset for LasFile {
         &self.schema
     }
 
-    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Ending, ScanError> {
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
         let Self { source, las, packing, layout, .. } = self;
         let announced = las.announced_points;
         let no_points = |reason| Err(ScanError::NoPoints { path: source.path().to_owned(), reason });
@@ -130,7 +130,7 @@ impl Dataset for LasFile {
                 counted(announced, "point")
             ));
         }
-        Ok(Ending { losses, warnings, ..Ending::default() })
+        Ok(Trailer { losses, warnings, ..Trailer::default() })
     }
 }
 

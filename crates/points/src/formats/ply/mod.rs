@@ -23,7 +23,7 @@ mod value;
 mod window;
 
 use super::{Dataset, Format, Take};
-use crate::block::Ending;
+use crate::block::Trailer;
 use crate::column::Type;
 use crate::source::Source;
 use crate::{Attribute, Field, Header, Projection, ScanError, Schema, uncolored};
@@ -166,7 +166,7 @@ impl Dataset for PlyFile {
         &self.schema
     }
 
-    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Ending, ScanError> {
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
         let project = |plans: &Vec<Plan>| plans.iter().map(|plan| plan.projected(want)).collect();
         // Without colors there is nothing to choose.
         let num_choices = if want.wants(&Attribute::Color) { self.choices.len() } else { 1 };
@@ -211,7 +211,7 @@ impl Dataset for PlyFile {
             take(rows.hand_over())?;
         }
         let (triangles, white) = (rows.faces.triangles, columns::white(&meaning, &found, of_faces));
-        Ok(Ending { triangles, white, losses, warnings })
+        Ok(Trailer { triangles, white, losses, warnings })
     }
 }
 

@@ -84,6 +84,8 @@ pub(super) enum Opacity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Keep(Type, usize),
+    /// The same of a value that is wanted as it is stored besides.
+    KeepExtra(Type, usize),
     /// A value that stands for 32 bits.
     KeepBits(Type, usize),
     /// A value that only the file has a name for.
@@ -142,7 +144,7 @@ pub(super) struct Plan {
     pub purpose: Purpose,
     /// Names of a point's properties that nothing is done with unless they are asked for, without those of splats.
     pub extra: Vec<String>,
-    /// The same with those of splats, but without lists: which property, its name, its type.
+    /// All that can be asked for by name, but lists and coordinates: which property, its name, its type.
     pub scalars: Vec<(usize, String, Type)>,
     /// Those of them that are kept.
     pub wanted: Vec<(Attribute, Type)>,
@@ -209,13 +211,14 @@ impl Plan {
         let normal = !is_splat && plan.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
         let chunked = chunked.is_some();
         plan.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
-        let is_unused = |at: &usize| matches!(plan.steps[*at], Step::Skip { .. } | Step::SkipList(..));
-        for at in (0..element.properties.len()).filter(is_unused) {
-            let Property { name, shape } = &element.properties[at];
-            if !(is_splat && is_of_splats(name)) {
+        for (at, Property { name, shape }) in element.properties.iter().enumerate() {
+            let is_unused = matches!(plan.steps[at], Step::Skip { .. } | Step::SkipList(..));
+            if is_unused && !(is_splat && is_of_splats(name)) {
                 plan.extra.push(name.clone());
             }
-            if let Shape::Value(kind) = *shape {
+            // Intensities and colors are spread over what all files have in common; their own values are to be had too.
+            let is_spread = matches!(plan.steps[at], Step::Keep(_, slot) if !SLOT_PLACE.contains(&slot));
+            if let (true, Shape::Value(kind)) = (is_unused || is_spread, *shape) {
                 plan.scalars.push((at, name.clone(), kind));
             }
         }
@@ -322,7 +325,10 @@ impl Plan {
             let attribute = Attribute::Named(name.clone());
             // Of several of one name, the first counts.
             if want.wants(&attribute) && !plan.wanted.iter().any(|(other, _)| *other == attribute) {
-                plan.steps[*at] = Step::Extra(*kind);
+                plan.steps[*at] = match plan.steps[*at] {
+                    Step::Keep(kind, slot) => Step::KeepExtra(kind, slot),
+                    _ => Step::Extra(*kind),
+                };
                 plan.wanted.push((attribute, *kind));
             }
         }
@@ -351,7 +357,12 @@ impl Plan {
         };
         for step in &mut plan.steps {
             *step = match *step {
-                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => Step::skip(kind),
+                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) | Step::KeepExtra(kind, slot)
+                    if !is_needed(slot) =>
+                {
+                    Step::skip(kind)
+                }
+                Step::KeepExtra(kind, slot) => Step::Keep(kind, slot),
                 Step::Extra(kind) => Step::skip(kind),
                 Step::Colors(count, item) if !is_needed(SLOT_RGB.start) => Step::SkipList(count, item),
                 Step::Corners(count, item) => Step::SkipList(count, item),
@@ -390,7 +401,9 @@ impl Plan {
     /// Size of a row in binary files: least, and whether all are of that size.
     pub fn row_bytes(&self) -> (u64, bool) {
         let sizes = self.steps.iter().map(|step| match step {
-            Step::Keep(kind, _) | Step::KeepBits(kind, _) | Step::Extra(kind) => (kind.num_bytes(), true),
+            Step::Keep(kind, _) | Step::KeepExtra(kind, _) | Step::KeepBits(kind, _) | Step::Extra(kind) => {
+                (kind.num_bytes(), true)
+            }
             Step::Skip { num_bytes, .. } => (*num_bytes, true),
             Step::Corners(count, _) | Step::Colors(count, _) | Step::SkipList(count, _) => {
                 (count.num_bytes(), false)
@@ -413,6 +426,11 @@ impl Plan {
         for step in &self.steps {
             match *step {
                 Step::Keep(kind, slot) => row.values[slot] = values.value(kind)?,
+                Step::KeepExtra(kind, slot) => {
+                    let number = values.number(kind)?;
+                    row.values[slot] = number.as_f64();
+                    row.extras.push(number);
+                }
                 Step::KeepBits(kind, slot) => row.values[slot] = values.bits(kind)?.into(),
                 Step::Extra(kind) => row.extras.push(values.number(kind)?),
                 Step::Skip { num_values, num_bytes } => values.skip(num_values, num_bytes)?,

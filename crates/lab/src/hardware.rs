@@ -1,6 +1,6 @@
-//! Hardware points: the pipeline that frames and benchmarks share.
+//! Hardware points: the pipeline that the method `point-list` and the benchmarks share.
 
-use super::Gpu;
+use render::gpu::Gpu;
 
 /// Depths of hardware points.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
