@@ -1,11 +1,5 @@
 // The point of a turn, in its pixel.
 
-fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
-    if pixel != NO_PIXEL {
-        put(eye, pixel, w, id);
-    }
-}
-
 fn put_turn(eye: u32, p: Projected, id: vec4<u32>) {
     put_seen(eye, p.pixel.x, p.w.x, id.x);
     count_point();

@@ -1,11 +1,10 @@
 // Structs of sequential point trees shared with the host: crates/lab/src/technique/tree.rs, which documents every field.
 
 struct Run {
-    min_hi: vec3<f32>,
-    flags: u32,
-    min_lo: vec3<f32>,
-    reserved: u32,
     behind: vec4<f32>,
+    flags: u32,
+    reserved: u32,
+    reserved_end: vec2<u32>,
 }
 
 struct DiscBatch {

@@ -110,7 +110,7 @@ impl Texts {
         cull: &[text!("cull")],
         seen: &[text!("seen.inc")],
         turn: &[text!("turn.inc")],
-        put: &[text!("put_turn.inc")],
+        put: &[text!("put_seen.inc"), text!("put_turn.inc")],
         choice: &[text!("nodes.inc")],
         wide: Self::wide,
         main: &[text!("main.inc")],

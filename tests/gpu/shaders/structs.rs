@@ -41,7 +41,7 @@ pub fn host_structs() -> Vec<HostStruct> {
         host!(layout::ResolveUniform: size_px, background, is_bgra),
         host!(layout::DilateUniform: eye, radius_px, reserved),
         host!(layout::CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved),
-        host!(tree::Run: min_hi, flags, min_lo, reserved, behind),
+        host!(tree::Run: behind, flags, reserved, reserved_end),
         host!(tree::DiscBatch: min_hi, first_point, min_lo, num_points, cell, run, steps_per_unit, interval),
         host!(tree::TreeUniform: tolerance_rad, tolerance_growth, step_base, reserved, reserved_end),
         host!(counts::Counts: num_drawn, num_asked, num_looks, num_colors, num_chosen, reserved),

@@ -80,8 +80,8 @@ fn plain_depths(_: Variant) -> Pieces {
 fn put(method: Method) -> Pieces {
     match (method.is_basic(), method.is_converged()) {
         (false, _) => Texts::FRAME.put,
-        (true, false) => &[text!("methods/put_one.inc")],
-        (true, true) => &[text!("methods/put_converged.inc")],
+        (true, false) => &[text!("put_seen.inc"), text!("methods/put_one.inc")],
+        (true, true) => &[text!("methods/put_converged.inc"), text!("methods/put_one.inc")],
     }
 }
 

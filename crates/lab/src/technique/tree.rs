@@ -1,6 +1,6 @@
 //! Sequential point trees on the GPU: their runs and batches, and the tolerance that their discs are drawn by.
 
-use base::space::{Split, View};
+use base::space::View;
 use base::task::Progress;
 use bytemuck::{Pod, Zeroable};
 use cloud::spt::{self, SequentialCloud};
@@ -30,23 +30,20 @@ pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Run {
-    /// Smallest corner of its box, coarse part, as [`layout::Batch::min_hi`].
-    pub min_hi: [f32; 3],
-    /// [`RUN_ONE_SIDED`], [`RUN_TRIANGLES`].
-    pub flags: u32,
-    /// Smallest corner, fine part.
-    pub min_lo: [f32; 3],
-    /// Always 0.
-    pub reserved: u32,
     /// With [`RUN_ONE_SIDED`]: the axis of the directions in which only backs are seen, and the sine of the angle round it.
     pub behind: [f32; 4],
+    /// [`RUN_ONE_SIDED`], [`RUN_TRIANGLES`].
+    pub flags: u32,
+    /// Always 0.
+    pub reserved: u32,
+    /// Always 0.
+    pub reserved_end: [u32; 2],
 }
 
 impl Run {
     /// The GPU's form of a run.
     #[must_use]
-    pub fn new(split: &Split, run: &spt::BatchRun) -> Self {
-        let (hi, lo) = split.pair(run.bounds.min);
+    pub fn new(run: &spt::BatchRun) -> Self {
         let sided = |behind: &spt::clusters::Cone| {
             let [x, y, z] = behind.axis.to_array();
             [x, y, z, libm::sin(behind.angle)].map(|v| v as f32)
@@ -54,11 +51,10 @@ impl Run {
         let side = if run.behind.is_some() { RUN_ONE_SIDED } else { 0 };
         let triangles = if run.has_triangles { RUN_TRIANGLES } else { 0 };
         Self {
-            min_hi: hi.to_array(),
-            flags: side | triangles,
-            min_lo: lo.to_array(),
-            reserved: 0,
             behind: run.behind.as_ref().map_or([0.0; 4], sided),
+            flags: side | triangles,
+            reserved: 0,
+            reserved_end: [0; 2],
         }
     }
 }
@@ -172,7 +168,7 @@ pub fn upload(
         contents: bytemuck::bytes_of(&uniform),
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
     });
-    let runs: Vec<Run> = tree.runs.iter().map(|run| Run::new(&tree.cloud.split, run)).collect();
+    let runs: Vec<Run> = tree.runs.iter().map(Run::new).collect();
     let whole = Whole {
         cloud: &tree.cloud,
         num_points: tree.num_points,

@@ -29,7 +29,7 @@ impl<'a> Tree<'a> {
         let batches = tree.cloud.batches.iter().enumerate();
         Self {
             uniform: TreeUniform { step_base: tree.scale.base, ..TreeUniform::zeroed() },
-            runs: tree.runs.iter().map(|run| Run::new(&tree.cloud.split, run)).collect(),
+            runs: tree.runs.iter().map(Run::new).collect(),
             batches: batches.map(|(number, batch)| DiscBatch::new(tree, number, batch.first_point)).collect(),
             shapes: &tree.shapes,
         }
