@@ -6,31 +6,31 @@ use render::gpu::{Atomics, Gpu};
 use render::options::Tier;
 use render::{Look, NoSuchTier, tier};
 
-/// The near clip of a picture as a share of the scene's longest edge, at most, where it is the default.
+/// Largest default near clip of a picture, as a share of the scene's longest edge.
 pub const NEAR_SHARE: f64 = 0.02;
 
 /// What frames are drawn with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawOptions {
-    /// What they are to look like.
+    /// What frames are to look like.
     pub look: Look,
-    /// By which technique they are drawn.
+    /// Technique by which frames are drawn.
     pub technique: LabTechnique,
     /// What the stages ask of the GPU's atomics.
     pub tier: Tier,
     /// Points nearer than this are not drawn: metres in a headset, world units in a picture.
     pub near: f64,
-    /// [`Self::near`] is the default: in a picture it becomes less where it would cut a small scene.
+    /// True if [`Self::near`] is the default, which becomes less in a picture where it would cut a small scene.
     pub near_yields: bool,
 }
 
-/// Why frames cannot be drawn so.
+/// Why frames cannot be drawn with these options.
 #[derive(Debug, thiserror::Error)]
 pub enum CannotDraw {
     /// The GPU lacks the tier.
     #[error(transparent)]
     Tier(#[from] NoSuchTier),
-    /// The GPU, or what is drawn, is not of the method.
+    /// The method does not fit the GPU or what is drawn.
     #[error(transparent)]
     Method(#[from] NoSuchMethod),
 }
@@ -39,7 +39,7 @@ impl DrawOptions {
     /// The tier of atomics to draw with.
     ///
     /// # Errors
-    /// If the GPU does not have the one that is asked for, or not what the technique needs.
+    /// The GPU lacks the tier that is asked for, or something that the technique needs.
     pub fn atomics(&self, gpu: &Gpu) -> Result<Atomics, CannotDraw> {
         let atomics = tier(gpu, self.tier)?;
         self.technique.check(gpu, atomics)?;

@@ -1,5 +1,5 @@
-//! Why work of several threads ends: a failure of one has the others stop, so the first failure is the reason, and what
-//! follows from it is none.
+//! Why work of several threads ends. A failure of one thread stops the others, so the first failure is the reason,
+//! and failures that follow from it are not.
 
 use base::task::CancelToken;
 use std::sync::{Mutex, PoisonError};
@@ -12,7 +12,7 @@ pub struct Ending<'a> {
 }
 
 impl<'a> Ending<'a> {
-    /// Of work that looks at `stop`.
+    /// The ending of work that looks at `stop`.
     #[must_use]
     pub fn new(stop: &'a CancelToken) -> Self {
         Self { stop, reason: Mutex::new(None) }
@@ -20,12 +20,12 @@ impl<'a> Ending<'a> {
 
     /// Ends the work with this reason, unless there is one already.
     pub fn fail(&self, error: anyhow::Error) {
-        // Set before the others are stopped: what they fail with then comes second.
+        // The reason is set before the others are stopped, so that what they then fail with comes second.
         self.fail_later(error);
         self.stop.cancel();
     }
 
-    /// As [`Ending::fail`], but the others are not told to stop: somebody is to read the reason first.
+    /// Sets the reason as [`Ending::fail`] does, but does not tell the others to stop: somebody is to read it first.
     pub fn fail_later(&self, error: anyhow::Error) {
         self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
@@ -36,13 +36,13 @@ impl<'a> Ending<'a> {
         self.reason.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// To be held by each thread: stops the others if this one panics, for they would go on without it.
+    /// A guard for each thread to hold: it stops the others if this thread panics, for they would go on without it.
     #[must_use]
     pub fn guard(&self) -> impl Drop + use<> {
         StopOnPanic(self.stop.clone())
     }
 
-    /// Once all threads have ended.
+    /// Returns the outcome once all threads have ended.
     ///
     /// # Errors
     /// The first failure.

@@ -1,4 +1,4 @@
-//! How a scan is kept on the GPU; its octree to the GPU, node by node as it is built.
+//! How a scan is kept on the GPU, and how its octree is sent there, node by node as it is built.
 
 use base::task::{Progress, Task};
 use cloud::octree::{Hierarchy, build_nodes};
@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 /// How a scan is kept on the GPU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CloudOptions {
-    /// What level of detail goes by; `None`: every point is drawn, always.
+    /// What level of detail goes by; `None` if every point is always drawn.
     pub lod: Option<LodMethod>,
     /// The order of points that have no level of detail.
     pub order: Order,
-    /// Discs of a point tree that show the eye their backs are left out.
+    /// True if discs of a point tree that show the eye their backs are left out.
     pub cull_backfaces: bool,
-    /// Bytes of the point pool that one binding holds at most; 0: as much as the GPU allows.
+    /// Bytes of the point pool that one binding holds at most; 0 for as much as the GPU allows.
     pub chunk_limit: u64,
 }
 
@@ -32,11 +32,11 @@ pub enum LodMethod {
     Spt,
 }
 
-/// What the count is of: each point several times.
+/// Unit of a count that has each point several times.
 pub const PASSES: &str = "points in several passes";
 
-/// Builds the octree of a scan and sends its nodes to the GPU as they come. `root_came` is told once, with the root there; all
-/// that follows is drawn from the same buffers.
+/// Builds the octree of a scan and sends its nodes to the GPU as they come. `root_came` is called once, when the root
+/// is there; all later nodes are drawn from the same buffers.
 ///
 /// # Errors
 /// See [`BuildError`] and [`UploadError`].

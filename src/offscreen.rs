@@ -23,11 +23,11 @@ use std::sync::Arc;
 use std::time::Instant;
 use timing::STAGES;
 
-/// Frames drawn to measure one; the first warms up.
+/// Frames that are drawn to measure one; the first warms up.
 const MEASURED_FRAMES: usize = 6;
-/// Where one looks from unless the user says so: from the south-east, 25 degrees up.
+/// Direction that one looks from unless the user chooses another: from the south-east, 25 degrees up.
 const FROM: DVec3 = DVec3::new(0.55, -0.72, 0.42);
-/// sRGB: what is read back are the stored colors.
+/// Format of the images: sRGB, so that the stored colors are read back.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// What picture to draw.
@@ -35,7 +35,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 pub struct PictureOptions {
     /// Files, shown as one cloud.
     pub scans: Vec<PathBuf>,
-    /// The picture of each eye: one, with `stereo` two.
+    /// A picture for each eye: one, or two with `stereo`.
     pub out: Vec<Output>,
     /// Where the camera stands, in the files' coordinates; None: where it sees the whole scan.
     pub eye: Option<DVec3>,
@@ -47,11 +47,11 @@ pub struct PictureOptions {
     pub fov: PictureFov,
     /// Width, height in pixels.
     pub size_px: [u32; 2],
-    /// Two eyes, `ipd` apart along the camera's right, both looking the same way.
+    /// True for two eyes, `ipd` apart along the camera's right, both looking the same way.
     pub stereo: bool,
     /// Distance of the eyes in metres.
     pub ipd: f64,
-    /// Linear depth of each eye as NumPy float32 (H, W), +inf where nothing is; none if it is not wanted.
+    /// Linear depth of each eye as NumPy float32 (H, W), +inf where there is no point; empty if it is not wanted.
     pub depth: Vec<Output>,
     /// Figures as JSON.
     pub metrics: Option<Output>,
@@ -77,13 +77,13 @@ impl PictureOptions {
 pub enum PictureFov {
     /// Vertical angle in degrees; pixels are square.
     Vertical(f64),
-    /// Half angles of the left eye in degrees: outwards (left), inwards (right), up, down; the right eye mirrors
-    /// them. What a headset's eyes see.
+    /// Half angles of the left eye in degrees, as a headset's eyes have them: outwards (left), inwards (right), up,
+    /// down. The right eye mirrors them.
     HalfAngles([f64; 4]),
 }
 
 impl PictureFov {
-    /// Of the left (or only) eye.
+    /// Field of view of the left (or only) eye.
     fn left(self, [width, height]: [u32; 2]) -> Fov {
         match self {
             Self::Vertical(deg) => Fov::symmetric(deg.to_radians(), f64::from(width) / f64::from(height)),
@@ -121,7 +121,7 @@ pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> anyhow::Result
     if !offscreen.shows_points(&view)? {
         eprintln!("scanwalk: warning: {}", overview::out_of_view(&scene, &view));
     }
-    // All are written before the first gets its name: a failure leaves what was there before.
+    // All files are written before the first gets its name, so that a failure leaves what was there before.
     let mut written: Vec<(&Output, OutputFile)> = Vec::new();
     for (output, image) in options.out.iter().zip(&offscreen.images) {
         written.push((output, write_png(output, image, &gpu)?));
@@ -143,7 +143,7 @@ pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> anyhow::Result
     Ok(())
 }
 
-/// The scan on the GPU, as the settings want it, and its scene.
+/// Sends the scan to the GPU, as the settings want it; returns it with its scene.
 fn upload(
     gpu: &Gpu,
     scan: Scan,
@@ -166,7 +166,7 @@ fn upload(
         nodes::send::<anyhow::Error>(gpu, &scan, chunk_limit, task, |cloud, hierarchy| {
             sent = Some((cloud, hierarchy.scene.clone()));
         })?;
-        // A hierarchy has a root.
+        // A hierarchy has a root, so something was sent.
         return sent.context("an octree without nodes");
     }
     let sorting = task.begin("batching", "points", num_points);
@@ -175,7 +175,7 @@ fn upload(
     Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene))
 }
 
-/// The eyes of the picture; `near` in world units.
+/// Returns the eyes of the picture; `near` is in world units.
 ///
 /// # Errors
 /// Eye and target at one place, an upward direction of no length, or a field of view or a size that shows nothing.
@@ -284,7 +284,7 @@ impl Offscreen {
 /// Writes an sRGB texture as an 8-bit RGB PNG.
 ///
 /// # Errors
-/// If the file cannot be written or the device is lost.
+/// The file cannot be written, or the device is lost.
 pub fn write_png(output: &Output, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Result<OutputFile> {
     let pixels = readback::read_texture(gpu, image)?;
     let [r, g, b] = if image.format() == wgpu::TextureFormat::Bgra8UnormSrgb { [2, 1, 0] } else { [0, 1, 2] };
@@ -307,7 +307,8 @@ fn write_npy(
     pixels: &[Pixel],
 ) -> Result<OutputFile, OutputError> {
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
-    // NumPy's format 1.0: magic, version, length, dictionary; the whole head padded to 64 bytes, ending in a newline.
+    // NumPy's format 1.0 begins with magic, version, length and dictionary. This head is padded to 64 bytes and ends
+    // in a newline.
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
     header.push_str(&" ".repeat(padded - header.len() - 1));
     header.push('\n');
@@ -319,7 +320,7 @@ fn write_npy(
     })
 }
 
-/// A whole file that has not its name yet.
+/// Writes a whole file that does not have its name yet.
 fn write_with(
     output: &Output,
     write: impl FnOnce(&mut BufWriter<&mut OutputFile>) -> io::Result<()>,
@@ -331,7 +332,7 @@ fn write_with(
     written.map(|()| file).map_err(|source| output.failed(source))
 }
 
-/// Figures as JSON.
+/// Measures the figures of the picture, as JSON.
 fn metrics(
     offscreen: &mut Offscreen,
     times: &[FrameTimes],
@@ -388,7 +389,7 @@ mod tests {
             depth: Vec::new(),
             metrics: None,
         };
-        // Millimetres, y up, heights in metres.
+        // The scan is in millimetres with y up, and its heights are in metres.
         let world_from_file = WorldFromFile::Axes { up: UpAxis::Y, across_scale: 1.0, height_scale: 1000.0 };
         let made = ScanBuilder::new(Grid::default(), Vec::new()).world_from_file(world_from_file);
         let mut scan = made.scan();

@@ -1,7 +1,7 @@
-//! From where a whole scene is seen: so far away that its silhouette fits the picture, and no further.
+//! The place from which a whole scene is seen: so far away that its silhouette fits the picture, and no further.
 //!
-//! Which way one looks is given. A position is in the picture if it is between four planes through the eye, so each
-//! plane asks for a distance that is linear in the scene's extremes, and the least distance that suits all of them is
+//! The direction of view is given. A position is in the picture if it is between four planes through the eye, so each
+//! plane asks for a distance that is linear in the scene's extremes. The least distance that suits all planes is
 //! found without search, for any field of view, also of two eyes.
 
 use crate::draw::NEAR_SHARE;
@@ -11,15 +11,15 @@ use points::Scene;
 
 /// Part of the field of view that the silhouette fills, across or down, whichever it reaches first.
 const FILL: f64 = 0.9;
-/// How far away one sees a scene that is a single point, world units.
+/// Distance from which one sees a scene that is a single point, world units.
 const FROM_A_POINT: f64 = 1.0;
-/// Steps by which the place is found from which the silhouette is in the middle: of a picture, a thousandth of a pixel.
+/// Steps that find the place from which the silhouette is in the middle, to a thousandth of a pixel of a picture.
 const HALVINGS: usize = 24;
 
-/// An eye of those that look the same way.
+/// One of the eyes that look the same way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// How far to the right of the middle between them, world units.
+    /// Distance to the right of the middle between the eyes, world units.
     pub sideways: f64,
     /// What it sees.
     pub fov: Fov,
@@ -31,7 +31,7 @@ pub struct Lens {
 pub fn place(scene: &Scene, orientation: DQuat, lenses: &[Lens], target: Option<DVec3>) -> DVec3 {
     let center = scene.bounds.center();
     let view_from_world = orientation.inverse();
-    // Relative to the scene's middle: coordinates may be large, scenes small.
+    // Positions are relative to the scene's middle, because coordinates may be large and scenes small.
     let seen: Vec<DVec3> = scene.samples.iter().map(|&p| view_from_world * (p - center)).collect();
     let across: Vec<Range> = lenses.iter().map(|lens| Range::of(&seen, lens, 0)).collect();
     let down: Vec<Range> = lenses.iter().map(|lens| Range::of(&seen, lens, 1)).collect();
@@ -49,7 +49,7 @@ pub fn place(scene: &Scene, orientation: DQuat, lenses: &[Lens], target: Option<
     center + orientation * DVec3::new(aside[0], aside[1], back)
 }
 
-/// What to say of a picture in which no point is: where the scene lies instead.
+/// Says of a picture without points where the scene lies instead.
 #[must_use]
 pub fn out_of_view(scene: &Scene, view: &View) -> String {
     let bounds = scene.bounds;
@@ -68,7 +68,7 @@ pub fn out_of_view(scene: &Scene, view: &View) -> String {
     } else {
         format!("{degrees:.0} degrees {side} the picture's middle")
     };
-    // Three digits of the scene, whatever its size.
+    // Coordinates show three digits of the scene's edge, whatever its size.
     let decimals = (3.0 - bounds.edge().max(1e-9).log10()).clamp(0.0, 12.0) as usize;
     let three = |v: DVec3| format!("{:.decimals$},{:.decimals$},{:.decimals$}", v.x, v.y, v.z);
     let (from, to) = (three(bounds.min), three(bounds.max));
@@ -85,7 +85,7 @@ pub fn out_of_view(scene: &Scene, view: &View) -> String {
     )
 }
 
-/// A length for people: some digits of it, without an exponent where it is not very large or small.
+/// Formats a length for people: some digits of it, without an exponent unless it is very large or small.
 fn short(length: f64) -> String {
     match length.abs() {
         0.0 => "0".into(),
@@ -99,10 +99,11 @@ fn short(length: f64) -> String {
 struct Range {
     low_tan: f64,
     high_tan: f64,
-    /// How far the lens is from the middle between all.
+    /// Distance of the lens from the middle between all lenses.
     shift: f64,
-    /// Extremes of the left sides.
+    /// Least `low_tan · z + v` of the scene's positions, less the shift.
     low: f64,
+    /// Greatest `high_tan · z + v` of the scene's positions, less the shift.
     high: f64,
 }
 
@@ -124,7 +125,7 @@ impl Range {
 /// The least distance from which all is seen, wherever along the axis.
 fn least_back(ranges: &[Range]) -> f64 {
     let pairs = ranges.iter().flat_map(|a| ranges.iter().map(move |b| (a, b)));
-    // Lenses that look past each other have no place.
+    // Lenses that look past each other have no place from which both see all.
     let pairs = pairs.filter(|(a, b)| a.high_tan - b.low_tan > 1e-6);
     pairs.map(|(a, b)| (a.high - b.low) / (a.high_tan - b.low_tan)).fold(f64::NEG_INFINITY, f64::max)
 }
@@ -139,8 +140,9 @@ fn back_at(ranges: &[Range], at: f64) -> f64 {
     ranges.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The place along the axis from which all is seen at a distance, and as much of the picture is left on one side of the
-/// silhouette as on the other. What is near is larger, so this is not the middle of the places from which all is seen.
+/// The place along the axis from which all is seen at a distance, and as much of the picture is left on one side of
+/// the silhouette as on the other. Near parts look larger, so this is not the middle of the places from which all is
+/// seen.
 fn middle(ranges: &[Range], seen: &[DVec3], axis: usize, back: f64) -> f64 {
     let mut from = ranges.iter().map(|r| r.high - r.high_tan * back).fold(f64::NEG_INFINITY, f64::max);
     let mut to = ranges.iter().map(|r| r.low - r.low_tan * back).fold(f64::INFINITY, f64::min);
@@ -157,7 +159,7 @@ fn middle(ranges: &[Range], seen: &[DVec3], axis: usize, back: f64) -> f64 {
     0.5 * (from + to)
 }
 
-/// What is left of the picture below and above the silhouette, as tangents, seen from (place along the axis, distance).
+/// The tangents that the picture has left below and above the silhouette, seen from (place along the axis, distance).
 fn left_over(ranges: &[Range], seen: &[DVec3], axis: usize, from: DVec2) -> [f64; 2] {
     let tangents = |range: &Range| {
         let at = from.x + range.shift;
@@ -188,7 +190,7 @@ mod tests {
         Some([high[0] - low[0], high[1] - low[1]])
     }
 
-    /// The least and the greatest of it, across and down.
+    /// The least and the greatest part of the picture that the silhouette reaches, across and down.
     fn silhouette(
         scene: &Scene,
         orientation: DQuat,
@@ -229,7 +231,7 @@ mod tests {
         ) {
             prop_assume!(toward.length() > 0.1 && (exponent > -3 || origin == DVec3::ZERO));
             let size = 10f64.powi(exponent);
-            // Not all in one line of sight.
+            // These corners keep the positions from lying in one line of sight.
             let corners = [DVec3::ONE, DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_ONE];
             let positions = corners.into_iter().chain(more).map(|p| origin + p * stretch.abs().max(DVec3::splat(0.1)) * size);
             let scene = scene(positions.collect());
@@ -237,19 +239,20 @@ mod tests {
             let lens = Lens { sideways: 0.0, fov: Fov::symmetric(fov_y, aspect) };
             let eye = place(&scene, orientation, &[lens], None);
             let [across, down] = span(&scene, orientation, &lens, eye).expect("all is seen");
-            // Of the longer side the shorter side's length times 0.7 is less; the near clip takes a little.
+            // The silhouette spans more than 0.7 of the picture's shorter side; the near clip takes a little.
             let shorter = if aspect > 1.0 { (across * aspect).max(down) } else { across.max(down / aspect) };
-            // Nearer than the nearest point there is only the scene's inside.
+            // It may span less if the eye is as near to the nearest point as it may come: nearer there is only the
+            // scene's inside.
             let nearest = scene.samples.iter().map(|&p| (orientation.inverse() * (eye - p)).z).fold(f64::MAX, f64::min);
             let touches = nearest < 1.01 * NEAR_SHARE * scene.bounds.edge();
             prop_assert!(shorter > 0.7 || touches, "{across} x {down} of aspect {aspect}");
             prop_assert!(across.max(down) <= 0.9 + 1e-4);
-            // As much is left on either side.
+            // As much of the picture is left on either side.
             let (low, high) = silhouette(&scene, orientation, &lens, eye).expect("all is seen");
             for axis in 0..2 {
                 prop_assert!((low[axis] + high[axis] - 1.0).abs() < 1e-3, "from {low:?} to {high:?}");
             }
-            // Looking straight at something costs size, never a part.
+            // Looking straight at a target makes the scene smaller in the picture, but never cuts a part of it.
             let target = scene.samples[0];
             let eye = place(&scene, orientation, &[lens], Some(target));
             prop_assert!(span(&scene, orientation, &lens, eye).is_some());

@@ -1,4 +1,4 @@
-//! Settings, resolved once: what each room is told. Nobody below sees [`Config`].
+//! Resolves the settings once, to what each room is told. No room below sees [`Config`].
 
 use crate::config::{Config, Setting, choices};
 use crate::desktop::{Choice, Label, Widgets, WindowOptions};
@@ -20,7 +20,7 @@ use xr::XrOptions;
 /// What the settings come to, a part for each room.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The GPU to open where no headset's runtime chooses it: part of its name; empty: the fastest kind.
+    /// Part of the name of the GPU to open where no headset's runtime chooses it; empty for the fastest kind.
     pub adapter: String,
     /// How files are read.
     pub read: ReadOptions,
@@ -36,7 +36,7 @@ pub struct Plan {
     pub walk: WalkOptions,
     /// How the window begins.
     pub window: WindowOptions,
-    /// For the frame log: differs where settings do.
+    /// Digest of the settings for the frame log.
     pub digest: String,
 }
 
@@ -111,10 +111,10 @@ impl Plan {
     }
 }
 
-/// What a frame is to look like. A method that is of one quality decides it: nobody else reads `frame.quality`.
+/// What a frame is to look like. A method that is of one quality decides it, so `frame.quality` is read only here.
 fn look(config: &Config) -> Look {
     let Config { gpu, frame, fovea, lod, .. } = config;
-    // Discs have their sizes, and are drawn so.
+    // Discs have sizes of their own and are drawn at these.
     let discs = lod.enabled && lod.method == LodMethod::Spt;
     let reach_px = match frame.dilate {
         Dilate::Off => NO_REACH_PX,
@@ -134,7 +134,7 @@ fn look(config: &Config) -> Look {
     Look { quality, dilate: frame.dilate, background: frame.background, detail, access }
 }
 
-/// By which technique it is drawn.
+/// Technique by which frames are drawn.
 fn technique(config: &Config) -> LabTechnique {
     let Config { gpu, frame, lod, .. } = config;
     let discs = lod.enabled && lod.method == LodMethod::Spt;
@@ -167,7 +167,7 @@ fn label(key: &str) -> Label {
     Label { title: title(setting.name), help: format!("{key}: {}", setting.help()) }
 }
 
-/// A name as a title: "mirror" as "Mirror".
+/// Formats a name as a title: "mirror" as "Mirror".
 fn title(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()

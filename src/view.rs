@@ -1,7 +1,7 @@
 //! The main job: walk through a scan, in a headset, in a window, or with nobody looking.
 //!
-//! Three threads: the loader reads the scan and sends it to the GPU, node by node; the frame thread draws ([`crate::walk`]);
-//! the main thread runs the window, if there is one.
+//! There are three threads: the loader reads the scan and sends it to the GPU, node by node; the frame thread draws
+//! ([`crate::walk`]); the main thread runs the window, if there is one.
 
 use crate::desktop::{self, Display};
 use crate::ending::Ending;
@@ -47,22 +47,22 @@ pub enum Wish {
 pub struct ViewOptions {
     /// Files, shown as one cloud.
     pub scans: Vec<PathBuf>,
-    /// The headset.
+    /// Whether to use a headset.
     pub headset: Wish,
-    /// The window.
+    /// Whether to open a window.
     pub window: Wish,
     /// Frame log to write.
     pub log: Option<Output>,
-    /// Stop after so many frames that showed the scan.
+    /// Stop after this many frames that showed the scan.
     pub frames: Option<u64>,
-    /// Stop so many seconds after the scan was first shown.
+    /// Stop this many seconds after the scan was first shown.
     pub seconds: Option<f64>,
     /// Head path to replay.
     pub pose_path: Option<PathBuf>,
 }
 
 impl ViewOptions {
-    /// Whoever sets a limit may not be there at the end.
+    /// True if a limit ends the walk: whoever sets one may not be there at the end.
     fn ends_by_itself(&self) -> bool {
         self.frames.is_some() || self.seconds.is_some()
     }
@@ -98,14 +98,14 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Re
                 let result = loader.load(&options.scans, &plan.read, stop);
                 // The walk takes this for the sign that all has come.
                 drop(loaded_sender);
-                // However it ended, nothing goes on any more.
+                // No work goes on any more, however loading ended.
                 link.set_doing(None);
                 match result {
-                    // Whoever asked for it has the reason.
+                    // Whoever asked for the end has the reason.
                     Err(error) if error.is_cancelled() => {}
                     Err(error) => {
                         link.update_load(|load| load.error = Some(error.to_string()));
-                        // A window stays until the user has read it and closes it, unless nobody may be there.
+                        // A window stays until the user has read the error and closes it, unless nobody may be there.
                         if windowed && !options.ends_by_itself() && !error.is_lost() {
                             ending.fail_later(error.into());
                         } else {
@@ -133,7 +133,8 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Re
         let frames = scope.spawn(move || {
             let _guard = ending.guard();
             let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error.into())).ok();
-            // Whatever ended the walk ends the window and the loader too, but that there is no scan: see the loader.
+            // The end of the walk ends the window and the loader too, unless something has failed: then the failure
+            // has decided.
             if !ending.has_failed() {
                 stop.cancel();
             }
@@ -152,7 +153,7 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Re
         join(loader);
         summary
     });
-    // A log that no scan's frame is in is dropped after a failure: an older one stays.
+    // After a failure, a log without a frame of the scan is dropped, so that an older log stays.
     ending.into_result()?;
     finish_log(log, options);
     if let Some(summary) = summary {
@@ -166,7 +167,7 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Re
     Ok(())
 }
 
-/// The display that was wished for, before anything else is opened or read.
+/// Opens the display that was wished for, before anything else is opened or read.
 fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display>> {
     if wish == Wish::Off || wish == Wish::Auto && !desktop::is_named() {
         return Ok(None);
@@ -183,7 +184,7 @@ fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display
     }
 }
 
-/// The headset that was wished for, and the GPU that it lives on.
+/// Opens the headset that was wished for, and the GPU that it lives on.
 fn open_headset(wish: Wish, plan: &Plan) -> anyhow::Result<(Arc<Gpu>, Box<dyn Headset>)> {
     if wish != Wish::Off {
         match xr::open(&plan.headset) {
@@ -211,7 +212,8 @@ fn facts(options: &ViewOptions, plan: &Plan, gpu: &Gpu, headset: &dyn Headset) -
     }
 }
 
-/// The loader's thread: files to points, points to an octree, whose nodes are drawn as they come, the root first.
+/// The loader's thread: it makes points of files and an octree of points, whose nodes are drawn as they come, the
+/// root first.
 struct Loader<'a> {
     options: &'a CloudOptions,
     gpu: &'a Gpu,
@@ -238,7 +240,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Sends a scan to the GPU, in the form that the settings ask for; its bytes there.
+    /// Sends a scan to the GPU, in the form that the settings ask for; returns its bytes there.
     fn send(&self, scan: Scan, task: &Task) -> Result<u64, LoadError> {
         match self.options.lod {
             None => return self.flat(&scan, task),
@@ -254,7 +256,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Every point, always.
+    /// Sends a cloud without level of detail, of which every point is always drawn.
     fn flat(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
         let num_points = scan.num_points() as u64;
         let sorting = task.begin("sorting", "points", num_points);
@@ -280,14 +282,14 @@ impl Loader<'_> {
         let building = task.begin("building the point tree", nodes::PASSES, 7 * scan.num_points() as u64 / 2);
         let spt = build_spt(scan, self.options.cull_backfaces, &building)?;
         drop(building);
-        // Three planes, colors and shapes.
+        // The bytes are those of three planes, colors and shapes.
         let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
         let sending = task.begin("sending to the GPU", "bytes", num_bytes);
         let buffers = tree::upload(self.gpu, &spt, self.options.chunk_limit, &sending)?;
         Ok(self.show(buffers, &spt.cloud.scene, scan))
     }
 
-    /// Hands a cloud to the walk; its bytes.
+    /// Hands a cloud to the walk; returns its bytes.
     fn show(&self, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
         let unit_m = scan.unit_m.unwrap_or(1.0);
         let start = start(scene, unit_m);
@@ -302,7 +304,7 @@ impl Loader<'_> {
     }
 }
 
-/// What is to be done if no level of detail comes of a scan: the user is told, and walks through all points.
+/// Tells the user that a scan gets no level of detail; the walk is through all points then.
 ///
 /// # Errors
 /// Somebody asked for an end, or the GPU is lost, and with it the walk.
@@ -328,12 +330,12 @@ enum LoadError {
 }
 
 impl LoadError {
-    /// The GPU is lost, and with it all that it shows.
+    /// True if the GPU is lost, and with it all that it shows.
     fn is_lost(&self) -> bool {
         matches!(self, Self::Upload(UploadError::Lost(_)))
     }
 
-    /// Somebody asked for an end, who has the reason.
+    /// True if somebody asked for an end, who has the reason.
     fn is_cancelled(&self) -> bool {
         matches!(
             self,
@@ -380,7 +382,7 @@ fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
     if let (Some(log), Some(output)) = (log, &options.log) {
         let summary = log.finish();
         if summary.error.is_some() {
-            // Said when it happened.
+            // The failure was reported when it happened.
             return;
         }
         eprintln!(
@@ -397,7 +399,7 @@ mod tests {
     use base::task::Cancelled;
     use cloud::Order;
 
-    /// Whatever keeps a scan from getting its octree, the panel says so, and the walk goes on.
+    /// The panel says what keeps a scan from getting its octree, and the walk goes on.
     #[test]
     fn a_scan_without_level_of_detail_says_why() {
         let errors: [LoadError; 4] = [
@@ -449,7 +451,8 @@ mod tests {
             cull_backfaces: false,
             chunk_limit: 0,
         };
-        // What has come when the walk is told: observed on the loader's own thread, between two runs of nodes.
+        // `counts` has what has come when the walk is told, observed on the loader's own thread between two runs of
+        // nodes.
         let counts = Arc::new(std::sync::Mutex::new(Vec::new()));
         let seen = Arc::clone(&counts);
         let task = Task::new(&CancelToken::default())

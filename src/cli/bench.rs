@@ -13,7 +13,7 @@ use lab::report::BenchResults;
 use points::Scene;
 use std::io::{self, Write};
 
-/// The eye above the floor, metres.
+/// Height of the eye above the floor, metres.
 const EYE_HEIGHT_M: f64 = 1.7;
 
 /// Measures, writes the page if one is wanted, prints the results.
@@ -59,13 +59,13 @@ pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Ta
     Ok(())
 }
 
-/// Where somebody stands who sees all of a scene, and where a walk begins.
+/// Returns the eye of somebody who sees all of a scene, and the eye at a walk's start.
 fn eyes(scene: &Scene, unit_m: f64) -> [DVec3; 2] {
     let start = start(scene, unit_m);
     [start.overview.0, start.floor_in_world].map(|floor| floor + DVec3::Z * EYE_HEIGHT_M * start.units_per_m)
 }
 
-/// A row a line. Names hold neither commas nor quotes, except those of the papers' GPUs and scans.
+/// Prints a row a line. Names hold neither commas nor quotes, except those of the papers' GPUs and scans.
 fn print_csv(out: &mut impl Write, results: &BenchResults) -> anyhow::Result<()> {
     writeln!(
         out,

@@ -35,7 +35,7 @@ pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow:
     }
 }
 
-/// All settings: afterwards nobody looks at the options again that they come from.
+/// Resolves all settings: afterwards nobody looks again at the options that they come from.
 pub(super) fn config(cli: &Cli) -> Result<Config, ConfigError> {
     let presets: &[String] = match &cli.command {
         Command::View(args) => &args.preset,

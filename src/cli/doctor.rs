@@ -29,7 +29,8 @@ impl Check {
     }
 }
 
-/// Looks, at the GPU whose name contains `adapter`, and prints what it found: as JSON for programs, else as lines. Finding a lack is no failure.
+/// Checks this machine, with the GPU whose name contains `adapter`, and prints the checks: as JSON for programs, else
+/// as lines. A lack that it finds is no failure.
 pub(super) fn run(adapter: &str, json: bool, stop: &CancelToken) -> anyhow::Result<()> {
     let mut checks = gpu(adapter);
     checks.push(display(stop));
@@ -48,7 +49,7 @@ pub(super) fn run(adapter: &str, json: bool, stop: &CancelToken) -> anyhow::Resu
     Ok(())
 }
 
-/// The GPU, its driver and its clock.
+/// Checks the GPU, its driver and its clock.
 fn gpu(adapter: &str) -> Vec<Check> {
     let gpu = match Gpu::open(Some(adapter)) {
         Ok(gpu) => gpu,
@@ -87,13 +88,13 @@ fn gpu(adapter: &str) -> Vec<Check> {
             "64-bit atomics in shaders are missing: pictures are the same, frames take longer; a newer driver may have them",
         ),
     };
-    // No walk needs them.
+    // No walk needs subgroups, so a GPU without them is no lack.
     let subgroups =
         if gpu.has_subgroups() { "yes" } else { "none: reduce and dedup are drawn by a stand-in" };
     vec![kind, atomics, Check::good("gpu subgroups", subgroups), clock]
 }
 
-/// Something that a window can open on.
+/// Checks whether there is a display that a window can open on.
 fn display(stop: &CancelToken) -> Check {
     match desktop::server(stop) {
         Ok(Server::Wayland(name)) => Check::good("display", format!("Wayland, {name}")),
@@ -109,7 +110,7 @@ fn display(stop: &CancelToken) -> Check {
     }
 }
 
-/// An OpenXR runtime with a headset.
+/// Checks whether there is an OpenXR runtime with a headset.
 fn headset() -> Check {
     match xr::probe() {
         Ok((runtime, headset)) => Check::good("headset", format!("{headset}, by {runtime}")),

@@ -25,7 +25,7 @@ pub(super) fn code(result: Result<(), Error>) -> ExitCode {
     if is_closed_pipe(&error) {
         return ExitCode::SUCCESS;
     }
-    // If stderr is gone too, the exit code has to do.
+    // The exit code has to do if stderr is gone too.
     let _ = writeln!(io::stderr(), "scanwalk: {}", one_line(&error));
     ExitCode::from(if is_usage(&error) { WRONG_USAGE } else { FAILED })
 }
@@ -89,7 +89,7 @@ pub(super) fn start_tracing(verbose: u8) {
     };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
     let colors = io::IsTerminal::is_terminal(&io::stderr());
-    // Fails only if somebody else has set up tracing: then theirs it is.
+    // This fails only if somebody else has set up tracing, which then stays.
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(io::stderr)

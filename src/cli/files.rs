@@ -44,7 +44,7 @@ pub(super) fn check(cli: &Cli, partials: &Partials) -> anyhow::Result<Outputs> {
             args.worst_poses.iter().for_each(|path| files.writes("--worst-poses", path, OutputKind::Poses));
         }
         Command::Info(_) | Command::Settings(_) | Command::Doctor(_) => files.prints(),
-        // Not there yet: it writes nothing.
+        // This command is not there yet: it writes nothing.
         Command::Convert(_) => {}
     }
     Ok(files.check(partials)?)
@@ -61,7 +61,7 @@ fn scans(command: &Command) -> &[PathBuf] {
     }
 }
 
-/// `OUT.png`, or `OUT.left.png` and `OUT.right.png`.
+/// Names the files of the eyes: `OUT.png`, or with `stereo` `OUT.left.png` and `OUT.right.png`.
 fn of_eyes(option: &str, path: &Path, stereo: bool) -> Result<Vec<PathBuf>, Usage> {
     if !stereo {
         return Ok(vec![path.to_path_buf()]);

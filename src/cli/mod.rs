@@ -92,8 +92,8 @@ pub enum Command {
     Doctor(DoctorArgs),
 }
 
-/// The program: parses, runs the command, reports a failure in one line. To be called first in a program, while it has
-/// one thread.
+/// Runs the program: parses the arguments, runs the command, reports a failure in one line. It is to be called first,
+/// while the process has one thread.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();

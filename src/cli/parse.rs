@@ -6,34 +6,34 @@ use std::str::FromStr;
 /// Largest edge of a picture in pixels.
 const MAX_EDGE_PX: u32 = 16_384;
 
-/// What is said of the files that are one scan.
+/// Help text for the files that are one scan.
 pub(super) fn scans_help() -> String {
     points::format_names("or") + " files; several are one scan"
 }
 
-/// What is said of a file that is measured with.
+/// Help text for a file that is measured with.
 pub(super) fn scan_help() -> String {
     format!("A {} file to measure with [default: made-up ones]", points::format_names("or"))
 }
 
-/// Three parts between commas.
+/// Parses three parts between commas.
 fn three<T: FromStr>(text: &str) -> Option<[T; 3]> {
     let parts: Vec<T> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
     parts.try_into().ok()
 }
 
-/// `X,Y,Z`, finite.
+/// Parses `X,Y,Z`, three finite numbers.
 pub(super) fn point(text: &str) -> Result<DVec3, String> {
     let point = three(text).map(DVec3::from_array).filter(|point| point.is_finite());
     point.ok_or_else(|| "write three numbers, X,Y,Z: for example 1.5,-2,0".into())
 }
 
-/// `R,G,B`, 0 to 255 each.
+/// Parses `R,G,B`, each from 0 to 255.
 pub(super) fn color(text: &str) -> Result<[u8; 3], String> {
     three(text).ok_or_else(|| "write three whole numbers from 0 to 255, R,G,B: for example 30,30,40".into())
 }
 
-/// `WxH` in pixels.
+/// Parses `WxH` in pixels.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let edges = text.split_once(['x', 'X', '×']);
     let size =
@@ -42,25 +42,25 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("write WIDTHxHEIGHT, each from 1 to {MAX_EDGE_PX}: for example 1920x1080"))
 }
 
-/// A number for which `fits` holds.
+/// Parses a number for which `fits` holds.
 fn number(text: &str, wanted: &str, fits: impl Fn(f64) -> bool) -> Result<f64, String> {
     let value = text.trim().parse().ok().filter(|value: &f64| value.is_finite() && fits(*value));
     value.ok_or_else(|| format!("write {wanted}"))
 }
 
-/// Millions of points: at least one point, no more than a cloud holds.
+/// Parses millions of points: at least a thousand points, and no more than a cloud holds.
 pub(super) fn millions(text: &str) -> Result<f64, String> {
     number(text, "millions of points from 0.001 to 2000: for example 1,4,16", |m| {
         (0.001..=2000.0).contains(&m)
     })
 }
 
-/// A field of view in degrees.
+/// Parses a field of view in degrees.
 pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     number(text, "degrees, more than 0 and less than 180", |deg| deg > 0.0 && deg < 180.0)
 }
 
-/// Half angles `OUT,IN,UP,DOWN` in degrees.
+/// Parses half angles `OUT,IN,UP,DOWN` in degrees.
 pub(super) fn half_angles(text: &str) -> Result<[f64; 4], String> {
     let angles: Option<Vec<f64>> = text.split(',').map(|angle| angle.trim().parse().ok()).collect();
     let angles: Option<[f64; 4]> = angles.and_then(|angles| angles.try_into().ok());
@@ -70,12 +70,12 @@ pub(super) fn half_angles(text: &str) -> Result<[f64; 4], String> {
         .ok_or_else(|| "write four angles below 90 degrees, OUT,IN,UP,DOWN: for example 50,40,45,45".into())
 }
 
-/// A distance of the eyes.
+/// Parses a distance between the eyes.
 pub(super) fn eye_distance(text: &str) -> Result<f64, String> {
     number(text, "a distance from 0 upwards", |distance| distance >= 0.0)
 }
 
-/// A time.
+/// Parses a time in seconds.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     number(text, "seconds, more than 0 and at most 1e9", |seconds| seconds > 0.0 && seconds <= 1e9)
 }

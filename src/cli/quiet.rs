@@ -9,23 +9,24 @@
 use std::env;
 use std::ffi::OsStr;
 
-/// From this on, loaders speak.
+/// The loaders speak from this verbosity on.
 const VERBOSE: u8 = 2;
 
-/// To be called first in the program: variables of the environment may be set while it has one thread.
+/// Silences the libraries. It is to be called first in the program: variables of the environment may be set while the
+/// process has one thread.
 pub(super) fn libraries(verbose: u8) {
     for (name, value) in wanted(verbose, |name| env::var_os(name).is_some_and(|value| !value.is_empty())) {
         raw::environment::set(OsStr::new(name), OsStr::new(value));
     }
 }
 
-/// What to set where these variables are set already.
+/// Returns the variables to set, with their values; `is_set` tells which ones the user has set already.
 fn wanted(verbose: u8, is_set: impl Fn(&str) -> bool) -> Vec<(&'static str, &'static str)> {
     let mut wanted = Vec::new();
     if verbose < VERBOSE {
         wanted.extend([("VK_LOADER_DEBUG", "none"), ("XR_LOADER_DEBUG", "none")]);
     }
-    // We choose by kind and name; the layer is there for those who choose by it.
+    // scanwalk chooses a GPU by kind and name; the layer is left to users who choose by these variables.
     if !["MESA_VK_DEVICE_SELECT", "DRI_PRIME"].into_iter().any(&is_set) {
         wanted.push(("NODEVICE_SELECT", "1"));
     }

@@ -105,8 +105,8 @@ pub enum Lod {
 }
 
 impl RenderArgs {
-    /// Settings that the command's own options win over: afterwards the configuration is the one place to
-    /// look for them.
+    /// Writes the command's own options over the settings: afterwards the configuration is the one place to look for
+    /// them.
     pub fn apply_to(&self, config: &mut Config) {
         let Config { cloud, frame, lod, .. } = config;
         frame.method = self.method.unwrap_or(frame.method);

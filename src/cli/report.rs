@@ -48,7 +48,7 @@ pub(super) fn run(args: &ReportArgs, mut outputs: Outputs) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Results as what the file's ending says: tables as Markdown, or a page.
+/// Formats results as the file's ending says: as Markdown tables, or as a page.
 pub(super) fn bench_document(results: &BenchResults, out: &Path) -> String {
     if has_ending(out, "md") { bench_markdown(results) } else { bench_page(results) }
 }

@@ -15,7 +15,8 @@ pub(super) fn run(args: &SettingsArgs, config: &Config) -> anyhow::Result<()> {
     let (values, defaults) = (config.to_table(), Config::default().to_table());
     let is_wanted = |setting: &Setting| match (&args.words[..], args.laboratory) {
         ([], true) => setting.audience == Audience::Laboratory,
-        // And whatever somebody has set: as a file, this says the same.
+        // Settings that somebody has changed are listed too, so that the page, used as a file, says the same as
+        // `config`.
         ([], false) => {
             let Setting { section, name, audience, .. } = *setting;
             audience == Audience::Users || values[section][name] != defaults[section][name]

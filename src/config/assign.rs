@@ -36,9 +36,9 @@ impl fmt::Display for Place {
 /// One key gets one value.
 #[derive(Debug)]
 pub(super) struct Assignment {
-    /// Dotted.
+    /// Dotted key.
     pub key: String,
-    /// Not yet checked.
+    /// Value, not yet checked.
     pub value: Value,
     /// Where it was written.
     pub place: Place,
@@ -65,8 +65,8 @@ pub(super) fn in_file(path: &Path, text: &str) -> Result<Vec<Assignment>, Config
     Ok(assignments)
 }
 
-/// Appends each value below `table` as (dotted key, byte where the key starts, value). A section is handed on
-/// as a value where a value belongs, or where it is empty and unknown, so that somebody complains.
+/// Appends each value below `table` as (dotted key, byte where the key starts, value). A section is handed on as a
+/// value where a value belongs, or where it is empty and unknown, so that it is refused.
 fn flatten<'i>(table: DeTable<'i>, section: &str, flat: &mut Vec<(String, usize, Spanned<DeValue<'i>>)>) {
     for (name, value) in table {
         let start = name.span().start;
@@ -83,7 +83,7 @@ fn flatten<'i>(table: DeTable<'i>, section: &str, flat: &mut Vec<(String, usize,
     }
 }
 
-/// The assignment of a `--set KEY=VALUE`. The value is TOML; whatever is not, is taken as text.
+/// Parses the assignment of a `--set KEY=VALUE`. A value that is not TOML is taken as text.
 pub(super) fn in_set(set: &str) -> Result<Assignment, ConfigError> {
     let Some((key, value)) = set.split_once('=') else {
         return Err(ConfigError::NoAssignment(set.to_owned()));

@@ -1,4 +1,5 @@
-//! Which values make sense: the table's ranges, and what two numbers of one setting must not say together.
+//! Checks which values make sense: by the table's ranges, and by what two numbers of one setting must not say
+//! together.
 
 use super::{Config, Setting};
 use toml::Value;
@@ -12,7 +13,7 @@ pub(super) struct Problem {
     pub problem: String,
 }
 
-/// Checks every value that its type leaves too much freedom.
+/// Checks every value whose type allows more than makes sense.
 pub(super) fn check(config: &Config) -> Result<(), Problem> {
     let values = config.to_table();
     for setting in Setting::all() {
@@ -34,8 +35,8 @@ pub(super) fn check(config: &Config) -> Result<(), Problem> {
     Ok(())
 }
 
-/// What is wrong with a value that must be within a range, or with the numbers in it. NaN and the infinities are in none; a
-/// name stands for what is in range.
+/// Says what is wrong with a value that must be within a range, or with the numbers in it. NaN and the infinities are
+/// in no range. A name stands for a value that is in range.
 fn out_of([least, most]: [f64; 2], value: &Value) -> Option<String> {
     let is_in = |number: f64| (least..=most).contains(&number);
     match value {

@@ -1,4 +1,4 @@
-//! What a setting takes: its type tells, by what it asks serde for.
+//! The kind of value that a setting takes: its type tells, by what it asks serde for.
 
 use serde::de::value::{Error as Refusal, StrDeserializer};
 use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
@@ -18,7 +18,7 @@ pub enum Kind {
     Text,
     /// One of these names.
     Choice(&'static [&'static str]),
-    /// So many of one kind.
+    /// This many values of one kind.
     List(Box<Self>, usize),
     /// What the type says of itself.
     Other(String),
@@ -30,7 +30,7 @@ impl Kind {
     pub fn of<'de, T: Deserialize<'de>>() -> Self {
         match T::deserialize(Asked) {
             Err(Answer(kind)) => kind,
-            // It asked for nothing.
+            // The type asked for nothing.
             Ok(_) => Self::Other("anything".into()),
         }
     }
@@ -66,10 +66,10 @@ pub fn choices<'de, T: Deserialize<'de>>() -> Vec<(&'static str, T)> {
     names.iter().copied().filter_map(value).collect()
 }
 
-/// Stands in for a value: whoever wants to read it learns nothing, but tells what it wants.
+/// Stands in for a value: a type that reads it gets nothing, but tells what it wants.
 struct Asked;
 
-/// What was asked for. It travels as an error, which ends the reading.
+/// The kind that was asked for. It travels as an error, which ends the reading.
 #[derive(Debug)]
 struct Answer(Kind);
 

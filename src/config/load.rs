@@ -12,7 +12,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// A configuration larger than this is none: it is refused before it fills the memory.
+/// Largest configuration file in bytes: a larger one is refused before it fills the memory.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Why a configuration was refused.
@@ -29,7 +29,7 @@ pub enum ConfigError {
     /// The file is not TOML.
     #[error("{place}: this is not TOML: {message}")]
     Syntax {
-        /// Where.
+        /// Place of the error.
         place: Place,
         /// The parser's words.
         message: String,
@@ -40,17 +40,17 @@ pub enum ConfigError {
     /// A preset that does not exist.
     #[error("--preset {name}: there is no such preset; choose one of {names}")]
     UnknownPreset {
-        /// As written.
+        /// Name as it was written.
         name: String,
-        /// All that there are.
+        /// Names of all presets.
         names: String,
     },
     /// A key that does not exist.
     #[error("{place}: there is no setting '{key}'; did you mean '{nearest}'?")]
     UnknownKey {
-        /// Where.
+        /// Place of the key.
         place: Place,
-        /// As written.
+        /// Key as it was written.
         key: String,
         /// The valid key that is spelt most like it.
         nearest: &'static str,
@@ -58,19 +58,19 @@ pub enum ConfigError {
     /// A value of another type than the key wants.
     #[error("{place}: {key} must be {wanted}, not {found}")]
     WrongType {
-        /// Where.
+        /// Place of the value.
         place: Place,
         /// The key.
         key: &'static str,
-        /// What it takes.
+        /// Kind of value that the key takes.
         wanted: Kind,
-        /// What it got.
+        /// Kind and text of the value.
         found: String,
     },
     /// A value of the right type that makes no sense.
     #[error("{place}: {key} {problem}")]
     OutOfRange {
-        /// Where.
+        /// Place of the value.
         place: Place,
         /// The key.
         key: &'static str,
@@ -109,7 +109,7 @@ pub fn load(presets: &[String], file: Option<&Path>, sets: &[String]) -> Result<
     resolving.finish()
 }
 
-/// The file's text.
+/// Reads the file's text.
 fn read(path: &Path) -> Result<String, ConfigError> {
     let fail = |source| ConfigError::Read { path: path.to_owned(), source };
     let mut text = String::new();
@@ -124,7 +124,7 @@ fn read(path: &Path) -> Result<String, ConfigError> {
 struct Resolving {
     /// All keys with their values so far.
     table: Table,
-    /// The same, typed.
+    /// The configuration with the values so far, typed.
     config: Config,
     /// Where a key was last assigned.
     places: HashMap<&'static str, Place>,
@@ -151,7 +151,7 @@ impl Resolving {
         Ok(())
     }
 
-    /// The configuration, if its values make sense.
+    /// Returns the configuration, if its values make sense.
     fn finish(mut self) -> Result<Config, ConfigError> {
         match check::check(&self.config) {
             Ok(()) => Ok(self.config),

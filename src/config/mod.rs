@@ -28,7 +28,7 @@ impl Config {
     /// All settings as TOML.
     #[must_use]
     pub fn to_table(&self) -> toml::Table {
-        // Sections of numbers, texts and lists: none of the things that TOML cannot say.
+        // The sections hold numbers, texts and lists, all of which TOML can express.
         toml::Table::try_from(self).expect("a configuration is TOML")
     }
 

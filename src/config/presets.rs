@@ -1,4 +1,5 @@
-//! Presets: configurations that come with the program, by name. Files below `config/`, like those that users write.
+//! Presets: configurations that come with the program, by name. They are files below `config/`, like those that users
+//! write.
 
 use super::ConfigError;
 use super::assign::{Assignment, in_file};
@@ -9,7 +10,7 @@ use std::path::Path;
 pub struct Preset {
     /// What `--preset` calls it.
     pub name: &'static str,
-    /// TOML.
+    /// Settings as TOML.
     pub text: &'static str,
 }
 

@@ -5,16 +5,16 @@ use super::kind::Kind;
 /// Settings that belong together.
 #[derive(Debug)]
 pub struct Section {
-    /// As it stands in brackets: `frame`.
+    /// Name as it stands in brackets: `frame`.
     pub name: &'static str,
-    /// What it is about: a sentence.
+    /// What the section is about: a sentence.
     pub(super) about: &'static str,
-    /// What is in it.
+    /// Settings of the section.
     pub settings: &'static [Setting],
 }
 
 impl Section {
-    /// What it is about: a sentence.
+    /// Tells what the section is about: a sentence.
     #[must_use]
     pub fn about(&self) -> &'static str {
         self.about.trim()
@@ -34,11 +34,11 @@ pub struct Setting {
     pub(super) help: &'static str,
     /// The least and the greatest value, of each number in it.
     pub range: Option<[f64; 2]>,
-    /// What its numbers count, in words; empty if it has none or they count nothing.
+    /// Unit of its numbers in words; empty if it has no numbers or they have no unit.
     pub unit: &'static str,
     /// Who changes it.
     pub audience: Audience,
-    /// What its type takes.
+    /// Kind of value that its type takes.
     pub(super) kind: fn() -> Kind,
 }
 
@@ -52,18 +52,18 @@ pub enum Audience {
 }
 
 impl Setting {
-    /// All of them, in the table's order.
+    /// All settings, in the table's order.
     pub fn all() -> impl Iterator<Item = &'static Self> {
         super::SECTIONS.iter().flat_map(|section| section.settings)
     }
 
-    /// The one with this dotted key.
+    /// The setting with this dotted key.
     #[must_use]
     pub fn find(key: &str) -> Option<&'static Self> {
         Self::all().find(|setting| setting.key == key)
     }
 
-    /// The one whose key is spelt most like `key`: as a whole, or by its last word where the section is wrong.
+    /// The setting whose key is spelt most like `key`: as a whole, or by its last word where the section is wrong.
     #[must_use]
     pub fn nearest(key: &str) -> &'static Self {
         let word = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
@@ -75,7 +75,7 @@ impl Setting {
         Self::all().min_by_key(distance).expect("the table is not empty")
     }
 
-    /// What its type takes.
+    /// Kind of value that its type takes.
     #[must_use]
     pub fn kind(&self) -> Kind {
         (self.kind)()
@@ -95,15 +95,15 @@ impl Setting {
     }
 }
 
-/// Makes of the table: [`Config`](super::Config), a struct for each section, their defaults, and
-/// [`SECTIONS`](super::SECTIONS). A setting is an entry
+/// Makes [`Config`](super::Config), a struct for each section, their defaults, and [`SECTIONS`](super::SECTIONS) from
+/// the table. A setting is an entry
 ///
 /// ```text
 /// /// What it means.
 /// key: Type = default, from LEAST to MOST, in "unit", for Laboratory;
 /// ```
 ///
-/// of which `from … to`, `in` and `for` may be left out. The comment is what users read.
+/// of which `from … to`, `in` and `for` may be left out. Users read the entry's comment.
 macro_rules! settings {
     ($(
         $(#[doc = $about:literal])+

@@ -1,5 +1,5 @@
-//! From keys and mouse to actions for the frame thread and to what the window shows. Knows no window: events
-//! go in, at most one action comes out of each.
+//! Turns keys and mouse into actions for the frame thread and into what the window shows. It knows no window: events
+//! go in, and at most one action comes out of each.
 
 use super::keys::{self, Input, KeyAction};
 use super::{Mirror, WindowOptions};
@@ -13,21 +13,21 @@ const LEAVE_WINDOW: Duration = Duration::from_secs(2);
 /// What the window shows; the user changes it with keys and in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct View {
-    /// Eyes mirrored.
+    /// Which eyes are mirrored.
     pub mirror: Mirror,
-    /// Panel shown.
+    /// True if the panel is shown.
     pub panel: bool,
-    /// Help shown.
+    /// True if the help is shown.
     pub help: bool,
-    /// Full screen wished for.
+    /// True if the user wants full screen.
     pub full_screen: bool,
-    /// The user wants to leave.
+    /// True if the user wants to leave.
     pub leave: bool,
     leave_asked: Option<Instant>,
 }
 
 impl View {
-    /// At start.
+    /// What the window shows at start.
     pub(super) fn new(options: &WindowOptions) -> Self {
         let WindowOptions { mirror, panel, .. } = *options;
         let (help, full_screen, leave) = (false, false, false);
@@ -52,7 +52,7 @@ impl View {
     }
 }
 
-/// The hands: keys held, drag under way.
+/// What the user's hands do: keys held, drag under way.
 #[derive(Debug)]
 pub(super) struct Controls {
     /// What the window shows.
@@ -66,12 +66,12 @@ pub(super) struct Controls {
 const AT_REST: Action = Action::Move { direction: [0.0; 3], fast: false };
 
 impl Controls {
-    /// Nothing held.
+    /// Controls with nothing held.
     pub(super) fn new(view: View) -> Self {
         Self { view, held: Vec::new(), sent: AT_REST, drag_from_px: None, pointer_px: [0.0; 2] }
     }
 
-    /// A key went down (once, not its repeats) or up.
+    /// Takes in that a key went down (once, not its repeats) or up.
     pub(super) fn key(&mut self, key: KeyCode, pressed: bool, now: Instant) -> Option<Action> {
         let action = keys::action(Input::Key(key))?;
         if let KeyAction::Move(..) | KeyAction::Fast = action {
@@ -98,7 +98,7 @@ impl Controls {
         None
     }
 
-    /// A mouse button went down on the picture (not on the panel), or up anywhere.
+    /// Takes in that a mouse button went down on the picture (not on the panel), or up anywhere.
     pub(super) fn button(&mut self, pressed: bool) {
         self.drag_from_px = pressed.then_some(self.pointer_px);
     }
@@ -113,7 +113,7 @@ impl Controls {
         self.drag_from_px.is_some()
     }
 
-    /// The pointer is here now, physical pixels.
+    /// Takes in that the pointer is at `at_px`, physical pixels.
     pub(super) fn pointer(&mut self, at_px: [f64; 2]) -> Option<Action> {
         self.pointer_px = at_px;
         let from_px = self.drag_from_px.as_mut().map(|from| std::mem::replace(from, at_px))?;
@@ -122,7 +122,7 @@ impl Controls {
             .then_some(Action::Look { delta_px })
     }
 
-    /// The wheel turned by so many lines, up is positive.
+    /// Takes in that the wheel turned by this many lines; up is positive.
     pub(super) fn wheel(&mut self, lines: f32) -> Option<Action> {
         match keys::action(Input::Wheel)? {
             KeyAction::Speed(steps) if lines.is_finite() => Some(Action::Faster(steps * lines)),

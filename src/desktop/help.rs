@@ -5,10 +5,10 @@ use super::keys::BINDINGS;
 use super::style::{self, FAINT};
 use egui::{Align2, Area, Color32, CornerRadius, Frame, Grid, Id, Margin, Order, RichText, ScrollArea, Ui};
 
-/// Width of what is in it, points.
+/// Width of the help's contents, points.
 const WIDTH: f32 = 430.0;
 
-/// Draws it if the view wants it.
+/// Draws the help if the view wants it.
 pub(super) fn show(ui: &mut Ui, view: &mut View) {
     if !view.help {
         return;

@@ -9,12 +9,14 @@ use timing::{FrameRow, Phase};
 pub(super) const HISTORY_S: f64 = 5.0;
 /// Seconds that the frame rate is counted over.
 const RATE_S: f64 = 1.0;
-/// Slow frames come in bursts, as many at once as may be under way: the rate is of at least so many.
+/// Least number of frames that the rate is counted over: slow frames come in bursts, as many at once as may be under
+/// way.
 const RATE_FRAMES: usize = 8;
 /// Most rows kept, whatever their times say: 5 s at 800 Hz.
 const MAX_ROWS: usize = 4096;
-/// Without a row for so long, and for so many times what a frame took, the frames count as stopped.
+/// Seconds without a row after which the frames count as stopped, unless [`STALLED_FRAMES`] is longer.
 const STALLED_S: f64 = 3.0;
+/// Frame times without a row after which the frames count as stopped, unless [`STALLED_S`] is longer.
 const STALLED_FRAMES: f64 = 3.0;
 
 /// Rows of the last [`HISTORY_S`], and those before that the frame rate needs; oldest first.
@@ -28,18 +30,18 @@ pub(super) struct History {
 /// A time now and over the history, milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spread {
-    /// The newest.
+    /// Time of the newest frame.
     pub now_ms: f32,
-    /// Half of the frames took no longer.
+    /// Median: half of the frames took no longer.
     pub median_ms: f32,
-    /// All but one frame in a hundred took no longer.
+    /// 99th percentile: all frames except one in a hundred took no longer.
     pub p99_ms: f32,
 }
 
 impl History {
     /// Takes in a row that arrived at `now`.
     pub(super) fn push(&mut self, row: FrameRow, now: Instant) {
-        // A row from before the newest one: another run began.
+        // A row that is older than the newest one is of another run.
         if self.rows.back().is_some_and(|newest| row.time_s < newest.time_s) {
             self.rows.clear();
         }
@@ -66,19 +68,19 @@ impl History {
         aged.filter(|(age_s, _)| *age_s >= -HISTORY_S)
     }
 
-    /// Frames of the scan a second, over the last second, or over the last few if they take longer; `None` before there are
-    /// two and once they stopped.
+    /// Frames of the scan a second, counted over the last second, or over the last few frames if they take longer.
+    /// `None` before there are two frames and once they have stopped.
     pub(super) fn frames_per_second(&self, now: Instant) -> Option<f64> {
         let waited = now.saturating_duration_since(self.last_push?);
         let newest_s = self.newest()?.time_s;
         let is_recent = |row: &FrameRow| newest_s - row.time_s + waited.as_secs_f64() <= RATE_S;
         let of_scan = || self.rows.iter().rev().take_while(|row| row.phase != Phase::Waiting);
-        // Their time begins with the frame before them; the first of all is such a one.
+        // The time of the counted frames begins with the frame before them, so the first frame of all is not counted.
         let num_frames = of_scan().take_while(|row| is_recent(row)).count().max(RATE_FRAMES);
         let num_frames = num_frames.min(of_scan().count().checked_sub(1)?);
         let took_s = newest_s - of_scan().nth(num_frames)?.time_s;
         let frame_s = took_s / num_frames as f64;
-        // NaN of a single frame.
+        // A single frame gives NaN.
         if frame_s.is_nan()
             || frame_s <= 0.0
             || waited.as_secs_f64() > STALLED_S.max(STALLED_FRAMES * frame_s)
@@ -179,7 +181,7 @@ pub(super) mod tests {
         let now = Instant::now();
         let rate = |history: &History| history.frames_per_second(now).unwrap_or(f64::NAN);
         assert!((rate(&filled((0..200).map(|i| f64::from(i) / 90.0))) - 90.0).abs() < 0.1);
-        // Slow for a while, then fast: only the last second counts.
+        // Frames are slow for a while, then fast: only the last second counts.
         let slow_then_fast =
             (0..20).map(|i| f64::from(i) / 10.0).chain((0..200).map(|i| 2.0 + f64::from(i) / 50.0));
         assert!((rate(&filled(slow_then_fast)) - 50.0).abs() < 0.1);
@@ -189,7 +191,7 @@ pub(super) mod tests {
         assert_eq!(filled([1.0, 1.1]).frames_per_second(now + Duration::from_secs(9)), None, "stopped");
     }
 
-    /// Two are under way at once: both begin when the two before have ended.
+    /// Two frames are under way at once: both begin when the two before them have ended.
     #[test]
     fn frames_that_come_in_bursts_are_as_slow_as_they_are() {
         for (in_flight, burst_s) in [(1, 2.0), (2, 4.0), (2, 0.3), (3, 6.0), (2, 60.0)] {

@@ -16,7 +16,7 @@ pub(super) enum Input {
     Wheel,
 }
 
-/// What comes of it.
+/// What an input does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum KeyAction {
     /// Moves while held, along right (0), up (1) or forward (2), by −1 or 1.
@@ -27,7 +27,7 @@ pub(super) enum KeyAction {
     Send(Action),
     /// Looks around.
     Look,
-    /// Faster (> 0) or slower (< 0) by so many steps; of the wheel, by so many a line.
+    /// Changes the speed by this many steps, faster (> 0) or slower (< 0); the wheel does so for each line.
     Speed(f32),
     /// Shows or hides the panel.
     Panel,
@@ -44,11 +44,11 @@ pub(super) enum KeyAction {
 /// A line of the table.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Binding {
-    /// Any of these.
+    /// Inputs, each of which does it.
     pub inputs: &'static [Input],
-    /// Does this.
+    /// What the inputs do.
     pub action: KeyAction,
-    /// And in words, for the help.
+    /// The action in words, for the help.
     pub does: &'static str,
 }
 
@@ -85,13 +85,13 @@ pub(super) const BINDINGS: &[Binding] = {
     ]
 };
 
-/// What `input` does, if anything.
+/// Returns what `input` does, if anything.
 pub(super) fn action(input: Input) -> Option<KeyAction> {
     BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
 }
 
 impl Binding {
-    /// Its inputs for the help: "E", "Space". Left and right keys of one name count once.
+    /// Names of its inputs for the help: "E", "Space". Left and right keys of one name count once.
     pub(super) fn labels(&self) -> Vec<String> {
         let mut labels: Vec<String> = self.inputs.iter().map(Input::label).collect();
         labels.dedup();

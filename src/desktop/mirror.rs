@@ -16,7 +16,7 @@ pub(super) struct MirrorPipeline {
     bound: Option<Bound>,
 }
 
-/// Bind groups live as long as the images they were made for.
+/// Bind groups of the mirrored images, which live as long as the images that they were made for.
 #[derive(Debug)]
 struct Bound {
     images: MirrorImages,
@@ -24,7 +24,7 @@ struct Bound {
 }
 
 impl MirrorPipeline {
-    /// For pictures of `format`. An sRGB one encodes by itself; for any other the shader does.
+    /// A pipeline for pictures of `format`. An sRGB format encodes by itself; the shader encodes for any other.
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("mirror"),
@@ -104,7 +104,7 @@ impl MirrorPipeline {
     ) -> wgpu::BindGroup {
         let [across, down] = [width as f32, height as f32];
         let [full_across, full_down] = [image.width() as f32, image.height() as f32];
-        // As `Drawn` in the shader.
+        // The layout is that of `Drawn` in the shader.
         let drawn: [f32; 4] =
             [across / full_across, down / full_down, (across - 0.5) / full_across, (down - 0.5) / full_down];
         let drawn = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {

@@ -13,7 +13,7 @@
 //!        └── mirror ◀───────────────────────────mirror images┘
 //! ```
 //!
-//! How a program uses it, on its main thread (winit's demand), once a process (winit's too):
+//! A program uses it on its main thread and once a process, both of which winit demands:
 //!
 //! ```no_run
 //! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::state::Action>) {}
@@ -79,22 +79,22 @@ pub struct WindowFacts {
 /// Why there is no window; each sentence says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum DesktopError {
-    /// No display server, or it does not answer.
+    /// There is no display server, or it does not answer.
     #[error("no window can be opened: {reason}; run scanwalk on a desktop, or use --window off")]
     NoDisplay {
-        /// In words.
+        /// Reason in words.
         reason: String,
     },
     /// winit's event loop failed.
     #[error("the window's event loop failed: {reason}")]
     EventLoop {
-        /// In words.
+        /// Reason in words.
         reason: String,
     },
     /// The display server refused the window.
     #[error("the display server refused to open a window: {reason}")]
     Window {
-        /// In words.
+        /// Reason in words.
         reason: String,
     },
     /// Vulkan refused the surface.
@@ -115,8 +115,8 @@ pub enum DesktopError {
 pub struct Display(EventLoop<()>);
 
 impl Display {
-    /// Connects to the display that the environment names: Wayland if a compositor answers there, else X11. Those that do not
-    /// answer are given up after some seconds, or when `stop` is requested.
+    /// Connects to the display that the environment names: Wayland if a compositor answers there, else X11. A server
+    /// that does not answer is given up after some seconds, or when `stop` is requested.
     ///
     /// # Errors
     /// [`DesktopError::NoDisplay`].

@@ -7,7 +7,7 @@ use base::task::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};
 
-/// Draws what there is to say. `picture`: the eyes already show something.
+/// Draws what there is to say. `picture` is true if the eyes already show something.
 pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: bool) {
     if let Some(error) = &load.error {
         failed(ui, error);
@@ -19,7 +19,7 @@ pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: 
     }
 }
 
-/// How long a sentence stays.
+/// How long a notice stays.
 const TOLD_FOR: Duration = Duration::from_secs(5);
 
 /// Draws what the frame thread told last, for a while.
@@ -31,7 +31,7 @@ pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant
 
 fn loading(ui: &mut Ui, doing: &Done, picture: bool) {
     let fraction = doing.fraction();
-    // In the middle while there is nothing else to look at.
+    // The text stands in the middle while there is nothing else to look at.
     let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
     card(ui, "loading", align, y, |ui| {
         ui.set_width(260.0);
@@ -55,7 +55,7 @@ fn loading(ui: &mut Ui, doing: &Done, picture: bool) {
     });
 }
 
-/// With a large first letter.
+/// Returns the text with a capital first letter.
 fn title(what: &str) -> String {
     let mut title = what.to_owned();
     if let Some(first) = title.get_mut(..1) {

@@ -30,16 +30,16 @@ pub struct Widgets {
 /// What a widget is called, and what it does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// Before the widget: "Mirror".
+    /// Text before the widget: "Mirror".
     pub title: String,
-    /// For whoever points at it.
+    /// Text for a user who points at the widget.
     pub help: String,
 }
 
 /// A widget that takes one of several values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice<T> {
-    /// What it is called.
+    /// Name and meaning of the widget.
     pub label: Label,
     /// All values with their titles: "Left".
     pub values: Vec<(String, T)>,
@@ -61,6 +61,6 @@ pub enum Mirror {
     Left,
     /// The right eye.
     Right,
-    /// Side by side.
+    /// Both eyes, side by side.
     Both,
 }

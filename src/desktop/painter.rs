@@ -5,7 +5,7 @@ use super::mirror::MirrorPipeline;
 use crate::walk::link::MirrorImages;
 use render::gpu::Gpu;
 
-/// Where nothing else is drawn: near black, a little bluish, so that an empty window is not a black hole.
+/// Color where nothing else is drawn: near black and a little bluish, so that an empty window is not a black hole.
 const EMPTY: [f64; 3] = [18.0 / 255.0, 20.0 / 255.0, 24.0 / 255.0];
 
 /// Pipelines and egui's textures, for one format of picture.
@@ -13,13 +13,13 @@ pub(super) struct Painter {
     mirror: MirrorPipeline,
     egui: egui_wgpu::Renderer,
     format: wgpu::TextureFormat,
-    /// Freed by egui in the picture before; that one had to be submitted first.
+    /// Textures that egui freed in the picture before, which had to be submitted first.
     freed: Vec<egui::TextureId>,
 }
 
 /// What egui wants painted.
 pub(super) struct EguiPicture {
-    /// Triangles.
+    /// Triangles to paint.
     pub primitives: Vec<egui::ClippedPrimitive>,
     /// Textures that changed.
     pub textures: egui::TexturesDelta,
@@ -28,7 +28,7 @@ pub(super) struct EguiPicture {
 }
 
 impl EguiPicture {
-    /// From a finished egui pass.
+    /// Takes the picture of a finished egui pass.
     pub(super) fn new(context: &egui::Context, output: egui::FullOutput) -> Self {
         let egui::FullOutput { shapes, pixels_per_point, textures_delta: textures, .. } = output;
         Self { primitives: context.tessellate(shapes, pixels_per_point), textures, pixels_per_point }
@@ -36,7 +36,7 @@ impl EguiPicture {
 }
 
 impl Painter {
-    /// For pictures of `format`.
+    /// A painter for pictures of `format`.
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let egui = egui_wgpu::Renderer::new(device, format, egui_wgpu::RendererOptions::default());
         Self { mirror: MirrorPipeline::new(device, format), egui, format, freed: Vec::new() }

@@ -14,7 +14,7 @@ use std::time::Instant;
 use timing::FrameRow;
 use wgpu::TextureFormat;
 
-/// A grey ramp of every 8-bit value, 16 × 16, and its negative for the other eye.
+/// Edge of the test images in pixels: a gray ramp of every 8-bit value, 16 × 16, and its negative for the other eye.
 const EDGE: u32 = 16;
 
 fn texture(gpu: &Gpu, format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
@@ -88,8 +88,8 @@ fn the_mirror_shows_only_what_is_drawn() {
         let shown = mirrored(&gpu, images, Mirror::Left, TextureFormat::Rgba8Unorm);
         [shown[0], shown[shown.len() - 1]]
     };
-    // Twice as wide as high: it covers the square window and loses a quarter on either side; at the bottom
-    // nothing is mixed in from the row below.
+    // The part is twice as wide as high: it covers the square window and loses a quarter on either side. Nothing is
+    // mixed in at the bottom from the row below.
     let [first, last] = corners(&part);
     assert!((1..4).contains(&first), "{first}");
     assert!((EDGE * (down - 1) + 4..EDGE * (down - 1) + 7).contains(&u32::from(last)), "{last}");
@@ -117,7 +117,7 @@ fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
             ..Default::default()
         };
         let mut output = context.run_ui(input, &mut contents);
-        // egui insists that somebody deals with its textures.
+        // egui insists that its caller deals with its textures.
         output.textures_delta.clear();
         words.clear();
         output.shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut words));
@@ -222,14 +222,15 @@ fn notices_say_what_goes_on() {
     for expected in ["Sorting …", "42 %", "425 k of 1.00 M points"] {
         assert!(words.contains(expected), "{expected} is not in {words}");
     }
-    // It moves, in the words and in the bar.
+    // Progress goes on, in the words and in the bar.
     load.doing = Some(Done { done: 999_999, ..sorting });
     let words = painted(|ui| notice::show(ui, &load, false, false));
     assert!(words.contains("99 %") && words.contains("1.00 M of 1.00 M points"), "{words}");
     load.error = Some("hall.laz: not a LAS file; choose another".into());
     let words = painted(|ui| notice::show(ui, &load, true, true));
     assert!(words.contains("not a LAS file") && words.contains("Esc again") && !words.contains("Sorting"));
-    // A header that claimed too little; bytes have a unit of their own. Where nobody counts there is no figure.
+    // The header of a file may have claimed too few bytes; bytes have a unit of their own. Work that is not counted
+    // has no figure.
     for (done, total, expected) in [(3 << 20, 2 << 20, "3.00 MiB of 2.00 MiB"), (0, 0, "über …")] {
         let doing = Some(Done { what: "über", unit: "bytes", done, total });
         let load = LoadState { doing, ..Default::default() };

@@ -13,28 +13,28 @@ use timing::{FrameRow, STAGES};
 
 /// Width of what is in the panel, points.
 const WIDTH: f32 = 264.0;
-/// From the window's corner.
+/// Distance from the window's corner, points.
 const MARGIN: f32 = 12.0;
 
 /// Everything that the panel tells.
 pub(super) struct Contents<'a> {
-    /// Of the run.
+    /// Facts of the run.
     pub facts: &'a WindowFacts,
-    /// Of the frames.
+    /// The last seconds of frames.
     pub history: &'a History,
-    /// Of the scan.
+    /// What loading has come to.
     pub load: &'a LoadState,
     /// What the user can choose.
     pub widgets: &'a Widgets,
-    /// Of the application.
+    /// The application's state.
     pub state: Snapshot,
     /// Pixels of an eye's image.
     pub eye_px: Option<[u32; 2]>,
-    /// Now.
+    /// The present moment.
     pub now: Instant,
 }
 
-/// Draws the panel if the view wants it; the action that the user asked for in it.
+/// Draws the panel if the view wants it; returns the action that the user asked for in it.
 pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> {
     if !view.panel {
         return None;
@@ -69,7 +69,7 @@ fn section(ui: &mut Ui) {
     ui.add_space(1.0);
 }
 
-/// Frame rate, plot, stages, GPU and CPU times.
+/// Draws frame rate, plot, stages, GPU and CPU times.
 fn frames(ui: &mut Ui, contents: &Contents) {
     let history = contents.history;
     let newest = history.newest();
@@ -113,7 +113,7 @@ fn frames(ui: &mut Ui, contents: &Contents) {
     )));
 }
 
-/// The plot's legend, with each stage's newest time.
+/// Draws the plot's legend, with each stage's newest time.
 fn stages(ui: &mut Ui, row: &FrameRow) {
     Grid::new("stages").num_columns(4).spacing([12.0, 2.0]).show(ui, |ui| {
         for (i, name) in STAGES.iter().enumerate() {
@@ -142,7 +142,7 @@ fn gpu(ui: &mut Ui, spread: &Spread, budget_ms: f32) {
     });
 }
 
-/// What the newest frame drew.
+/// Tells what the newest frame drew.
 fn points(ui: &mut Ui, row: Option<&FrameRow>) {
     let text = |figure: fn(&FrameRow) -> String| row.map_or("–".to_string(), figure);
     let rows = [
@@ -164,7 +164,7 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
     }
 }
 
-/// Mirror, overlay, speed, help.
+/// Draws the choices: mirror, overlay, speed, help.
 fn choices(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> {
     let Contents { widgets, state, .. } = contents;
     let (mut speed, mut overlay) = (state.speed(), state.overlay);
@@ -204,17 +204,17 @@ fn choices(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> 
             view.panel = false;
         }
     });
-    // A hand changes one thing a picture.
+    // The user changes at most one thing from one picture to the next.
     let chosen = (overlay != state.overlay).then_some(Action::SetOverlay(overlay));
     chosen.or_else(|| (speed != state.speed()).then_some(Action::SetSpeed(speed)))
 }
 
-/// What stands before a widget.
+/// Draws the label that stands before a widget.
 fn label(ui: &mut Ui, label: &Label) {
     ui.label(RichText::new(&label.title).color(FAINT)).on_hover_text(&label.help);
 }
 
-/// What an overlay's colors mean. `row`: of the newest frame.
+/// Tells what an overlay's colors mean. `row` is the newest frame's.
 fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
     let is_closest = row.is_some_and(|row| row.quality == Quality::Closest.name());
     match overlay {
@@ -228,7 +228,7 @@ fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
     }
 }
 
-/// What the readers found.
+/// Tells what the readers found.
 fn scan(ui: &mut Ui, load: &LoadState) {
     if !load.facts.is_empty() {
         fold(ui, "Scan", true, |ui| {
@@ -247,7 +247,7 @@ fn scan(ui: &mut Ui, load: &LoadState) {
     }
 }
 
-/// What it runs on.
+/// Tells what the walk runs on.
 fn machine(ui: &mut Ui, contents: &Contents) {
     fold(ui, "Machine", true, |ui| {
         fact(ui, "GPU", &contents.facts.device);
@@ -260,7 +260,7 @@ fn machine(ui: &mut Ui, contents: &Contents) {
 
 fn fold(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
     section(ui);
-    // The count in a title may change; the section stays the same one.
+    // The count in a title may change, so the section is known by the title's first word.
     let name = title.split(' ').next().unwrap_or(title).to_string();
     egui::CollapsingHeader::new(caption(title))
         .id_salt(name)
@@ -268,7 +268,7 @@ fn fold(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
         .show_unindented(ui, contents);
 }
 
-/// A name and its value, on one line; a long value is cut, and whole when pointed at.
+/// Draws a name and its value on one line. A long value is cut; pointing at it shows the whole.
 fn fact(ui: &mut Ui, name: &str, value: &str) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(FAINT));

@@ -1,4 +1,5 @@
-//! Where the eyes' images lie in the window. Everything in physical pixels, (0, 0) at the top left, y down.
+//! Where the eyes' images lie in the window. Everything is in physical pixels, with (0, 0) at the top left and y
+//! down.
 
 use super::Mirror;
 
@@ -15,10 +16,10 @@ pub(super) struct Area {
     pub height: f32,
 }
 
-/// One eye's place.
+/// Place of one eye's image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pane {
-    /// 0 left, 1 right.
+    /// 0 for the left eye, 1 for the right.
     pub eye: usize,
     /// The part of the window that it may paint; whole pixels.
     pub clip: Area,
@@ -26,10 +27,10 @@ pub(super) struct Pane {
     pub image: Area,
 }
 
-/// What gives way where the shapes differ.
+/// What gives way where image and area differ in shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fit {
-    /// The image covers the area; what hangs over is cropped.
+    /// The image covers the area; its parts outside are cropped.
     Cover,
     /// The whole image is seen; bars stay empty.
     Whole,
@@ -132,7 +133,7 @@ mod tests {
             for Pane { clip, image: placed, .. } in panes(mirror, [image; 2], window, u32::MAX) {
                 let shape = image[0] as f32 / image[1] as f32;
                 prop_assert!((placed.width / placed.height / shape - 1.0).abs() < 1e-3);
-                // Half a pixel: the corner is rounded.
+                // The corner is rounded by up to half a pixel.
                 let covers = placed.x <= clip.x + 0.51
                     && placed.y <= clip.y + 0.51
                     && placed.x + placed.width >= clip.x + clip.width - 0.51

@@ -6,10 +6,10 @@ use egui::{Color32, Stroke, Ui};
 use egui_plot::{AxisHints, FilledArea, GridMark, HLine, LineStyle, Plot, PlotUi, Points};
 use timing::STAGES;
 
-/// Height in points.
+/// Height of the plot in points.
 const HEIGHT: f32 = 116.0;
 
-/// Draws it, as wide as the panel.
+/// Draws the plot, as wide as the panel.
 pub(super) fn show(ui: &mut Ui, history: &History) {
     let top_ms = history.plot_top_ms();
     let budget_ms = history.newest().map(|row| f64::from(row.budget_ms)).filter(|ms| *ms > 0.0);

@@ -1,7 +1,7 @@
 //! The window's surface: configured, acquired and presented so that the frame thread never waits for it.
 //!
-//! - A present mode that does not wait for the display; FIFO only where there is nothing else.
-//! - One picture at a time: the next is begun when the GPU has finished the one before, so acquiring never
+//! - The present mode does not wait for the display; FIFO is taken only where there is no other.
+//! - There is one picture at a time: the next is begun when the GPU has finished the one before, so acquiring never
 //!   waits for work that is queued behind the headset's frames.
 //! - Configuring waits for the GPU, under the queue lock; so a resize does it at most ten times a second.
 
@@ -23,15 +23,15 @@ pub(super) struct Screen {
     /// `None` only inside [`Screen::recreate`] and `drop`.
     surface: Option<wgpu::Surface<'static>>,
     config: wgpu::SurfaceConfiguration,
-    /// The surface is as `config` says.
+    /// True if the surface is as `config` says.
     configured: bool,
     last_configure: Option<Instant>,
-    /// The GPU has finished the last picture.
+    /// True once the GPU has finished the last picture.
     finished: Arc<AtomicBool>,
 }
 
 impl Screen {
-    /// For `window`; configured when the first picture is begun.
+    /// The surface of `window`, which is configured when the first picture is begun.
     pub(super) fn new(gpu: Arc<Gpu>, window: Arc<Window>) -> Result<Self, DesktopError> {
         let surface = gpu.instance.create_surface(Arc::clone(&window))?;
         let capabilities = surface.get_capabilities(&gpu.adapter);
@@ -61,11 +61,11 @@ impl Screen {
         self.config.format
     }
 
-    /// A texture of the window's size to draw the next picture into; `None` if this is not the time: no area,
-    /// hidden, the GPU still at the last one, or the surface between two sizes.
+    /// Returns a texture of the window's size to draw the next picture into. `None` if the window has no area or is
+    /// hidden, the GPU is still at the last picture, or the surface is between two sizes.
     pub(super) fn begin(&mut self) -> Result<Option<wgpu::SurfaceTexture>, DesktopError> {
         if !self.finished.load(Ordering::Acquire) {
-            // Runs the callback of `present` if its time has come; waits for nothing.
+            // This runs the callback of `present` if its time has come, and waits for nothing.
             let _ = self.gpu.device.poll(wgpu::PollType::Poll);
             if !self.finished.load(Ordering::Acquire) {
                 return Ok(None);
@@ -134,7 +134,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Destroying a surface waits for the GPU, which uses the queue.
+    /// Destroys the surface under the queue lock: that waits for the GPU, which uses the queue.
     fn release(&mut self) {
         let queue = self.gpu.queue.lock();
         self.surface = None;
@@ -148,13 +148,13 @@ impl Drop for Screen {
     }
 }
 
-/// egui blends as designers expect in a format that is not sRGB; the mirror encodes by itself then.
+/// Chooses a format that is not sRGB, in which egui blends as designers expect; the mirror encodes by itself then.
 fn choose_format(formats: &[wgpu::TextureFormat]) -> Option<wgpu::TextureFormat> {
     let wanted = [wgpu::TextureFormat::Bgra8Unorm, wgpu::TextureFormat::Rgba8Unorm];
     wanted.into_iter().find(|f| formats.contains(f)).or_else(|| formats.first().copied())
 }
 
-/// One that never waits for the display, if there is.
+/// Chooses a present mode that never waits for the display, if there is one.
 fn choose_present_mode(modes: &[wgpu::PresentMode]) -> Option<wgpu::PresentMode> {
     let wanted = [wgpu::PresentMode::Mailbox, wgpu::PresentMode::Immediate];
     wanted.into_iter().find(|m| modes.contains(m)).or_else(|| modes.first().copied())

@@ -1,6 +1,6 @@
-//! Which display server windows open on. winit takes Wayland wherever the environment names it, can be asked once a process,
-//! and waits for as long as a server keeps silent; so one that does not answer (a session that has ended or hangs, a
-//! container that inherited its name) is found before.
+//! Which display server windows open on. winit takes Wayland wherever the environment names it, can be asked once a
+//! process, and waits for as long as a server keeps silent. So a server that does not answer (a session that has
+//! ended or hangs, a container that inherited its name) is found before winit is asked.
 
 use super::DesktopError;
 use base::task::CancelToken;
@@ -13,7 +13,7 @@ use winit::event_loop::EventLoop;
 
 /// How long a server may take to answer.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// Between two looks at whether the user still waits.
+/// Time between two looks at whether the user still waits.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// A display server.
@@ -21,14 +21,14 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 pub enum Server {
     /// A Wayland compositor answers.
     Wayland(String),
-    /// The environment names an X server that is not silent; Wayland, where it is named too, does not answer for this reason.
+    /// The environment names an X server that is not silent. Wayland does not answer where it is named too.
     X11 {
-        /// ":0".
+        /// Name of the display: ":0".
         name: String,
-        /// In words.
+        /// Why Wayland does not answer, in words.
         no_wayland: Option<String>,
     },
-    /// The system has one of its own (Windows, macOS).
+    /// The system has a display server of its own (Windows, macOS).
     System,
 }
 
@@ -39,7 +39,8 @@ pub fn is_named() -> bool {
         || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(|name| variable(name).is_some())
 }
 
-/// The server that windows open on. Silent ones are given up after some seconds, or at once when `stop` is requested.
+/// Finds the server that windows open on. Silent servers are given up after some seconds, or at once when `stop` is
+/// requested.
 ///
 /// # Errors
 /// Why there is none, in words.
@@ -63,7 +64,7 @@ fn choose(
     wayland_answers: impl FnOnce(&str) -> Result<(), String>,
     x11_answers: impl FnOnce(&str) -> Result<(), String>,
 ) -> Result<Server, String> {
-    // A connection that stands already: it can be used once, so it is not tried.
+    // A connection that stands already can be used only once, so it is not tried.
     if wayland_socket.is_some() {
         return Ok(Server::Wayland("a socket that was handed over".into()));
     }
@@ -87,7 +88,7 @@ fn choose(
     }
 }
 
-/// A variable that is set and not empty.
+/// Value of a variable that is set and not empty.
 fn variable(name: &str) -> Option<String> {
     env::var(name).ok().filter(|value| !value.is_empty())
 }
@@ -120,7 +121,8 @@ fn wayland_answers(_: &str, _: Duration, _: &CancelToken) -> Result<(), String> 
     Ok(())
 }
 
-/// Whether an X server is not silent. One that is not there, or refuses, is winit's to tell of: it knows more ways there.
+/// Whether an X server is not silent. winit reports a server that is not there, or refuses: it knows more ways to
+/// one.
 #[cfg(target_os = "linux")]
 fn x11_answers(name: &str, patience: Duration, stop: &CancelToken) -> Result<(), String> {
     let name = name.to_owned();
@@ -134,15 +136,15 @@ fn x11_answers(_: &str, _: Duration, _: &CancelToken) -> Result<(), String> {
     Ok(())
 }
 
-/// What somebody else says, if that comes within `patience` and before `stop` is requested. Else the thread that asked goes on
-/// waiting: nothing ends a wait inside a library.
+/// Returns the answer of `ask`, if it comes within `patience` and before `stop` is requested. Otherwise the thread
+/// that asks goes on waiting, since nothing ends a wait inside a library.
 fn within<T: Send + 'static>(
     patience: Duration,
     stop: &CancelToken,
     ask: impl FnOnce() -> io::Result<T> + Send + 'static,
 ) -> Option<io::Result<T>> {
     let (sender, answer) = channel();
-    // Nobody may wait any more for what it sends.
+    // Sending fails if nobody waits for the answer any more.
     let asking = move || drop(sender.send(ask()));
     if let Err(error) = std::thread::Builder::new().name("display".into()).spawn(asking) {
         return Some(Err(error));
@@ -202,7 +204,7 @@ pub(super) fn event_loop(_: &CancelToken) -> Result<EventLoop<()>, DesktopError>
     })
 }
 
-/// What failed in the event loop.
+/// Tells what failed in the event loop.
 pub(super) fn event_loop_words(error: &EventLoopError) -> String {
     match error {
         EventLoopError::Os(error) => words(error),
@@ -210,12 +212,12 @@ pub(super) fn event_loop_words(error: &EventLoopError) -> String {
     }
 }
 
-/// What the system says, without the place in winit's source that winit puts before it.
+/// Returns the system's words, without the place in winit's source that winit puts before them.
 pub(super) fn words(error: &OsError) -> String {
     without_place(&error.to_string()).to_owned()
 }
 
-/// "os error at FILE:LINE: WHY" to WHY.
+/// Cuts "os error at FILE:LINE: WHY" down to WHY.
 fn without_place(text: &str) -> &str {
     let place_and_reason = text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
     place_and_reason.map_or(text, |(_, reason)| reason)
@@ -263,9 +265,9 @@ mod tests {
         assert!(silent.contains("does not answer"), "{silent}");
         let asked = CancelToken::default();
         asked.cancel();
-        // Whoever asks it to stop is not made to wait, or this test never ends.
+        // A caller who asks it to stop is not made to wait: otherwise this test would never end.
         assert!(wayland_answers(&path("alive"), Duration::from_secs(3600), &asked).is_err());
-        // Both who waited have left their connections; the third is served.
+        // Both callers above have left their connections; the third is served.
         let compositor = std::thread::spawn(move || {
             use std::io::{Read, Write};
             for _ in 0..3 {

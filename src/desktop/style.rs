@@ -3,21 +3,22 @@
 use egui::{Color32, CornerRadius, FontFamily, FontId, Frame, Margin, RichText, Stroke, TextStyle, vec2};
 use timing::STAGES;
 
-/// Ordinary text.
+/// Color of ordinary text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(222, 226, 232);
-/// Names beside figures.
+/// Color of names beside figures.
 pub(super) const FAINT: Color32 = Color32::from_rgb(146, 153, 164);
-/// Within the budget; what is chosen.
+/// Color of times within the budget, and of what is chosen.
 pub(super) const GOOD: Color32 = Color32::from_rgb(86, 180, 233);
-/// Warnings.
+/// Color of warnings.
 pub(super) const WARN: Color32 = Color32::from_rgb(240, 190, 80);
-/// Over the budget; errors.
+/// Color of times over the budget, and of errors.
 pub(super) const BAD: Color32 = Color32::from_rgb(240, 110, 96);
-/// Behind text.
+/// Color of a card, behind its text.
 const FILL: Color32 = Color32::from_rgba_premultiplied(17, 19, 23, 238);
+/// Color of a card's edge.
 const EDGE: Color32 = Color32::from_rgba_premultiplied(26, 27, 29, 30);
 
-/// A color a stage, told apart by color-blind people too.
+/// Color of each stage; color-blind people can tell them apart too.
 pub(super) const STAGE_COLORS: [Color32; STAGES.len()] = [
     Color32::from_rgb(150, 156, 168),
     Color32::from_rgb(0, 158, 115),
@@ -27,7 +28,7 @@ pub(super) const STAGE_COLORS: [Color32; STAGES.len()] = [
     Color32::from_rgb(230, 170, 50),
 ];
 
-/// Makes a context look so.
+/// Gives an egui context this look.
 pub(super) fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {
@@ -66,7 +67,7 @@ pub(super) fn card() -> Frame {
         .inner_margin(Margin::symmetric(14, 12))
 }
 
-/// A section's name.
+/// Formats a section's name.
 pub(super) fn caption(text: &str) -> RichText {
     RichText::new(text).small().color(FAINT)
 }

@@ -1,4 +1,5 @@
-//! winit's side: events to [`Controls`], sixty times a second a look at what is new, a picture if there is.
+//! winit's side of the window: passes events to [`Controls`], looks for news sixty times a second, and draws a
+//! picture if there is any.
 
 use super::controls::{Controls, View};
 use super::history::History;
@@ -20,9 +21,9 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::PhysicalKey;
 use winit::window::{Fullscreen, Window, WindowId};
 
-/// Between two looks at rows and `stop`, and so between two pictures.
+/// Time between two looks at rows and `stop`, and so between two pictures.
 const TICK: Duration = Duration::from_micros(16_667);
-/// Without anything new the picture is still drawn so often: the last mirror image may be newer than its row.
+/// Longest time between two pictures without anything new: the last mirror image may be newer than its row.
 const IDLE_REDRAW: Duration = Duration::from_millis(200);
 /// Pixels of a touchpad's scrolling that count as a line of the wheel.
 const PX_PER_LINE: f32 = 40.0;
@@ -37,7 +38,7 @@ pub(super) struct App {
     controls: Controls,
     history: History,
     load: LoadState,
-    /// As it was when last looked at.
+    /// The state when it was last looked at.
     state: Snapshot,
     shown: Option<Shown>,
     failure: Option<DesktopError>,
@@ -52,14 +53,14 @@ struct Shown {
     window: Arc<Window>,
     occluded: bool,
     full_screen: bool,
-    /// Something changed since the last picture.
+    /// True if something has changed since the last picture.
     stale: bool,
     drawn_at: Option<Instant>,
 }
 
 impl Shown {
-    /// True if egui has a widget's drag under way or something of its own at `at_px`. (Its answer to the event
-    /// tells where the pointer was in the last pass, which it may have left since.)
+    /// True if egui has a widget's drag under way or something of its own at `at_px`. egui's answer to the event
+    /// tells where the pointer was in the last pass; it may have moved since.
     fn on_panel(&self, at_px: [f64; 2]) -> bool {
         let context = self.egui.egui_ctx();
         let at = egui::Pos2::from(at_px.map(|px| px as f32)) / context.pixels_per_point();
@@ -69,7 +70,7 @@ impl Shown {
 }
 
 impl App {
-    /// Opens nothing yet: winit says when.
+    /// A window that is not open yet: winit says when to open it.
     pub(super) fn new(
         gpu: Arc<Gpu>,
         viewer: ViewerEnd,
@@ -95,7 +96,7 @@ impl App {
         }
     }
 
-    /// Once the event loop has ended.
+    /// Returns the outcome once the event loop has ended.
     pub(super) fn outcome(self) -> Result<(), DesktopError> {
         self.failure.map_or(Ok(()), Err)
     }
@@ -136,13 +137,13 @@ impl App {
         })
     }
 
-    /// Ends the window. What becomes of the walk is for the caller to say.
+    /// Ends the window. The caller decides what becomes of the walk.
     fn fail(&mut self, events: &ActiveEventLoop, error: DesktopError) {
         self.failure = Some(error);
         events.exit();
     }
 
-    /// The user, or the walk's end, ends it all.
+    /// Ends window and walk, because the user or the walk's end asks for it.
     fn leave(&mut self, events: &ActiveEventLoop) {
         self.send(Some(Action::Quit));
         self.stop.cancel();
@@ -150,11 +151,11 @@ impl App {
     }
 
     fn send(&self, action: Option<Action>) {
-        // Nobody listens: the walk has ended, and the window will with the next look at the rows.
+        // Sending fails if nobody listens: the walk has ended, and the window ends with the next look at the rows.
         let _ = action.map(|action| self.viewer.actions.send(action));
     }
 
-    /// Takes in what the frame thread offered. False once the walk is over and nothing is left to read.
+    /// Takes in what the frame thread offered. Returns false once the walk is over and nothing is left to read.
     fn take_in(&mut self, now: Instant) -> bool {
         let mut news = false;
         let ended = loop {
@@ -188,7 +189,7 @@ impl App {
         self.send(action);
     }
 
-    /// Mouse and the rest; `ours` if the pointer is on the picture, not on the panel.
+    /// Handles mouse events and the rest; `ours` is true if the pointer is on the picture, not on the panel.
     fn other(&mut self, event: &WindowEvent, ours: bool) {
         let action = match *event {
             WindowEvent::Focused(false) => self.controls.release_all(),

@@ -1,16 +1,16 @@
 //! The governor: trades quality for time, so that the GPU keeps to its share of the display period.
 //!
-//! What it can trade is a ladder of settings: at the top what the frame is to look like, then coarser level of
+//! The governor trades along a ladder of settings: at the top what the frame is to look like, then coarser level of
 //! detail, then fewer pixels, then `closest`. It goes down at once, and as far as the overload asks for; it comes
-//! back a rung at a time, when there has been room for a while. Between too slow and room to spare lies the dead
-//! band in which nothing happens. A step up that had to be undone is tried again much later, and later each time.
+//! back a rung at a time, when there has been room for a while. Between too slow and room to spare lies the dead band
+//! in which nothing happens. A step up that had to be undone is tried again much later, and later each time.
 //!
-//! Giving up quality must buy something. Where even the cheapest rung shows each image for more than three displays, no
-//! rung makes motion of the images (a slow integrated GPU, a software driver): then it goes back to the last rung whose
-//! picture is still good, and stays until the load is another. Only trying tells: how much a rung saves is not known
-//! before.
+//! Giving up quality must gain something. If even the cheapest rung shows each image for more than three displays, no
+//! rung makes the images look like motion (on a slow integrated GPU or a software driver). The governor then goes
+//! back to the last rung whose picture is still good, and stays there until the load changes. It has to try first,
+//! because how much a rung saves is not known before.
 //!
-//! What counts are frames of the walk: see [`timing::Phase`].
+//! Only frames of the walk count: see [`timing::Phase`].
 //!
 //! Pure arithmetic on times that others measured; it allocates when made and when a walk begins, never in between.
 
@@ -23,24 +23,24 @@ use render::Look;
 use std::fmt;
 use timing::Phase;
 
-/// Frames that are looked back on.
+/// Number of last frames that are looked back on.
 const WINDOW: usize = 9;
 /// Frames that must be known before anything is concluded.
 const ENOUGH: usize = 5;
-/// The frame that counts is the slowest but so many: the median of [`ENOUGH`] frames, the upper quartile of
-/// [`WINDOW`]. So two slow frames alone do nothing.
+/// The slowest frames that are passed over: the next slowest counts, which is the median of [`ENOUGH`] frames and the
+/// upper quartile of [`WINDOW`]. Two slow frames alone thus change nothing.
 const OUTLIERS: usize = 2;
 
 /// Share of the target that the frame after a step up is expected to leave free.
 const MARGIN: f32 = 0.1;
-/// Displays that an image may stay for at most, if quality is given up for it: at 72 to 120 Hz this is 24 to 40 images a
-/// second, the least that looks like motion (film has 24).
+/// Most displays that an image may stay for if quality is given up: at 72 to 120 Hz this is 24 to 40 images a second,
+/// the least that looks like motion (film has 24).
 const MOST_PERIODS: f32 = 3.0;
 
 /// Whether and for what quality is given up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GovernorOptions {
-    /// It is given up at all.
+    /// True if quality is given up at all.
     pub enabled: bool,
     /// Share of the display period that the GPU may use.
     pub budget: f32,
@@ -57,7 +57,7 @@ pub struct Step {
     pub gpu_ms: f32,
     /// The time that was aimed at.
     pub target_ms: f32,
-    /// What for.
+    /// Why the settings change.
     pub why: Why,
 }
 
@@ -68,7 +68,8 @@ pub enum Why {
     TooSlow,
     /// There is room: quality is given back.
     Room,
-    /// Frames take far too long even with the cheapest settings: quality is given back, as nothing was bought with it.
+    /// Frames take far too long even with the cheapest settings: quality is given back, as giving it up has gained
+    /// nothing.
     Hopeless,
 }
 
@@ -107,18 +108,18 @@ impl fmt::Display for Step {
 struct Hopeless {
     /// Milliseconds of the cheapest rung's frames.
     cheapest_ms: f32,
-    /// The same as a share of the good rung's; `None` until that is known.
+    /// `cheapest_ms` as a share of the good rung's time; `None` until that is known.
     share: Option<f32>,
 }
 
-/// Keeps frames within their time. For every frame: [`Governor::begin`] when it is recorded, and, for those of the walk,
-/// [`Governor::observe`] when its time has come back.
+/// Keeps frames within their time. [`Governor::begin`] is called for every frame when it is recorded, and
+/// [`Governor::observe`] for every frame of the walk when its time has come back.
 #[derive(Clone, Debug)]
 pub struct Governor {
     options: GovernorOptions,
-    /// From what was asked for to the cheapest; at least one.
+    /// Rungs from what was asked for to the cheapest; at least one.
     ladder: Vec<Rung>,
-    /// Where on the ladder.
+    /// Index of the present rung.
     at: usize,
     /// The frame that was last recorded.
     newest_frame: u64,
@@ -129,12 +130,12 @@ pub struct Governor {
     calm: u32,
     /// The frame time that the last step was taken at, if it was a step up.
     raised_at_ms: Option<f32>,
-    /// Set while nothing is given up because nothing would be bought with it.
+    /// Set while nothing is given up because that would gain nothing.
     hopeless: Option<Hopeless>,
 }
 
 impl Governor {
-    /// At the top of the ladder, which is what `look` asks for.
+    /// A governor at the top of the ladder, which is what `look` asks for.
     #[must_use]
     pub fn new(options: GovernorOptions, look: &Look) -> Self {
         Self::at_top(options, ladder(look.quality, true))
@@ -154,8 +155,8 @@ impl Governor {
         }
     }
 
-    /// From the next frame on the walk's own cloud is shown: all that was learnt is forgotten. `has_detail`: it can be
-    /// drawn with fewer points.
+    /// Forgets all that was learnt: the walk's own cloud is shown from the next frame on. `has_detail` is true if it
+    /// can be drawn with fewer points.
     pub fn restart(&mut self, has_detail: bool) {
         let ladder = ladder(self.ladder[0].settings.quality, has_detail);
         let newest_frame = self.newest_frame;
@@ -168,15 +169,15 @@ impl Governor {
         self.ladder[self.at].settings
     }
 
-    /// Frame number `frame` is recorded now, with the settings returned.
+    /// Notes that frame number `frame` is recorded now, with the settings returned.
     pub fn begin(&mut self, frame: u64) -> Settings {
         self.newest_frame = frame;
         self.settings()
     }
 
-    /// Takes note that frame number `frame` took `gpu_ms` of a display period of `budget_ms`. A time that is not
-    /// known (NaN), that other settings led to, or that is not of the walk says nothing: while a scan is read, built and
-    /// sent, others use the same GPU, and frames without one cost nothing.
+    /// Notes that frame number `frame` took `gpu_ms` of a display period of `budget_ms`. A time says nothing if it is
+    /// not known (NaN), belongs to other settings, or is not of the walk: while a scan is read, built and sent,
+    /// others use the same GPU, and frames without a scan cost nothing.
     pub fn observe(&mut self, frame: u64, phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
         let target_ms = self.options.budget * budget_ms;
         let known = gpu_ms.is_finite() && target_ms.is_finite() && target_ms > 0.0;
@@ -197,8 +198,8 @@ impl Governor {
         self.step_down(gpu_ms, target_ms).or_else(|| self.give_back(gpu_ms, target_ms, most_ms))
     }
 
-    /// True while giving up quality once more would buy nothing: frames of the cheapest rung would take more than
-    /// `most_ms`, or nearly so. `gpu_ms`: what those of the good rung take.
+    /// True while giving up quality once more would gain nothing: frames of the cheapest rung would take more than
+    /// `most_ms`, or nearly so. `gpu_ms` is what frames of the good rung take.
     fn is_hopeless(&mut self, gpu_ms: f32, most_ms: f32) -> bool {
         let Some(Hopeless { cheapest_ms, share }) = &mut self.hopeless else { return false };
         let is_hopeless = gpu_ms * *share.get_or_insert(*cheapest_ms / gpu_ms) > NEW_LOAD * most_ms;
@@ -208,7 +209,7 @@ impl Governor {
         is_hopeless
     }
 
-    /// From the cheapest rung back to a good picture, if giving it up has bought nothing.
+    /// Steps from the cheapest rung back to a good picture, if giving that up has gained nothing.
     fn give_back(&mut self, gpu_ms: f32, target_ms: f32, most_ms: f32) -> Option<Step> {
         let good = good_rung(&self.ladder);
         if gpu_ms <= most_ms || good >= self.at {
@@ -219,8 +220,8 @@ impl Governor {
         Some(self.step_to(good, gpu_ms, target_ms, Why::Hopeless))
     }
 
-    /// Down by as many rungs as could do. A rung rarely saves the most that it can, so this falls short rather
-    /// than too far; then the next frames go on.
+    /// Steps down by as many rungs as could suffice. A rung rarely saves the most that it can, so this falls short
+    /// rather than goes too far; the next frames then go on.
     fn step_down(&mut self, gpu_ms: f32, target_ms: f32) -> Option<Step> {
         let here = self.settings();
         let below = &self.ladder[self.at + 1..];
@@ -236,14 +237,14 @@ impl Governor {
         Some(self.step_to(self.at + rungs, gpu_ms, target_ms, Why::TooSlow))
     }
 
-    /// Up by one rung, if there has been room for it long enough.
+    /// Steps up by one rung, if there has been room for it long enough.
     fn step_up(&mut self, gpu_ms: f32, target_ms: f32) -> Option<Step> {
         let above = self.at.checked_sub(1)?;
         let most = self.ladder[above].settings.most_saved_by(&self.settings());
         let room_ms = (1.0 - MARGIN) * target_ms;
-        // As if half of the frame's time, in logarithms, went to what the rung changes.
+        // The square root assumes that half of the frame's time, in logarithms, goes to what the rung changes.
         let likely = gpu_ms * most.sqrt() <= room_ms;
-        // It may well fail, but even then no display is missed; and without trying nobody would ever know.
+        // Such a step may well fail, but even then no display is missed; and without trying nobody would ever know.
         let harmless = gpu_ms <= room_ms && gpu_ms * most <= target_ms / self.options.budget;
         if !(likely || harmless) {
             self.calm = 0;
@@ -268,11 +269,11 @@ impl Governor {
     }
 }
 
-/// The last frames' times since the last step.
+/// Times of the last frames since the last step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Times {
     ms: [f32; WINDOW],
-    /// Frames since the step.
+    /// Frames since the last step.
     seen: u32,
 }
 
@@ -282,7 +283,7 @@ impl Times {
         self.seen = self.seen.saturating_add(1);
     }
 
-    /// The slowest but [`OUTLIERS`]; `None` if too few are known.
+    /// The slowest time after the [`OUTLIERS`] slowest; `None` if too few are known.
     fn typical(&self) -> Option<f32> {
         let known = (self.seen as usize).min(WINDOW);
         let mut sorted = self.ms;

@@ -23,7 +23,7 @@ pub struct LoadState {
     pub warnings: Vec<String>,
 }
 
-/// What the headset shows, for the window. (Textures are reference-counted: a clone is cheap.)
+/// What the headset shows, for the window. Textures are reference-counted, so a clone is cheap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MirrorImages {
     /// Left and right; same format and size as the eyes' images.
@@ -64,7 +64,7 @@ pub struct WalkEnd {
 pub struct ViewerEnd {
     /// Finished rows of the frame log, oldest first.
     pub rows: Receiver<FrameRow>,
-    /// To the frame thread.
+    /// Actions for the frame thread.
     pub actions: Sender<Action>,
     shared: Arc<Mutex<Shared>>,
 }
@@ -87,17 +87,17 @@ pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
 }
 
 impl WalkEnd {
-    /// Offers a row; dropped if the window does not keep up.
+    /// Offers a row, which is dropped if the window does not keep up.
     pub fn offer_row(&self, row: FrameRow) {
         let _ = self.rows.try_send(row);
     }
 
-    /// New mirror textures, or another part of them: at start and when the eyes' sizes change.
+    /// Sets new mirror textures, or another part of them: at start and when the eyes' sizes change.
     pub fn set_mirror(&self, images: MirrorImages) {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror = Some(images);
     }
 
-    /// The state has changed.
+    /// Publishes the state, which has changed.
     pub fn publish(&self, snapshot: Snapshot) {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).snapshot = snapshot;
     }
@@ -108,7 +108,7 @@ impl WalkEnd {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).notice = notice;
     }
 
-    /// The window looks at this work from now on; `None`: there is none any more.
+    /// Has the window look at this work from now on; `None` if there is none any more.
     pub fn set_doing(&self, doing: Option<Arc<Count>>) {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).doing = doing;
     }

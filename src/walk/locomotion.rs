@@ -34,7 +34,7 @@ pub struct Start {
     pub yaw: f64,
     /// World units a metre.
     pub units_per_m: f64,
-    /// How many times as large as it is the scan is shown, as by a magnifying glass.
+    /// Factor by which the scan is shown larger than it is, as by a magnifying glass.
     pub magnified: f64,
     /// Longest horizontal extent of the scan in metres: it sets the default speed.
     pub extent_m: f64,
@@ -49,7 +49,7 @@ pub struct Locomotion {
     start: Start,
     floor_in_world: DVec3,
     yaw: f64,
-    /// Stays 0 for real headsets: a head pitches itself.
+    /// Pitch of the view. It stays 0 for real headsets: a head pitches itself.
     pitch: f64,
     may_pitch: bool,
     /// The head's place in the stage, as last located; turns are about it.
@@ -59,7 +59,8 @@ pub struct Locomotion {
 }
 
 impl Locomotion {
-    /// Standing at the start. `may_pitch`: the mouse may look up and down, which is for simulated headsets only.
+    /// A viewer who stands at the start. `may_pitch` is true if the mouse may look up and down, which is for
+    /// simulated headsets only.
     #[must_use]
     pub fn new(options: LocomotionOptions, start: Start, may_pitch: bool) -> Self {
         Self {
@@ -75,7 +76,7 @@ impl Locomotion {
         }
     }
 
-    /// A new scan: stand at its start.
+    /// Stands at the start of a new scan.
     pub fn restart(&mut self, start: Start) {
         self.start = start;
         self.reset();
@@ -84,7 +85,7 @@ impl Locomotion {
     /// Metres a second at full deflection, until the user changes it.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        // Round a small object one moves slowly.
+        // One moves slowly round a small object.
         let extent_m = self.start.extent_m;
         let chosen = (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0);
         self.options.speed_m_per_s.unwrap_or(chosen)
@@ -107,7 +108,7 @@ impl Locomotion {
                 (self.floor_in_world, self.yaw) = self.start.overview;
                 self.pitch = 0.0;
             }
-            // The state's, or the walk's.
+            // The state applies these, or the walk.
             Action::Faster(_) | Action::SetSpeed(_) | Action::SetOverlay(_) | Action::NextOverlay => {}
             Action::Screenshot | Action::Quit => {}
         }
@@ -126,8 +127,8 @@ impl Locomotion {
         (self.floor_in_world, self.yaw, self.pitch) = (self.start.floor_in_world, self.start.yaw, 0.0);
     }
 
-    /// Moves by what is held for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the head as last
-    /// located: forward is where it looks.
+    /// Moves by what is held for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the head
+    /// as last located: forward is the direction in which it looks.
     pub fn advance(
         &mut self,
         seconds: f64,
@@ -158,7 +159,7 @@ impl Locomotion {
         }
     }
 
-    /// Stage axes (y up) to world axes (z up), turned by the yaw.
+    /// Rotation from stage axes (y up) to world axes (z up), turned by the yaw.
     fn world_from_stage_axes(&self) -> DQuat {
         DQuat::from_rotation_z(self.yaw) * DQuat::from_rotation_x(FRAC_PI_2)
     }
@@ -174,7 +175,7 @@ impl Locomotion {
         }
     }
 
-    /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` in metres.
+    /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` is in metres.
     #[must_use]
     pub fn view(
         &self,
@@ -198,7 +199,7 @@ impl Locomotion {
     }
 }
 
-/// The head: midway between the eyes, looking where the left eye's and right eye's mean looks.
+/// The head: midway between the eyes, looking in the mean direction of the left and right eye.
 #[must_use]
 pub fn head_of(eyes: &[StageEye; 2]) -> Pose {
     let [left, right] = eyes.map(|e| e.stage_from_view);

@@ -1,5 +1,5 @@
 //! Masks of the pixels that the lenses hide, made on a thread of their own: an image of millions of pixels takes
-//! longer than a frame. Until a mask is there, nothing is hidden.
+//! longer than a frame. Nothing is hidden until a mask is there.
 
 use base::space::Fov;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -25,7 +25,7 @@ pub struct Masks {
 }
 
 impl Default for Masks {
-    /// Starts the thread, which ends with this.
+    /// Starts the thread, which ends when this is dropped.
     fn default() -> Self {
         let (requests, received) = channel();
         let (finished, results) = channel();
@@ -37,7 +37,7 @@ impl Default for Masks {
                     (Request::Areas(new), _) => areas = Some(new),
                     (Request::Masks((fovs, sizes_px)), Some(areas)) => {
                         let masks = [0, 1].map(|eye: usize| areas[eye].rasterize(&fovs[eye], sizes_px[eye]));
-                        // Nobody listens once the walk is over; then nobody asks either.
+                        // Sending fails once the walk is over; then nobody asks either.
                         let _ = finished.send((sizes_px, masks));
                     }
                     (Request::Masks(_), None) => {}
@@ -49,14 +49,14 @@ impl Default for Masks {
 }
 
 impl Masks {
-    /// New triangles, left then right.
+    /// Sets new triangles that are hidden, left then right.
     pub fn set_areas(&mut self, areas: [HiddenArea; 2]) {
         // The thread listens as long as this exists.
         let _ = self.requests.send(Request::Areas(areas));
         self.asked = None;
     }
 
-    /// Asks for the masks of such images, unless that was the last thing asked for.
+    /// Asks for the masks of images of these fields of view and sizes, unless that was the last thing asked for.
     pub fn ask(&mut self, fovs: [Fov; 2], sizes_px: [[u32; 2]; 2]) {
         if self.asked != Some((fovs, sizes_px)) {
             self.asked = Some((fovs, sizes_px));
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn masks_come_for_what_was_asked_last() {
         let mut masks = Masks::default();
-        // Without areas nothing comes.
+        // No mask comes without areas.
         masks.ask([FOV; 2], [[32, 32]; 2]);
         masks.set_areas([corner(), corner()]);
         masks.ask([FOV; 2], [[64, 64]; 2]);
@@ -113,7 +113,7 @@ mod tests {
         let (_, [left, right]) = next(&masks);
         assert_eq!(left, corner().rasterize(&FOV, [32, 32]));
         assert!(right.iter().all(|word| *word == 0), "each eye has its own");
-        // What is asked for again does not come before what is new.
+        // A mask that is asked for again does not come before a new one.
         masks.ask([FOV; 2], small);
         masks.ask([FOV; 2], large);
         assert_eq!(next(&masks).0, large, "another size");

@@ -1,5 +1,5 @@
-//! The eyes' images for the window: the images themselves where they outlast the frame and nothing is drawn over
-//! them, else copies. Overlays go over copies only.
+//! The eyes' images for the window. They are the images themselves if these outlast the frame and nothing is drawn
+//! over them, else copies; overlays go over copies only.
 
 use super::link::{MirrorImages, WalkEnd};
 use render::gpu::Gpu;
@@ -10,11 +10,11 @@ use render::{Overlays, Renderer};
 #[derive(Debug)]
 pub(super) struct Mirror {
     overlays: Overlays,
-    /// What `overlays` was last drawn for.
+    /// The overlay that `overlays` was last drawn for.
     drawn: Overlay,
-    /// Made once they are needed.
+    /// Copies, made once they are needed.
     copies: Option<Copies>,
-    /// What the window has been told of.
+    /// Images that the window has been told of.
     shown: Option<MirrorImages>,
 }
 
@@ -26,18 +26,18 @@ struct Copies {
 }
 
 impl Mirror {
-    /// Of the images that `renderer` draws.
+    /// A mirror of the images that `renderer` draws.
     pub fn new(renderer: &Renderer) -> Self {
         Self { overlays: Overlays::new(renderer), drawn: Overlay::None, copies: None, shown: None }
     }
 
-    /// What the window shows, once there is a frame.
+    /// The images that the window shows, once there is a frame.
     pub fn shown(&self) -> Option<&MirrorImages> {
         self.shown.as_ref()
     }
 
-    /// To be called after the renderer has recorded it, into `images`, with what is to be drawn over them. `images_last`:
-    /// they are still there when the window draws.
+    /// Records the mirror's part of a frame; to be called after the renderer has recorded the frame into `images`.
+    /// The overlay is drawn over them. `images_last` is true if the images are still there when the window draws.
     #[expect(clippy::too_many_arguments, reason = "what a frame has at hand, used once")]
     pub fn record(
         &mut self,
@@ -65,7 +65,7 @@ impl Mirror {
         };
         let shown = MirrorImages { textures, drawn_px };
         if self.shown.as_ref() != Some(&shown) {
-            // The window may show the frame before by the new measure: once, and only on the desktop.
+            // The window may show the frame before with the new size, but only once, and only on the desktop.
             link.set_mirror(shown.clone());
             self.shown = Some(shown);
         }

@@ -1,4 +1,5 @@
-//! A part of a scene that is so long and thin that who saw all of it would see a line: a corridor, a road, a strip.
+//! A part of a scene that is so long and thin that a viewer who saw all of it would see a line: a corridor, a road, a
+//! strip.
 
 use base::space::Bounds;
 use glam::{DVec2, DVec3};
@@ -7,13 +8,13 @@ use std::borrow::Cow;
 
 /// Cells of the floor plan along each side of a square around the scene.
 const CELLS: usize = 16;
-/// A scene is thin if it reaches from one side to the other, but for so many cells, and is in at most so many: from
-/// corner to corner, a line touches up to three a row.
+/// A thin scene reaches from one side to the other, except for at most this many rows of cells.
 const BESIDE: usize = 2;
+/// A thin scene is in at most this many cells: a line from corner to corner touches up to three a row.
 const MOST_CELLS: usize = 5 * CELLS;
 
-/// What is around the middle of a long and thin scene, halved until it is thin no more or not longer than `least`, world
-/// units; all of any other scene.
+/// The part around the middle of a long and thin scene, halved until it is no longer thin or would be shorter than
+/// `least`, world units. Any other scene is returned whole.
 pub(super) fn part(scene: &Scene, least: f64) -> Cow<'_, Scene> {
     let mut part = Cow::Borrowed(scene);
     while is_thin(&part) && part.bounds.edge() > 2.0 * least {
@@ -26,7 +27,7 @@ pub(super) fn part(scene: &Scene, least: f64) -> Cow<'_, Scene> {
     part
 }
 
-/// The sample that is nearest to the middle of all.
+/// The sample that is nearest to the middle of all samples.
 fn middle(scene: &Scene) -> Option<DVec3> {
     let (x, y) = (scene.quarters(0)?, scene.quarters(1)?);
     let middle = DVec2::new(x[1], y[1]);
@@ -34,11 +35,11 @@ fn middle(scene: &Scene) -> Option<DVec3> {
     scene.samples.iter().min_by(|a, b| away(a).total_cmp(&away(b))).copied()
 }
 
-/// True if the scene is a line seen from above, straight or not.
+/// True if the scene, seen from above, is a line, straight or not.
 fn is_thin(scene: &Scene) -> bool {
     let Bounds { min, max } = scene.bounds;
     let edge = (max - min).truncate().max_element();
-    // Of few points, any scene would be in few cells.
+    // Any scene of few points would be in few cells.
     if scene.samples.len() < CELLS * CELLS || edge <= 0.0 {
         return false;
     }

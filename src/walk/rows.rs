@@ -18,18 +18,18 @@ pub(super) struct Rows {
     pub frame: u64,
     /// Frames that showed a scan.
     pub scan_frames: u64,
-    /// When the first of them was noted.
+    /// When the first frame with a scan was noted.
     pub scan_shown: Option<Instant>,
     began: Instant,
-    /// What clouds took of the frame thread since the last row, for that row's `record_ms`.
+    /// Milliseconds that clouds took of the frame thread since the last row, for the next row's `record_ms`.
     load_ms: f32,
     last_display_ns: Option<i64>,
-    /// Bytes sent to the GPU up to the frame before, by whomever.
+    /// Bytes that were sent to the GPU up to the frame before, by anybody.
     written_bytes: u64,
 }
 
 impl Rows {
-    /// From now on, `written_bytes` having been sent to the GPU before.
+    /// Rows that begin now, when `written_bytes` have been sent to the GPU.
     pub fn new(written_bytes: u64) -> Self {
         Self {
             pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
@@ -53,17 +53,17 @@ impl Rows {
         self.last_display_ns.map_or(0.0, |last| (predicted_display_ns - last) as f64 * 1e-9)
     }
 
-    /// Taking a cloud has cost the frame thread so much.
+    /// Adds the time that taking a cloud has cost the frame thread.
     pub fn add_load(&mut self, time: Duration) {
         self.load_ms += ms(time);
     }
 
-    /// What clouds have cost since the last row.
+    /// Takes the milliseconds that clouds have cost since the last row.
     pub fn take_load_ms(&mut self) -> f32 {
         std::mem::take(&mut self.load_ms)
     }
 
-    /// Display periods without an image of ours since the frame before.
+    /// Display periods since the frame before in which no image of ours came.
     pub fn missed_periods(&self, predicted_display_ns: i64, period_ns: i64) -> u32 {
         let Some(last) = self.last_display_ns.filter(|_| period_ns > 0) else { return 0 };
         let periods = (predicted_display_ns - last + period_ns / 2) / period_ns;
@@ -75,7 +75,7 @@ impl Rows {
         written_bytes - std::mem::replace(&mut self.written_bytes, written_bytes)
     }
 
-    /// A frame has been submitted; `shows_scan`: with a scan in it.
+    /// Notes a frame that has been submitted; `shows_scan` is true if it shows a scan.
     pub fn note(&mut self, row: FrameRow, shows_scan: bool) {
         self.last_display_ns = Some(row.predicted_display_ns);
         self.pending.push_back(row);
@@ -93,7 +93,7 @@ impl Rows {
         }
     }
 
-    /// Passes on rows that have waited too long, without times; at the end, all.
+    /// Passes on, without times, the rows that have waited too long; at the end, all rows.
     pub fn give_up(&mut self, at_end: bool, pass_on: &mut dyn FnMut(FrameRow)) {
         let keep = if at_end { 0 } else { MAX_PENDING_ROWS };
         while self.pending.len() > keep {
@@ -122,7 +122,7 @@ fn with_times(row: FrameRow, times: &FrameTimes) -> FrameRow {
     }
 }
 
-/// Milliseconds.
+/// A duration in milliseconds.
 pub(super) fn ms(duration: Duration) -> f32 {
     (duration.as_secs_f64() * 1000.0) as f32
 }

@@ -30,7 +30,7 @@ const LAST_FRAMES_WAIT: Duration = Duration::from_secs(2);
 /// A scan, ready to be shown; sent by the loader's thread.
 #[derive(Debug)]
 pub struct Loaded {
-    /// On the GPU.
+    /// The scan on the GPU.
     pub cloud: CloudBuffers,
     /// Where to stand.
     pub start: Start,
@@ -58,19 +58,19 @@ pub struct Walk<'a> {
     pub options: WalkOptions,
     /// The scan, as soon as something of it can be drawn; the loader lets go of the other end when all of it can.
     pub loaded: Receiver<Loaded>,
-    /// From those who show the walk.
+    /// Actions from those who show the walk.
     pub actions: Receiver<Action>,
-    /// To the desktop.
+    /// The link to the desktop.
     pub link: WalkEnd,
-    /// A window shows the mirror.
+    /// True if a window shows the mirror.
     pub mirrored: bool,
-    /// Where rows go.
+    /// Log that rows are written to.
     pub log: Option<&'a FrameLog>,
     /// A head path to follow instead of the user.
     pub pose_path: Option<&'a PosePath>,
-    /// Stop after so many frames that showed a scan.
+    /// Stop after this many frames that showed a scan.
     pub max_frames: Option<u64>,
-    /// Stop so long after the first frame that showed a scan.
+    /// Stop this long after the first frame that showed a scan.
     pub max_time: Option<Duration>,
     /// Set from outside to end the walk.
     pub stop: CancelToken,
@@ -85,19 +85,19 @@ pub enum WalkError {
     /// The headset's images are too large for the GPU.
     #[error(transparent)]
     Target(#[from] TargetTooLarge),
-    /// The headset, its runtime or the GPU.
+    /// The headset, its runtime or the GPU fails.
     #[error(transparent)]
     Headset(#[from] Fault),
 }
 
-/// What a walk was.
+/// What has come of a walk.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WalkSummary {
     /// Frames drawn, with or without a scan.
     pub frames: u64,
     /// Frames that showed a scan.
     pub scan_frames: u64,
-    /// Why it ended.
+    /// Why the walk ended.
     pub ended: End,
     /// The last frame's eyes, if a scan was shown.
     pub last_view: Option<View>,
@@ -150,22 +150,22 @@ struct Frames {
     renderer: Renderer,
     state: AppState,
     locomotion: Option<Locomotion>,
-    /// If a window shows it.
+    /// The mirror, if a window shows it.
     mirror: Option<Mirror>,
     screenshots: Screenshots,
     views: Views,
-    /// None until the headset tells of something to hide.
+    /// `None` until the headset tells that something is hidden.
     masks: Option<Masks>,
     governor: Governor,
-    /// In force for the frame being recorded.
+    /// Settings in force for the frame that is being recorded.
     settings: Settings,
     /// Width, height of each eye's image.
     sizes_px: [[u32; 2]; 2],
-    /// Pixels of them that are drawn, from the top left corner.
+    /// Pixels of each eye's image that are drawn, from the top left corner.
     drawn_px: [[u32; 2]; 2],
     may_pitch: bool,
     rows: Rows,
-    /// The loader is not done.
+    /// True until the loader is done.
     arriving: bool,
     waiting: Waiting,
     stage_from_head: Pose,
@@ -209,7 +209,7 @@ impl Frames {
         })
     }
 
-    /// The newest scan that has become ready, if any.
+    /// Takes the newest scan that has become ready, if any.
     fn take_loaded(&mut self, walk: &Walk) -> Result<(), WalkError> {
         let began = Instant::now();
         while self.arriving {
@@ -234,12 +234,12 @@ impl Frames {
         Ok(())
     }
 
-    /// The loader is done and has brought no scan.
+    /// True if the loader is done and has brought no scan.
     fn are_in_vain(&self) -> bool {
         !self.arriving && self.locomotion.is_none()
     }
 
-    /// Applies what was asked for; true if that is to end the walk.
+    /// Applies the actions that were asked for; returns true if one of them ends the walk.
     fn take_actions(&mut self, walk: &Walk) -> bool {
         let before = self.state;
         while let Ok(action) = walk.actions.try_recv() {
@@ -260,7 +260,7 @@ impl Frames {
         false
     }
 
-    /// One frame: input, images, commands, eyes as late as possible, submit.
+    /// Draws one frame: input, images, commands, eyes as late as possible, submit.
     fn draw(
         &mut self,
         walk: &Walk,
@@ -341,7 +341,7 @@ impl Frames {
         }
     }
 
-    /// Draws from now on with what the governor wants.
+    /// Draws with the governor's settings from now on.
     fn settle(&mut self, headset: &mut dyn Headset) -> Result<(), WalkError> {
         let settings = self.governor.begin(self.rows.frame);
         if settings == self.settings {
@@ -368,7 +368,7 @@ impl Frames {
         })
     }
 
-    /// Skips the pixels that the lenses hide, as soon as it is known which.
+    /// Skips the pixels that the lenses hide, as soon as these are known.
     fn mask(&mut self, headset: &mut dyn Headset, eyes: &[StageEye; 2]) {
         if let Some(areas) = headset.hidden_area() {
             self.masks.get_or_insert_default().set_areas(areas);
@@ -381,7 +381,7 @@ impl Frames {
         }
     }
 
-    /// What the window and screenshots get of the frame.
+    /// Records what the window and screenshots get of the frame.
     fn record_copies(
         &mut self,
         walk: &Walk,
@@ -430,7 +430,7 @@ impl Frames {
     /// Waits for the last frames' times, so that the log ends with the last frame.
     fn finish(mut self, walk: &Walk, ended: End) -> WalkSummary {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LAST_FRAMES_WAIT) };
-        // If it fails, the rows go without times.
+        // If waiting fails, the rows go without times.
         let _ = walk.gpu.device.poll(wait);
         self.collect(walk);
         self.rows.give_up(true, &mut |row| pass_on(walk.log, &walk.link, row));

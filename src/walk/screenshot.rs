@@ -15,20 +15,21 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 /// Pictures that are being taken, one screenshot at a time.
 #[derive(Debug, Default)]
 pub(super) struct Screenshots {
-    /// The user wants one.
+    /// True if the user wants a screenshot.
     asked: bool,
-    /// Copied by the frame that is being recorded: what comes behind the files' stem, and the picture.
+    /// Pictures that the frame being recorded has copied, each with what follows the files' stem.
     copied: Vec<(String, wgpu::Texture)>,
     writing: Option<JoinHandle<()>>,
 }
 
 impl Screenshots {
-    /// Takes one of the next frame that finds the last one written.
+    /// Takes a screenshot of the next frame by which the last one is written.
     pub fn ask(&mut self) {
         self.asked = true;
     }
 
-    /// To be called after a frame and its mirror, with an overlay or none, were recorded into `images`.
+    /// Records the copies, if a screenshot is wanted; to be called after a frame and its mirror, with an overlay or
+    /// none, were recorded into `images`.
     pub fn record(
         &mut self,
         gpu: &Gpu,
@@ -58,7 +59,7 @@ impl Screenshots {
         }
     }
 
-    /// To be called after the frame's submit.
+    /// Starts writing what was copied; to be called after the frame's submit.
     pub fn submitted(&mut self, gpu: &Arc<Gpu>, link: &WalkEnd) {
         if self.copied.is_empty() {
             return;
@@ -74,16 +75,16 @@ impl Screenshots {
         self.writing = Some(std::thread::spawn(write));
     }
 
-    /// Waits for the last one.
+    /// Waits until the last screenshot is written.
     pub fn finish(&mut self) {
         if let Some(thread) = self.writing.take() {
-            // If it panicked, the panic has been printed, and the walk is over anyway.
+            // If the thread panicked, the panic has been printed, and the walk is over anyway.
             let _ = thread.join();
         }
     }
 }
 
-/// Writes pictures into `folder`; what their names begin with.
+/// Writes pictures into `folder`; returns what their names begin with.
 fn write(
     gpu: &Gpu,
     folder: &Path,
@@ -92,11 +93,12 @@ fn write(
 ) -> anyhow::Result<PathBuf> {
     let stem = folder.join(format!("scanwalk-{}", date_time(since_1970)));
     let path = |stem: &Path, name: &str| PathBuf::from(format!("{}.{name}", stem.display()));
-    // A second one within the second must not write over the first.
+    // A second screenshot within a second must not be written over the first.
     let numbered = (2..).map(|number| PathBuf::from(format!("{}-{number}", stem.display())));
     let is_free = |stem: &PathBuf| pictures.iter().all(|(name, _)| !path(stem, name).exists());
     let free = std::iter::once(stem.clone()).chain(numbered).find(is_free).unwrap_or(stem);
-    // All are written before the first gets its name; none takes the place of a file that has come meanwhile.
+    // All pictures are written before the first gets its name. None takes the place of a file that has come
+    // meanwhile.
     let mut written = Vec::new();
     for (name, picture) in pictures {
         let output = Output::fresh(path(&free, name), OutputKind::Picture)?;

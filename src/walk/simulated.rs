@@ -12,7 +12,7 @@ use xr::{ControllerInput, End, EyeImages, Fault, FrameState, Headset, StageEye};
 
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;
-/// Format of the images; what most runtimes offer first.
+/// Format of the images: the one that most runtimes offer first.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// What the simulated headset is like.
@@ -46,7 +46,7 @@ pub struct SimulatedHeadset {
 }
 
 impl SimulatedHeadset {
-    /// One with images on `gpu`.
+    /// A simulated headset with images on `gpu`.
     #[must_use]
     pub fn new(gpu: &Arc<Gpu>, options: SimulatedOptions) -> Self {
         let usage = IMAGE_USAGES | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
@@ -66,7 +66,8 @@ impl SimulatedHeadset {
     #[must_use]
     pub fn eyes(options: &SimulatedOptions) -> [StageEye; 2] {
         let SimulatedOptions { left_fov, eye_distance_m, eye_height_m, cant_rad, .. } = *options;
-        // sign: −1 left, +1 right. A positive turn about y (up) is to the left, which is outward for the left eye.
+        // `sign` is −1 for the left eye and +1 for the right. A positive turn about y (up) is to the left, which is
+        // outward for the left eye.
         [-1.0, 1.0].map(|sign: f64| StageEye {
             stage_from_view: Pose {
                 position: DVec3::new(sign * 0.5 * eye_distance_m, eye_height_m, 0.0),
@@ -112,7 +113,7 @@ impl Headset for SimulatedHeadset {
             let wait = wgpu::PollType::Wait { submission_index, timeout: None };
             self.gpu.device.poll(wait).map_err(|error| Fault::DeviceLost(error.to_string()))?;
         }
-        // The next display that can still be met; those that passed meanwhile are missed.
+        // The frame is for the next display that can still be met; displays that passed meanwhile are missed.
         let elapsed = self.began.elapsed();
         let passed = (elapsed.as_secs_f64() * self.options.refresh_hz) as u64;
         self.next_period = (self.next_period + 1).max(passed + 1);

@@ -9,20 +9,22 @@ use base::space::{Bounds, Fov, Pose};
 use glam::DVec3;
 use points::Scene;
 
-/// A scene whose middle half of points, along each axis but twice as wide, spans more metres than this is a landscape:
-/// look at it from its edge, from above.
+/// Least spread of a landscape in metres, which is twice the width of the middle half of its points along the longer
+/// axis. A landscape is looked at from its edge, from above.
 const LANDSCAPE_M: f64 = 250.0;
-/// A long thin scene is cut to no less than this to be looked at, metres, and to find a place in it.
+/// Least length that a long thin scene is cut to, metres, to be looked at.
 const PART_M: f64 = 40.0;
+/// Least length that a long thin scene is cut to, metres, to find a place in it.
 const NEAR_PART_M: f64 = 20.0;
-/// Nobody sees much of what is smaller than this: it is shown as if it were `SHOWN_M` long, as by a magnifying glass.
+/// Length in metres below which nobody sees much of a scene, so that it is shown larger, as by a magnifying glass.
 const SMALLEST_M: f64 = 0.02;
+/// Length in metres at which a scene shorter than [`SMALLEST_M`] is shown.
 const SHOWN_M: f64 = 0.3;
-/// The eye above the floor, metres, give or take.
+/// Rough height of the eye above the floor, metres.
 const EYE_M: f64 = 1.6;
-/// How far away one stands before an object at least, metres.
+/// Least distance at which one stands before an object, metres.
 const BEFORE_M: f64 = 0.4;
-/// What one sees without turning one's head, degrees.
+/// Angle that one sees without turning one's head, degrees.
 const SEEN_DEG: f64 = 60.0;
 
 /// The starting place for a scene whose world unit is `unit_m` metres.
@@ -38,7 +40,7 @@ pub fn start(scene: &Scene, unit_m: f64) -> Start {
     Start { floor_in_world, yaw, units_per_m, magnified, extent_m, overview: (overview, 0.0) }
 }
 
-/// The floor and the yaw; `None` of a landscape. What is long and thin is seen by a part of it.
+/// The floor and the yaw; `None` for a landscape. They are found from a part of a scene that is long and thin.
 fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64)> {
     if let Some((floor_in_world, ahead)) = tube::floor(scene, units_per_m) {
         return Some((floor_in_world, (-ahead.x).atan2(ahead.y)));
@@ -57,22 +59,22 @@ fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64)> {
     })
 }
 
-/// World units a metre of the viewer's, and how many times as large the scene is shown.
+/// World units a metre of the viewer's, and the factor by which the scene is shown larger.
 fn scale(bounds: &Bounds, unit_m: f64) -> (f64, f64) {
     let edge_m = bounds.edge() * unit_m;
     let magnified = if edge_m > 0.0 && edge_m < SMALLEST_M { SHOWN_M / edge_m } else { 1.0 };
     (1.0 / (unit_m * magnified), magnified)
 }
 
-/// From the south, so far back that a view of 60 degrees holds the scene, a little above.
+/// A place south of a scene and a little above it, so far back that a view of 60 degrees holds the scene.
 fn above_the_edge(bounds: &Bounds, extent: f64, units_per_m: f64) -> DVec3 {
     let center = bounds.center();
     let back = 0.9 * extent + bounds.size().z;
     DVec3::new(center.x, center.y - back, center.z + 0.15 * back - 1.7 * units_per_m)
 }
 
-/// The floor south of an object, so far away that it is seen whole: the eye at its middle if it is small, otherwise on
-/// the ground that it stands on.
+/// The floor south of an object, so far away that it is seen whole. The eye is at the object's middle if it is small,
+/// otherwise above the ground that it stands on.
 fn before(scene: &Scene, units_per_m: f64) -> DVec3 {
     let bounds = scene.bounds;
     let eye_height = (0.5 * bounds.size().z).min(EYE_M * units_per_m);
@@ -84,7 +86,7 @@ fn before(scene: &Scene, units_per_m: f64) -> DVec3 {
     eye.with_y(eye.y.min(nearest)) - DVec3::Z * EYE_M * units_per_m
 }
 
-/// How wide most of the scene is spread, world units: a few far away do not make a landscape.
+/// Width of most of the scene, world units: a few points far away do not make a landscape.
 fn spread(scene: &Scene) -> f64 {
     let width = |axis| scene.quarters(axis).map_or(0.0, |[low, _, high]| high - low);
     2.0 * width(0).max(width(1))

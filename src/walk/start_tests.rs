@@ -20,7 +20,7 @@ fn floor(x: f64, y: f64) -> Vec<DVec3> {
     square(8000).map(|[u, v]| DVec3::new((u - 0.5) * x, (v - 0.5) * y, 0.0)).collect()
 }
 
-/// Four walls round such a floor.
+/// Four walls round a floor of `x` by `y`.
 fn walls(x: f64, y: f64, height: f64) -> Vec<DVec3> {
     let wall = |(i, [u, v]): (usize, [f64; 2])| match i % 4 {
         0 => DVec3::new((u - 0.5) * x, -0.5 * y, v * height),
@@ -41,7 +41,7 @@ fn egg(width: f64, height: f64) -> Vec<DVec3> {
     square(8000).map(at).collect()
 }
 
-/// 90 degrees in both directions.
+/// A headset that sees 90 degrees in both directions.
 const HEADSET: SimulatedOptions = SimulatedOptions {
     size_px: [100, 100],
     left_fov: Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 },
@@ -82,7 +82,8 @@ fn an_object_is_seen_whole_from_outside() {
             assert!(seen(&scene, start) > 0.99, "{width} x {height}: {}", seen(&scene, start));
         }
     }
-    // A statue and the ground round it, and one of which only the outside of the walls is known.
+    // A statue and the ground round it are seen from outside, and so is a block of which only the outside of the
+    // walls is known.
     let around = floor(5.0, 5.0).into_iter().filter(|p| p.length() > 0.9);
     let statue = scene(UTM, egg(2.0, 3.0).into_iter().chain(around));
     assert!(start(&statue, 1.0).floor_in_world.y < statue.bounds.min.y);
@@ -98,7 +99,7 @@ fn tiny_things_are_magnified_and_single_points_seen() {
         let start = start(&scene, 1.0);
         assert!((start.magnified * edge - SHOWN_M).abs() < 0.01 && seen(&scene, start) == 1.0, "{start:?}");
     }
-    // Of known millimetres, 50 are no reason.
+    // A scan whose unit is known to be a millimetre is not magnified if it is 50 mm long.
     assert_eq!(start(&scene(DVec3::ZERO, egg(50.0, 50.0)), 1e-3).magnified, 1.0);
     for num in [1, 500] {
         let scene = scene(UTM, vec![DVec3::ZERO; num]);
@@ -106,7 +107,7 @@ fn tiny_things_are_magnified_and_single_points_seen() {
     }
 }
 
-/// What scanners see in any room: dust, reflections, somebody who walks by. Single points, thin in the air and thick.
+/// Scanners see dust, reflections and passers-by in any room: single points, thin in the air and thick.
 #[test]
 fn points_in_the_air_of_a_room_put_nobody_out_of_it() {
     for (x, y, height) in [(4.0, 6.0, 2.7), (6.0, 4.0, 2.7), (12.0, 9.0, 3.5)] {
@@ -114,7 +115,7 @@ fn points_in_the_air_of_a_room_put_nobody_out_of_it() {
         let room: Vec<DVec3> = floor(x, y).into_iter().chain(walls(x, y, height)).chain(ceiling).collect();
         for share in [0.001, 0.003, 0.01, 0.03] {
             let num = (share * room.len() as f64) as usize;
-            // A sequence of three dimensions that fills a box evenly.
+            // This sequence of three dimensions fills a box evenly.
             let at = |i: usize, step: f64| (i as f64 * step).fract();
             let in_air = (0..num).map(|i| {
                 let [u, v, w] =
@@ -145,12 +146,12 @@ fn a_room_is_seen_from_its_floor() {
             let what = format!("{x} x {y} x {height}: {}", floor_in_world - UTM);
             assert!(inside.contains(floor_in_world.with_z(inside.center().z)), "{what}");
             assert!((floor_in_world.z - UTM.z).abs() < 0.01, "{what}");
-            // Not in the table.
+            // The place is not in the table.
             let aside = (floor_in_world - UTM).truncate().abs().max_element();
             assert!(x <= 3.0 || aside > 0.5, "{what}");
         }
     }
-    // In feet everything is as it was.
+    // A room in feet is treated alike.
     let feet = scene(UTM, floor(13.0, 20.0).into_iter().chain(walls(13.0, 20.0, 8.5)));
     let Start { floor_in_world, .. } = start(&feet, 0.3048);
     assert!((floor_in_world - UTM).length() < 1.5, "{floor_in_world}");
@@ -179,7 +180,7 @@ fn a_landscape_is_seen_from_above_its_edge() {
     let eye = start.floor_in_world.z + 1.7;
     assert!(start.floor_in_world.y < scene.bounds.min.y && eye > scene.bounds.max.z, "{start:?}");
     assert!(seen(&scene, start) > 0.99);
-    // A room with a view far through its windows is none.
+    // A room with a view far through its windows is no landscape.
     let far = square(300).map(|[u, v]| DVec3::new(400.0 * (u - 0.5), 5.0 + 300.0 * v, 4.0 * v));
     let room = floor(8.0, 8.0).into_iter().chain(walls(8.0, 8.0, 3.0)).chain(far);
     assert!((super::start(&self::scene(UTM, room), 1.0).floor_in_world - UTM).length() < 4.0);
@@ -221,7 +222,7 @@ fn what_is_long_and_thin_is_walked_or_seen_from_near_by() {
             assert!((start.floor_in_world.z - UTM.z).abs() < 3.0, "{}", start.floor_in_world - UTM);
         }
     }
-    // A strip of an aerial scan is a landscape still, but not seen from as far away as it is long.
+    // A strip of an aerial scan is still a landscape, but it is not seen from as far away as it is long.
     let strip = square(60_000).map(|[u, v]| DVec3::new(15_000.0 * u, 400.0 * v, 20.0 * (9.0 * u).sin()));
     let strip = scene(UTM, strip);
     let start = start(&strip, 1.0);
@@ -245,7 +246,8 @@ fn a_hollow_tower_in_the_open_is_seen_from_outside() {
             DVec3::new(radius * turn.cos(), radius * turn.sin(), 6.0 * v)
         });
         let places: Vec<DVec3> = ground.chain(tower).collect();
-        // Strays as near as the scene is large belong to it: above and below, in the walls' heights too.
+        // Strays that are as near as the scene is large belong to it: they are above and below it, and at the walls'
+        // heights too.
         for strays in [0.0, 0.003, 0.01] {
             let strays = square((strays * num as f64) as usize).map(|[u, v]| {
                 DVec3::new(24.0 * (u - 0.5), 24.0 * (v - 0.5), 19.0 * (7.0 * u + v).fract() - 8.0)
@@ -277,7 +279,7 @@ fn a_round_tunnel_begins_inside_and_what_is_round_otherwise_is_none() {
     for (radius, length) in [(1.3, 20.0), (2.0, 15.0), (3.0, 60.0), (6.0, 400.0), (3.0, 5000.0)] {
         for turn in [0.0, 0.5, 0.785, 1.57, 2.4] {
             let ahead = glam::DVec2::from_angle(turn);
-            // What lies about, and a few strays.
+            // Rails lie in the tube, and there are a few strays.
             let rails = square(400).map(|[u, _]| (ahead * length * (u - 0.5)).extend(0.15 * radius));
             let strays = square(40).map(|[u, v]| DVec3::new(2.0 * radius * u, 0.0, 3.0 * radius * v));
             let scene = scene(UTM, tube(radius, length, turn).into_iter().chain(rails).chain(strays));

@@ -3,7 +3,7 @@
 
 use render::options::Overlay;
 
-/// Factor on the speed of a step of the wheel.
+/// Factor on the speed for one step of the wheel.
 pub const SPEED_STEP: f32 = 1.25;
 /// The speed stays within this factor of where it began, up and down.
 pub const SPEED_LIMIT: f32 = 64.0;
@@ -23,13 +23,13 @@ pub enum Action {
         /// Pixels right, pixels down.
         delta_px: [f32; 2],
     },
-    /// Faster (> 0) or slower (< 0) from now on, by so many steps of [`SPEED_STEP`].
+    /// Faster (> 0) or slower (< 0) from now on, by this many steps of [`SPEED_STEP`].
     Faster(f32),
-    /// So many times as fast as at first, from now on.
+    /// This many times as fast as at first, from now on.
     SetSpeed(f32),
     /// Turn by this many snap steps; right is positive.
     Snap(i32),
-    /// Back to the starting place.
+    /// Go back to the starting place.
     Reset,
     /// Move back until the whole scan is in view.
     WholeView,
@@ -43,10 +43,10 @@ pub enum Action {
     Quit,
 }
 
-/// The state.
+/// The application's state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AppState {
-    /// Drawn over the mirror.
+    /// Overlay that is drawn over the mirror.
     pub overlay: Overlay,
     speed: f32,
 }
@@ -55,7 +55,7 @@ pub struct AppState {
 pub type Snapshot = AppState;
 
 impl AppState {
-    /// At start.
+    /// The state at start.
     #[must_use]
     pub fn new(overlay: Overlay) -> Self {
         Self { overlay, speed: 1.0 }
@@ -67,7 +67,8 @@ impl AppState {
         self.speed
     }
 
-    /// Applies what changes the state; true if it did. What moves the viewer or ends the walk is for others.
+    /// Applies an action that changes the state; returns true if it did. Actions that move the viewer or end the walk
+    /// are for others.
     pub fn apply(&mut self, action: Action) -> bool {
         let before = *self;
         match action {
@@ -82,7 +83,7 @@ impl AppState {
 
     fn set_speed(&mut self, speed: f32) {
         let speed = speed.clamp(1.0 / SPEED_LIMIT, SPEED_LIMIT);
-        // The last bits of repeated steps: ×1 is to read as ×1 again.
+        // Repeated steps are wrong in the last bits: ×1 is to read as ×1 again.
         self.speed = if (speed - 1.0).abs() < 1e-3 { 1.0 } else { speed };
     }
 }

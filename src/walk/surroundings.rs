@@ -1,55 +1,66 @@
-//! Whether one can stand in a scene, and where: a room has a floor below, and walls all around that are further away
-//! than arm's length; an open place has its ground on all sides. What has neither is an object, to be seen from
-//! outside. Size tells little: a statue may be larger than a room.
+//! Whether one can stand in a scene, and where. A room has a floor below, and walls all around that are further away
+//! than arm's length; an open place has its ground on all sides. A scene that has neither is an object, to be seen
+//! from outside. Size tells little: a statue may be larger than a room.
 
 use base::space::Bounds;
 use glam::{DVec2, DVec3};
 use points::Scene;
 
-/// Cells along the longer side of the floor plan, at most, their least edge, metres, and the points of a mean one.
+/// Most cells along the longer side of the floor plan.
 const MAX_CELLS: f64 = 64.0;
+/// Least edge of a cell, metres.
 const MIN_CELL_M: f64 = 0.25;
+/// Least number of points that a cell has on average.
 const MEAN_CELL_POINTS: f64 = 16.0;
-/// If there is no place, the ground may be scanned more thinly than what stands on it: then with coarser cells.
+/// Factors on the cells' edge, one after the other: if there is no place, the ground may be scanned more thinly than
+/// what stands on it.
 const COARSER: [f64; 2] = [1.0, 3.0];
-/// Points of a cell that make a floor.
+/// Least number of points in a cell that has a floor.
 const MIN_CELL_POINTS: usize = 3;
-/// What lies lower than so large a part of a cell's points is the floor: single points may be below.
+/// Share of a cell's points that may lie below its floor, as single points do.
 const FLOOR_SHARE: f64 = 0.05;
-/// Reflections and dust hang in the air of any scan: so large a part of a mean cell's points is in nobody's way, and of
-/// those in a direction no wall.
+/// Share of the points that reflections and dust leave in the air of any scan. This share of a mean cell's points is
+/// in nobody's way, and this share of the points in a direction is no wall.
 const AIR_SHARE: f64 = 0.05;
-/// Heights above the floor between which a body would bump into things, and how much room it needs to each side.
+/// Heights above the floor, metres, between which a body would bump into things.
 const BODY_M: [f64; 2] = [0.4, 1.9];
+/// Room that a body needs to each side, metres.
 const BODY_RADIUS_M: f64 = 0.5;
-/// Heights at which walls are looked for: above tables, below ceilings.
+/// Heights above the floor, metres, at which walls are looked for: above tables, below ceilings.
 const WALL_M: [f64; 2] = [1.0, 2.2];
-/// Directions in which they are, the part of them that makes a room, and how far away walls are at least.
+/// Number of directions in which walls are looked for.
 const NUM_DIRECTIONS: usize = 32;
+/// Least share of the directions that have a wall in a room.
 const ENCLOSED: f64 = 0.7;
+/// Least distance of the walls of a room, metres.
 const ARMS_LENGTH_M: f64 = 0.9;
-/// Part of the floor up to the walls that is level, and how level. What is hollow, yet no room, is round below.
+/// Least share of the floor up to the walls that is level. A hollow scene that is no room is round below.
 const FLOOR_LEVEL_SHARE: f64 = 0.5;
+/// Largest difference in height of a level floor, metres.
 const FLOOR_LEVEL_M: f64 = 0.3;
-/// Nobody stands on tables: how near, and how much lower, the floor is then.
+/// Nobody stands on tables: a place is on one if the floor within the first distance is lower by the second, metres.
 const TABLE_M: [f64; 2] = [1.0, 0.3];
-/// Walls that are nearer than this are those of a tower or a shed, to be seen from outside if there is an open place; from
-/// so far away if there is room.
+/// Walls nearer than this, metres, are those of a tower or a shed, to be seen from outside if there is an open place.
 const SMALL_ROOM_M: f64 = 2.5;
+/// Distance, metres, in which a place outside has nothing in a body's way, if there is such a place.
 const CLEARANCE_M: f64 = 3.0;
-/// An open place: how wide it is, how far its ground is looked at, how level it is, what part of it there must be,
-/// and in what part of the height it lies that all but a share of the points have at either end: strays.
+/// Least length of a scene that has an open place, metres.
 const OPEN_M: f64 = 12.0;
+/// Distance within which the ground of an open place is looked at, metres.
 const GROUND_M: f64 = 5.0;
+/// Largest difference in height of the level ground of an open place, metres.
 const LEVEL_M: f64 = 0.5;
+/// Least share of the ground of an open place that is level.
 const GROUND_SHARE: f64 = 0.7;
+/// Share of the scene's height, from below, in which the ground of an open place lies.
 const LOW_SHARE: f64 = 0.25;
+/// Share of the points at either end of the height that may be strays.
 const STRAY_SHARE: f64 = 0.02;
 
 /// Where one can stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Standing {
-    /// On the floor, world space.
+    /// Place on the floor, world space.
     pub floor_in_world: DVec3,
     /// True if walls are all around.
     pub enclosed: bool,
@@ -74,15 +85,15 @@ fn standing_in(plan: &Plan, units_per_m: f64) -> Option<Standing> {
     Some(Standing { floor_in_world, enclosed })
 }
 
-/// A scene from above: its points by the cells of a floor plan of where most of it is. All else in metres from the
+/// A scene from above: its points by the cells of a floor plan of where most of it is. Lengths are in metres from the
 /// plan's origin.
 struct Plan {
-    /// World space.
+    /// Origin in world space.
     origin: DVec3,
     size: DVec3,
     /// Longer side of the whole scene.
     extent: f64,
-    /// The ground of an open place is no higher.
+    /// Greatest height that the ground of an open place has.
     highest_ground: f64,
     /// Where the middle of the points is.
     middle: DVec2,
@@ -91,12 +102,12 @@ struct Plan {
     points: Vec<DVec3>,
     /// Heights of the points of each cell, ascending.
     heights: Vec<Vec<f64>>,
-    /// So many points of a cell may hang in the air.
+    /// Most points of a cell that may hang in the air.
     max_in_air: usize,
 }
 
 impl Plan {
-    /// `None` of a scene that nobody fits into.
+    /// The floor plan of a scene; `None` if nobody fits into it.
     fn new(scene: &Scene, units_per_m: f64, coarser: f64) -> Option<Self> {
         let (x, y) = (scene.quarters(0)?, scene.quarters(1)?);
         let width = (x[2] - x[0]).max(y[2] - y[0]);
@@ -135,7 +146,7 @@ impl Plan {
     }
 
     fn cell(&self, at: DVec2) -> [usize; 2] {
-        // `as` saturates: what is outside belongs to the border.
+        // `as` saturates, so places outside belong to cells at the border.
         [0, 1].map(|axis| ((at[axis] / self.cell_m) as usize).min(self.num_cells[axis] - 1))
     }
 
@@ -146,7 +157,7 @@ impl Plan {
         heights.get(at).copied().filter(|_| heights.len() >= MIN_CELL_POINTS)
     }
 
-    /// The cells that reach into a distance of a place.
+    /// The cells within a distance of a place, along both axes.
     fn within(&self, at: DVec2, radius: f64) -> impl Iterator<Item = [usize; 2]> {
         self.cells(at - radius, at + radius)
     }
@@ -157,7 +168,7 @@ impl Plan {
         (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| [x, y]))
     }
 
-    /// Places, and their floors, that have room for a body; nearest to the middle first.
+    /// Places with room for a body, and their floors; nearest to the middle first.
     fn free_places(&self) -> Vec<(DVec2, f64)> {
         let center = |[x, y]: [usize; 2]| (DVec2::new(x as f64, y as f64) + 0.5) * self.cell_m;
         let mut places: Vec<(DVec2, f64)> = self
@@ -179,7 +190,7 @@ impl Plan {
         !self.within(at, near).filter_map(|cell| self.floor(cell)).any(|below| below < floor - lower)
     }
 
-    /// True if nothing is in a body's way up to a distance.
+    /// True if nothing within `radius` is in a body's way.
     fn has_room(&self, at: DVec2, floor: f64, radius: f64) -> bool {
         let in_the_way = |height: f64| (floor + BODY_M[0]..floor + BODY_M[1]).contains(&height);
         let num_in_the_way = |[x, y]: [usize; 2]| {
@@ -189,7 +200,7 @@ impl Plan {
         self.within(at, radius).all(|cell| num_in_the_way(cell) <= self.max_in_air)
     }
 
-    /// How far away walls are that stand all around, further away than arm's length; `None` if they do not.
+    /// Distance of the walls that stand all around, further away than arm's length; `None` if there are none.
     fn walls(&self, at: DVec2, floor: f64) -> Option<f64> {
         let mut distances = vec![Vec::new(); NUM_DIRECTIONS];
         for p in self.points.iter().filter(|p| (floor + WALL_M[0]..floor + WALL_M[1]).contains(&p.z)) {
@@ -207,14 +218,15 @@ impl Plan {
         (self.level_share(at, floor, reach, FLOOR_LEVEL_M) >= FLOOR_LEVEL_SHARE).then_some(reach)
     }
 
-    /// Part of the floor within a distance that is as high as at a place.
+    /// Share of the floor within a distance that is as high as at a place.
     fn level_share(&self, at: DVec2, floor: f64, reach: f64, level: f64) -> f64 {
         let floors: Vec<f64> = self.within(at, reach).filter_map(|cell| self.floor(cell)).collect();
         let as_high = floors.iter().filter(|height| (**height - floor).abs() < level);
         as_high.count() as f64 / floors.len().max(1) as f64
     }
 
-    /// The open place nearest to the middle, with a view if there is one; `outside` of what has walls all around.
+    /// The open place nearest to the middle, with a view if there is one; `outside` excludes places with walls all
+    /// around.
     fn open_place(&self, free: &[(DVec2, f64)], outside: bool) -> Option<(DVec2, f64)> {
         let is_open = |&&(at, floor): &&(DVec2, f64)| {
             self.is_open(at, floor) && !(outside && self.walls(at, floor).is_some())
@@ -236,8 +248,8 @@ impl Plan {
     }
 }
 
-/// How far away the wall is that points at these distances are of, but for some in the air before it; infinite where none
-/// are.
+/// Distance of the wall that points at these distances belong to, except for some in the air before it; infinite if
+/// there are no points.
 fn nearest_wall(mut distances: Vec<f64>) -> f64 {
     let in_air = (AIR_SHARE * distances.len() as f64) as usize;
     if distances.is_empty() {
@@ -246,7 +258,7 @@ fn nearest_wall(mut distances: Vec<f64>) -> f64 {
     *distances.select_nth_unstable_by(in_air, f64::total_cmp).1
 }
 
-/// Between which heights all lie but strays.
+/// The heights between which all points lie except for strays.
 fn heights(mut heights: Vec<f64>) -> [f64; 2] {
     let Some(last) = heights.len().checked_sub(1) else { return [0.0; 2] };
     let tail = (STRAY_SHARE * heights.len() as f64) as usize;

@@ -1,19 +1,22 @@
-//! A tunnel as round as a tube: its floor is no room's, being level nowhere, and still one stands in it. From outside the
-//! same surface is a pipe; but who scans a pipe has the ground below it, and one that is closed has ends.
+//! A tunnel as round as a tube. Its floor is level nowhere, unlike a room's, and still one can stand on it. The same
+//! surface seen from outside is a pipe; but a scan of a pipe has the ground below it, and a closed pipe has ends.
 
 use glam::{DVec2, DVec3};
 use points::Scene;
 
-/// Radius of a tube that one can stand in at least, metres, and its length in radii.
+/// Least radius of a tube that one can stand in, metres.
 const LEAST_RADIUS_M: f64 = 1.2;
+/// Least length of a tube that one can stand in, in radii.
 const LEAST_LENGTH: f64 = 6.0;
 /// Share of the points at either end of an axis that may be strays.
 const STRAY_SHARE: f64 = 0.01;
-/// Share of the points that are on the tube, and how near, in radii.
+/// Least share of the points that are on the tube.
 const ROUND_SHARE: f64 = 0.9;
+/// Largest distance from the tube of points that are on it, in radii.
 const ROUND: f64 = 0.15;
-/// What is nearer to the axis, in radii, would be its ends, and the share of the points that may be there.
+/// Distance from the axis, in radii, below which points would be of the tube's ends.
 const HOLLOW: f64 = 0.6;
+/// Largest share of the points that may be nearer to the axis than [`HOLLOW`].
 const MOST_INSIDE: f64 = 0.003;
 
 /// The middle of a tube's floor, world space, and the direction in which it leads; `None` if the scene is no tube that lies
@@ -35,7 +38,7 @@ pub(super) fn floor(scene: &Scene, units_per_m: f64) -> Option<(DVec3, DVec2)> {
     };
     let is_tube = share(&|away| (away - 1.0).abs() <= ROUND) >= ROUND_SHARE
         && share(&|away| away < HOLLOW) <= MOST_INSIDE;
-    // To the right of what is ahead.
+    // `right` points to the right of `ahead`.
     let right = -ahead.perp();
     let at = middle.truncate() + ahead * 0.5 * (along[0] + along[1]) + right * axis.x;
     is_tube.then(|| (at.extend(height[0]), ahead))
@@ -48,7 +51,7 @@ fn longest(places: impl Iterator<Item = DVec2>) -> DVec2 {
     DVec2::from_angle(0.5 * (2.0 * xy).atan2(xx - yy))
 }
 
-/// Between which values all lie but strays.
+/// The values between which all lie except for strays.
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut values: Vec<f64> = values.collect();
     let Some(last) = values.len().checked_sub(1) else { return [0.0; 2] };

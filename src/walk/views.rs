@@ -1,6 +1,6 @@
-//! Views of the headset's few images, made once each.
+//! Views of the headset's few images, each made once.
 
-/// Of all images so far.
+/// Views of all images so far.
 #[derive(Debug, Default)]
 pub(super) struct Views(Vec<(wgpu::Texture, wgpu::TextureView)>);
 

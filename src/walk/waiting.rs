@@ -1,4 +1,4 @@
-//! While there is no scan: how far the loader is, shown in the room before the viewer.
+//! Shows in the room before the viewer how far the loader is, while there is no scan.
 
 use super::link::WalkEnd;
 use super::locomotion::head_of;
@@ -9,10 +9,10 @@ use render::Renderer;
 use render::gpu::QueueGuard;
 use xr::StageEye;
 
-/// How far before the viewer it stands, metres.
+/// Distance of the bar before the viewer, metres.
 const AWAY_M: f64 = 2.0;
 
-/// What is shown, and where.
+/// What is shown while there is no scan, and where.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
     /// What the loader does, as far as is known.
@@ -45,7 +45,7 @@ impl Waiting {
     }
 }
 
-/// Upright before a head, at its height.
+/// A pose upright before a head, at its height.
 fn before(stage_from_head: &Pose) -> Pose {
     let ahead = stage_from_head.orientation * DVec3::NEG_Z;
     let ahead = DVec3::new(ahead.x, 0.0, ahead.z).normalize_or(DVec3::NEG_Z);

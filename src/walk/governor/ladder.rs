@@ -3,28 +3,29 @@
 
 use render::options::Quality;
 
-/// LOD scales of the ladder below 1: a fourth fewer points each, where points lie on surfaces.
+/// LOD scales of the rungs below the top, whose scale is 1: each draws a fourth fewer points, where points lie on
+/// surfaces.
 const LOD_SCALES: [f32; 8] = [1.15, 1.32, 1.51, 1.73, 1.99, 2.28, 2.62, 3.0];
-/// Resolution scales of the ladder below 1: a sixth to a fourth fewer pixels each.
+/// Resolution scales of the rungs below the top, whose scale is 1: each draws a sixth to a fourth fewer pixels.
 pub(super) const RESOLUTION_SCALES: [f32; 5] = [0.92, 0.84, 0.76, 0.68, 0.6];
-/// `hqs` costs at most so many times what `closest` does.
+/// `hqs` costs at most this many times what `closest` does.
 const MOST_SAVED_BY_CLOSEST: f32 = 2.0;
-/// The coarsest level of detail whose picture is still sharp: points of a node then lie `threshold_px` / 128 × this apart,
-/// 1.6, 3.1 and 4.7 pixels in the three rings, half of what dilation by rings reaches over or little more
-/// ([`render::RINGS_REACH_PX`]); beyond, discs close the gaps, and blur.
+/// The coarsest LOD scale whose picture is still sharp. Points of a node then lie `threshold_px` / 128 times this
+/// apart: 1.6, 3.1 and 4.7 pixels in the three rings, half of the reach of dilation by rings or little more
+/// ([`render::RINGS_REACH_PX`]). At coarser scales splats close the gaps, and blur.
 const GOOD_LOD_SCALE: f32 = 1.99;
 
 /// Frames with room before a step up: half a second at 90 Hz.
 const PATIENCE: u32 = 45;
-/// After a step up that failed, the next one to that rung waits so many times longer; so does a step up that is
+/// After a step up that failed, the next one to that rung waits this many times longer; so does a step up that is
 /// likely to fail.
 const LATER: u32 = 4;
-/// What waiting may grow to: half a minute.
+/// Most frames that waiting may grow to: half a minute.
 const MOST_PATIENCE: u32 = 64 * PATIENCE;
-/// A step up has failed if the next step is down and comes within so many times its waiting time, but at most
-/// [`MOST_PATIENCE`].
+/// A step up has failed if the next step is down and comes within this many times its waiting time, or within
+/// [`MOST_PATIENCE`] if that is less.
 const HELD: u32 = 16;
-/// A load below this share of the one that a step up failed at is a new one, and nothing is known against it.
+/// A load below this share of the one that a step up failed at is new: the failure does not count for it.
 pub(super) const NEW_LOAD: f32 = 0.85;
 
 /// What a frame is drawn with.
@@ -39,7 +40,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The part of an image of `full_px` that is drawn: even numbers, but the whole of it at scale 1.
+    /// The part of an image of `full_px` that is drawn: the whole image at scale 1, else even numbers of pixels.
     #[must_use]
     pub fn drawn_px(&self, full_px: [u32; 2]) -> [u32; 2] {
         if self.resolution_scale >= 1.0 {
@@ -49,8 +50,8 @@ impl Settings {
         full_px.map(|full| even(full).clamp(full.min(2), full))
     }
 
-    /// How many times faster a frame can become at most by going from here to `cheaper`: if all of its time goes
-    /// to points, or to pixels.
+    /// How many times faster a frame can become at most by going from here to `cheaper`: as if all of its time went
+    /// to points and pixels.
     pub(super) fn most_saved_by(&self, cheaper: &Self) -> f32 {
         let points = cheaper.lod_scale / self.lod_scale;
         let pixels = self.resolution_scale / cheaper.resolution_scale;
@@ -79,7 +80,8 @@ impl Rung {
         if gpu_ms < NEW_LOAD * self.failed_at_ms { PATIENCE } else { self.patience }
     }
 
-    /// Quality has to be given up `since_step` frames after the step up to here, taken at `raised_at_ms`.
+    /// Judges the step up to here, taken at `raised_at_ms`: quality has to be given up again `since_step` frames
+    /// later.
     pub(super) fn judge(&mut self, since_step: u32, raised_at_ms: f32) {
         if since_step > (HELD * self.patience).min(MOST_PATIENCE) {
             *self = Self::new(self.settings);
@@ -90,13 +92,13 @@ impl Rung {
     }
 }
 
-/// A longer wait.
+/// Returns a longer wait.
 pub(super) fn later(patience: u32) -> u32 {
     (LATER * patience).min(MOST_PATIENCE)
 }
 
-/// What there is to trade, dearest first: `quality` is what was asked for. `has_detail`: the cloud that is shown can be drawn
-/// with fewer points.
+/// Returns the rungs, dearest first: `quality` is what was asked for. `has_detail` is true if the cloud that is shown
+/// can be drawn with fewer points.
 pub(super) fn ladder(quality: Quality, has_detail: bool) -> Vec<Rung> {
     let mut now = Settings { lod_scale: 1.0, resolution_scale: 1.0, quality };
     let mut ladder = vec![Rung::new(now)];
@@ -117,7 +119,7 @@ pub(super) fn ladder(quality: Quality, has_detail: bool) -> Vec<Rung> {
     ladder
 }
 
-/// The last rung whose picture is still good: sharp, blended as asked for, without gaps.
+/// Index of the last rung whose picture is still good: sharp, blended as asked for, without gaps.
 pub(super) fn good_rung(ladder: &[Rung]) -> usize {
     let top = &ladder[0].settings;
     let is_good = |rung: &Rung| {

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 const PERIOD_MS: f32 = 1000.0 / 90.0;
 const TARGET_MS: f32 = 0.8 * PERIOD_MS;
-/// Times the target that a load may have and still be borne by the cheapest rung, if not within the target.
+/// Largest load, in times of the target, that the cheapest rung still bears, if not within the target.
 const BEARABLE: f32 = 14.0;
 /// Frames until a frame's time is known.
 const LATENCY: usize = 3;
@@ -19,12 +19,12 @@ struct Load {
     base: f32,
     points: f32,
     pixels: f32,
-    /// Of points and pixels, what `hqs` adds.
+    /// Share of the time of points and pixels that `hqs` adds.
     hqs: f32,
 }
 
 impl Load {
-    /// The usual shares, `times` the target.
+    /// A load with the usual shares, `times` as large as the target.
     fn of(times: f32) -> Self {
         let whole = times * TARGET_MS;
         Self { base: 0.1 * whole, points: 0.4 * whole, pixels: 0.2 * whole, hqs: 0.5 }
@@ -38,7 +38,7 @@ impl Load {
     }
 }
 
-/// Whoever decides about settings.
+/// A governor that decides about settings, be it naive.
 trait Decides {
     fn begin(&mut self, frame: u64) -> Settings;
     fn observe(&mut self, frame: u64, phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<Step>;
@@ -53,7 +53,8 @@ impl Decides for Governor {
     }
 }
 
-/// No dead band, no patience, no memory, whatever a frame shows: down a rung when too slow, up when not.
+/// A governor without dead band, patience or memory, whatever a frame shows: it goes down a rung when too slow, and
+/// up when not.
 struct Naive(Governor);
 
 impl Decides for Naive {
@@ -78,7 +79,7 @@ struct Run<D> {
     /// What frames show from now on.
     phase: Phase,
     in_flight: VecDeque<(u64, Phase, f32)>,
-    /// Frame at which it happened, and the step.
+    /// Steps, each with the frame at which it happened.
     steps: Vec<(u64, Step)>,
     random: u64,
     /// Share by which a frame's time is off.
@@ -92,7 +93,7 @@ impl<D: Decides> Run<D> {
         Self { governor, frame: 0, phase, in_flight: VecDeque::new(), steps: Vec::new(), random, noise }
     }
 
-    /// −1 to 1.
+    /// A random number from −1 to 1.
     fn random(&mut self) -> f32 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
@@ -100,7 +101,7 @@ impl<D: Decides> Run<D> {
         (self.random >> 40) as f32 / (1 << 23) as f32 - 1.0
     }
 
-    /// One frame that takes what `ms` makes of its settings and number; its true time.
+    /// Draws one frame, which takes what `ms` makes of its settings and number; returns its true time.
     fn frame(&mut self, ms: impl FnOnce(&Settings, u64) -> f32) -> f32 {
         let settings = self.governor.begin(self.frame);
         let true_ms = ms(&settings, self.frame);
@@ -116,7 +117,7 @@ impl<D: Decides> Run<D> {
         true_ms
     }
 
-    /// `frames` under one load; the last frame's true time.
+    /// Draws `frames` frames under one load; returns the last frame's true time.
     fn under(&mut self, load: Load, frames: usize) -> f32 {
         (0..frames).map(|_| self.frame(|settings, _| load.ms(settings))).last().unwrap()
     }
@@ -132,7 +133,7 @@ fn governor() -> Governor {
     governor_of(Quality::Hqs)
 }
 
-/// What is asked for is `quality`.
+/// A governor that is asked for `quality`.
 fn governor_of(quality: Quality) -> Governor {
     Governor::new(OPTIONS, &look_of(quality))
 }
@@ -141,7 +142,7 @@ fn look_of(quality: Quality) -> Look {
     Look { quality, ..Look::default() }
 }
 
-/// With a cloud that has no level of detail.
+/// A governor of a cloud that has no level of detail.
 fn flat() -> Governor {
     let mut governor = governor();
     governor.restart(false);
@@ -176,12 +177,12 @@ fn overload_is_gone_within_a_second() {
             run.under(Load::of(times), 90);
             let ms = run.under(Load::of(times), 1);
             assert!(ms <= TARGET_MS, "{times}: {ms} ms, {:?}", run.steps);
-            // The first step came at once: some frames for the times to return, some to be sure.
+            // The first step came at once: after some frames for the times to return, and some to be sure.
             assert!(run.steps[0].0 < 10, "{:?}", run.steps);
             assert!(run.steps.iter().take_while(|(_, step)| step.is_down()).count() <= 6);
         }
     }
-    // More overload, bigger steps.
+    // More overload leads to bigger steps.
     let first = |times| {
         let mut run = calm(governor());
         run.under(Load::of(times), 20);
@@ -198,7 +199,7 @@ fn overload_beyond_the_target_ends_at_the_cheapest() {
     assert!(run.steps.len() <= 8, "{:?}", run.steps);
 }
 
-/// Where even the cheapest rung makes a slide show, its slides are to be good ones.
+/// If even the cheapest rung makes a slide show, its slides are to be good ones.
 #[test]
 fn hopeless_overload_leaves_a_good_picture() {
     for times in [20.0, 30.0, 100.0, 1000.0] {
@@ -257,7 +258,7 @@ fn frames_before_the_walk_do_not_count() {
     run.under(Load::of(0.6), 1000);
     assert!(run.steps.is_empty(), "{:?}", run.steps);
     assert_eq!(started(Run::new(Naive(governor()), 0.1, 1)).governor.0.settings(), CHEAPEST);
-    // From then on it governs.
+    // The governor acts from then on.
     run.under(Load::of(3.0), 200);
     assert!(!run.steps.is_empty());
 }
@@ -296,7 +297,7 @@ fn a_steady_load_is_left_alone() {
             assert!(steps <= STEADY, "{times} times the target: {steps} steps");
         }
     }
-    // A governor without dead band is caught.
+    // A governor without dead band is noticed.
     for tenths in [11, 15, 30] {
         let naive = Run::new(Naive(governor()), 0.1, 1);
         let steps = steps_when_settled(naive, Load::of(0.1 * tenths as f32));
@@ -304,10 +305,10 @@ fn a_steady_load_is_left_alone() {
     }
 }
 
-/// Where a rung saves more than anybody expects, a step up fails again and again: ever more seldom.
+/// A step up fails again and again where a rung saves more than expected, so it is tried ever more seldom.
 #[test]
 fn steps_up_that_fail_become_seldom() {
-    // All in the points, and quality much dearer than thought.
+    // All of `cliff`'s time that can be saved is in the points, and its quality costs much more than expected.
     let cliff = Load { base: 0.2 * TARGET_MS, points: 4.0 * TARGET_MS, pixels: 0.1 * TARGET_MS, hqs: 6.0 };
     let points = Load { base: 0.0, points: 2.5 * TARGET_MS, pixels: 0.0, hqs: 0.0 };
     for load in [cliff, points] {
@@ -359,7 +360,7 @@ fn spikes_do_nothing() {
         });
     }
     assert!(run.steps.is_empty(), "{:?}", run.steps);
-    // Spikes that are the rule do something.
+    // Spikes that are the rule count.
     for _ in 0..100 {
         run.frame(|settings, frame| Load::of(0.85).ms(settings) * if frame % 2 == 1 { 5.0 } else { 1.0 });
     }
@@ -374,7 +375,7 @@ fn times_that_are_not_known_do_nothing() {
             run.frame(|_, _| unknown);
         }
         assert!(run.steps.is_empty());
-        // Between known ones they are passed over.
+        // Unknown times between known ones are passed over.
         for _ in 0..100 {
             run.frame(|settings, frame| if frame % 2 == 0 { unknown } else { Load::of(3.0).ms(settings) });
         }
@@ -398,7 +399,7 @@ fn frames_of_other_settings_do_not_count() {
     for frame in 0..20 {
         governor.begin(frame);
     }
-    // Twenty frames are on their way when the times of the first come back: one step, not four.
+    // Twenty frames are on their way when the times of the first come back: they lead to one step, not four.
     assert_eq!(step(&mut governor, 0..20), 1);
     governor.begin(20);
     assert_eq!(step(&mut governor, 20..20 + ENOUGH as u64), 1);
@@ -443,7 +444,7 @@ fn what_is_off_is_skipped() {
     assert!(off.steps.is_empty() && off.governor.settings() == BEST);
 }
 
-/// What the look asks for is the top, and giving up must not begin with what is dearer.
+/// The top is what the look asks for, and no rung below it may be dearer.
 #[test]
 fn the_top_is_what_is_drawn_and_no_rung_is_dearer() {
     for quality in [Quality::Closest, Quality::Hqs] {
