@@ -1,5 +1,5 @@
-//! The window on a virtual screen: pictures, panel, keys, mouse, sizes, ends, all under Vulkan's validation
-//! layer with synchronisation validation. Needs Xvfb, xdotool and the layer, and fails where they are missing.
+//! The window on a virtual screen: pictures, panel, keys, mouse, sizes, ends, all under Vulkan's validation layer
+//! with synchronisation validation. The tests need Xvfb, xdotool and the layer, and fail where these are missing.
 //!
 //! Every case runs the real window in a process of its own (winit allows one event loop a process, on the
 //! main thread): this program again, with a role in the environment.
@@ -44,14 +44,14 @@ fn main() {
     assert_eq!(num_failed, 0, "cases failed");
 }
 
-/// Where the four quarters' middles of an image lie that covers, or lies within, an area.
+/// Middles of the four quarters of an image that covers, or lies within, an area.
 fn middles(area: [f64; 4], cover: bool) -> [[usize; 2]; 4] {
     let [x, y, width, height] = area;
     let [eye_width, eye_height] = EYE_PX.map(f64::from);
     let (across, down) = (width / eye_width, height / eye_height);
     let scale = if cover { across.max(down) } else { across.min(down) };
     [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[right, below]: [f64; 2]| {
-        // A little off the centre, where even a cropped image shows all four.
+        // The places are a little off the center, where even a cropped image shows all four quarters.
         let px = x + width / 2.0 + right * 0.15 * scale * eye_width;
         let py = y + height / 2.0 + below * 0.15 * scale * eye_height;
         [px as usize, py as usize]
@@ -69,7 +69,7 @@ fn the_mirror_shows_exact_colors_and_keeps_its_shape() {
     let window = Window::open("walk", &screen);
     window.xdotool(&["key", "Tab"]);
     wait_quarters(&window, [0.0, 0.0, 960.0, 640.0], true, 0);
-    // Cropped in its middle: the colors' border is at the window's centre, in both directions.
+    // The image is cropped in its middle: the colors' border is at the window's center, in both directions.
     let picture = window.picture();
     picture.keep("mirror-left");
     assert_eq!((picture.width, picture.height), (960, 640));
@@ -81,7 +81,7 @@ fn the_mirror_shows_exact_colors_and_keeps_its_shape() {
     window.xdotool(&["key", "m"]);
     wait_quarters(&window, [0.0, 0.0, 480.0, 640.0], false, 0);
     wait_quarters(&window, [480.0, 0.0, 480.0, 640.0], false, 1);
-    // Whole: bars above and below that belong to no image.
+    // The images are whole: above and below are bars that belong to no image.
     let both = window.picture();
     both.keep("mirror-both");
     let colors: Vec<_> = QUARTERS.concat();
@@ -100,7 +100,7 @@ fn panel_and_help_come_and_go() {
     let screen = Screen::start();
     let window = Window::open("walk", &screen);
     window.xdotool(&["windowsize", &window.id, "1280", "800"]);
-    // Of the new size is what reaches into the new corner.
+    // A picture of the new size reaches into the new corner.
     window.wait_pixel(1270, 790, QUARTERS[0][3]);
     let with_panel = window.picture();
     with_panel.keep("panel");
@@ -118,7 +118,7 @@ fn panel_and_help_come_and_go() {
     settled(&window, |p| p.num_different(&plain) == 0);
     window.xdotool(&["key", "Escape"]);
     settled(&window, |p| p.num_different(&plain) > 1000).keep("leave");
-    // Two seconds later it is forgotten; then pressed twice it quits.
+    // A first Esc is forgotten after two seconds; two in time quit.
     settled(&window, |p| p.num_different(&plain) == 0);
     window.xdotool(&["key", "Escape"]);
     window.xdotool(&["key", "Escape"]);
@@ -169,7 +169,7 @@ fn keys_and_mouse_become_actions() {
     window.xdotool(&["mousemove", "700", "300", "click", "4"]);
     window.wait_command("Faster(1.0)", already);
 
-    // On the panel the mouse is egui's.
+    // The mouse on the panel is egui's.
     window.xdotool(&["mousemove", "100", "200"]);
     let already = window.commands().len();
     window.xdotool(&["mousedown", "1", "mousemove", "120", "260", "mouseup", "1", "click", "4"]);
@@ -210,7 +210,7 @@ fn loading_and_its_failure_are_shown() {
     let screen = Screen::start();
     for role in ["loading", "broken"] {
         let window = Window::open(role, &screen);
-        // In the middle there is nothing but the card.
+        // The card alone is in the middle.
         let num_written = |p: &Picture| {
             let middle = (0..60).flat_map(|y| (0..200).map(move |x| (380 + x, 290 + y)));
             middle.filter(|&(x, y)| p.at(x, y) != p.at(4, 4)).count()

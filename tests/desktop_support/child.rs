@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 /// The environment variable that makes this test program the window's program, and says its role.
 pub const ROLE: &str = "SCANWALK_DESKTOP_TEST_ROLE";
 
-/// A running child; killed when dropped.
+/// A running child, which is killed when dropped.
 pub struct Window<'a> {
     process: Child,
     lines: Arc<Mutex<Vec<String>>>,
@@ -19,7 +19,7 @@ pub struct Window<'a> {
     validation: Validation,
 }
 
-/// Where the layer writes.
+/// The folder that the validation layer writes to.
 struct Validation {
     folder: tempfile::TempDir,
 }
@@ -42,7 +42,7 @@ impl Validation {
         command
             .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
             .env("VK_LAYER_SETTINGS_PATH", self.folder.path())
-            // Mesa prints an error where there is none.
+            // Mesa prints an error where this variable is not set.
             .env("XDG_RUNTIME_DIR", self.folder.path())
             .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
             // wgpu's own messenger would take the messages away from the layer's log.
@@ -121,7 +121,7 @@ impl<'a> Window<'a> {
         lines.iter().filter_map(|line| line.strip_prefix("command ").map(str::to_string)).collect()
     }
 
-    /// Waits for a command after the first `already`.
+    /// Waits for a command that comes after the first `already` commands.
     pub fn wait_command(&self, wanted: &str, already: usize) {
         wait_for(wanted, 10.0, || {
             let commands = self.commands();
@@ -151,7 +151,7 @@ impl<'a> Window<'a> {
         self.lines.lock().unwrap().iter().find(|line| line.starts_with("ended")).cloned()
     }
 
-    /// Waits until the program has ended; its last line and what the validation layer wrote.
+    /// Waits until the program has ended; returns its last line and what the validation layer wrote.
     pub fn wait_end(mut self) -> (String, String) {
         let status = wait_for("the end of the window's program", 30.0, || self.process.try_wait().unwrap());
         let line = wait_for("its last line", 5.0, || self.ended());

@@ -22,7 +22,7 @@ pub const QUARTERS: [[[u8; 3]; 4]; 2] = [
     [[1, 2, 3], [250, 251, 252], [200, 100, 0], [0, 100, 200]],
 ];
 
-/// Between two frames of the stand-in.
+/// Time between two frames of the stand-in.
 const PERIOD: Duration = Duration::from_micros(33_333);
 
 /// Runs the window; `role` says what happens beside it. Prints "command …" lines and, last, "ended …".
@@ -84,7 +84,7 @@ pub fn play(role: &str) {
 
 fn prepare(role: &str, walk: &WalkEnd) {
     if role == "loading" {
-        // Of 52 million points, 40 % are sorted.
+        // 40 % of 52 million points are sorted.
         let observer = walk.clone();
         let task = Task::new(&CancelToken::default())
             .observed(move |count| observer.set_doing(Some(Arc::clone(count))));
@@ -141,7 +141,7 @@ fn paint(gpu: &Gpu, images: &MirrorImages) {
     queue.submit([]);
 }
 
-/// A frame that is near the budget, over it every now and then.
+/// A frame that is near the budget, and over it every now and then.
 fn row(frame: u64, time_s: f64) -> FrameRow {
     let wave = (frame as f32 * 0.13).sin() + 0.4 * (frame as f32 * 0.71).sin();
     let late = frame % 41 == 40;

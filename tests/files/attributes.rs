@@ -1,4 +1,5 @@
-//! Every attribute that a LAS, LAZ or PLY file has, read on request: beside the las crate's values, and those that were written.
+//! Every attribute that a LAS, LAZ or PLY file has, read on request and compared with the las crate's values, or with
+//! those that were written.
 
 use base::task::Progress;
 use kit::las_files::save;
@@ -12,7 +13,7 @@ use std::path::Path;
 
 const NUM_POINTS: usize = 70_001;
 
-/// Anything that is not regular, of so many bits: a multiplicative hash.
+/// Returns irregular numbers of this many bits: a multiplicative hash.
 fn part(number: usize, salt: u64, bits: u32) -> u64 {
     (number as u64 * 31 + salt + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - bits)
 }
@@ -22,7 +23,7 @@ fn point(number: usize, format: &Format) -> Point {
     let bits = |salt, in_old: u32, in_new: u32| {
         part(number, salt, if format.is_extended { in_new } else { in_old }) as u8
     };
-    // The crate makes a flag of class 12.
+    // The las crate makes a flag of class 12.
     let class = Some(bits(1, 5, 8)).filter(|&class| class != 12).unwrap_or(7);
     let angle =
         if format.is_extended { part(number, 2, 15) as f32 * 0.006 } else { part(number, 2, 6) as f32 };
@@ -63,7 +64,7 @@ fn point(number: usize, format: &Format) -> Point {
     }
 }
 
-/// What the extra bytes are: names, number of the type, bytes (of unknown ones).
+/// The extra bytes: names, number of the type, bytes (of unknown types).
 const EXTRA: [(&str, u8, u8); 7] = [
     ("amplitude", 3, 0),
     ("unknown", 0, 3),
@@ -98,7 +99,7 @@ fn described() -> Vec<u8> {
         (entry[2], entry[3]) = (kind, options);
         entry[4..4 + name.len()].copy_from_slice(name.as_bytes());
         if name == "amplitude" {
-            // No data, scale and offset count.
+            // These flags say that no-data, scale and offset count.
             entry[3] = 1 | 8 | 16;
             entry[40..48].copy_from_slice(&65535u64.to_le_bytes());
             entry[112..120].copy_from_slice(&0.25f64.to_le_bytes());
@@ -125,7 +126,7 @@ fn las(point_format: u8, compressed: bool, has_extra: bool) -> Vec<u8> {
     writer.into_inner().unwrap().into_inner()
 }
 
-/// All of a file in one block, with these attributes.
+/// Reads all of a file into one block, with these attributes.
 fn read(path: &Path, want: &Projection) -> (Block, usize) {
     let (mut whole, mut num_blocks): (Option<Block>, usize) = (None, 0);
     let mut take = |block: Block| {
@@ -165,14 +166,14 @@ fn append(whole: &mut Block, block: Block) {
     }
 }
 
-/// All attributes of a file.
+/// Returns all attributes of a file.
 fn everything(path: &Path) -> (Vec<Field>, Projection) {
     let fields = open(path).unwrap().schema().fields.clone();
     let want = Projection::of(fields.iter().map(|field| field.attribute.clone()));
     (fields, want)
 }
 
-/// A standard attribute as the las crate has it, made a column; `None` if the points have it not.
+/// A standard attribute as the las crate has it, made a column; `None` if the points lack it.
 fn by_las(points: &[Point], attribute: &Attribute, is_extended: bool) -> Option<Column> {
     use Attribute as A;
     let flags = |is: &dyn Fn(&Point) -> bool| {
@@ -239,7 +240,7 @@ fn by_bytes(points: &[Point], name: &str) -> Option<Column> {
     })
 }
 
-/// The first attribute that differs from what the las crate has, and how many were compared.
+/// Returns the first attribute that differs from what the las crate has, or how many were compared.
 fn difference(path: &Path) -> Result<usize, String> {
     let mut reader = Reader::from_path(path).unwrap();
     let is_extended = reader.header().point_format().is_extended;
@@ -350,7 +351,7 @@ fn each_attribute_alone_is_the_same_as_with_the_others() {
 #[test]
 fn blocks_put_together_are_the_whole_file() {
     let mut made = super::ply::made::Made::new(90_000);
-    // No normal is not equal to itself.
+    // A normal of NaN does not equal itself, so there is to be none.
     made.points.iter_mut().for_each(|point| point.normal[0] += 0.25);
     let mut cases = vec![("scan.laz", las(7, true, false)), ("scan.las", repeated(las(7, false, true), 9))];
     cases.extend(super::ply::made::Encoding::ALL.map(|encoding| ("mesh.ply", made.bytes(encoding))));
@@ -364,7 +365,7 @@ fn blocks_put_together_are_the_whole_file() {
     }
 }
 
-/// The same file with its points several times.
+/// Returns the same file with its points several times.
 fn repeated(mut bytes: Vec<u8>, times: usize) -> Vec<u8> {
     let start = u32::from_le_bytes(*bytes[96..].first_chunk().unwrap());
     let points = bytes[start as usize..].to_vec();
@@ -462,13 +463,14 @@ fn scalars_of_every_type_are_read_from_ply() {
             assert_eq!(field.kind, expected.kind(), "{name} {encoding}");
             assert_eq!(block.column(&field.attribute), Some(expected), "{name} {encoding}");
         }
-        // One of them alone, and with the color that there is none of.
+        // One scalar is read alone, and with a color that the file lacks.
         let some = Projection::of([Attribute::Named("scalar_int".into()), Attribute::Color]);
         assert_eq!(read(&path, &some).0.columns, [(fields[4].attribute.clone(), expected[4].clone())]);
     }
 }
 
-/// What is spread over what all files have in common can be had as it is stored too, alone and beside.
+/// Values of PLY that are scaled to what all files have in common can also be had as they are stored, alone and
+/// beside the scaled ones.
 #[test]
 fn intensities_and_colors_of_ply_can_be_had_as_they_are_stored() {
     let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\

@@ -25,7 +25,7 @@ fn read_one(path: &Path) -> Scan {
     read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
 }
 
-/// Whatever is decided about colors, their column stays as it is stored, or is none.
+/// Reads a scan. Whatever is decided about colors, their column stays as it is stored, or is missing.
 fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
     let (_folder, path) = file(&color);
     let scan = read_one(&path);
@@ -39,7 +39,7 @@ fn channels(at: usize) -> [f64; 3] {
     [0, 1, 2].map(|c| (((3 * at + c + 1).wrapping_mul(40_503) % 65_536) as f64 / 60_000.0).min(1.0))
 }
 
-/// The bytes that are drawn.
+/// Returns the bytes that are drawn.
 fn shown(scan: &Scan) -> Vec<[u8; 3]> {
     let file = &scan.files[0];
     let bytes = (0..file.points.xyz.len()).map(|at| file.color(at).to_le_bytes());
@@ -59,7 +59,7 @@ fn a_scene_looks_the_same_in_whatever_bits_it_is_stored() {
         let differs = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
         assert!(!shown(&scan).iter().zip(&sixteen).any(differs), "{source:?}");
     }
-    // What is honest stays exact.
+    // Colors of 16 bits stay exact.
     let expected: Vec<[u8; 3]> = (0..NUM_POINTS)
         .map(|at| channels(at).map(|c| ((c * 65535.0).round() / 257.0).round() as u8))
         .collect();
@@ -86,7 +86,7 @@ fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     }
 }
 
-/// How many of the points are drawn otherwise than `right`.
+/// Number of points that are not drawn as `right` says.
 fn num_off(scan: &Scan, right: impl Fn(usize) -> [f64; 3]) -> usize {
     let is_off = |(at, bytes): &(usize, [u8; 3])| {
         let right = right(*at).map(|c| (c * 255.0).round() as u8);
@@ -143,11 +143,11 @@ fn of_points_of_two_kinds_among_each_other_a_warning_says_so() {
             let stored = |at: usize| if at.is_multiple_of(step) { low } else { high };
             let mixed = scan(|at| channels(at).map(|c| (c * stored(at)).round() as u16));
             assert!(bits_said(&mixed, low, high), "{low} {high} {step}: {:?}", mixed.warnings);
-            // No point of this scene is dark, so all can be told.
+            // No point of this scene is dark, so every point's bits are known.
             assert_eq!(num_off(&mixed, channels), 0, "{low} {high} {step}");
         }
     }
-    // Where dark points of 10 bits may as well be bright ones of 8, nothing is guessed.
+    // Nothing is guessed where dark points of 10 bits may as well be bright ones of 8.
     let grey = |at: usize| [((at * 40_503 % 65_536) as f64 / 64_000.0).min(1.0); 3];
     let stored = |at: usize| if at.is_multiple_of(2) { 255.0 } else { 1023.0 };
     let mixed = scan(|at| grey(at).map(|c| (c * stored(at)).round() as u16));
@@ -212,7 +212,7 @@ fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
             let bytes = shown(&scan);
             let greys: Vec<[u8; 3]> = (0..NUM_POINTS).filter(|at| at % 500 > 0).map(|at| bytes[at]).collect();
             assert!(greys.iter().all(|[r, g, b]| r == g && g == b && (64..=191).contains(r)), "{what}");
-            // As intensity rises.
+            // Grays rise with the intensity.
             assert!(greys[1..400].is_sorted() && greys[1] < greys[400], "{what}");
             assert!(
                 scan.warnings[0].contains(&format!("a color at only {num_others} of 2,000 points")),
@@ -223,7 +223,7 @@ fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
                 assert!(bytes[0][0] >= 200, "{what}: the few keep their color, {:?}", bytes[0]);
             }
         }
-        // More are no accident.
+        // More points of the other color are no accident.
         let some = scan(|at| if at % 100 < 1 { other } else { color });
         assert_eq!(some.files[0].coloring.blank, None, "{color:?} {other:?}");
     }
@@ -231,7 +231,7 @@ fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
 
 #[test]
 fn an_overexposed_scene_keeps_its_colors() {
-    // Snow: all white but for one point in fifty.
+    // A snow scene is white everywhere except for one point in fifty.
     for white in [255.0, 4095.0, 65535.0] {
         let snow = |at: usize| if at % 50 == 7 { channels(at) } else { [1.0; 3] };
         let scan = scan(|at| snow(at).map(|c| (c * white).round() as u16));
@@ -302,7 +302,7 @@ fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
                 assert!(is_right, "{white} {percent} {at}: {bytes:?}");
             }
         }
-        // Night: in 8 bits a seventh of the points are black, and more are nearly.
+        // A night scene in 8 bits has a seventh of its points black, and more nearly so.
         let light = |at: usize| 0.1 * ((at * 27_644 % 65_536) as f64 / 65_536.0).powi(2);
         let scan = scan(|at| channels(at).map(|c| (c * light(at) * white).round() as u16));
         assert_eq!(
@@ -318,11 +318,12 @@ fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
 fn colors_that_are_nearly_black_are_said_to_be_and_stay() {
     for white in [255.0, 1023.0, 4095.0, 65535.0] {
         for (percent, is_said) in [(99, true), (95, true), (91, true), (85, false), (50, false)] {
-            // So few bright ones among dark ones of 16 bits are wild values among those of 10.
+            // If bright points are this few among dark ones of 16 bits, they count as wild values among points of 10
+            // bits.
             if white > 60_000.0 && percent > 94 {
                 continue;
             }
-            // Up to 3 of 255 levels.
+            // Dark colors have up to 3 of 255 levels.
             let dark = |at: usize| channels(at).map(|c| c * 2.9 / 255.0);
             let color = |at: usize| if at * 37 % 100 < percent { dark(at) } else { channels(at) };
             let scan = scan(|at| color(at).map(|c| (c * white).round() as u16));
@@ -360,7 +361,7 @@ fn tiles_of_8_bit_intensities_are_as_bright_as_those_of_16() {
     assert!(brightest(&scan, 0).abs_diff(brightest(&scan, 1)) <= 2);
     let said = "b.ply: has intensities of 8 bits, other files of 16";
     assert!(scan.warnings.iter().any(|warning| warning.contains(said)), "{:?}", scan.warnings);
-    // What is only dim stays.
+    // A file that is only dim stays dim.
     let scan = both(2000.0);
     assert!(brightest(&scan, 1) < 60 && brightest(&scan, 0) > 200 && scan.warnings.is_empty());
 }

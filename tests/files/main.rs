@@ -1,4 +1,4 @@
-//! Files to points, and points to octrees: on the CPU.
+//! Reading of files to points, and building of octrees from points, on the CPU.
 
 mod attributes;
 mod colors;

@@ -70,7 +70,7 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     for (warning, name) in scan.warnings.iter().zip(["bad_1.las: ", "bad_2.ply: "]) {
         assert!(warning.contains(name) && warning.contains("left out"), "{warning}");
     }
-    // One after the other, so that the order of good and bad does not matter.
+    // The files are read in both orders: the order of good and bad does not matter.
     let (bad, good) = (&paths[0], &paths[1]);
     for (paths, num_points) in [([good, bad], 5), ([bad, good], 5)] {
         assert_eq!(read_all(&paths.map(Clone::clone)).unwrap().num_points(), num_points);
@@ -87,7 +87,8 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     assert!(refused(&missing, &ReadOptions::default()).contains("missing.las: "));
 }
 
-/// Files that end too early, or hold a row that is none: what is left is shown, unless all of it is asked for.
+/// What is left of files that end too early, or hold a row that is none, is shown, unless strict reading is asked
+/// for.
 #[test]
 fn what_is_not_whole_is_refused_when_told_to_be_strict() {
     let tile = tile();
@@ -130,7 +131,7 @@ fn the_commands_refuse_when_told_to_be_strict() {
     }
 }
 
-/// As many tiles as a state's survey has; a shell allows 1024 open files, here 64 to be quick.
+/// There are as many tiles as a state's survey has. A shell allows 1024 open files; here it is 64, to be quick.
 #[cfg(unix)]
 #[test]
 fn more_tiles_than_open_files_are_read() {

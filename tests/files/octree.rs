@@ -36,7 +36,7 @@ fn octree_of(scan: &Scan) -> Octree {
     build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
-/// Shapes whose octrees are unlike each other; each large enough for several levels.
+/// Shapes whose octrees are unlike each other, each large enough for several levels.
 fn shapes() -> Vec<(&'static str, Vec<[i32; 3]>)> {
     let mut random = Random(1);
     let mut many = |count: usize, f: &dyn Fn(&mut Random) -> [i32; 3]| -> Vec<[i32; 3]> {
@@ -85,7 +85,7 @@ fn decoded(octree: &Octree, batch: usize, at: usize) -> DVec3 {
     cells.center(quantize::cells_of(planes_at(octree, at)))
 }
 
-/// What is wrong with the octree of a scan; one sentence a rule that it breaks.
+/// Finds what is wrong with the octree of a scan: one sentence for each rule that it breaks.
 fn faults(octree: &Octree, scan: &Scan) -> Vec<String> {
     let mut faults = lost_points(octree, scan);
     for (number, node) in octree.nodes.iter().enumerate() {
@@ -117,7 +117,7 @@ fn lost_points(octree: &Octree, scan: &Scan) -> Vec<String> {
             *count += 1;
             let p = file.grid.p_in_world(file.points.xyz[point]);
             let off = (decoded(octree, number, at) - p).abs().max_element();
-            // Half a cell, and what f64 loses so far from the origin.
+            // The tolerance is half a cell, and what f64 loses so far from the origin.
             if off > 0.500001 * f64::from(batch.cell[0]) + 4e-9 {
                 faults.push(format!("point {point} is {off} off"));
             }
@@ -165,11 +165,12 @@ fn is_enclosed(octree: &Octree, number: usize) -> bool {
 
 fn has_good_size(node: &Node) -> bool {
     let limit = if node.children.is_empty() { LEAF_POINTS.max(MAX_NODE_POINTS) } else { MAX_NODE_POINTS };
-    // What even the deepest cube cannot tell apart stays together.
+    // Points that even the deepest cube cannot tell apart stay together.
     node.num_points as usize <= limit || node.level == MAX_LEVEL || node.edge == 0.0
 }
 
-/// Points of all nodes below, its own, and at most as many from above as nodes above have.
+/// True if a node has room for the points of all nodes below, its own, and at most as many from above as nodes above
+/// have.
 fn counts_within(octree: &Octree, number: usize) -> bool {
     let node = &octree.nodes[number];
     let below: u32 = node.children.clone().map(|c| octree.nodes[c as usize].num_points_within).sum();
@@ -184,8 +185,8 @@ fn above(octree: &Octree, number: usize) -> impl Iterator<Item = usize> {
         .map(|n| n as usize)
 }
 
-/// Smallest distance between two points of a node in units of its cell; half a cell of quantisation each
-/// is granted. Points are put into cells as wide as half the cell, so only neighboring cells matter.
+/// Smallest distance between two points of a node in units of its cell; half a cell of quantisation is granted to
+/// each point. Points are put into cells as wide as half the node's cell, so only neighboring cells matter.
 fn smallest_distance(octree: &Octree, node: &Node) -> f64 {
     let mut cells = std::collections::HashMap::<[i64; 3], Vec<DVec3>>::new();
     let batch = node.batches.start as usize;
@@ -268,7 +269,7 @@ fn the_number_of_threads_changes_nothing() {
     assert!(one != on(2, &other), "a point moved by 3 mm must show");
 }
 
-/// Points near the centres of the root's grid cells: then no sample is too near to another, and every filtered
+/// Points lie near the centers of the root's grid cells. No sample is then too near to another, and every filtered
 /// color must be the plain average of its cell.
 #[test]
 fn filtered_colors_are_the_averages_of_cells() {
@@ -307,7 +308,8 @@ fn filtered_colors_are_the_averages_of_cells() {
     }
 }
 
-/// How far apart the neighbors of a node's points lie, world units, as planes and node say, with the points' x in the scan.
+/// Distances of a node's points from their neighbors, world units, as planes and node say, with the points' x in the
+/// scan.
 fn spacings<'o>(octree: &'o Octree, node: &'o Node) -> impl Iterator<Item = (f64, f64)> + 'o {
     slots(node).map(|at| {
         let words = planes_at(octree, at);
@@ -319,7 +321,8 @@ fn spacings<'o>(octree: &'o Octree, node: &'o Node) -> impl Iterator<Item = (f64
     })
 }
 
-/// Beside each other, ground with a point every 10 mm and ground with one every 70 mm, more and less than a leaf has.
+/// Ground with a point every 10 mm lies beside ground with one every 70 mm, which are more and fewer points than a
+/// leaf has.
 #[test]
 fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
     let sheet = |num: i32, step: i32, first: i32| {
@@ -330,7 +333,7 @@ fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
     let octree = octree_of(&scan);
     let inner = octree.nodes.iter().filter(|node| node.sample_spacing > 0.0);
     let told: Vec<(f64, f64)> = inner.clone().flat_map(|node| spacings(&octree, node)).collect();
-    // Leaves and their octants that the border goes through have some of both.
+    // Leaves and octants that the border goes through have some points of both.
     let apart = |&&(x, _): &&(f64, f64)| (x - 5.0).abs() > 1.0;
     let wrong = |least: f64, most: f64| {
         let ratio = |(x, spacing): (f64, f64)| spacing / if x < 5.0 { 0.01 } else { 0.07 };
@@ -340,7 +343,7 @@ fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
     let num = told.iter().filter(apart).count();
     assert!(num > 10_000, "{num}");
     assert!(wrong(0.6, 2.5) * 50 < num, "{} of {num} are wrong", wrong(0.6, 2.5));
-    // The root holds both: without exponents all would be as dense.
+    // The root holds both kinds of ground: without exponents all of it would count as equally dense.
     let root = &octree.nodes[0];
     assert!(root.spacing_step > 1.5, "{}", root.spacing_step);
     let exponents: Vec<u32> =
@@ -377,13 +380,13 @@ fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
     .unwrap();
     assert!(seen.iter().copied().eq(0..octree.nodes.len()), "each once, in order");
     assert!(runs.len() > 2 && runs[0] == 1, "the root, and several runs: {runs:?}");
-    // Whoever takes them may end it.
+    // The one who takes nodes may end the building.
     let ended = build_nodes(&scan, &Progress::hidden(), &mut |_, _| Err(BuildError::Cancelled(Cancelled)))
         .unwrap_err();
     assert_eq!(ended, BuildError::Cancelled(Cancelled));
 }
 
-/// The batches are a flat cloud: the stages that draw such clouds draw this one, all of its points.
+/// The batches form a flat cloud: the stages that draw such clouds draw all of its points.
 #[test]
 fn all_batches_together_draw_the_whole_cloud() {
     let scan = scan_of((0..400 * 400).map(|i| [i % 400 * 10, 0, i / 400 * 10]).collect());
@@ -427,8 +430,8 @@ fn small_and_impossible_clouds() {
     assert_eq!(build(&scan, &Progress::silent(&stop)), BuildError::Cancelled(Cancelled));
 }
 
-/// Four places, thousands of points in each: nodes of the first level stand right over the deepest ones, whose codes
-/// are made in frames of their own.
+/// The points are at four places, thousands at each. Nodes of the first level stand right over the deepest ones,
+/// whose codes are made in frames of their own.
 #[test]
 fn a_few_crowded_places_keep_every_promise() {
     let mut random = Random(190_902_201_275);

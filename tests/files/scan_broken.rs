@@ -1,4 +1,4 @@
-//! Broken input: a clear error or the part that can be read; never a panic, a hang, or memory that is only
+//! Broken input gives a clear error or the part that can be read; never a panic, a hang, or memory that is only
 //! claimed.
 
 use base::task::CancelToken;
@@ -13,7 +13,7 @@ fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
     read(&[path], &ReadOptions::default(), &CancelToken::default())
 }
 
-/// The message, which must name the file and hold `expected`.
+/// Checks that reading fails; the message must name the file and hold `expected`.
 fn assert_refused(bytes: &[u8], expected: &str) {
     let message = read_bytes(bytes).map(|scan| scan.num_points()).unwrap_err().to_string();
     assert!(message.contains("scan.las: ") && message.contains(expected), "{message}");
@@ -124,7 +124,7 @@ fn points_offset(bytes: &[u8]) -> usize {
 
 #[test]
 fn a_broken_chunk_loses_only_itself() {
-    // Three chunks of 50 000, 50 000 and 20 000 points.
+    // The file has three chunks, of 50 000, 50 000 and 20 000 points.
     let bytes = Fixture::new(1).compressed().with_points(120_000).bytes();
     let all = read_bytes(&bytes).unwrap().files[0].points.clone();
     let middle = points_offset(&bytes) + (bytes.len() - points_offset(&bytes)) * 5 / 8;

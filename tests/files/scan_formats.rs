@@ -32,7 +32,7 @@ fn columns_by_las(path: &Path) -> Points {
 fn fixtures() -> Vec<Fixture> {
     let mut all: Vec<Fixture> = (0..=10).map(Fixture::new).collect();
     all.extend((0..=8).map(|format| Fixture::new(format).compressed()));
-    // Records longer than their format, older versions, LAS 1.4 with old formats, more than one chunk.
+    // These have records longer than their format, older versions, LAS 1.4 with old formats, more than one chunk.
     all.extend([3, 6].map(|format| Fixture { extra_bytes: 5, ..Fixture::new(format) }));
     all.extend([3, 7].map(|format| Fixture { extra_bytes: 5, ..Fixture::new(format) }.compressed()));
     all.extend([0, 1].map(|format| Fixture { minor: 0, ..Fixture::new(format) }));
@@ -100,7 +100,7 @@ fn several_files_keep_their_order_and_share_nothing_but_the_ramp() {
     assert_eq!([&scan.files[0].path, &scan.files[1].path], [&a.1, &b.1]);
     assert_eq!(scan.files[0].coloring.source, scan.files[1].coloring.source);
     assert!(matches!(scan.files[0].coloring.source, ColorSource::Intensity { .. }));
-    // Alone, ten points have another range: the ranges above were really shared.
+    // Ten points alone have another range, so the ranges above were really shared.
     assert_ne!(read_one(&b.1).files[0].coloring.source, scan.files[1].coloring.source);
 }
 

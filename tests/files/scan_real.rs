@@ -51,7 +51,7 @@ const TABLE: &[Row] = &[
     ("malformed/las/unregistered_extra_bytes.las", 4, [1.0; 3], [4.0; 3]),
 ];
 
-/// What differs from the row, or nothing.
+/// Tells what differs from the row, if anything does.
 fn difference(scan: &Scan, (name, num_points, min, max): &Row) -> Option<String> {
     let bounds = scan.bounds_in_file();
     let near = |a: [f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.00051);
@@ -71,7 +71,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
     for format in 0..=10 {
         for kind in ["las", "laz"] {
             let name: &'static str = format!("las-point-formats/10_points_format_{format}.{kind}").leak();
-            // Some of them are marked as withheld.
+            // Some of the points are marked as withheld.
             let all = ReadOptions { show_withheld: true, ..ReadOptions::default() };
             let scan = read(&[folder.join(name)], &all, &CancelToken::default()).unwrap();
             assert_eq!(difference(&scan, &(name, 10, NINE.0, NINE.1)), None);
@@ -114,7 +114,7 @@ fn four_tiles_hold_the_points_of_the_whole() {
     let tiles = read(&tiles, &ReadOptions::default(), &CancelToken::default()).unwrap();
     let whole = read_in(&folder, "copc/lone-star.copc.laz").unwrap();
     let sorted = |scan: &Scan| {
-        // Steps of 0.25 mm, which all five files share.
+        // All five files share steps of 0.25 mm.
         let places = scan.files.iter().flat_map(|file| {
             let grid = file.grid;
             file.points.xyz.iter().map(move |&p| (grid.p_in_world(p) * 4e3).round().as_i64vec3().to_array())
@@ -151,7 +151,7 @@ fn colors_and_units_are_recognised() {
     let degrees = scan("las-small/epsg_4326.las");
     assert_eq!((degrees.crs.as_deref(), degrees.unit_in_file_m), (Some("EPSG:4326, WGS 84"), None));
     assert!(degrees.warnings[0].contains("in degrees"));
-    // Two kilometres across, upright, in metres.
+    // The scan is two kilometres across, upright, in metres.
     let size = degrees.bounds().size();
     assert!((2000.0..2200.0).contains(&size.x) && (1050.0..1200.0).contains(&size.y), "{size}");
     assert!((38.0..41.0).contains(&size.z) && degrees.unit_m == Some(1.0), "{size}");

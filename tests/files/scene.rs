@@ -1,5 +1,6 @@
-//! The first view shows the scan, however small it is and whatever lies far from it; nothing far costs the scene its
-//! precision; what is deleted or noise is said. The program and the library from outside, on files made here.
+//! The first view shows the scan, however small it is and whatever lies far from it. Nothing far costs the scene its
+//! precision. Deleted points and noise are reported. The program and the library are tested from outside, on files
+//! made here.
 
 use base::space::Bounds;
 use base::task::{CancelToken, Progress};
@@ -25,7 +26,7 @@ fn building(num: usize, edge: f64) -> Vec<DVec3> {
     (0..num).map(at).collect()
 }
 
-/// What a made-up point is beside its place.
+/// Sets what a made-up point has beside its place.
 type Mark = fn(&mut Point, usize);
 
 fn las_bytes(points: &[DVec3], format: u8, compressed: bool, scale: f64, mark: Mark) -> Vec<u8> {
@@ -90,7 +91,7 @@ fn scanwalk(args: &[&str]) -> Output {
     output
 }
 
-/// The part of the picture's width and height that points span, how many pixels have one, and what was warned of.
+/// The part of the picture's width and height that points span, how many pixels have one, and the warnings.
 fn rendered(files: &Files, scan: &Path, more: &[&str], size: [u32; 2]) -> ([f64; 2], usize, String) {
     let depth = files.0.path().join("depth.npy");
     let picture = files.0.path().join("picture.png");
@@ -157,7 +158,8 @@ fn the_default_picture_shows_the_scene_whatever_is_astray() {
 #[test]
 fn strays_beside_a_scene_neither_widen_nor_lift_it() {
     let files = Files::new();
-    // Any numbers from 0 to 1, and their sums: strays all around, most of them as far away as the scene is long twice.
+    // `part` gives irregular numbers from 0 to 1, and `bell` sums of them: strays all around, most of them as far
+    // away as twice the scene's length.
     let part = |at: usize| {
         let hash = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let hash = (hash ^ hash >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -238,7 +240,7 @@ fn a_picture_of_nothing_says_where_the_scan_is() {
     assert!(stderr.contains("nothing of the scan is in view") && stderr.contains("180 degrees"), "{stderr}");
     let (_, num, stderr) = rendered(&files, &path, &["--eye", "5,-30,2", "--target", "5,0,2"], [64, 64]);
     assert!(num > 0 && stderr.is_empty(), "{stderr}");
-    // What a user sets is what holds.
+    // A value that the user sets holds.
     let (_, num, stderr) = rendered(&files, &path, &["--set", "frame.near_m=1000"], [64, 64]);
     assert!(num == 0 && stderr.contains("frame.near_m"), "{stderr}");
 }
@@ -285,7 +287,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     let files = Files::new();
     let scene = building(60_000, 20.0);
     let strays = [DVec3::new(2e6, 0.0, 0.0), DVec3::new(0.0, -2e6, 2e6), DVec3::splat(-2e6)];
-    // In the midst of the others, where they share batches in the files' order.
+    // The strays are in the midst of the other points, with which they share batches in the files' order.
     let mut points = scene.clone();
     strays.iter().enumerate().for_each(|(i, &p)| points.insert(20_000 * i + 5000, p));
     let far = files.save("far.las", &las_bytes(&points, 0, false, 0.001, |_, _| ()));
@@ -305,18 +307,18 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
         assert_eq!(positions.len(), truth.len());
         let worst = positions.iter().map(|p| (*p - rounded(p)).abs().max_element()).fold(0.0, f64::max);
         assert!(worst < 1e-7, "{order:?}: {worst}");
-        // The box of each batch of the scene is of the scene.
+        // The box of each batch of the scene is within the scene.
         let wide = cloud.batches.iter().filter(|batch| batch.cell.iter().any(|&c| c > 1e-6)).count();
         assert_eq!(wide, 1, "{order:?}: only the strays' batch is wide");
     }
     let octree = |scan: &Scan| build_octree(scan, &Progress::hidden()).unwrap();
     let (far, near) = (octree(&far), octree(&near));
     let positions = sorted(drawn(&far.cloud));
-    // Cells are shares of a node's cube, and the root's is as wide as everything: the point or two of the scene that it
-    // takes are millimetres off. Below it all are right to micrometres.
+    // Cells are shares of a node's cube, and the root's cube is as wide as everything. The point or two of the scene
+    // that the root takes are millimetres off; all points below it are right to micrometres.
     let moved = positions.iter().filter(|&p| (*p - rounded(p)).abs().max_element() > 2e-6).count();
     assert!(positions.len() == truth.len() && moved <= 2, "{moved}");
-    // The tree reaches as far down into the scene, with not many more nodes.
+    // The tree reaches as far down into the scene as without strays, with not many more nodes.
     let finest = |octree: &cloud::octree::Octree| {
         octree.nodes.iter().map(|node| node.edge).fold(f64::INFINITY, f64::min)
     };
@@ -374,7 +376,7 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
     assert!(said.contains("11 points are withheld") && said.contains("59 points are noise"), "{said}");
     let text = String::from_utf8(scanwalk(&["info", path.to_str().unwrap()]).stdout).unwrap();
     assert!(text.contains("withheld") && text.contains("noise") && text.contains("scene from"), "{text}");
-    // Nothing but deleted points: that is the reason.
+    // The reason is that there are only deleted points.
     let path =
         files.save("gone.las", &las_bytes(&scene, 6, true, 0.001, |point, _| point.is_withheld = true));
     let error =

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 const KINDS: [Kind; 3] = [Kind::Terrestrial, Kind::Aerial, Kind::Photogrammetry];
 
-/// A scan that may take the place of one made before.
+/// An output that may take the place of a scan made before.
 fn output(path: &Path) -> Output {
     let mut files = Files::default();
     files.force();
@@ -59,7 +59,7 @@ fn digest(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, b| (hash ^ u64::from(*b)).wrapping_mul(0x100_0000_01B3))
 }
 
-/// The bytes of small scans, as first made: another machine or compiler must give them too. Whoever changes
+/// These are the bytes of small scans, as first made: another machine or compiler must give them too. Whoever changes
 /// a scene or a device on purpose puts the new values here.
 #[test]
 fn same_bytes_on_every_machine() {
@@ -130,8 +130,8 @@ fn floor_is_flat_within_the_noise_and_thins_out_with_distance() {
     let (path, _) = make(folder.path(), "scan.las", Kind::Terrestrial, 200_000, 1);
     let (_, points) = read(&path);
     let (near, far) = (paving(&points, -6.3, -5.3), paving(&points, -8.3, -7.3));
-    // A ray every so many degrees each way: per area of floor h / (r·(r² + h²)), here 1.6 / (1.6 · 5.12)
-    // against 1.6 / (3.6 · 15.5), or 6.8 : 1 at the middles of the rectangles.
+    // There is a ray every few degrees each way, so the density per area of floor is h / (r·(r² + h²)). Here it is
+    // 1.6 / (1.6 · 5.12) against 1.6 / (3.6 · 15.5), or 6.8 : 1 at the middles of the rectangles.
     let ratio = near.len() as f64 / far.len() as f64;
     assert!((5.0..9.5).contains(&ratio), "{} : {}", near.len(), far.len());
     for heights in [near, far] {
@@ -176,7 +176,7 @@ fn photogrammetry_has_8_bit_colors_and_tiles() {
     let colors: Vec<_> = points.iter().filter_map(|p| p.color).collect();
     assert!(colors.iter().all(|c| c.red <= 255 && c.green <= 255 && c.blue <= 255));
     assert!(colors.iter().any(|c| c.red > 180));
-    // Neighbors in the file are mostly neighbors in space: far closer than by chance.
+    // Neighbors in the file are mostly neighbors in space, far closer than by chance.
     let step = |i: usize, j: usize| {
         let (a, b) = (&points[i], &points[j]);
         ((a.x - b.x).powi(2) + (a.y - b.y).powi(2) + (a.z - b.z).powi(2)).sqrt()
@@ -206,7 +206,7 @@ fn an_interrupted_run_leaves_nothing_and_harms_nothing() {
     for (kind, num_points) in [(Kind::Terrestrial, 0), (Kind::Terrestrial, 10_000), (Kind::Aerial, 50_000)] {
         let stop = CancelToken::default();
         let options = SynthOptions { kind, out: output(&out), points: 2_000_000_000, seed: 0 };
-        // Stopped once so many points are written.
+        // Writing is stopped once this many points are written.
         let (counts, counted) = std::sync::mpsc::channel::<Arc<Count>>();
         let stopper = std::thread::spawn({
             let stop = stop.clone();
@@ -261,7 +261,7 @@ fn the_statue_is_a_mesh_too() {
     assert!((27_000..33_000).contains(&num_points), "{num_points}");
     assert!((file.bounds.min - summary.bounds.min).abs().max_element() < 1e-8);
     assert!((file.bounds.max - summary.bounds.max).abs().max_element() < 1e-8);
-    // A surface with one border: two triangles a point.
+    // A surface with one border has two triangles a point.
     let per_point = file.triangles.len() as f64 / num_points as f64;
     assert!((1.9..2.0).contains(&per_point), "{per_point}");
     assert!(file.points.normals.iter().all(|n| (n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-4));

@@ -5,7 +5,7 @@ use glam::DVec3;
 use kit::las_files::save;
 use points::{ReadOptions, Scan, Up, read};
 
-/// A tower of 6 m, 20 m across, and points within, in metres about its foot.
+/// A tower 6 m high and 20 m across, with points within, in metres about its foot.
 const TOWER: [[f64; 3]; 5] =
     [[-10.0, -10.0, 0.0], [10.0, 10.0, 6.0], [3.0, -4.0, 1.5], [-7.25, 2.5, 0.0], [0.0, 0.0, 3.0]];
 
@@ -112,7 +112,7 @@ fn a_mesh_whose_surfaces_leave_no_doubt_is_turned_unless_its_header_or_the_user_
         let (z, warnings) = height(&bytes, up);
         assert!(z > 4.0 && warnings.is_empty(), "{z}: {warnings:?}");
     }
-    // With z up it stays.
+    // A room with z up stays as it is.
     let (z, warnings) = height(&room(|p| p, "by hand"), Up::Auto);
     assert!((z - 2.5).abs() < 1e-6 && warnings.is_empty(), "{z}: {warnings:?}");
 }
@@ -134,7 +134,7 @@ fn a_maps_coordinates_along_x_and_z_mean_y_is_up() {
         "{:?}",
         turned.warnings
     );
-    // As surveys have them, in millimetres about a local zero, and small.
+    // These are as surveys have them: in a map's coordinates, in millimetres about a local zero, and far up.
     for place in [
         |p: DVec3| p + DVec3::new(5e5, 5e6, 300.0),
         |p: DVec3| p * 1000.0,
@@ -145,7 +145,7 @@ fn a_maps_coordinates_along_x_and_z_mean_y_is_up() {
     }
 }
 
-/// Points of houses on their ground, with y up; beside them a remark.
+/// Points of houses on their ground, with y up, in a file with a remark.
 fn houses(remark: &str) -> Vec<u8> {
     let num = 3000;
     let mut text = format!("ply\nformat ascii 1.0\ncomment {remark}\nelement vertex {num}\n");
@@ -172,7 +172,7 @@ fn points_that_may_lie_on_their_side_are_not_turned_but_it_is_said() {
     let (is_turned, said) = warnings("by hand", Up::Auto);
     let end = "lie on their side, --set cloud.up=y stands them upright";
     assert!(!is_turned && matches!(&said[..], [one] if one.ends_with(end)), "{said:?}");
-    // Whoever has said what is up needs no hint.
+    // A user or file that has said what is up needs no hint.
     for (remark, up) in [("by hand", Up::Z), ("by hand", Up::Y), ("Vertical axis: z", Up::Auto)] {
         let (_, said) = warnings(remark, up);
         assert!(said.is_empty(), "{remark} {up:?}: {said:?}");

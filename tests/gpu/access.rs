@@ -68,14 +68,15 @@ fn all_ways_to_memory_draw_the_references_picture() {
     }
 }
 
-/// What is asked for and drawn is counted alike, whoever draws it: `bench` tells it.
+/// The counts of points drawn and of pixels asked for, which `bench` tells, do not depend on whether threads draw
+/// together or alone.
 #[test]
 fn wide_points_are_counted_once_whoever_draws_them() {
     let octree = courtyard(60_000);
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     let view = stereo(place.eye, place.target, [303, 255]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
-    // Without a look every pixel is asked for, in any order.
+    // A method without a look asks for every pixel, in any order.
     let look = Look { detail, ..Look::default() };
     let counts = |together| {
         let access = Access { together: Some(together), ..Access::default() };
@@ -92,13 +93,13 @@ fn wide_points_are_counted_once_whoever_draws_them() {
     assert!(alone.1 > 20 * alone.0, "discs are wide: {alone:?}");
 }
 
-/// Where many points meet in few pixels, what a look sees is out of date most often.
+/// A look at a pixel is out of date most often where many points meet in few pixels.
 #[test]
 fn plain_looks_lose_no_point_where_points_crowd() {
     let octree = courtyard(200_000);
     let place = synth::viewpoints(Kind::Terrestrial)[0];
     let view = stereo(place.eye, place.target, [23, 17]);
-    // All of them, thirty layers thick.
+    // All points are drawn, thirty layers thick.
     let detail = Detail { threshold_px: [0.01; 3], ..Detail::default() };
     for method in [Method::Prefetch, Method::EarlyZ, Method::ReduceEarlyZ] {
         let draw = |early_z_load| {

@@ -35,7 +35,7 @@ fn octree(scan: &Scan) -> Octree {
     build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
-/// The scan's nodes, run after run.
+/// Returns the scan's nodes, run after run.
 fn runs(scan: &Scan) -> (Hierarchy, Vec<Vec<NodeBlock>>) {
     let mut runs = Vec::new();
     let hierarchy = build_nodes(scan, &Progress::hidden(), &mut |_, blocks| {
@@ -53,7 +53,7 @@ fn allocations(gpu: &Gpu) -> Vec<(String, u64, u64)> {
     all
 }
 
-/// As headsets draw.
+/// The look that headsets draw with.
 fn look(quality: Quality) -> Look {
     Look { quality, ..Plan::default().draw.look }
 }
@@ -61,7 +61,7 @@ fn look(quality: Quality) -> Look {
 #[test]
 fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
     let scan = scan();
-    // One of its own: other tests make and free what they like.
+    // The test has a GPU of its own: other tests make and free what they like.
     let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
     for quality in [Quality::Hqs, Quality::Closest] {
         let upload = || CloudBuffers::upload_layered(&gpu, &octree(&scan), 0, &Progress::hidden());
@@ -73,7 +73,7 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
             Canvas::on(Arc::clone(&gpu), &sizes, look(quality), gpu.atomics(), LabTechnique::default());
         canvas.renderer.set_cloud(one).expect("room");
         canvas.draw(&view);
-        // A frame that waits to be submitted: what it uses cannot be freed and made anew unseen.
+        // This frame waits to be submitted, so what it uses cannot be freed and made anew unseen.
         let images =
             [0, 1].map(|_: i32| kit::frames::image(&gpu, SIZE_PX, wgpu::TextureFormat::Rgba8UnormSrgb));
         let views = images.each_ref().map(|image| image.create_view(&Default::default()));
@@ -91,7 +91,7 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
     }
 }
 
-/// Whatever has come is drawn as the whole octree is drawn while the rest counts as not large enough.
+/// Whatever has come is drawn as the whole octree is drawn while all other nodes count as not large enough.
 #[test]
 fn what_has_come_is_drawn() {
     let scan = scan();
@@ -111,7 +111,7 @@ fn what_has_come_is_drawn() {
     let mut drawn = canvas.draw(&view);
     assert_eq!((drawn.visible.len(), canvas.renderer.resident().0), (0, 0), "nothing has come");
     let mut num_drawn = Vec::new();
-    // Nodes one by one, and of several in one go.
+    // Nodes come one by one, and several in one go.
     for part in [&blocks[..1], &blocks[1..2], &blocks[2..7], &blocks[7..]] {
         upload.write_blocks(&hierarchy, part).expect("room");
         drawn = canvas.draw(&view);
@@ -195,7 +195,7 @@ impl Headset for Witness {
                 colors += pixel[..3].iter().map(|&c| u64::from(c)).sum::<u64>();
             }
         }
-        // Nobody looks once the test has seen enough.
+        // Sending fails once the test has seen enough.
         let _ = self.seen.send(Seen { num_lit, colors });
         Ok(())
     }
@@ -240,12 +240,12 @@ fn endless(
 fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     let (hierarchy, runs) = runs(scan);
     let outside = start(&hierarchy.scene, 1.0);
-    // So near that the points fill the view.
+    // The place is so near that the points fill the view.
     let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
     let start = Start { floor_in_world: place, ..outside };
     let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
-    // Without room: a frame ends when the test has taken it.
+    // The channel has no room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
     let stop = CancelToken::default();
     let walk = endless(&gpu(), loaded, (actions, frame_link), &stop);
@@ -270,7 +270,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     (viewer.rows.try_iter().collect(), pictures)
 }
 
-/// Places where a value differs from the one before.
+/// Indices at which a value differs from the one before.
 fn changes<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<usize> {
     let values: Vec<T> = values.into_iter().collect();
     (1..values.len()).filter(|&i| values[i] != values[i - 1]).collect()
@@ -282,14 +282,15 @@ fn no_frame_is_missed_or_empty_while_nodes_arrive() {
     let (rows, pictures) = walk(&scan);
     assert!(rows.iter().map(|row| row.frame).eq(0..pictures.len() as u64), "a row a frame");
     assert!(rows.iter().all(|row| row.missed_periods == 0));
-    // Nothing, the root, the octree: each change is one of a single frame, in the figures and in the picture.
+    // The walk shows nothing, the root, then the octree: each change comes in a single frame, in the figures and in
+    // the picture.
     let figures: Vec<_> = rows.iter().map(|row| (row.visible_nodes, row.points_read)).collect();
     let [shown, arrived] = changes(&figures)[..] else { panic!("{figures:?}") };
     assert_eq!(changes(pictures.iter().map(|seen| seen.colors)), [shown, arrived]);
     for (row, seen) in rows.iter().zip(&pictures) {
         let is_shown = row.frame >= shown as u64;
         assert_eq!(is_shown, row.visible_nodes > 0 && row.points_read > 1000, "{row:?}");
-        // That is what a missing picture would look like: before there is a cloud, there is none.
+        // A missing picture would look like those before there is a cloud: they show nothing.
         assert_eq!(is_shown, seen.num_lit > SIZE_PX[0] as usize * SIZE_PX[1] as usize, "{seen:?}");
     }
     assert!(rows[arrived - 1].visible_nodes == 1 && rows[arrived].visible_nodes > 1);

@@ -1,4 +1,4 @@
-//! `scanwalk bench` at a size where nothing is worth timing: every row is there, and what it counts is true.
+//! `scanwalk bench` at a size where nothing is worth timing: every row is there, and its counts are true.
 
 use base::task::{CancelToken, Task};
 use lab::bench::{self, BenchOptions, Table};
@@ -39,7 +39,7 @@ fn row<'a>(results: &'a BenchResults, method: &str, order: &str, viewpoint: &str
 fn the_table_of_2021_has_every_method_order_and_viewpoint() {
     let results = measure(Table::Paper2021, POINTS);
     assert!(results.copy_gb_per_s.is_some_and(|rate| rate > 0.0));
-    // Four places in the courtyard, two before the statue, and its nodes.
+    // There are four places in the courtyard, two before the statue, and its nodes.
     assert_eq!(results.rows.len(), 14 * 4 * (4 + 2) + 2 * 2);
     let methods =
         ["point-list", "just-set", "busy-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup"];
@@ -48,7 +48,7 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
         for order in ["original", "morton", "shuffled", "shuffled-morton"] {
             for viewpoint in ["overview", "close-up", "outside-frustum", "stair", "face"] {
                 let row = row(&results, method, order, viewpoint);
-                // Nothing is culled: that is the 2021 paper's way.
+                // Nothing is culled, as in the 2021 paper.
                 assert_eq!((row.points, row.points_read), (POINTS, POINTS), "{method} {order} {viewpoint}");
                 assert!(row.gpu_ms.median > 0.0 && row.ratio_to_point_list.is_some());
                 assert_eq!(
@@ -56,7 +56,7 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
                     viewpoint == "outside-frustum",
                     "{method} {order} {viewpoint}"
                 );
-                // The paper's table lacks these.
+                // The paper's table lacks these methods.
                 let is_ours = ["hqs1", "fixed40", "prefetch", "exchange-loop"].contains(&method);
                 assert_eq!(row.paper_ms.is_none(), is_ours, "{method}");
             }
@@ -69,7 +69,7 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
     }
     let nodes = |viewpoint| row(&results, "reduce-early-z", "morton", viewpoint).nodes;
     assert!(nodes("small-nodes") > nodes("large-nodes"));
-    // Of points in their files' order the first of a pixel is rarely the nearest; all ask at least once a pixel.
+    // The first point of a pixel is rarely the nearest in the files' order; all methods ask at least once a pixel.
     let drawn = row(&results, "early-z", "morton", "overview").points_drawn;
     assert!(drawn > 1000 && drawn < POINTS, "{drawn}");
     // Each row counts what its own method asks for.
@@ -81,12 +81,13 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
         assert!(drawn(looks_first) < in_picture, "{looks_first}");
     }
     assert!(drawn("reduce") <= in_picture && drawn("reduce-early-z") <= drawn("reduce"));
-    // Dedup looks first, and of a subgroup's points in a pixel one asks: fewer than of early-z, whose threads come alone.
+    // Dedup looks first, and one of a subgroup's points in a pixel asks: fewer than with early-z, whose threads ask
+    // alone.
     let looks = |method| row(&results, method, "morton", "overview").bytes_read.expect("bytes").pixels;
     assert_eq!(looks("dedup"), 8 * in_picture, "every point in the picture looks first");
     assert_eq!((looks("atomic-min"), looks("just-set")), (0, 0));
     assert!(drawn("dedup") < in_picture);
-    // Both stages read coordinates and look at the depth; colors are loaded of points near the surface alone.
+    // Both stages read coordinates and look at the depth; colors are loaded only of points near the surface.
     let [hqs, closest] = ["hqs", "early-z"]
         .map(|method| row(&results, method, "morton", "overview").bytes_read.expect("bytes"));
     assert_eq!((hqs.planes, closest.planes), (2 * 12 * POINTS, 12 * POINTS));
@@ -98,7 +99,7 @@ fn the_table_of_2021_has_every_method_order_and_viewpoint() {
 
 #[test]
 fn the_table_of_2022_counts_what_culling_and_precision_save() {
-    // Enough batches for some to be far.
+    // There are enough batches for some to be far away.
     const POINTS: u64 = 150_000;
     let results = measure(Table::Paper2022, POINTS);
     let row = |method, viewpoint| row(&results, method, "morton", viewpoint);
@@ -106,7 +107,7 @@ fn the_table_of_2022_counts_what_culling_and_precision_save() {
         assert_eq!(row("basic-no-cull", viewpoint).points_read, POINTS);
         let [culled, all] = ["prefetch", "prefetch-no-cull"].map(|method| row(method, viewpoint));
         assert!(culled.points_read <= all.points_read && culled.nodes_drawn <= all.nodes_drawn);
-        // Both see the same points, and who asks first differs from run to run.
+        // Both methods see the same points, and which point asks first differs from run to run.
         assert!(culled.points_drawn.abs_diff(all.points_drawn) * 5 < all.points_drawn);
         assert!(row("lod", viewpoint).points_read <= POINTS);
         assert!(row("hqs", viewpoint).gb_per_s > Some(0.0));
@@ -122,7 +123,7 @@ fn the_table_of_2022_counts_what_culling_and_precision_save() {
     assert!(ratio > 1.2 && ratio < 3.01, "{ratio} times as many bytes at full precision");
 }
 
-/// Hardware points always: the others' ratios are to them.
+/// Hardware points are always measured: the other methods' ratios are to them.
 #[test]
 fn some_methods_of_a_table_can_be_measured_alone() {
     let results = measure_some(Table::Paper2022, POINTS, &["lod", "prefetch"]);
@@ -140,7 +141,7 @@ fn some_methods_of_a_table_can_be_measured_alone() {
     let wanted = places.iter().flat_map(|p| ["point-list", "prefetch", "lod"].map(|m| format!("{p} {m}")));
     assert_eq!(of_table("2022"), wanted.collect::<Vec<_>>());
     assert!(results.rows.iter().filter(|row| row.table == "2022").all(|row| row.paper_ms.is_some()));
-    // A scanner's order beside Morton's, from outside and from inside.
+    // A scanner's order is measured beside Morton's, from outside and from inside.
     assert_eq!(of_table("2022-order").len(), 2 * 2 * 2);
     let says = |order| row(&results, "prefetch", order, "close-up").paper_says.clone().expect("counts");
     assert_eq!(says("original").nodes_culled_share, Some(0.35));
@@ -173,7 +174,7 @@ fn the_table_of_vr_breaks_the_frame_down() {
     let names: Vec<&str> = results.rows.iter().map(|row| row.method.as_str()).collect();
     let wanted = ["total", "clear", "lod", "cull", "depth-both-eyes", "depth-one-eye", "color-both-eyes"];
     assert!(wanted.iter().all(|name| names.contains(name)), "{names:?}");
-    // What is counted is of the frame that is timed: of its two eyes each sees as many as one does.
+    // Counts are of the frame that is timed: each of its two eyes sees as many points as one does.
     let counts = |name: &str| &results.rows[names.iter().position(|n| *n == name).expect(name)];
     let (both, one) = (counts("total"), counts("total-one-eye"));
     assert!(both.points_drawn > one.points_drawn && both.points_read >= one.points_read);
@@ -190,7 +191,7 @@ fn the_table_of_spt_compares_trees() {
     for viewpoint in ["overview", "close-up"] {
         let row = |method| row(&results, method, "morton", viewpoint);
         assert!(row("spt").points_read > 0 && row("spt-hqs").gpu_ms.median > 0.0);
-        // A disc stands for many points where they are small, counts once, and asks for all of its pixels.
+        // A small disc stands for many points, counts once, and asks for all of its pixels.
         let (drawn, asked) = (row("spt").points_drawn, row("spt").pixels_asked.expect("pixels"));
         assert!(drawn > 0 && drawn <= row("spt").points_read, "{drawn} of {}", row("spt").points_read);
         assert!(asked > drawn, "{asked} pixels of {drawn} discs");

@@ -13,10 +13,11 @@ use render::layout::{Detail, DilateUniform, GUARD_PX, ViewUniform};
 use render::options::{Dilate, Quality};
 use render::{Look, RINGS_REACH_PX};
 
-/// Pixels that a tangent of 1 is: a power of two, so that an edge's tangent is exact.
+/// Pixels per unit of tangent: a power of two, so that an edge's tangent is exact.
 const PX_PER_TANGENT: f64 = 64.0;
-/// The larger picture's left and upper edge, in pixels from the optical axis, and its size.
+/// The larger picture's left and upper edge, in pixels from the optical axis.
 const FIRST: [i32; 2] = [-91, -70];
+/// The larger picture's size in pixels.
 const SIZE: [u32; 2] = [177, 150];
 
 /// A part of a picture: its first pixel and its size.
@@ -26,7 +27,7 @@ struct Part {
     size: [u32; 2],
 }
 
-/// At each border, in each corner, in the middle, and some smaller than what reaches into them.
+/// Parts at each border, in each corner, in the middle, and some smaller than what reaches into them.
 const PARTS: [Part; 11] = [
     Part { first: [0, 40], size: [60, 50] },
     Part { first: [117, 40], size: [60, 50] },
@@ -41,7 +42,7 @@ const PARTS: [Part; 11] = [
     Part { first: [140, 20], size: [1, 1] },
 ];
 
-/// Both eyes of the larger picture, or that part of each.
+/// Both eyes of the larger picture, or of a part of it.
 fn view(part: Option<Part>) -> View {
     let Part { first, size } = part.unwrap_or(Part { first: [0, 0], size: SIZE });
     let tangent = |axis: usize, px: u32| f64::from(FIRST[axis] + px as i32) / PX_PER_TANGENT;
@@ -107,11 +108,12 @@ fn a_part_of_a_picture_is_that_part_of_the_larger_one() {
         for (dilate, fill) in [(Dilate::Off, true), (Dilate::Rings, false), (Dilate::Rings, true)] {
             let look = look(quality, dilate, fill);
             let whole = draw(&octree, &view(None), look, gpu().atomics());
-            // All parts where all comes together; elsewhere a border, a corner, and the middle.
+            // All parts are drawn where dilation and fill come together; elsewhere a border, a corner, and the
+            // middle.
             let is_all = dilate == Dilate::Rings && fill;
             let parts = PARTS.into_iter().enumerate().filter(|(i, _)| is_all || [1, 4, 8].contains(i));
             for (_, part) in parts {
-                // The other tiers draw what the best one does: one part.
+                // One part is drawn in the other tiers, which draw what the best one does.
                 let is_corner = part.first == [0, 0];
                 for tier in tiers().into_iter().filter(|&tier| is_corner || tier == gpu().atomics()) {
                     let drawn = draw(&octree, &view(Some(part)), look, tier);
@@ -146,7 +148,7 @@ fn an_eye_does_not_depend_on_where_the_others_picture_ends() {
     assert!(drawn.pixels[1] == cut(&whole.pixels[1], right));
 }
 
-/// What the guard band is for: what dilation makes of a part alone is another picture at the border, and only there.
+/// Shows what the guard band is for: dilation of a part alone makes another picture at the border, and only there.
 #[test]
 fn without_a_guard_band_the_border_would_differ() {
     let octree = room();
@@ -170,7 +172,7 @@ fn without_a_guard_band_the_border_would_differ() {
     assert!(border > 20 && middle == 0, "{border} pixels of the border, {middle} others");
 }
 
-/// What the margin is for: points are seen in a part in which their own pixel is not.
+/// Shows what the margin is for: points are seen in a part in which their own pixel is not.
 #[test]
 fn points_reach_into_the_picture_from_outside() {
     let octree = room();
@@ -179,7 +181,7 @@ fn points_reach_into_the_picture_from_outside() {
     let view = view(Some(part));
     let drawn = draw(&octree, &view, look, gpu().atomics());
     let flat = Look { detail: Detail { fill_reach_px: None, ..look.detail }, ..look };
-    // Each point in its own pixel, in the larger picture.
+    // Each point is in its own pixel in the larger picture.
     let ids = |pixels: &[u64]| -> std::collections::HashSet<u32> {
         pixels.iter().filter(|key| **key != u64::MAX).map(|key| *key as u32 >> 1).collect()
     };

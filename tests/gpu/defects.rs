@@ -25,7 +25,7 @@ fn hits(drawn: &Drawn, eye: usize, width: u32) -> Vec<(u32, u32, u32)> {
 
 #[test]
 fn odd_sizes_are_painted_to_the_last_row_and_column() {
-    // A wall 1 m away, denser than the pixels, wider than the view.
+    // The wall is 1 m away, denser than the pixels and wider than the view.
     let wall: Vec<[i32; 3]> =
         (-550..=550).flat_map(|x| (-550..=550).map(move |z| [x * 2, 1000, z * 2])).collect();
     for size in [[333, 217], [17, 9], [1, 1], [129, 1]] {
@@ -50,7 +50,7 @@ fn eyes_above_eight_megapixels_have_their_last_pixel() {
 #[test]
 fn the_point_on_the_far_face_stays_where_it_is() {
     let drawn = draw_points(&[[0, 1000, 0], [500, 1500, 500]], &look_north([101, 101], 1.0));
-    // 500/1500 right and up of the centre: 50.5 · (1 ± 1/3).
+    // The point lies 500/1500 right and up of the center: 50.5 · (1 ± 1/3).
     assert_eq!(hits(&drawn, 0, 101), [(67, 33, 1), (50, 50, 0)]);
 }
 
@@ -95,7 +95,7 @@ fn the_left_eye_sees_a_near_point_further_right() {
     let drawn = draw_points(&[[0, 500, 0], [0, 400_000, 200_000]], &view);
     let near = |eye: usize| hits(&drawn, eye, 200).iter().find(|h| h.2 == 0).expect("near point").0;
     let far = |eye: usize| hits(&drawn, eye, 200).iter().find(|h| h.2 == 1).expect("far point").0;
-    // 100 px · 0.0315 / 0.5 = 6.3 px to either side.
+    // The near point moves by 100 px · 0.0315 / 0.5 = 6.3 px to either side.
     assert_eq!((near(0), near(1)), (106, 93));
     assert_eq!((far(0), far(1)), (100, 99), "a far point hardly moves");
 }

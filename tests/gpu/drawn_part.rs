@@ -1,5 +1,5 @@
-//! A frame drawn into a part of its images is the frame of images that are so small, and drawing into the whole
-//! again leaves nothing of it.
+//! A frame drawn into a part of its images is the frame of images of that size, and drawing into the whole again
+//! leaves nothing of the part.
 
 use base::space::{Eye, Fov, Pose, View};
 use cloud::Order;

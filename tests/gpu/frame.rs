@@ -27,7 +27,7 @@ fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limi
     assert_eq!(drawn.times.visible_nodes, 1, "a flat cloud is one node");
     assert_eq!(drawn.times.visible_batches as usize, want.visible.len());
     assert_eq!(drawn.times.points_read, want.points_read());
-    // Each stage lasts from the end of the one before to its own; NaN where the device cannot time.
+    // Each stage lasts from the end of the one before to its own end; it is NaN where the device cannot time.
     let (sum, whole) = (drawn.times.stage_ms.iter().sum::<f32>(), drawn.times.gpu_ms);
     assert!(whole.is_nan() || (sum - whole).abs() <= 1e-3 * whole, "stages {sum} ms, frame {whole} ms");
     drawn
@@ -44,7 +44,7 @@ fn stereo_frame_equals_its_reference() {
     }
 }
 
-/// A made-up courtyard from where people stand, and a real room where there is one.
+/// The scans are a made-up courtyard from where people stand, and a real room where there is one.
 #[test]
 fn whole_scans_equal_their_reference() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -118,7 +118,7 @@ fn cull_equals_its_reference() {
     );
     let precisions: Vec<u32> = want.iter().map(|v| v.flags & VISIBLE_PLANES).collect();
     assert!(precisions.contains(&1) && precisions.contains(&2), "both precisions occur");
-    // A batch that neither eye sees holds no point that would be drawn.
+    // A batch that neither eye sees has no point that would be drawn.
     let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();
     let full = ViewUniform { forced_planes: 3, ..uniform };
     let keys = |visible: &[VisibleBatch]| {
@@ -132,7 +132,7 @@ fn cull_equals_its_reference() {
     assert!(keys(&everything) == keys(&cull(&full)));
 }
 
-/// The batch as cull would hand it over if both eyes saw it: by a view that looks everywhere.
+/// The batch as `cull` would pass it on if both eyes saw it: by a view that looks everywhere.
 fn forced_visible(view: &ViewUniform, batch: &Batch) -> VisibleBatch {
     let mut everywhere = ViewUniform { forced_planes: 3, ..*view };
     for eye in &mut everywhere.eyes {

@@ -23,7 +23,8 @@ struct Destination {
 }
 
 impl Destination {
-    /// The paper's rule. Its tolerance is a length; here it is a share of the depth, as in the frame.
+    /// Blends by the paper's rule. The paper's tolerance is a length; here it is a share of the depth, as in the
+    /// frame.
     fn blend(&mut self, color: u32, z: f32) {
         let rgb = [0, 8, 16].map(|shift| f64::from(color >> shift & 255));
         if self.alpha == 0.0 || SURFACE_TOLERANCE * z < self.z {
@@ -34,7 +35,7 @@ impl Destination {
         }
     }
 
-    /// Largest difference of a channel.
+    /// Largest difference in a channel.
     fn difference(&self, color: u32) -> f64 {
         let channels = [0, 8, 16].map(|shift| f64::from(color >> shift & 255)).into_iter().zip(self.rgb);
         channels.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -50,9 +51,9 @@ fn drawn(spt: &SequentialCloud, fragments: &[Put], eye: usize) -> Vec<Destinatio
     without_guard(&pixels, SIZE_PX)
 }
 
-/// With the nearest first, the two are the same but for rounding. In the list's order they differ where the nearest
-/// comes late: what lies up to a tolerance behind another that was in front at the time is blended in, where `hqs`
-/// counts from the nearest. The proposal depends on the order, `hqs` does not.
+/// The two are the same except for rounding if the nearest point comes first. In the list's order they differ where
+/// the nearest comes late: a point up to a tolerance behind another that was in front at the time is blended in,
+/// where `hqs` counts from the nearest. The proposal depends on the order, `hqs` does not.
 #[test]
 fn fuzzy_blending_is_high_quality_shading() {
     let spt = spt_of(&made_up(Kind::Terrestrial, 200_000), false);

@@ -1,6 +1,7 @@
-//! No holes at the edge of sight: from inside a closed sphere, no ring has more than 0.05 % empty pixels, in any headset,
-//! with any preset, at any step of the governor; nor in scans, of the pixels that the frame of all points fills. A small
-//! form of the benchmark's table (`docs/bench/holes`): fewer pixels, or fewer headsets with each preset.
+//! There are no holes at the edge of sight: seen from inside a closed sphere, no ring has more than 0.05 % empty
+//! pixels, in any headset, with any preset, at any rung of the governor. In scans this holds for the pixels that the
+//! frame of all points fills. This is a small form of the benchmark's table (`docs/bench/holes`): fewer pixels, or
+//! fewer headsets with each preset.
 
 #[allow(dead_code, clippy::module_inception, reason = "the benchmark's, which uses more")]
 #[path = "../../benches/quality/holes.rs"]
@@ -20,14 +21,16 @@ use scene::Source;
 use std::sync::OnceLock;
 
 const SHARE: f64 = 0.2;
-/// 8 million in the full form.
+/// Points of the sphere; 8 million in the full form.
 const POINTS: u64 = 320_000;
-/// Of an image of a scan, and points of a made-up one, as in the full form: in fewer pixels one lone point is no share.
+/// Share of the size of a scan's image, as in the full form: one lone point is too large a share of fewer pixels.
 const SCAN_SHARE: f64 = 0.25;
+/// Points of a made-up scan, as in the full form.
 const SCAN_POINTS: u64 = 2_000_000;
-/// Of a ring's pixels.
+/// Largest share of a ring's pixels that may be empty.
 const MAX_PERCENT: f64 = 0.05;
-/// Of a scan's outlines, which the frame of all points draws wider where points lie alone.
+/// Largest share of a scan's outlines that may be empty; the frame of all points draws them wider where points lie
+/// alone.
 const MAX_OUTLINE_PERCENT: u64 = 3;
 
 fn octree() -> &'static Octree {
@@ -36,17 +39,17 @@ fn octree() -> &'static Octree {
     OCTREE.get_or_init(build)
 }
 
-/// In the middle of the sphere.
+/// The viewpoint in the middle of the sphere.
 const INSIDE: Viewpoint = Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
 
-/// Holes of each ring, from the middle of the sphere, with each of the settings and steps of the governor.
+/// Holes of each ring, from the middle of the sphere, with each of the settings and rungs of the governor.
 fn rings(presets: &[&str], frames: &[(&str, f32)]) -> Vec<[Judged; RINGS_DEG.len()]> {
     let holes = holes_from(octree(), &INSIDE, (SHARE, false), presets, frames);
     holes.into_iter().map(|holes| holes.rings).collect()
 }
 
-/// The same from a place, in images of a share of their size. In an open scene only those pixels count that the frame of
-/// all points fills.
+/// Holes from a place, in images of a share of their size. Only the pixels that the frame of all points fills count
+/// in an open scene.
 fn holes_from(
     octree: &Octree,
     place: &Viewpoint,
@@ -60,7 +63,7 @@ fn holes_from(
     let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
     let mut drawer = Drawer::new(&gpu(), cloud, &first.draw, view.eyes[0].size_px).expect("room on the GPU");
     let mut draw = |look, lod_scale| drawer.draw(look, &view, lod_scale).expect("a frame");
-    // Of the preset itself, whatever is set besides.
+    // The frame of all points is drawn with the preset itself, whatever is set besides.
     let whole = is_open.then(|| draw(unreduced(plan(presets, &[]).expect("settings").draw.look), 1.0));
     let of_frame = |&(set, lod_scale): &(&str, f32)| {
         let drawn = draw(of(set).draw.look, lod_scale);
@@ -72,7 +75,7 @@ fn holes_from(
 fn assert_closed(what: &str, rings: &[Judged]) {
     println!("{what}: {rings:?}");
     for (ring, deg) in rings.iter().zip(RINGS_DEG) {
-        // A few pixels of a small ring are no share.
+        // A few pixels of a small ring do not count as a share.
         let is_closed = ring.percent() <= MAX_PERCENT || ring.empty <= 3;
         assert!(is_closed, "{what}, up to {deg}°: {ring:?}, {:.3} %", ring.percent());
     }
@@ -91,7 +94,7 @@ fn a_closed_surface_has_no_holes_at_any_angle() {
     }
 }
 
-/// From each place of a scan.
+/// Checks a scan from each of its places.
 fn assert_scan_is_closed(source: Source) {
     let scan = source.dense_scan(SCAN_POINTS).expect("a scan");
     let octree = build_octree(&scan, &Progress::hidden()).expect("an octree");
@@ -106,12 +109,13 @@ fn assert_scan_is_closed(source: Source) {
                 assert_closed(&what, &holes.rings);
                 let outline = holes.outline;
                 assert!(100 * outline.empty <= MAX_OUTLINE_PERCENT * outline.judged, "{what}: {outline:?}");
-                // Nearly all that the frame of all points fills is judged by rings.
+                // Nearly all pixels that the frame of all points fills are judged by rings.
                 let num_inside: u64 = holes.rings.iter().map(|ring| ring.judged).sum();
                 assert!(num_inside > 4 * outline.judged, "{what}: {num_inside}, {outline:?}");
             }
         }
-        // The measure can fail here too: without larger points there are holes, far beyond the last step in a dense room.
+        // The measure can fail here too: without larger points there are holes, far below the last rung in a dense
+        // room.
         let bare = [("frame.fill=false", 9.0)];
         let bare = holes_from(&octree, &place, (SCAN_SHARE, true), &["performance", "valve-index"], &bare);
         println!("{}, without fill: {bare:?}", place.name);
@@ -134,18 +138,18 @@ fn a_real_room_has_no_holes_at_any_angle() {
     assert_scan_is_closed(Source::Room);
 }
 
-/// Thresholds that a user sets are followed like the governor's.
+/// Thresholds that a user sets are followed as the governor's are.
 #[test]
 fn thresholds_set_by_hand_open_no_holes() {
     let by_hand = rings(&["balanced", "valve-index"], &[("lod.threshold_px=[300, 600, 900]", 1.0)]);
     assert_closed("by hand", &by_hand[0]);
-    // The measure can fail: without larger points that is full of holes.
+    // The measure can fail: without larger points this scene is full of holes.
     let bare = rings(&["balanced", "valve-index"], &[("frame.fill=false", 3.0)]);
     println!("without fill: {bare:?}");
     assert!(bare[0].iter().any(|ring| ring.percent() > 1.0), "{bare:?}");
 }
 
-/// An empty pixel counts in the ring that it lies in, unless it is empty without level of detail too.
+/// An empty pixel counts in the ring that it lies in, unless it is also empty without level of detail.
 #[test]
 fn a_hole_is_counted_in_its_ring() {
     let plan = plan(&["balanced", "valve-index"], &[]).expect("settings");
@@ -166,13 +170,13 @@ fn a_hole_is_counted_in_its_ring() {
         assert_eq!((empty[want], empty.iter().sum::<u64>()), (1, 1), "{empty:?}");
         let num_judged = |holes: &Holes| holes.rings.iter().map(|ring| ring.judged).sum::<u64>();
         assert_eq!((num_judged(&holes), holes.outline), (u64::from(width * height), Judged::default()));
-        // What is empty in both is no hole; around it lies an outline.
+        // A pixel that is empty in both frames is no hole; round it lies an outline.
         let beside_itself = holes::holes(&view, &drawn, Some(&drawn), OUTLINE_PX);
         assert!(beside_itself.rings.iter().all(|ring| ring.empty == 0));
         let outline = if at == 0 { 4 * 4 - 1 } else { 7 * 7 - 1 };
         assert_eq!(beside_itself.outline, Judged { empty: 0, judged: outline });
         assert_eq!(num_judged(&beside_itself), u64::from(width * height) - 1 - outline);
-        // An outline that is narrower shows there.
+        // A hole shows within a narrower outline.
         let narrow = holes::holes(&view, &with_hole(at + 1), Some(&drawn), OUTLINE_PX);
         assert_eq!(narrow.outline, Judged { empty: 1, judged: outline });
     }

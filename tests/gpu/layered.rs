@@ -17,7 +17,7 @@ use render::options::{Dilate, Quality};
 use render::{Look, RINGS_REACH_PX};
 use std::sync::OnceLock;
 
-/// A courtyard, made up.
+/// A made-up courtyard.
 fn courtyard() -> &'static (Scan, Octree) {
     static COURTYARD: OnceLock<(Scan, Octree)> = OnceLock::new();
     COURTYARD.get_or_init(|| {
@@ -31,7 +31,7 @@ fn octree_of(scan: &Scan) -> Octree {
     build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
-/// Looks along the courtyard from within: near and far nodes, all rings.
+/// A view along the courtyard from within: near and far nodes, all rings.
 fn inside(size_px: [u32; 2]) -> View {
     let place = synth::viewpoints(Kind::Terrestrial)[1];
     stereo(place.eye, place.target, size_px)
@@ -74,7 +74,7 @@ fn layered_frames_equal_their_reference_in_every_tier() {
         for (quality, dilate) in
             [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
         {
-            // As a GPU draws.
+            // Points are drawn together, as on a GPU.
             let access = Access { together: Some(true), ..Access::default() };
             let look = Look { quality, dilate, access, ..hqs(detail) };
             let want = reference::frame(&scene, &view, &look, None);
@@ -106,13 +106,13 @@ fn chunks_change_nothing() {
         let (whole, cut) = (draw(0), draw(4 * 50_000));
         assert!(whole.pixels == cut.pixels, "{quality:?}");
         assert_eq!(whole.times.points_read, cut.times.points_read);
-        // A node that two chunks share is one node, whatever it has of batches.
+        // A node that two chunks share counts as one node, however many batches it has.
         assert_eq!(whole.times.visible_nodes, cut.times.visible_nodes);
         assert!(whole.times.visible_nodes < whole.times.visible_batches, "{:?}", whole.times);
     }
 }
 
-/// The comparison can fail: a filtered color, a state, a point's place.
+/// The comparison can fail: it sees a filtered color, a state, a point's place.
 #[test]
 fn the_comparison_notices_what_is_wrong() {
     let (_, octree) = courtyard();
@@ -133,13 +133,13 @@ fn the_comparison_notices_what_is_wrong() {
     assert!(drawn.states != reference::frame(&Scene::layered(octree), &view, &other, None).states);
 }
 
-/// 100 000 points in one pixel: more than 18 bits of red hold, more than 16 bits count.
+/// 100 000 points lie in one pixel: more than 18 bits of red hold, and more than 16 bits count.
 #[test]
 fn a_hundred_thousand_points_in_one_pixel() {
     let view = stereo(DVec3::new(0.0, -50.0, 0.0), DVec3::ZERO, [64, 64]);
     let crowd: Vec<[i32; 3]> = (0..100_000).map(|i| [i % 7, i % 5, i % 3]).collect();
     let mut scan = scan_of(&crowd, 0.001, DVec3::ZERO);
-    // 60 000 white, the rest black but for the last.
+    // 60 000 points are white, the rest are black except for the last.
     for (i, rgb) in scan.files[0].points.rgb.iter_mut().enumerate() {
         *rgb = if i < 60_000 { [255; 3] } else { [0, 0, 0] };
     }
@@ -168,7 +168,7 @@ fn a_hundred_thousand_points_in_one_pixel() {
     }
 }
 
-/// In one cloud that is far away, the root is drawn, with fewer points than a pixel's sums hold.
+/// The root is drawn in one cloud that is far away, with fewer points than a pixel's sums hold.
 #[test]
 fn a_far_root_is_drawn_thinly() {
     let (_, octree) = courtyard();
@@ -221,23 +221,23 @@ fn what_is_drawn_is_a_tree() {
     }
 }
 
-/// A head that walks and trembles: a node that appears stays, and one that vanishes stays away.
+/// The head walks and trembles: a node that appears stays, and one that vanishes stays away.
 #[test]
 fn hysteresis_keeps_nodes_from_flickering() {
     let (_, octree) = courtyard();
     let scene = Scene::layered(octree);
     let place = synth::viewpoints(Kind::Terrestrial)[0];
     let lod = |step: u32, states: &mut Vec<u32>| {
-        // A centimetre a frame, and more than that to and fro.
+        // The head moves by a centimetre a frame, and by more than that to and fro.
         let along = 0.01 * f64::from(step) + 0.015 * f64::from(step % 2);
         let eye = place.eye + DVec3::new(0.0, along, 0.0);
         let view = stereo(eye, place.target + eye - place.eye, [1000, 1000]);
-        // All rings alike: a node that comes into another ring does not tremble.
+        // All rings are alike: a node that comes into another ring does not tremble.
         let detail = Detail { threshold_px: [300.0; 3], ..Detail::default() };
         let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
         reference::lod::lod(&uniform, 2, &scene.nodes, states);
     };
-    // Nodes that change in two frames running.
+    // Counts nodes that change in two frames running.
     let flips = |keeps_states: bool| {
         let mut history = vec![vec![0; scene.nodes.len()]];
         let mut flips = 0;
@@ -259,13 +259,13 @@ fn hysteresis_keeps_nodes_from_flickering() {
     assert_eq!(with, 0, "{without} without hysteresis");
 }
 
-/// Close up, all nodes on the way are drawn whole, and each point has the file's color.
+/// All nodes on the way are drawn whole close up, and each point has the file's color.
 #[test]
 fn close_up_nothing_of_the_files_color_is_lost() {
     let (scan, octree) = courtyard();
     let p = octree.cloud.bounds.center();
     let mut view = stereo(p, p + DVec3::Y, [64, 64]);
-    // Wherever one looks, a threshold of nothing.
+    // The threshold is next to nothing wherever one looks.
     view.near = 1e-3;
     let look = Look {
         detail: Detail { threshold_px: [1e-3; 3], forced_planes: 3, ..Detail::default() },
@@ -280,7 +280,7 @@ fn close_up_nothing_of_the_files_color_is_lost() {
     assert!(seen.clone().count() > 100 && seen.into_iter().all(|p| of_file.contains(&p[1])));
 }
 
-/// Fading shows points one by one: what a state draws is part of what a larger one draws.
+/// Fading shows points one by one: the points that a state draws are among those of a larger state.
 #[test]
 fn fading_is_nested_and_even() {
     let drawn = |state: u32| (0..10_240u32).filter(move |i| i.reverse_bits() < state).count();
@@ -289,7 +289,7 @@ fn fading_is_nested_and_even() {
         let got = drawn(state) as f64 / 10_240.0;
         assert!((got - share).abs() < 0.03, "{share}: {got}");
     }
-    // In every run of 64 points, half of them at one half.
+    // A state of one half draws half of the points of every run of 64.
     for run in 0..160 {
         let half = (0..64u32).filter(|&i| (run * 64 + i).reverse_bits() < 1 << 31).count();
         assert_eq!(half, 32);
@@ -299,7 +299,7 @@ fn fading_is_nested_and_even() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// Max-face, duplicate and collinear points, whatever the mix: the CPU reference and the GPU agree.
+    /// CPU reference and GPU agree on max-face, duplicate and collinear points, whatever the mix.
     #[test]
     fn odd_clouds_equal_their_reference(
         points in prop::collection::vec([0i32..40, 0i32..40, -3i32..3], 1..3000),
@@ -340,13 +340,13 @@ fn flat_clouds_blend_too() {
     }
 }
 
-/// A wall at one metre whose points lie two centimetres apart, give or take: eight pixels. Its surface is closed, and
-/// its edge stays where it is.
+/// The wall is at one metre, and its points lie two centimetres apart, give or take: eight pixels. Its surface is
+/// closed, and its edge stays where it is.
 #[test]
 fn close_up_the_surface_is_closed_and_keeps_its_edge() {
     let mut random = kit::frames::Random(3);
     let mut jitter = || (random.unit() * 60.0) as i32 - 30;
-    // In tenths of a millimetre: from −1 m to 0.2 m across, as high as the view.
+    // Lengths are in tenths of a millimetre: from −1 m to 0.2 m across, as high as the view.
     let grid = (-50..=10).flat_map(|x| (-50..=50).map(move |z| [200 * x, 0, 200 * z]));
     let wall: Vec<[i32; 3]> = grid.map(|[x, _, z]| [x + jitter(), jitter() / 10, z + jitter()]).collect();
     let octree = octree_of(&scan_of(&wall, 0.0001, DVec3::new(5e5, 4e6, 0.0)));
@@ -360,7 +360,7 @@ fn close_up_the_surface_is_closed_and_keeps_its_edge() {
         let look = Look { dilate: Dilate::Rings, ..hqs(detail) };
         Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
     };
-    // The wall ends at 0.2 m: pixel 400 + 0.2 · 400; a point's half width more is its edge.
+    // The wall ends at 0.2 m, which is pixel 400 + 0.2 · 400; its edge is a point's half width further.
     let empty = |drawn: &Drawn, columns: std::ops::Range<usize>| {
         let pixels = drawn.pixels[0].iter().enumerate().filter(|(i, _)| columns.contains(&(i % 800)));
         let (all, empty) =

@@ -17,8 +17,9 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 const OFFSET: DVec3 = DVec3::new(5e5, 4e6, 100.0);
-/// Of the bumpy ball, and how high its bumps are.
+/// Radius of the bumpy ball.
 const RADIUS: f64 = 5.0;
+/// Height of the ball's bumps.
 const BUMP: f64 = 0.2;
 
 /// A ball with bumps and colors, cut into `rings` rings of twice as many quads, the poles closed by triangles.
@@ -68,19 +69,19 @@ fn ball_and_points() -> &'static SequentialCloud {
     })
 }
 
-/// From a distance to the ball's centre.
+/// A view from this distance to the ball's center.
 fn view_at(distance: f64, size_px: [u32; 2]) -> View {
     stereo(OFFSET + distance * DVec3::new(-0.6, -0.7, 0.4).normalize(), OFFSET, size_px)
 }
 
-/// One eye that sees so far to each side, as a tangent.
+/// One eye that sees this far to each side, as a tangent.
 fn mono(eye: DVec3, target: DVec3, tangent: f64, size_px: [u32; 2]) -> View {
     let world_from_view = Pose::look_at(eye, target, DVec3::Z);
     let fov = Fov { left: -tangent, right: tangent, up: tangent, down: -tangent };
     View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: 0.05 }
 }
 
-/// Visible batches of triangles, and of discs.
+/// Numbers of visible batches of triangles, and of discs.
 fn num_batches(frame: &Frame) -> (usize, usize) {
     let is_mesh = |flags: u32| flags & VISIBLE_TRIANGLES != 0;
     let num_meshes = frame.visible.iter().filter(|batch| is_mesh(batch.flags)).count();
@@ -94,7 +95,8 @@ fn closest() -> Look {
 #[test]
 fn frames_equal_their_reference_in_every_tier() {
     let spt = ball_and_points();
-    // Close to the surface, all of it in sight, and from within, where triangles reach behind the eyes.
+    // The views are close to the surface, with all of it in sight, and from within, where triangles reach behind the
+    // eyes.
     for (distance, size_px, error_px) in
         [(5.4, [151, 149], 1.0), (16.0, [301, 299], 0.7), (5.01, [97, 83], 4.0)]
     {
@@ -115,7 +117,7 @@ fn frames_equal_their_reference_in_every_tier() {
     }
 }
 
-/// The comparison can fail: a corner, a size, a color, a place.
+/// The comparison can fail: it sees a corner, a size, a color, a place.
 #[test]
 fn the_comparison_notices_what_is_wrong() {
     let spt = ball_and_points();
@@ -154,14 +156,14 @@ fn wall(x: [f64; 2], z: [f64; 2], away: f64) -> SequentialCloud {
     spt_of(&scan, false)
 }
 
-/// Depth of each pixel of an eye at the offset that looks along +y, 90 degrees wide, from its ray and the wall; infinity
-/// beside it, NaN where the centre lies too close to an edge to tell.
+/// Depth of each pixel of an eye at the offset that looks along +y, 90 degrees wide, from its ray and the wall. It is
+/// infinite beside the wall, and NaN where the pixel's center lies too close to an edge to tell.
 fn rays(x: [f64; 2], z: [f64; 2], away: f64, [width, height]: [u32; 2]) -> Vec<f64> {
     let tangent = |i: u32, n: u32| (2.0 * f64::from(i) + 1.0) / f64::from(n) - 1.0;
     let pixels = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
     let of_pixel = |(u, v)| {
         let (px, pz) = (away * tangent(u, width), -away * tangent(v, height));
-        // Two slacks of a pixel.
+        // The doubt is two slacks of a pixel.
         let doubt = away * 2.0 / f64::from(width) / 32.0;
         let inside = |p: f64, range: [f64; 2]| (p - range[0]).min(range[1] - p);
         match inside(px, x).min(inside(pz, z)) {
@@ -173,7 +175,7 @@ fn rays(x: [f64; 2], z: [f64; 2], away: f64, [width, height]: [u32; 2]) -> Vec<f
     pixels.map(of_pixel).collect()
 }
 
-/// Pixels that are not as the rays say.
+/// Number of pixels that are not as the rays say.
 fn num_wrong(frame: &Frame, rays: &[f64]) -> usize {
     let wrong = |(pixel, &ray): (&[u32; 2], &f64)| {
         let depth = f64::from(reference::resolve::depth_of(*pixel));
@@ -208,7 +210,7 @@ fn a_wall_of_two_triangles_fills_its_pixels_exactly() {
     }
 }
 
-/// A floor of two triangles that reach far behind the eye: below the horizon each pixel has its depth.
+/// A floor of two triangles reaches far behind the eye: each pixel below the horizon has its depth.
 #[test]
 fn triangles_cross_the_near_plane() {
     let corners = [[-400_000, -300_000], [500_000, -400_000], [600_000, 700_000], [-300_000, 500_000]];
@@ -228,7 +230,7 @@ fn triangles_cross_the_near_plane() {
         for u in 0..size_px[0] {
             let depth =
                 f64::from(reference::resolve::depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
-            // Over its edges, a triangle is as deep as there.
+            // A triangle is as deep beyond its edges as at them.
             let (ray, slack) = (height / down, 2.0 / f64::from(size_px[1]) / 64.0 / down);
             if down < 0.0 {
                 assert_eq!(depth, f64::INFINITY, "{u} {v}");
@@ -247,7 +249,7 @@ fn triangles_cross_the_near_plane() {
 /// Half the field of view of pictures of the whole ball.
 const TANGENT: f64 = 0.2;
 
-/// Pixels within the ball's outline, and those of them that show nothing, or what is behind the centre.
+/// Numbers of pixels within the ball's outline, and of those that show nothing, or something behind the center.
 fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
     let inner = (RADIUS - BUMP) / (distance * distance - RADIUS * RADIUS).sqrt();
     let centre = |i: usize, n: u32| (2.0 * i as f64 + 1.0) / f64::from(n) - 1.0;
@@ -273,7 +275,7 @@ fn write_png(name: &str, image: &[u32], [width, height]: [u32; 2]) {
         .expect("a picture");
 }
 
-/// Near, all triangles; far, all discs; and no hole on the way from one to the other.
+/// All triangles are drawn near by, all discs far away, and there is no hole on the way from one to the other.
 #[test]
 fn the_transition_has_no_holes() {
     let spt = spt_of(&bumpy_ball(160), false);
@@ -306,8 +308,8 @@ fn the_transition_has_no_holes() {
     assert!(ends[1].0 == 0 && ends[1].1 > 0, "far: {ends:?}");
 }
 
-/// A flat sheet whose cells grow from millimetres to half a metre, each way by itself: many are eighty times as long as
-/// wide.
+/// The cells of a flat sheet grow from millimetres to half a metre, each way by itself: many are eighty times as long
+/// as wide.
 #[test]
 fn uneven_sheets_have_no_holes() {
     let edge = 60;
@@ -338,7 +340,7 @@ fn uneven_sheets_have_no_holes() {
     }
 }
 
-/// Where discs are drawn from the triangles' sizes on but no wider than a pixel, there are holes: they can be seen.
+/// Discs that are drawn from the triangles' sizes on but no wider than a pixel leave holes, which are noticed.
 #[test]
 fn holes_are_noticed() {
     let mut spt = spt_of(&bumpy_ball(160), false);
@@ -353,15 +355,15 @@ fn holes_are_noticed() {
     assert!(num_holes.iter().any(|&num| num > 100), "{num_holes:?}");
 }
 
-/// Every method draws triangles too: also those whose threads come to a pixel together. But hardware points have no
-/// size, and point trees are refused to them.
+/// Every method draws triangles too, also those whose threads come to a pixel together. Hardware points have no size,
+/// so point trees are refused to them.
 #[test]
 fn methods_draw_meshes_too() {
     let spt = ball_and_points();
     let view = view_at(7.0, [97, 83]);
     for quality in [Quality::Closest, Quality::Hqs] {
         let draw = |method: Method| {
-            // Threads that ask each other must have as many pixels as each other.
+            // Threads that ask each other must all have the same number of pixels.
             let detail = render::layout::Detail { fill_reach_px: None, ..discs() };
             let look = Look { quality, ..hqs(detail) };
             let technique = LabTechnique { method, ..LabTechnique::tree(1.0) };
@@ -372,7 +374,7 @@ fn methods_draw_meshes_too() {
         for method in Method::ALL.into_iter().filter(|method| !of_points(method)) {
             let drawn = draw(method);
             if method == Method::Fixed40 {
-                // Of triangles that meet in a pixel, the one with the smaller color stays.
+                // The triangle with the smaller color stays where triangles meet in a pixel.
                 let same = drawn.images[0].iter().zip(&reference.images[0]).filter(|(a, b)| a == b).count();
                 assert!(same * 100 > drawn.images[0].len() * 99, "{same}");
             } else if method != Method::JustSet {
@@ -391,7 +393,7 @@ fn hardware_points_are_no_discs() {
     assert!(refusal.contains("point-list") && refusal.contains("lod.method"), "{refusal}");
 }
 
-/// What shows points alone shows those of meshes as any others.
+/// Ways to draw that show only points show those of meshes as any others.
 #[test]
 fn flat_clouds_and_octrees_show_a_meshs_points() {
     let mesh = bumpy_ball(20);
@@ -403,7 +405,7 @@ fn flat_clouds_and_octrees_show_a_meshs_points() {
     assert_eq!(octree(&mesh).cloud.planes, octree(&points).cloud.planes);
 }
 
-/// The sides of triangles are known: with them, discs at the back are not read, and the picture stays.
+/// The sides of triangles are known: discs at the back are not read then, and the picture stays.
 #[test]
 fn backs_of_meshes_are_culled() {
     let scan = bumpy_ball(300);
@@ -418,8 +420,8 @@ fn backs_of_meshes_are_culled() {
     assert_eq!(frames.each_ref().map(|frame| num_batches(frame).0), [0, 0]);
 }
 
-/// Two triangles that fill the image are drawn by many workgroups, in every tier and by methods of all kinds; the picture is
-/// the CPU reference's, and each is read once as far as counts go.
+/// Two triangles that fill the image are drawn by many workgroups, in every tier and by methods of all kinds. The
+/// picture is the CPU reference's, and the counts have each triangle once.
 #[test]
 fn large_triangles_are_drawn_by_many_workgroups() {
     let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [400, 384]);
@@ -437,7 +439,7 @@ fn large_triangles_are_drawn_by_many_workgroups() {
                 assert_eq!(drawn.times.visible_batches as usize, num_batches);
             }
         }
-        // Threads that come to a pixel together do so in slices too.
+        // Threads that come to a pixel together draw in slices too.
         let detail = render::layout::Detail { fill_reach_px: None, ..discs() };
         let look = Look { detail, ..closest() };
         let [alone, together] = [Method::AtomicMin, Method::Dedup].map(|method| {
@@ -448,12 +450,12 @@ fn large_triangles_are_drawn_by_many_workgroups() {
     }
 }
 
-/// More slices than there is room for: some batches get fewer workgroups, and nothing is lost.
+/// There are more slices than there is room for: some batches get fewer workgroups, and nothing is lost.
 #[test]
 fn slices_end_where_room_does() {
     const NUM_SLIVERS: u32 = 6000;
     let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [2000, 2000]);
-    // Slivers as long as the image is wide: few pixels, and nobody knows before they are drawn.
+    // Slivers as long as the image is wide have few pixels, which nobody knows before they are drawn.
     let at = |x: f64, z: f64| (DVec3::new(x, 4.0, z) * 1e4).round().to_array().map(|v| v as i32);
     let sliver = |i: u32| {
         let z = f64::from(i) * 1.2e-3 - 3.6;

@@ -1,4 +1,4 @@
-//! The papers' methods draw the same picture; orders change nothing but which of equal depths is drawn.
+//! The papers' methods draw the same picture; orders change only which of equal depths is drawn.
 
 use base::space::{Eye, View};
 use base::task::Progress;
@@ -84,7 +84,7 @@ fn all_methods_but_just_set_draw_the_same_picture() {
     }
 }
 
-/// The adapter again, opened as one that has no subgroup operations.
+/// Opens the adapter again, as one without subgroup operations.
 fn without_subgroups() -> Arc<Gpu> {
     let gpu = Gpu::open(None).expect("it was opened before");
     let descriptor = wgpu::DeviceDescriptor {
@@ -94,7 +94,7 @@ fn without_subgroups() -> Arc<Gpu> {
     };
     let opening = std::pin::pin!(gpu.adapter.request_device(&descriptor));
     let mut context = Context::from_waker(Waker::noop());
-    // Vulkan's devices are open at once.
+    // Vulkan opens devices at once, so one poll is enough.
     let Poll::Ready(Ok((device, queue))) = opening.poll(&mut context) else { panic!("no device") };
     Arc::new(Gpu::new(gpu.instance, gpu.adapter, device, queue))
 }
@@ -116,7 +116,8 @@ fn methods_draw_the_same_without_subgroups() {
     }
 }
 
-/// What just-set leaves is a point of each pixel that has one, and not the nearest everywhere: so `same` can fail.
+/// The picture of just-set has a point in each pixel that has one, but not the nearest everywhere: so `same` can
+/// fail.
 #[test]
 fn just_set_fills_the_same_pixels_wrongly() {
     let reference = draw(Method::Prefetch, Quality::Closest, Order::Original);
@@ -144,7 +145,7 @@ fn methods_draw_octrees_too() {
     }
 }
 
-/// Most methods are of every tier; several chunks and a part of the image change nothing.
+/// Most methods exist in every tier; several chunks and a part of the image change nothing.
 #[test]
 fn methods_of_every_tier_draw_the_same_in_each() {
     let octree = build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden()).unwrap();
@@ -226,7 +227,7 @@ fn reference_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec
     depths.iter().map(|depths| without_guard(depths, SIZE_PX)).collect()
 }
 
-/// From the second frame on nothing but counters is cleared; with dilation, which needs the target, all is.
+/// Only counters are cleared from the second frame on; all is cleared with dilation, which needs the target.
 #[test]
 fn fixed40_leaves_a_clear_target_to_the_next_frame() {
     let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);
@@ -242,7 +243,7 @@ fn fixed40_leaves_a_clear_target_to_the_next_frame() {
     }
 }
 
-/// Without culling every point is read, and the picture is the same.
+/// Every point is read without culling, and the picture is the same.
 #[test]
 fn what_is_not_seen_can_be_read_for_the_sake_of_measuring() {
     let seen = LabTechnique::method(Method::Basic);
@@ -257,7 +258,7 @@ fn what_is_not_seen_can_be_read_for_the_sake_of_measuring() {
     assert!(culled.times.points_read < cloud.num_points);
 }
 
-/// Of 128 neighbors in a shuffled Morton order nearly all steps are short, and from group to group they are long.
+/// Nearly all steps between 128 neighbors in a shuffled Morton order are short; those from group to group are long.
 #[test]
 fn orders_are_what_they_say() {
     let xyz = random_points(128 * 50, 3.0, 3);

@@ -1,4 +1,4 @@
-//! Overlays: what they draw over copies of the eyes' images is what the frame knows, and the images stay as they are.
+//! Overlays show over copies of the eyes' images what the frame knows, and the images stay as they are.
 
 use base::space::{Eye, View};
 use base::task::Progress;
@@ -22,12 +22,12 @@ const DETAIL: Detail = Detail {
     fade: false,
     fill_reach_px: None,
 };
-/// As in the shaders, in sRGB.
+/// The overlays' colors, as in the shaders, in sRGB.
 const PALETTE: [[f64; 3]; 3] = [[0.337, 0.706, 0.914], [0.0, 0.62, 0.451], [0.902, 0.624, 0.0]];
 const RAMP: [[f64; 3]; 6] =
     [[0.05, 0.03, 0.2], [0.2, 0.25, 0.7], [0.6, 0.2, 0.6], [0.9, 0.4, 0.2], [1.0, 0.8, 0.2], [1.0, 1.0, 1.0]];
 
-/// Both eyes' images and their copies with an overlay, red, green, blue a pixel.
+/// Both eyes' images and their copies with an overlay: red, green, blue of each pixel.
 struct Shown {
     images: [Vec<[u8; 3]>; 2],
     copies: [Vec<[u8; 3]>; 2],
@@ -82,7 +82,7 @@ fn layered() -> Octree {
     build_octree(&scan, &Progress::hidden()).expect("an octree")
 }
 
-/// Looks at the cloud from so far away, with a gaze off the axis.
+/// Looks at the cloud from this far away, with a gaze off the axis.
 fn at(cloud: &Cloud, distance: f64) -> View {
     let center = cloud.bounds.center();
     let mut view = stereo(center - DVec3::new(0.4 * distance, distance, -0.3 * distance), center, SIZE_PX);
@@ -115,7 +115,7 @@ fn ramp(share: f64) -> [f64; 3] {
     std::array::from_fn(|i| RAMP[stop][i] + (at - stop as f64) * (RAMP[stop + 1][i] - RAMP[stop][i]))
 }
 
-/// Pixels of an eye that are not as wanted; the comparison is only worth something if what is wanted varies.
+/// Number of an eye's pixels that are not as wanted; the comparison is only worth something if what is wanted varies.
 fn num_wrong(copy: &[[u8; 3]], wanted: &dyn Fn(usize) -> [u8; 3]) -> usize {
     let first = wanted(0);
     assert!((0..copy.len()).any(|i| !is_near(wanted(i), first)), "all the same");
@@ -203,7 +203,7 @@ fn overdraw_counts_what_a_pixel_blends() {
     for dilate in [Dilate::Off, Dilate::Rings] {
         let look = look(Quality::Hqs, dilate);
         let check = |what: &str, scene: &Scene, canvas: &mut Canvas| {
-            // As many frames as the canvas has drawn: none.
+            // The canvas has drawn no frame yet, so the reference has none before it.
             let sums = reference::frame(scene, &view, &look, None).sums;
             let shown = show(canvas, &view, Overlay::Overdraw);
             for (sums, copy) in sums.iter().zip(&shown.copies) {
@@ -215,7 +215,7 @@ fn overdraw_counts_what_a_pixel_blends() {
                 assert!(sums.iter().any(|sum| sum[3] > 1), "{what}: some pixels have several");
             }
         };
-        // Sums in one word, in one that overflows into four, and in four.
+        // The sums are in one word, in one that overflows into four, and in four.
         let tiers = [Atomics::Int64, Atomics::Int32].into_iter().filter(|&tier| tier <= gpu().atomics());
         for tier in tiers {
             let mut canvas = Canvas::layered(&octree, &view, look, tier, 0);
@@ -265,7 +265,7 @@ fn assert_box(shown: &Shown, view: &View, low: DVec3, size: DVec3, color: [f64; 
 fn nodes_are_cubes_in_their_places() {
     let octree = layered();
     let root = &octree.nodes[0];
-    // So far away that only the root is drawn.
+    // The view is so far away that only the root is drawn.
     let view = at(&octree.cloud, 25.0);
     let detail = Detail { threshold_px: [200.0; 3], ..DETAIL };
     let look = Look { detail, ..look(Quality::Hqs, Dilate::Off) };
@@ -274,7 +274,7 @@ fn nodes_are_cubes_in_their_places() {
     assert!(states[0] != 0 && states[1..].iter().all(|&state| state == 0), "only the root is drawn");
     let shown = show(&mut canvas, &view, Overlay::Nodes);
     assert_box(&shown, &view, root.min, DVec3::splat(root.edge), PALETTE[0]);
-    // Nearer, its parts are drawn too, each level in a color of its own.
+    // The root's parts are drawn too from nearer, each level in a color of its own.
     let near = Look { detail: Detail { threshold_px: [20.0; 3], ..DETAIL }, ..look };
     canvas.renderer.set_look(near).expect("room");
     let nearer = show(&mut canvas, &view, Overlay::Nodes);
@@ -302,7 +302,7 @@ fn precision_is_the_color_of_a_batchs_box() {
 #[test]
 fn boxes_end_at_the_near_clip() {
     let octree = layered();
-    // In the middle of the cloud: every cube's edges pass beside or behind the eyes.
+    // The view is in the middle of the cloud: every cube's edges pass beside or behind the eyes.
     let view = at(&octree.cloud, 0.01);
     let detail = Detail { threshold_px: [4000.0; 3], ..DETAIL };
     let look = Look { detail, ..look(Quality::Hqs, Dilate::Rings) };
@@ -312,7 +312,7 @@ fn boxes_end_at_the_near_clip() {
     assert!((20..shown.images[0].len() / 8).contains(&changed), "{changed} pixels changed");
 }
 
-/// Overlays bind the renderer's buffers once: whatever the renderer changes, they draw what new ones would.
+/// Overlays bind the renderer's buffers once; they draw what new overlays would, whatever the renderer changes.
 #[test]
 fn overlays_follow_the_renderer() {
     let octree = layered();

@@ -1,8 +1,8 @@
 //! Points of a node that level of detail adds appear one by one: no patch of the picture changes at once, as it
 //! does without fading.
 //!
-//! The head stands still, and level of detail goes on as if it walked: what changes, changes by level of detail
-//! alone. (On a walk, points that come from behind others change more than any of it; `benches/quality` has both.)
+//! The head stands still, and level of detail goes on as if the head walked, so that all changes are by level of
+//! detail. (On a walk, points that come from behind others change more than that; `benches/quality` has both.)
 
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
@@ -14,12 +14,12 @@ use render::options::{Dilate, Quality};
 use render::{Look, RINGS_REACH_PX};
 
 const SIZE_PX: u32 = 256;
-/// Such that nodes of this scan come up while thresholds fall.
+/// Thresholds at which nodes of this scan come up while they fall.
 const THRESHOLD_PX: [f32; 3] = [120.0, 240.0, 360.0];
 /// Edge of the patches that are compared from frame to frame.
 const PATCH_PX: usize = 16;
 const NUM_STEPS: u32 = 80;
-/// Of the way to what is seen: at 90 frames a second and 5 m, a walk of 1.1 m/s.
+/// Share of the way to what is seen that a frame takes: at 90 frames a second and 5 m, a walk of 1.1 m/s.
 const STEP_SHARE: f32 = 0.0025;
 
 fn courtyard() -> Octree {
@@ -69,7 +69,7 @@ fn fading_keeps_patches_from_popping() {
     };
     let [popped, faded] = [false, true].map(|fade| pop(fade, Dilate::Off, None));
     println!("points alone: largest change {popped:.2} without fading, {faded:.2} with");
-    // Without fading it must pop, or the test shows nothing.
+    // The picture must pop without fading, or the test shows nothing.
     assert!(popped > 3.0, "{popped}");
     assert!(faded < 0.1 * popped, "{faded} with fading, {popped} without");
     // The sizes of points follow the thresholds, which a walk leaves alone and this test changes: they grow and shrink by

@@ -12,13 +12,13 @@ use render::Look;
 use std::collections::HashMap;
 
 const CORNER: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
-/// Grid points a side; the grid is a wall in the x-z plane, 1 mm apart.
+/// Grid points on each side; the grid is a wall in the x-z plane, 1 mm apart.
 const SIDE: i32 = 120;
 /// Distance of a point's exact pixel coordinate from a pixel's edge below which either side is right.
 const EDGE: f64 = 0.05;
 
-/// The wall, and two points that stretch the cloud to 20 km and are none of its strays: at random they share a batch with the
-/// wall. And which point of the cloud each is.
+/// A cloud of the wall and of two points that stretch it to 20 km and are none of its strays: at random they share a
+/// batch with the wall. With it come the points' places, and which point of the cloud each is.
 fn wall() -> (Cloud, Vec<DVec3>, Vec<u32>) {
     let mut xyz = vec![[-10_000_000, -10_000_000, -50_000]];
     for z in 0..SIDE {

@@ -1,7 +1,7 @@
 //! A Vulkan driver that is not Mesa's, where `SCANWALK_SECOND_DRIVER` names its manifest (`scripts/second-driver`
 //! fetches SwiftShader, `scripts/test` sets the variable): scanwalk is not tied to one driver. SwiftShader has no
-//! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have:
-//! enough for the whole frame, which comes out the same as Mesa's in every pixel.
+//! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have.
+//! That is enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
 use base::output::{self, OutputKind};
 use base::task::CancelToken;
@@ -9,7 +9,8 @@ use lab::synth::{self, Kind, SynthOptions, Viewpoint};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// The second driver's manifest: tests that need it are ignored unless the feature `with-second-driver` says that there is one.
+/// The second driver's manifest. Tests that need it are ignored unless the feature `with-second-driver` says that
+/// there is one.
 fn second_driver() -> PathBuf {
     let manifest = std::env::var_os("SCANWALK_SECOND_DRIVER").map(PathBuf::from);
     let manifest = manifest.expect("SCANWALK_SECOND_DRIVER names a driver's manifest");
@@ -64,7 +65,7 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
     assert_eq!(refused.status.code(), Some(1), "{words}");
     assert!(words.contains("'SwiftShader") && words.contains("has no int64; its best is int32"), "{words}");
     assert!(!out.exists());
-    // The sentence is about this driver: the machine's own draws the same picture.
+    // The sentence is about this driver: the machine's own driver draws the same picture.
     let drawn = render(None, &scan, place, &out, &["--set", "gpu.tier=int64"]);
     assert!(drawn.status.success() && out.exists(), "{}", last_words(&drawn));
 }
@@ -93,7 +94,7 @@ fn read_png(path: &Path) -> Vec<u8> {
     pixels
 }
 
-/// Pixels that differ, of both eyes.
+/// Number of pixels that differ, of both eyes.
 fn num_different(a: &[Vec<u8>], b: &[Vec<u8>]) -> usize {
     let (a, b) = (a.concat(), b.concat());
     assert_eq!(a.len(), b.len());
@@ -134,7 +135,7 @@ fn both_drivers_draw_the_same_picture() {
     }
 }
 
-/// What `doctor` finds out about a driver.
+/// Whether `doctor` finds that a driver has subgroup operations.
 fn has_subgroups(driver: &Path) -> bool {
     let mut doctor = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
     doctor.args(["doctor", "--json"]).env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
@@ -146,7 +147,7 @@ fn has_subgroups(driver: &Path) -> bool {
     of("gpu subgroups").is_some_and(|check| check["found"] == "yes")
 }
 
-/// Both have subgroup operations, of other sizes perhaps.
+/// Both drivers have subgroup operations, perhaps of other sizes.
 #[test]
 #[cfg_attr(
     not(feature = "with-second-driver"),
@@ -158,7 +159,7 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 50_000);
     let place = &synth::viewpoints(Kind::Terrestrial)[1];
-    // SwiftShader compiles a method's shaders for ten seconds. Those that are left out are parts of these.
+    // SwiftShader compiles a method's shaders for ten seconds. The methods that are left out are parts of these.
     let methods = ["prefetch", "reduce-early-z", "dedup", "point-list"];
     let ways = methods.map(|method| ["--preset", "plain", "--method", method]);
     let cases = ways.each_ref().map(|way| (place, &way[..]));
@@ -172,7 +173,8 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
     assert!(num_different(&other, &pictures[0]) > 1000);
 }
 
-/// As a headset would get it: an octree's nodes by rings, points that fade in, discs and dilation that close gaps.
+/// Draws as a headset would get it: an octree's nodes by rings, points that fade in, splats and dilation that close
+/// gaps.
 #[test]
 #[cfg_attr(
     not(feature = "with-second-driver"),
@@ -187,7 +189,7 @@ fn both_drivers_draw_the_same_whole_frame() {
     let places = synth::viewpoints(Kind::Terrestrial);
     let cases = [(&places[0], &whole[..]), (&places[1], &whole), (&places[1], &closest)];
     let pictures = assert_same(&driver, &scan, folder.path(), &cases);
-    // What the frame is made of shows in the picture: without any of it another comes out.
+    // Every part of the frame shows in the picture: another picture comes out without any of them.
     for without in [
         "lod.enabled=false",
         "lod.fade=false",

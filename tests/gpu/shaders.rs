@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 
 /// What each tier's adapters offer beyond plain WGSL.
 fn capabilities(atomics: Atomics) -> Capabilities {
-    // Vulkan has always had the first; of methods not every GPU can do the second, whatever its tier.
+    // Vulkan has always had the first. Methods need the second, which not every GPU can do, whatever its tier.
     let plain = Capabilities::SHADER_FLOAT16_IN_FLOAT32 | Capabilities::SUBGROUP;
     let minmax = plain | Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
     match atomics {
@@ -22,7 +22,7 @@ fn capabilities(atomics: Atomics) -> Capabilities {
         Atomics::Int64Minmax => minmax,
         Atomics::Int64 => {
             let all = minmax | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
-            // Of a method that not every GPU of the tier can do.
+            // A method needs this, which not every GPU of the tier can do.
             all | Capabilities::FLOAT64
         }
     }
@@ -49,7 +49,7 @@ struct Text {
     shader: Shader,
     name: String,
     wgsl: String,
-    /// What it may bind beside its set.
+    /// Resources that it may bind beside its set.
     besides: &'static [&'static str],
 }
 
@@ -57,7 +57,7 @@ struct Text {
 struct Seen {
     shader: Shader,
     name: String,
-    /// What it may bind beside its set.
+    /// Resources that it may bind beside its set.
     besides: &'static [&'static str],
     /// Why naga refuses it.
     error: Option<String>,
@@ -67,7 +67,7 @@ struct Seen {
     declared: Vec<(String, u32)>,
     /// Structs in its buffers.
     structs: BTreeSet<String>,
-    /// What is wrong with those.
+    /// What is wrong with those structs.
     faults: Vec<String>,
 }
 
@@ -145,7 +145,7 @@ fn texts(atomics: Atomics) -> Vec<Text> {
     texts
 }
 
-/// Every technique of the laboratory, and whether the GPU has operations of subgroups.
+/// Every technique of the laboratory, with whether the GPU has operations of subgroups.
 fn techniques() -> impl Iterator<Item = (LabTechnique, bool)> {
     let of_method = |method: Method| {
         [None, Some(1.0)].into_iter().flat_map(move |error_px| {
@@ -159,7 +159,7 @@ fn techniques() -> impl Iterator<Item = (LabTechnique, bool)> {
         })
     };
     let all = Method::ALL.into_iter().chain([Method::PrefetchJustSet]).flat_map(of_method);
-    // Hardware has no discs.
+    // Hardware points draw no discs.
     let all = all.filter(|t| t.method != Method::PointList || t.error_px.is_none());
     all.flat_map(|t| [true, false].map(|has| (t, has))).filter(|(t, has)| *has || t.method.is_converged())
 }

@@ -19,7 +19,7 @@ use render::options::{Dilate, Quality};
 use render::{Look, RINGS_REACH_PX};
 use std::sync::OnceLock;
 
-/// The point tree of a courtyard, made up.
+/// The point tree of a made-up courtyard.
 fn courtyard() -> &'static SequentialCloud {
     static COURTYARD: OnceLock<SequentialCloud> = OnceLock::new();
     COURTYARD.get_or_init(|| spt_of(&made_up(Kind::Terrestrial, 400_000), false))
@@ -39,7 +39,7 @@ fn frames_equal_their_reference_in_every_tier() {
         (Quality::Hqs, Dilate::Off, 0.5),
         (Quality::Hqs, Dilate::Rings, 2.0),
     ] {
-        // As a GPU draws.
+        // Points are drawn together, as on a GPU.
         let access = Access { together: Some(true), ..Access::default() };
         let look = Look { quality, dilate, access, ..hqs(discs()) };
         let want = reference::frame(&Scene::sequential(spt, error_px), &view, &look, None);
@@ -62,7 +62,7 @@ fn chunks_change_nothing() {
     assert_eq!(whole.times.points_read, cut.times.points_read);
 }
 
-/// The comparison can fail: an interval, a size, a color.
+/// The comparison can fail: it sees an interval, a size, a color.
 #[test]
 fn the_comparison_notices_what_is_wrong() {
     let spt = courtyard();
@@ -88,7 +88,7 @@ fn the_comparison_notices_what_is_wrong() {
     );
 }
 
-/// Batches that are culled by their intervals save points from being read of which none would have been drawn.
+/// Batches that are culled by their intervals save reading points, none of which would have been drawn.
 #[test]
 fn what_is_culled_would_not_have_been_drawn() {
     let spt = courtyard();
@@ -98,7 +98,7 @@ fn what_is_culled_would_not_have_been_drawn() {
         let view = stereo(place.eye, place.target, [300, 300]);
         let look = hqs(discs());
         let want = reference::frame(&scene, &view, &look, None);
-        // Intervals that never end: every batch in the frustum is read, and the points' own test decides.
+        // If intervals never end, every batch in the frustum is read, and the points' own test decides.
         let mut open = spt.clone();
         open.intervals.fill([0, 255]);
         let all = reference::frame(&Scene::sequential(&open, 1.0), &view, &look, None);
@@ -150,11 +150,11 @@ fn ball(num_points: usize) -> Scan {
     scan
 }
 
-/// Share of pixels that may show something else where backs are culled: at the outline, discs whose points face away
+/// Share of pixels that may show something else where backs are culled: discs at the outline whose points face away
 /// reach over it.
 const OUTLINE: f64 = 0.005;
 
-/// Pixels in which one frame shows something and the other does not, or something else, of all that show something.
+/// Share of the pixels that show something in which only one frame does, or the frames differ.
 fn share_of_others(a: &Frame, b: &Frame) -> f64 {
     let depth = |pixel: &[u32; 2]| f64::from(reference::resolve::depth_of(*pixel));
     let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
@@ -163,7 +163,7 @@ fn share_of_others(a: &Frame, b: &Frame) -> f64 {
     others as f64 / pairs().filter(|(a, _)| depth(a).is_finite()).count() as f64
 }
 
-/// With the normals of its file, the far side of a ball is not read, and nobody misses it.
+/// The far side of a ball is not read with the normals of its file, and nobody misses it.
 #[test]
 fn backs_are_culled_where_normals_have_sides() {
     let scan = ball(400_000);
@@ -186,7 +186,7 @@ fn backs_are_culled_where_normals_have_sides() {
         );
         assert!(read < most, "{read} of the points are read");
         assert!(others < OUTLINE, "{others} of the pixels show something else");
-        // The measure sees what is missing: the wrong side's.
+        // The measure sees what is missing if the wrong side is culled.
         let mut inverted = sided.clone();
         inverted.runs.iter_mut().filter_map(|run| run.behind.as_mut()).for_each(|cone| cone.axis *= -1.0);
         let wrong = reference::frame(&Scene::sequential(&inverted, error_px), &view, &look, None);
@@ -194,8 +194,8 @@ fn backs_are_culled_where_normals_have_sides() {
     }
 }
 
-/// Mean squared difference of two images' channels as a ratio of signal to noise, decibels, over pixels in which
-/// both show something.
+/// Ratio of signal to noise of two images, decibels, from the mean squared difference of channels over pixels in
+/// which both show something.
 fn psnr_db(a: &Frame, b: &Frame) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (a, b) in a.pixels.iter().flatten().zip(b.pixels.iter().flatten()) {
@@ -211,7 +211,7 @@ fn psnr_db(a: &Frame, b: &Frame) -> f64 {
     10.0 * (255.0 * 255.0 * f64::from(count) / sum.max(1e-9)).log10()
 }
 
-/// Pixels in which nothing is, of all.
+/// Share of pixels that are empty.
 fn empty(frame: &Frame) -> f64 {
     let pixels = || frame.pixels.iter().flatten();
     pixels().filter(|p| p[0] == u32::MAX).count() as f64 / pixels().count() as f64
@@ -222,13 +222,13 @@ const LEAST_PSNR_DB: f64 = 27.0;
 
 #[test]
 fn the_picture_is_the_octrees_within_a_stated_difference() {
-    // The courtyard is too thin in places: there, pictures differ by how gaps are filled.
+    // The courtyard is too thin in places, where pictures differ by how gaps are filled.
     let statue = made_up(Kind::Photogrammetry, 400_000);
     let spt = spt_of(&statue, false);
     let octree = build_octree(&statue, &Progress::hidden()).expect("an octree");
     let scene = Scene::sequential(&spt, 1.0);
     let mut wrong = spt.clone();
-    // Discs are drawn where their errors are eight times as large as they may be.
+    // These discs are drawn where their errors are eight times as large as they may be.
     let early = |step: u8| if step == 255 { 255 } else { step.saturating_sub(24) };
     wrong.intervals.iter_mut().for_each(|interval| *interval = interval.map(early));
     for shape in &mut wrong.shapes {
@@ -263,7 +263,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// Max-face, duplicate and collinear points, whatever the mix: the CPU reference and the GPU agree.
+    /// CPU reference and GPU agree on max-face, duplicate and collinear points, whatever the mix.
     #[test]
     fn odd_clouds_equal_their_reference(
         points in prop::collection::vec([0i32..40, 0i32..40, -3i32..3], 1..3000),
@@ -317,7 +317,7 @@ fn tolerances_stay_below_what_overlap_allows() {
             }
         }
     }
-    // In a headset's eye the outer ring gets all that its threshold says.
+    // The outer ring of a headset's eye gets all that its threshold says.
     let view = inside([1440, 1600]);
     let tree = TreeUniform::new(&view, &discs(), 1.0, 0);
     let view = ViewUniform::new(&view, &courtyard().cloud.split, &discs());
@@ -325,7 +325,7 @@ fn tolerances_stay_below_what_overlap_allows() {
     assert!((ratio - 3.0).abs() < 1e-3, "{ratio}");
 }
 
-/// Batches of a view, without drawing them.
+/// Number of points that are read for a view, without drawing them.
 fn read(spt: &SequentialCloud, view: &View, error_px: f32) -> u64 {
     let uniform = TreeUniform::new(view, &discs(), error_px, spt.scale.base);
     let tree = Tree { uniform, ..Tree::new(spt) };
@@ -372,7 +372,7 @@ fn close_up_what_is_read_is_what_may_be_drawn() {
     }
 }
 
-/// Thresholds that are the same in all rings: no fovea.
+/// The same thresholds in all rings: no fovea.
 fn everywhere(detail: Detail) -> Detail {
     Detail { threshold_px: [100.0; 3], ..detail }
 }
@@ -381,7 +381,7 @@ fn everywhere(detail: Detail) -> Detail {
 #[test]
 fn the_fovea_counts_for_point_trees() {
     let spt = courtyard();
-    // What pixels blend, all together: discs, by the pixels that they cover.
+    // Total of what pixels blend: discs count by the pixels that they cover.
     let blended = |frame: &Frame| frame.sums.iter().flatten().map(|sum| u64::from(sum[3])).sum::<u64>();
     for place in &synth::viewpoints(Kind::Terrestrial)[..2] {
         let view = stereo(place.eye, place.target, [500, 500]);
@@ -397,7 +397,7 @@ fn the_fovea_counts_for_point_trees() {
             let [few, many] = [&rings, &whole].map(blended);
             println!("{few} of {many} blended");
             assert!(few < many, "{}: {few} of {many}", place.name);
-            // Where each eye looks nothing changes.
+            // Nothing changes where each eye looks.
             for (eye, x) in [289, 210].into_iter().enumerate() {
                 let pixel = 227 * 500 + x;
                 assert_eq!(rings.pixels[eye][pixel], whole.pixels[eye][pixel], "{}", place.name);
@@ -406,8 +406,8 @@ fn the_fovea_counts_for_point_trees() {
     }
 }
 
-/// On each path from a leaf to the root some disc is drawn, whatever the gaze, the rings and the error: where the
-/// tolerance changes from place to place, intervals overlap by enough.
+/// Some disc is drawn on each path from a leaf to the root, whatever the gaze, the rings and the error: intervals
+/// overlap by enough where the tolerance changes from place to place.
 #[test]
 fn rings_open_no_holes() {
     let scan = made_up(Kind::Photogrammetry, 30_000);

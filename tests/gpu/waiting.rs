@@ -1,4 +1,4 @@
-//! Before there is a scan, the eyes see how far it is.
+//! The eyes see how far the scan is before it is there.
 
 use base::space::{Eye, Fov, Pose};
 use glam::{DQuat, DVec3};
@@ -10,7 +10,8 @@ use scanwalk::resolve::Plan;
 const SIZE_PX: [u32; 2] = [160, 120];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// Both eyes' pixels of a frame without a scan, the bar 2 m before the head; with depth images, as headsets take them.
+/// Both eyes' pixels of a frame without a scan, with the bar 2 m before the head, and with depth images, as headsets
+/// take them.
 fn seen(fraction: Option<f64>, turned_rad: f64) -> [Vec<[u8; 4]>; 2] {
     let gpu = gpu();
     let depth_format = wgpu::TextureFormat::Depth32Float;
@@ -61,12 +62,13 @@ fn a_bar_fills_in_both_eyes() {
         assert!(now[0] > before[0] && now[1] > before[1], "{fraction}: {now:?} after {before:?}");
         before = now;
     }
-    // It is 0.8 m wide and 2 m away, 2 of tangent are 160 pixels: 32 pixels, of which 80 % are bright.
+    // The bar is 0.8 m wide and 2 m away, and a tangent of 2 spans 160 pixels: it has 32 pixels, of which 80 % are
+    // bright.
     let [left, _] = seen(Some(0.8), 0.0);
     let row = |y: usize| num_bright(&left[y * 160..(y + 1) * 160]);
     let widest = (0..120).map(row).max().expect("rows");
     assert!((24..=27).contains(&widest), "{widest} pixels of 26");
-    // Turned away by 90 and by 180 degrees nobody sees it: nothing behind the head is drawn in front of it.
+    // Nobody sees the bar when turned away by 90 or 180 degrees: nothing behind the head is drawn in front of it.
     for turned_rad in [1.6, std::f64::consts::PI] {
         assert!(seen(Some(0.8), turned_rad).iter().all(|eye| num_bright(eye) == 0));
     }

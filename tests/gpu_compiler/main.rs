@@ -1,7 +1,7 @@
-//! Every shader, as the host assembles it, through the compiler of real GPUs: AMD's RDNA 2 and RDNA 3 in Mesa's
+//! Every shader, as the host assembles it, goes through the compiler of real GPUs: AMD's RDNA 2 and RDNA 3 in Mesa's
 //! RADV, whose null device compiles without the GPU. Nothing may spill registers or need scratch memory.
 //!
-//! The statistics are compared by people, not by this test: `SCANWALK_BLESS=1` writes them to
+//! People compare the statistics, not this test: `SCANWALK_BLESS=1` writes them to
 //! `docs/bench/gpu-compiler/stats.csv`. They are no times: memory and atomics are not in them.
 
 mod radv;
@@ -17,7 +17,7 @@ use std::process::Command;
 
 /// The GPU families compiled for, RDNA 2 and RDNA 3, each with the names that RADV's versions know it by.
 const FAMILIES: [&[&str]; 2] = [&["navi21"], &["navi31", "gfx1100"]];
-/// Tells the child process where its job is; the answer goes beside it.
+/// Environment variable that tells the child process where its job is; the answer goes beside it.
 const JOB: &str = "SCANWALK_GPU_COMPILER_JOB";
 /// Statistics shown, as RADV calls them.
 const SHOWN: [&str; 9] = [
@@ -39,7 +39,7 @@ const FORBIDDEN: [&str; 3] = ["Spilled SGPRs", "Spilled VGPRs", "Scratch size"];
 struct Shader {
     name: String,
     text: String,
-    /// With wgpu's checks of every index and loop.
+    /// True with wgpu's checks of every index and loop.
     checked: bool,
 }
 
@@ -57,7 +57,7 @@ impl Executable {
         self.stats.iter().find(|(name, _)| name == wanted).map(|(_, value)| *value)
     }
 
-    /// What must not be: spills and scratch. A statistic that is not there is an error, not a zero.
+    /// Finds spills and scratch, which must not be. A statistic that is missing is an error, not a zero.
     fn faults(&self) -> Vec<String> {
         let fault = |name: &&str| match self.stat(name) {
             Some(0) => None,
@@ -77,7 +77,8 @@ fn our_shaders() -> Vec<Shader> {
     .map(|(name, text)| Shader { name: name.into(), text: text.into(), checked: true })
     .to_vec();
     let mut add = |name: String, text: String| {
-        // What drivers get of a release build, and of a debug build those that meet every point.
+        // Drivers get these from a release build; of a debug build the shaders that meet every point are compiled
+        // too.
         let shader = Shader { name, text, checked: false };
         if ["depth32-2-fill", "color-2-fill"].contains(&&*shader.name) {
             shaders.push(Shader {
@@ -150,13 +151,14 @@ fn laboratory(add: &mut dyn FnMut(String, String)) {
     add("shade-points-2".into(), SHADE_POINTS.source(of_method(Method::PointList)));
 }
 
-/// What draws one eye a dispatch is the same for one eye and for two: only the prelude names their number.
+/// Numbers of eyes to compile for. A shader that draws one eye a dispatch is the same for one eye and for two: only
+/// the prelude names their number.
 fn eyes_of(shader: render::shaders::Shader) -> std::ops::RangeInclusive<u32> {
     let knows_both = shader.source(Variant::eyes(2)).matches("NUM_EYES").count() > 1;
     if knows_both { 1..=2 } else { 2..=2 }
 }
 
-/// Shaders of this test's own, whose fate is known.
+/// Shaders of this test's own, whose outcome is known.
 fn samples() -> Vec<Shader> {
     let sample = |name: &str, text: &str| Shader { name: name.into(), text: text.into(), checked: false };
     vec![
@@ -166,20 +168,20 @@ fn samples() -> Vec<Shader> {
     ]
 }
 
-/// Compiles for a family. `Err`: why it cannot be done on this machine.
+/// Compiles for a family. `Err` says why it cannot be done on this machine.
 fn compile(family: &[&str], shaders: &[Shader]) -> Result<Vec<Executable>, String> {
     let manifest = radv::manifest().ok_or("Mesa's driver for AMD GPUs (RADV) is not installed")?;
     let compiled = family.iter().find_map(|name| compile_for(name, &manifest, shaders).transpose());
     compiled.unwrap_or_else(|| Err(format!("this version of RADV is older than {}", family[0])))
 }
 
-/// Compiles in a child process, since driver and family are chosen by environment variables. `None`: RADV
-/// does not know a family of that name.
+/// Compiles in a child process, since driver and family are chosen by environment variables. `None` if RADV does not
+/// know a family of that name.
 fn compile_for(name: &str, manifest: &Path, shaders: &[Shader]) -> Result<Option<Vec<Executable>>, String> {
     let folder = tempfile::tempdir().unwrap();
     let job = folder.path().join("job.json");
     std::fs::write(&job, serde_json::to_vec(shaders).unwrap()).unwrap();
-    // Not `current_exe`, which names the loader where the tests are started through one.
+    // The path is not `current_exe`, which names the loader where the tests are started through one.
     let child = Command::new(std::env::args_os().next().unwrap())
         .args(["--exact", "compile_in_child", "--ignored", "--nocapture"])
         .env(JOB, &job)
@@ -274,7 +276,7 @@ fn scratch_memory_is_noticed() {
     }
 }
 
-/// A statistic that the compiler does not tell counts as a fault, not as zero.
+/// A statistic that the compiler does not give counts as a fault, not as zero.
 #[test]
 fn untold_statistics_are_faults() {
     let executable = |stats: &[(&str, u64)]| Executable {

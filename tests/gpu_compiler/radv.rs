@@ -1,5 +1,5 @@
-//! RADV's null device: Vulkan as far as making pipelines and asking the compiler about them. It runs nothing,
-//! and wgpu cannot open it, hence plain ash. What is made is never destroyed: the process ends right after.
+//! RADV's null device: Vulkan as far as making pipelines and asking the compiler about them. It runs nothing, and
+//! wgpu cannot open it, hence plain ash. Objects are never destroyed: the process ends right after.
 #![allow(unsafe_code)]
 
 use super::wgsl::{Parsed, Targets};
@@ -8,7 +8,7 @@ use naga::ShaderStage;
 use std::ffi::{CStr, CString};
 use std::path::PathBuf;
 
-/// What the child prints, with the reason, if there is no null device.
+/// Text before the reason that the child prints if there is no null device.
 pub const NO_DEVICE: &str = "no null device: ";
 
 /// Entry point and its statistics.
@@ -19,7 +19,7 @@ pub fn manifest() -> Option<PathBuf> {
     let folders = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"];
     let files = folders.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten();
     let mut paths = files.filter_map(|file| Some(file.ok()?.path()));
-    // Named radeon_icd.x86_64.json or radeon_icd.json; a 32-bit one may lie beside it.
+    // It is named radeon_icd.x86_64.json or radeon_icd.json; a 32-bit one may lie beside it.
     paths.find(|path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         name.starts_with("radeon_icd") && !name.contains("i686") && !name.contains("i386")
@@ -113,7 +113,7 @@ impl NullGpu {
             // SAFETY: `info` and `bindings` outlive the call.
             groups.push(unsafe { self.device.create_descriptor_set_layout(&info, None) }.map_err(text)?);
         }
-        // Room for immediates, whether or not the shader has any.
+        // There is room for immediates, whether or not the shader has any.
         let immediates =
             [vk::PushConstantRange { stage_flags: vk::ShaderStageFlags::ALL, offset: 0, size: 128 }];
         let info =
@@ -140,7 +140,7 @@ impl NullGpu {
         made.map(|pipelines| pipelines[0]).map_err(|(_, error)| error)
     }
 
-    /// A pass as `resolve` is one: a triangle without buffers, drawn with dynamic rendering.
+    /// Makes a pass as `resolve` is one: a triangle without buffers, drawn with dynamic rendering.
     fn pass_pipeline(
         &self,
         module: vk::ShaderModule,

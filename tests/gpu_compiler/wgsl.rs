@@ -1,4 +1,4 @@
-//! A WGSL module, parsed: its SPIR-V and what a pipeline must be told of it.
+//! A parsed WGSL module: its SPIR-V and what a pipeline must be told of it.
 
 use ash::vk;
 use naga::{AddressSpace, Binding, Module, ShaderStage, TypeInner};
@@ -15,13 +15,13 @@ pub struct Parsed {
 pub struct Targets {
     /// A format for each color output, in the order of their locations.
     pub colors: Vec<vk::Format>,
-    /// It writes depth.
+    /// True if it writes depth.
     pub depth: bool,
 }
 
 impl Parsed {
-    /// Parses, validates, and writes SPIR-V as wgpu does: for trusted shaders without bounds checks, for others with those
-    /// that it adds where the driver has checks of its own (`robustBufferAccess2`).
+    /// Parses, validates, and writes SPIR-V as wgpu does: trusted shaders without bounds checks, others with those
+    /// that wgpu adds where the driver has checks of its own (`robustBufferAccess2`).
     pub fn new(text: &str, checked: bool) -> Result<Self, String> {
         use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy::Restrict, BoundsCheckPolicy::Unchecked};
         use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -29,7 +29,7 @@ impl Parsed {
         let info = Validator::new(ValidationFlags::all(), Capabilities::all())
             .validate(&module)
             .map_err(|error| error.emit_to_string(text))?;
-        // Overrides get their values with the pipeline. 1 (true) takes the longer way through our shaders.
+        // Overrides get their values with the pipeline. The value 1 (true) takes the longer way through our shaders.
         let values = module.overrides.iter().filter_map(|(_, o)| Some((o.name.clone()?, 1.0))).collect();
         let (module, info) = naga::back::pipeline_constants::process_overrides(&module, &info, None, &values)
             .map_err(|error| error.to_string())?;

@@ -13,7 +13,7 @@ fn output(args: &[&str]) -> Output {
     scanwalk(args).output().unwrap()
 }
 
-/// Exit code and stderr; wrong usage and failures print nothing on stdout.
+/// Returns exit code and stderr; wrong usage and failures print nothing on stdout.
 fn refusal(args: &[&str]) -> (i32, String) {
     let output = output(args);
     assert!(output.stdout.is_empty(), "{args:?} wrote to stdout");
@@ -103,7 +103,7 @@ fn help_names_every_preset() {
     }
 }
 
-/// What `scanwalk settings` lists.
+/// Returns what `scanwalk settings` lists.
 fn listed(args: &[&str]) -> toml::Table {
     let output = output(&[&["settings"], args].concat());
     assert_eq!(output.status.code(), Some(0), "{args:?}");
@@ -116,10 +116,10 @@ fn settings_are_listed_as_a_file_for_config() {
     assert!(users["frame"].get("near_m").is_some() && users["frame"].get("method").is_none());
     let laboratory = listed(&["--laboratory"]);
     assert!(laboratory["frame"].get("near_m").is_none() && laboratory["frame"].get("method").is_some());
-    // Words find the settings of both.
+    // Words find settings of users and of the laboratory.
     let named = listed(&["near_m", "chunk"]);
     assert_eq!(named, "gpu.chunk_mib = 0\nframe.near_m = 0.05".parse().unwrap());
-    // With the values in force; and what is listed says the same when it is read.
+    // Settings are listed with the values in force, and the list says the same when it is read.
     let changed = listed(&["--preset", "performance", "--set", "lod.fade=false"]);
     assert!(changed != users && changed["lod"]["fade"].as_bool() == Some(false));
     let folder = tempfile::tempdir().unwrap();
@@ -260,14 +260,14 @@ fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
 fn a_closed_pipe_is_no_failure() {
     let folder = tempfile::tempdir().unwrap();
     let log = frame_log(folder.path(), 10);
-    // A pipe whose reader is gone before anything is written.
+    // The pipe's reader is gone before anything is written.
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
     let output = scanwalk(&["report", &log]).stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
     let output = output.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
-    // A full disk, by contrast, is one.
+    // A full disk, by contrast, is a failure.
     if let Ok(full) = std::fs::File::options().write(true).open("/dev/full") {
         let status = scanwalk(&["report", &log]).stdout(full).stderr(Stdio::null()).status().unwrap();
         assert_eq!(status.code(), Some(1));
@@ -293,7 +293,7 @@ fn the_doctor_answers_programs_and_people() {
     assert!(people.contains("lacking display"), "{people}");
 }
 
-/// The loaders of Vulkan and OpenXR and Mesa's layers keep their thoughts to themselves.
+/// The loaders of Vulkan and OpenXR and Mesa's layers print nothing by themselves.
 #[test]
 fn the_doctor_says_only_what_it_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -311,7 +311,7 @@ fn the_doctor_says_only_what_it_found() {
     for drivers in [None, Some(&missing), Some(&broken), Some(&lost)] {
         let mut command = scanwalk(&["doctor"]);
         command.env_remove("XDG_RUNTIME_DIR").env_remove("DISPLAY").env("XR_RUNTIME_JSON", &missing);
-        // The name of today and the one before.
+        // The variable has a name of today and one from before.
         drivers.map(|drivers| command.env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers));
         let output = command.output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{drivers:?}");
@@ -319,23 +319,23 @@ fn the_doctor_says_only_what_it_found() {
         let text = String::from_utf8(output.stdout).unwrap();
         assert_eq!(text.contains("no Vulkan driver"), drivers.is_some(), "{text}");
     }
-    // Who wants to hear them, may: so that the test can fail.
+    // A user who wants to hear the loaders can: this shows that the test can fail.
     let mut loud = scanwalk(&["doctor", "-vv"]);
     loud.env("VK_DRIVER_FILES", &lost).env("VK_ICD_FILENAMES", &lost).env("VK_LOADER_DEBUG", "all");
     assert!(!loud.output().unwrap().stderr.is_empty());
 }
 
-/// Ctrl-C is asked of a program that reads from a pipe which never ends.
+/// Ctrl-C reaches a program that reads from a pipe which never ends.
 #[test]
 #[cfg(unix)]
 fn a_second_interrupt_ends_the_program_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe.csv");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    // Reading from a pipe that nobody writes to waits: work that looks at no wish to stop.
+    // Reading from a pipe that nobody writes to waits, and does not look at a wish to stop.
     let mut child = scanwalk(&["report", pipe.to_str().unwrap()]).stderr(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
-    // Waits until the program has opened it too; then nothing comes, and no end.
+    // This waits until the program has opened the pipe too; then nothing comes, and no end.
     let _writer = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
     let interrupt = || Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     interrupt();

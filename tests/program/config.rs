@@ -9,7 +9,7 @@ fn sets(sets: &[&str]) -> Result<Config, ConfigError> {
     load(&[], None, &sets.iter().map(|set| (*set).to_owned()).collect::<Vec<_>>())
 }
 
-/// Loads `text` as the file `walk.toml`; the complaint has the folder cut off.
+/// Loads `text` as the file `walk.toml`; returns the complaint with the folder cut off.
 fn complaint(text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.toml");
@@ -33,7 +33,7 @@ fn path_of(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("config").join(name)
 }
 
-/// `SCANWALK_BLESS=1` writes the files anew.
+/// The test writes the files anew with `SCANWALK_BLESS=1`.
 #[test]
 fn the_files_are_what_the_table_yields() {
     for (name, audience, about) in FILES {
@@ -68,7 +68,7 @@ fn the_files_are_the_defaults_and_all_of_them() {
     assert_ne!(other, Config::default());
 }
 
-/// Names in quotes that a text has.
+/// The names in quotes that a text has.
 fn quoted(text: &str) -> Vec<&str> {
     text.split('"').skip(1).step_by(2).collect()
 }
@@ -90,7 +90,7 @@ fn the_meaning_of_a_choice_names_all_that_there_are() {
     assert_eq!(quoted("\"a\" or \"b\""), ["a", "b"]);
 }
 
-/// An entry of the table that is missing something is seen where people read it.
+/// An entry of the table that lacks something is seen where people read it.
 #[test]
 fn meanings_are_sentences_and_numbers_have_limits() {
     for setting in Setting::all() {
@@ -133,7 +133,7 @@ fn every_preset_is_a_configuration() {
         let config = preset(&[name]).unwrap_or_else(|error| panic!("{name}: {error}"));
         let keys = keys_in(text);
         assert!(keys.iter().all(|key| Setting::find(key).is_some()), "{name}: {keys:?}");
-        // What it says is what it does, and it does nothing else.
+        // The preset does what its text says, and nothing else.
         let (default, table) = (Config::default().to_table(), config.to_table());
         let said: toml::Table = text.parse().unwrap();
         for Setting { section, name: word, key, .. } in Setting::all() {
@@ -321,7 +321,7 @@ fn values_out_of_range_are_refused_with_their_place() {
     ] {
         assert_eq!(complaint(text), expected);
     }
-    // An asymmetric field of view, whose inner half looks outwards, is no mistake.
+    // A field of view may be asymmetric, with an inner half that looks outwards.
     assert!(sets(&["simulated.fov_deg=[60, -10, 45, 45]"]).is_ok());
 }
 

@@ -1,5 +1,5 @@
-//! The house's own rules, kept by reading its files: which room may name which, where `unsafe` may stand, how
-//! long a file gets, what the documents must mention. Each rule is shown to fail on a sample.
+//! The house's own rules, kept by reading its files: which room may name which, where `unsafe` may stand, how long a
+//! file gets, what the documents must mention. Each rule is shown to fail on a sample.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -34,13 +34,13 @@ fn files(folder: &str, endings: &[&str]) -> Vec<File> {
 fn sources() -> Vec<File> {
     let mut sources = files("src", &[".rs"]);
     sources.extend(files("crates", &[".rs"]));
-    // The test kit is no part of the program.
+    // The test kit is not part of the program.
     sources.retain(|file| !file.path.starts_with("crates/kit/"));
     assert!(sources.len() > 20, "the sources were not found");
     sources
 }
 
-/// Lines of code with their numbers: what stands behind `//` is left out.
+/// Lines of code with their numbers; anything behind `//` is left out.
 fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(at, line)| (at + 1, line.split("//").next().unwrap_or_default()))
 }
@@ -56,8 +56,8 @@ fn names(line: &str, word: &str) -> bool {
     })
 }
 
-/// The rooms below a room, from the bottom up: each may name those before it that stand beside it here, and no other. Cargo
-/// refuses circles and what a manifest does not list; this table keeps the manifests.
+/// The rooms from the bottom up. Each may name the rooms that stand beside it here, which come before it, and no
+/// other. Cargo refuses circles and what a manifest does not list; this table keeps the manifests.
 const ROOMS: [(&str, &[&str]); 10] = [
     ("base", &[]),
     ("raw", &[]),
@@ -90,7 +90,7 @@ fn dependencies(manifest: &str) -> Vec<String> {
     of("dependencies").into_iter().flat_map(|names| names.keys().cloned()).collect()
 }
 
-/// What the manifest of `room` lists that it may not.
+/// Dependencies in the manifest of `room` that it may not have.
 fn forbidden_dependencies(room: &str, manifest: &str) -> Vec<String> {
     let may_name = ROOMS.iter().find(|(name, _)| *name == room).map_or(&[][..], |(_, below)| *below);
     let names = dependencies(manifest);
@@ -102,7 +102,7 @@ fn forbidden_dependencies(room: &str, manifest: &str) -> Vec<String> {
     names.iter().filter(is_forbidden).map(|name| format!("{room} depends on {name}")).collect()
 }
 
-/// The manifest of a room; the program's own is "".
+/// The manifest of a room; the program's own room is "".
 fn manifest(room: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = if room.is_empty() { root.to_owned() } else { root.join("crates").join(room) };
@@ -169,8 +169,8 @@ fn a_closed_pipe_never_panics() {
     assert_eq!(sample("eprintln!(\"x\");"), 0);
 }
 
-/// What creates, replaces, renames, links or removes a file. A folder of its own for what nobody asked to keep
-/// (`tempfile::tempdir`) is no such thing.
+/// Functions that create, replace, rename, link or remove a file. A temporary folder for files that nobody asked to
+/// keep (`tempfile::tempdir`) is allowed.
 const WRITES_FILES: [&str; 24] = [
     "File::create",
     "File::create_new",
@@ -198,13 +198,13 @@ const WRITES_FILES: [&str; 24] = [
     "persist",
 ];
 
-/// What stands before a file's module of tests.
+/// The part of a file before its module of tests.
 fn without_tests(file: &File) -> &str {
     file.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
 }
 
-/// Tests in `src` may write what they like: what stands behind `#[cfg(test)]` before a module of tests, and files of
-/// tests.
+/// Files that a source writes past `output`. Tests in `src` may write what they like: modules of tests behind
+/// `#[cfg(test)]`, and files of tests.
 fn written_files(file: &File) -> Vec<String> {
     if file.path.starts_with("crates/base/src/output/") || file.path.ends_with("tests.rs") {
         return Vec::new();
@@ -220,8 +220,8 @@ fn written_files(file: &File) -> Vec<String> {
     faults
 }
 
-/// So that nothing that scanwalk writes destroys what it reads: `output` compares all that a command reads and writes,
-/// and nothing can be written around it.
+/// Nothing that scanwalk writes may destroy what it reads: `output` compares all that a command reads and writes, and
+/// nothing can be written around it.
 #[test]
 fn files_are_written_in_one_place() {
     let faults: Vec<String> = sources().iter().flat_map(written_files).collect();
@@ -247,7 +247,7 @@ fn files_are_written_in_one_place() {
     );
 }
 
-/// What messages count.
+/// Nouns that messages count.
 const COUNTED: [&str; 22] = [
     "cells",
     "chunks",
@@ -272,8 +272,8 @@ const COUNTED: [&str; 22] = [
     "warnings",
     "bytes",
 ];
-/// These say it of numbers that are never 1: of all of a scan that is too large, of the most that is read, of all that a
-/// few are part of. Others name no count.
+/// Phrases whose number is never 1: all of a scan that is too large, the most that is read, the whole that a few are
+/// part of. Other phrases name no count.
 const NEVER_ONE: [&str; 16] = [
     "of {all} points",
     "no memory for {num_points} points",
@@ -302,7 +302,7 @@ fn always_plural(file: &File) -> Vec<String> {
     let is_plural = |text: &str| {
         let text = NEVER_ONE.iter().fold(text.to_owned(), |text, phrase| text.replace(phrase, ""));
         text.split('}').skip(1).any(|behind| {
-            // A count, a word in between that describes it, and the noun.
+            // A count is followed by a word that describes the noun, if any, and by the noun.
             let Some(words) = behind.strip_prefix(' ') else { return false };
             let mut words = words.split([' ', '"', ',', ';', ':', '.', ')']).take(2);
             words.next().is_some_and(|word| {
@@ -339,7 +339,7 @@ fn one_is_singular_in_every_message() {
     }
 }
 
-/// Where a library stages its uploads through the bare queue; see `QueueGuard::for_uploads`.
+/// Files in which a library stages its uploads through the bare queue; see `QueueGuard::for_uploads`.
 const MAY_TOUCH_THE_QUEUE: [&str; 3] =
     ["crates/render/src/gpu/queue.rs", "src/desktop/painter.rs", "src/desktop/painter_tests.rs"];
 
@@ -360,10 +360,10 @@ fn the_queue_stays_behind_its_lock() {
     assert!(bare_queues(&file("src/desktop/painter.rs")).is_empty());
 }
 
-/// Those who see settings as such: the command line makes them, and `resolve` makes of them what each room is told.
+/// Files that see settings as such: the command line makes them, and `resolve` makes of them what each room is told.
 const SEES_SETTINGS: [&str; 4] = ["src/cli/", "src/config/", "src/resolve.rs", "src/lib.rs"];
 
-/// Lines outside of those that name the settings.
+/// Lines in other files that name the settings.
 fn settings_seen(file: &File) -> Vec<String> {
     if SEES_SETTINGS.iter().any(|place| file.path.starts_with(place)) {
         return Vec::new();
@@ -444,7 +444,8 @@ fn the_architecture_names_every_part_and_stays_short() {
     assert_eq!(architecture_faults(&"\n".repeat(MAX_ARCHITECTURE_LINES + 1), &[]).len(), 1);
 }
 
-/// Places that exist on one machine only, with their lines. Put together here so that this file has none.
+/// Lines with places that exist on one machine only. The words are put together here so that this file has none of
+/// them.
 fn machine_paths(file: &File) -> Vec<String> {
     let words =
         [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!("/ho", "me/"), concat!("../sha", "red")];
@@ -468,7 +469,7 @@ fn nothing_names_one_machine() {
         .expect("a git checkout, which lists the project's files");
     let mut faults = Vec::new();
     for path in String::from_utf8(tracked.stdout).unwrap().split_terminator('\0') {
-        // Pictures and scans are no text.
+        // Pictures and scans are not text.
         let Ok(text) = std::fs::read_to_string(Path::new(root).join(path)) else { continue };
         faults.extend(machine_paths(&File { path: path.into(), text }));
     }

@@ -1,5 +1,5 @@
-//! Nothing that scanwalk writes destroys what it reads: every way that we know of to name an input as an output, tried
-//! on the program. What is refused is refused before anything is read.
+//! Nothing that scanwalk writes destroys what it reads: every way that we know of to name an input as an output is
+//! tried on the program. It refuses before it reads anything.
 #![cfg(unix)]
 
 use std::fs;
@@ -31,7 +31,7 @@ impl Lab {
         fs::create_dir(lab.path("inner")).unwrap();
         symlink("..", lab.path("inner/up")).unwrap();
         symlink("../inner/up/hard.png", lab.path("inner/far.png")).unwrap();
-        // The name of one eye's picture.
+        // This link has the name of one eye's picture.
         symlink("b.las", lab.path("eye.right.png")).unwrap();
         lab
     }
@@ -46,7 +46,7 @@ impl Lab {
 
     fn command(&self, line: &str) -> Command {
         let mut command = Command::new("sh");
-        // `exec`: signals reach the program.
+        // Signals reach the program because of `exec`.
         let line =
             format!("exec {line}").replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
         command.arg("-c").arg(line).current_dir(self.0.path()).stdin(Stdio::null());
@@ -69,7 +69,7 @@ impl Lab {
         names
     }
 
-    /// Runs a line that must end with `code` and touch nothing; what it said.
+    /// Runs a line that must end with `code` and touch nothing; returns what it said.
     fn refused(&self, line: &str, code: i32) -> String {
         let before = (self.precious(), self.names());
         let output = self.run(line);
@@ -153,7 +153,7 @@ fn no_output_is_written_over_an_input() {
         let said = lab.refused(&line, 2);
         assert!(said.contains("which is read as") && said.contains("another file"), "{line}: {said}");
     }
-    // What is read need not exist, and no option need come last.
+    // The input need not exist, and no option need come last.
     let said = lab.refused("scanwalk render -o none.png none.png --size 8x8", 2);
     assert!(said.contains("none.png would be written over none.png"), "{said}");
 }
@@ -169,7 +169,7 @@ fn no_two_outputs_are_one_file() {
         "scanwalk render a.las -o x.png --depth x.d --metrics X.D",
         "scanwalk report frames.csv -o same.html --worst-poses x.poses",
     ] {
-        // In a pipe it is the shell's last command that counts.
+        // The shell's last command counts in a pipe.
         let said = match line.strip_suffix(" | cat") {
             Some(line) => lab.refused(line, 2),
             None => lab.refused(line, 2),
@@ -215,7 +215,7 @@ fn endings_that_say_something_else_are_refused() {
     ] {
         lab.refused(line, 2);
     }
-    // Any case will do.
+    // The ending may be in any case.
     let output = lab.run("scanwalk render a.las -o X.PNG --size 64x48");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(fs::read(lab.path("X.PNG")).unwrap().starts_with(b"\x89PNG"));
@@ -273,7 +273,7 @@ fn a_pipe_and_a_link_are_written_through() {
     assert!(fs::read(lab.path("inner/later.png")).unwrap() == picture, "the same picture");
 }
 
-/// Outputs of an earlier run, which the next may replace.
+/// Outputs of an earlier run, which the next run may replace.
 const OLD: [(&str, &[u8]); 5] = [
     ("old.png", b"\x89PNG\r\n\x1a\n and so on"),
     ("old.npy", b"\x93NUMPY\x01\0v\0{'descr': '<f4', 'fortran_order': False, 'shape': (4, 3), }"),
@@ -301,7 +301,8 @@ fn a_failure_leaves_what_was_there() {
     }
 }
 
-/// Whatever a user has is kept, though no command reads it: scans by any output, and what is none of the kind.
+/// A user's files are kept, though no command reads them: scans by any output, and files that are not of the output's
+/// kind.
 #[test]
 fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
     let lab = Lab::new();
@@ -333,7 +334,7 @@ fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
         assert!(said.contains("is there already") && said.contains("--force"), "{line}: {said}");
         assert!(lab.names().iter().map(fs::read).map(Result::ok).eq(before), "{line}");
     }
-    // By force, but not even so over what is read.
+    // The same is allowed by force, except over what is read.
     for line in [
         "scanwalk --force synth aerial -o b.las --points 100",
         "scanwalk synth photogrammetry -o mesh.ply --points 100 --force",
@@ -351,7 +352,7 @@ fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
     assert!(said.contains("which is read as"), "{said}");
 }
 
-/// Every command runs twice with the same names; what is empty is nothing.
+/// Every command runs twice with the same names; an empty file counts as none.
 #[test]
 fn outputs_of_an_earlier_run_are_replaced() {
     let lab = Lab::new();
@@ -380,7 +381,7 @@ fn a_disk_that_fills_up_is_named_and_leaves_nothing() {
     lab.put("old.laz", b"old");
     lab.put("old.ply", b"old");
     for (kind, name) in [("aerial", "old.las"), ("terrestrial", "old.laz"), ("photogrammetry", "old.ply")] {
-        // 200 blocks of 512 bytes; the signal that comes with it is ignored.
+        // The limit is 200 blocks of 512 bytes; the signal that comes with it is ignored.
         let line =
             format!("trap '' XFSZ; ulimit -f 200; scanwalk synth {kind} -o {name} --points 30000 --force");
         let before = lab.names();
@@ -394,7 +395,7 @@ fn a_disk_that_fills_up_is_named_and_leaves_nothing() {
 }
 
 impl Lab {
-    /// Several commands, the last of which counts.
+    /// Runs several commands, the last of which counts.
     fn run_in_shell(&self, line: &str) -> Output {
         let line = line.replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
         Command::new("sh").arg("-c").arg(line).current_dir(self.0.path()).output().unwrap()
@@ -421,7 +422,7 @@ fn ctrl_c_leaves_no_half_file() {
         for _ in 0..signals {
             let _ =
                 Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status();
-            // It has heard the first, or has ended.
+            // The program has heard the first signal, or has ended.
             said.next();
         }
         let code = child.wait().unwrap().code();

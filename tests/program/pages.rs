@@ -1,11 +1,12 @@
-//! What comments and documents point to is there: files by their paths, sections of the specification, papers by their keys.
+//! The things that comments and documents point to exist: files by their paths, sections of the specification, papers
+//! by their keys.
 
 use std::path::Path;
 use std::process::Command;
 
-/// Where a path that is named begins, seen from the root.
+/// Folders that a named path begins with, seen from the root.
 const TOPS: [&str; 8] = ["benches/", "config/", "crates/", "docs/", "scripts/", "shaders/", "src/", "tests/"];
-/// What ends the name of a file.
+/// Endings of a file's name.
 const ENDINGS: [&str; 9] = [".rs", ".wgsl", ".md", ".toml", ".csv", ".json", ".png", ".html", "/"];
 
 /// The words of a text that may be paths.
@@ -14,7 +15,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(move |c: char| !is_part(c)).map(|word| word.trim_end_matches('.'))
 }
 
-/// Paths that a text names and that are not there.
+/// Paths that a text names and that do not exist.
 fn lost_paths(text: &str, exists: &impl Fn(&str) -> bool) -> Vec<String> {
     let is_path = |word: &&str| {
         TOPS.iter().any(|top| word.starts_with(top))
@@ -24,7 +25,7 @@ fn lost_paths(text: &str, exists: &impl Fn(&str) -> bool) -> Vec<String> {
     words(text).filter(is_path).filter(|path| !exists(path)).map(String::from).collect()
 }
 
-/// Sections of the specification that a text names and that it does not have.
+/// Sections that a text names and that the specification lacks.
 fn lost_sections(text: &str, specification: &str) -> Vec<String> {
     let mut lost = Vec::new();
     for (at, _) in text.match_indices("FRAME.md §") {
@@ -37,7 +38,7 @@ fn lost_sections(text: &str, specification: &str) -> Vec<String> {
     lost
 }
 
-/// Keys of papers that a text cites with a section, and that the list of references does not have.
+/// Keys of papers that a text cites with a section, and that the list of references lacks.
 fn lost_keys(text: &str, references: &str) -> Vec<String> {
     let cited = |inside: &str| inside.split_once(" §").map(|(key, _)| key.trim().to_owned());
     let brackets = text.split('[').skip(1).filter_map(|rest| rest.split_once(']').map(|(inside, _)| inside));
@@ -45,7 +46,7 @@ fn lost_keys(text: &str, references: &str) -> Vec<String> {
     keys.filter(|key| !key.is_empty() && !references.contains(&format!("\n| {key} |"))).collect()
 }
 
-/// What stands behind `//` or `#`; all of a document.
+/// The text behind `//` or `#`; all of a document.
 fn prose(path: &str, text: &str) -> String {
     let comment = |line: &str| match path.rsplit('.').next() {
         Some("rs" | "wgsl") => line.split_once("//").map(|(_, comment)| comment.to_owned()),
@@ -60,7 +61,7 @@ fn lost_formats(readme: &str, formats: &str, name_all: &dyn Fn(&str) -> String) 
     let (and, or) = (name_all("and"), name_all("or"));
     let said = [format!("scanwalk reads {and} files"), format!("- {and} only.")];
     let mut lost: Vec<String> = said.into_iter().filter(|said| !readme.contains(said)).collect();
-    // "LAS, LAZ or PLY".
+    // The text is "LAS, LAZ or PLY".
     let names = or.split([' ', ',']).filter(|name| !name.is_empty() && *name != "or");
     let has_row = |name: &&str| {
         let starts = |line: &str| line.split([' ', '|']).find(|word| !word.is_empty()) == Some(*name);
@@ -76,7 +77,7 @@ fn pages_name_the_formats_that_are_read() {
     let page = |name: &str| std::fs::read_to_string(root.join(name)).unwrap();
     let (readme, formats) = (page("README.md"), page("docs/FORMATS.md"));
     assert_eq!(lost_formats(&readme, &formats, &points::format_names), [""; 0]);
-    // A format more would be missed in all places.
+    // A further format would be missed in all places.
     let more = |before_last: &str| format!("LAS, LAZ, PLY {before_last} XYZ");
     assert_eq!(lost_formats(&readme, &formats, &more).len(), 3);
 }
@@ -95,13 +96,13 @@ fn what_comments_name_is_there() {
     for path in String::from_utf8(tracked.stdout).unwrap().split_terminator('\0') {
         let is_prose = [".rs", ".wgsl", ".md", ".toml"].iter().any(|ending| path.ends_with(ending))
             || path.starts_with("scripts/");
-        // This file has samples.
+        // This file has samples of lost paths.
         let Ok(text) = std::fs::read_to_string(root.join(path)) else { continue };
         if !is_prose || path.ends_with("tests/program/pages.rs") {
             continue;
         }
         let text = prose(path, &text);
-        // From the root, or beside the file.
+        // A path is seen from the root, or from the folder of the file.
         let beside = Path::new(path).parent().unwrap_or(Path::new(""));
         let in_room = path.strip_prefix("crates/").and_then(|rest| rest.split('/').next());
         let exists = |name: &str| {

@@ -1,4 +1,4 @@
-//! The frame log: what is pushed is what a report reads; and nothing that a disk does reaches the frame.
+//! The frame log: a report reads the rows that were pushed, and nothing that a disk does reaches the frame.
 
 use base::output::{Output, OutputKind};
 use base::space::Pose;
@@ -35,7 +35,7 @@ fn row(frame: u64) -> FrameRow {
     }
 }
 
-/// Far from the origin, with digits that no decimal has.
+/// A pose far from the origin, with digits that no decimal has.
 fn pose(frame: u64) -> Pose {
     let position = DVec3::new(4e6 + frame as f64 / 3.0, -1e-7, 1.7);
     Pose { position, orientation: DQuat::from_rotation_z(0.1 * frame as f64) }
@@ -60,7 +60,7 @@ fn written(num_frames: u64) -> (tempfile::TempDir, std::path::PathBuf) {
     (folder, path)
 }
 
-/// The complaint about a file with this text.
+/// Returns the line and the complaint about a file with this text.
 fn complaint(text: impl AsRef<[u8]>) -> (usize, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
@@ -114,7 +114,7 @@ fn what_a_replay_needs_is_read_back() {
     assert_eq!(head.position, pose(10).position, "to the last bit");
     assert!((head.orientation.dot(pose(10).orientation) - 1.0).abs() < 1e-15);
     assert_eq!(log.frames[11].world_from_head, None);
-    // A log of before heads were logged.
+    // This log is from before heads were logged.
     let text = std::fs::read_to_string(&path).unwrap();
     let without = text.lines().map(|line| match line.starts_with('#') {
         true => line.to_owned(),
@@ -223,7 +223,7 @@ fn a_full_disk_never_stops_the_frame() {
 
 #[test]
 fn a_disk_that_does_not_keep_up_costs_rows_not_frames() {
-    // Far more rows at once than the queue holds: whatever is lost is counted, and the log says so.
+    // There are far more rows at once than the queue holds: whatever is lost is counted, and the log says so.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.csv");
     let log = FrameLog::start(&output(&path), &facts()).unwrap();
@@ -283,7 +283,7 @@ fn an_older_log_stays_until_a_scan_is_shown() {
     );
     assert_eq!(num_files(), 1);
 
-    // A walk that ends well before a scan is shown.
+    // This walk ends well before a scan is shown.
     let log = FrameLog::start(&output(&path), &facts()).unwrap();
     log.push(without_scan(0));
     assert_eq!(log.finish().num_rows, 1);

@@ -7,7 +7,8 @@ use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// `args` of the program, in a folder that holds a silent compositor's socket; on an X server, if there is one.
+/// Starts the program with `args` in a folder that holds a silent compositor's socket, and on an X server, if there
+/// is one.
 fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Program {
     let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
     command.args(args).current_dir(folder).stderr(Stdio::piped()).env_remove("DISPLAY");
@@ -16,8 +17,8 @@ fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Program {
     Program::start(&mut command)
 }
 
-/// Nobody waits for it: neither the window nor a library that looks for GPUs or a clipboard, and least of all whoever asks
-/// the program to end.
+/// Nobody waits for a silent compositor: neither the window nor a library that looks for GPUs or a clipboard, and
+/// least of all a user who asks the program to end.
 #[test]
 fn a_compositor_that_keeps_silent_is_given_up() {
     let screen = Screen::start();
@@ -42,7 +43,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     assert!(code == Some(1) && said.lines().count() == 1, "{said}");
     assert!(said.contains("wayland-0, where a compositor listens, but does not answer"), "{said}");
 
-    // While it waits for the compositor; it would end by itself with a failure.
+    // The program is asked to end while it waits for the compositor; by itself it would end with a failure.
     silent.set_nonblocking(true).expect("a socket's option");
     while silent.accept().is_ok() {}
     silent.set_nonblocking(false).expect("a socket's option");
@@ -57,7 +58,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     assert_eq!(start(folder.path(), &render, None).end(), (Some(0), String::new()));
 }
 
-/// What winit says of an X server that is not there begins with a place in its source.
+/// winit's words about an X server that is not there begin with a place in its source.
 #[test]
 fn a_display_that_is_not_there_is_told_of_in_words() {
     let folder = tempfile::tempdir().expect("a temporary folder");

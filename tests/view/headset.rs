@@ -1,5 +1,5 @@
-//! In a headset: what its compositor shows is what `render` draws for the same eyes, every layer of validation is
-//! silent, and the walk ends cleanly whoever ends it.
+//! In a headset the compositor shows what `render` draws for the same eyes, every layer of validation is silent, and
+//! the walk ends cleanly whoever ends it.
 
 use crate::scene::{EYE_DISTANCE, Scene};
 use kit::rows::Rows;
@@ -19,13 +19,14 @@ fn half_angles_deg() -> [f64; 2] {
     let across = 42.5f64;
     [across, (across.to_radians().tan() * 70.0 / 65.0).atan().to_degrees()]
 }
-/// The same share of the whole frame: where a node fades or a point fills more pixels, a pose that is rounded to f32 on its
-/// way through the runtime moves more than its own pixel. 0.0004 and 0.0024 were measured.
+/// Share of the pixels of the whole frame that may differ. Where a node fades or a point fills more pixels, a pose
+/// that is rounded to f32 on its way through the runtime moves more than its own pixel. 0.0004 and 0.0024 were
+/// measured.
 const WHOLE_TOLERANCE: f64 = 0.01;
 /// Share of the pixels that may differ: the headset's half angles are f32, so some points change their pixel.
 const TOLERANCE: f64 = 0.0005;
 
-/// Eyes that `render --stereo` can match: parallel, side by side.
+/// Eyes that `render --stereo` can match: parallel and side by side.
 fn eyes() -> [RemoteEye; 2] {
     let [x, y] = half_angles_deg().map(|deg| deg.to_radians() as f32);
     [-0.5, 0.5].map(|side| RemoteEye {
@@ -78,7 +79,7 @@ fn ball_column(image: &Image) -> f64 {
     columns.iter().sum::<f64>() / columns.len() as f64
 }
 
-/// What the compositor comes to show of a walk is what `render` draws with the same preset.
+/// Checks that the compositor comes to show what `render` draws with the same preset; returns what it shows.
 fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
     let scene = Scene::get();
     let want = rendered(scene, preset);
@@ -99,12 +100,12 @@ fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
             preset,
             "--set",
             "cloud.order=original",
-            // The lenses' corners are black; `render` has no lenses.
+            // The lenses' corners are black, and `render` has no lenses.
             "--set",
             "headset.visibility_mask=false",
             "--set",
             "headset.resolution_scale=1.0",
-            // A software driver is too slow for the picture that is compared with.
+            // A software driver is too slow for the governor to leave the picture as it is compared.
             "--set",
             "governor.enabled=false",
         ],
@@ -149,7 +150,7 @@ fn the_compositor_shows_what_render_draws() {
     }
 }
 
-/// Level of detail, blending, rings, filling: all of it.
+/// The whole frame has level of detail, blending, rings and filling.
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_compositor_shows_the_whole_frame_that_render_draws() {

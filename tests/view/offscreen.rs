@@ -1,4 +1,4 @@
-//! Without headset and window: limits, logs, failures, and the way a signal ends it.
+//! `view` without headset and window: limits, logs, failures, and the way a signal ends it.
 
 use crate::scene::Scene;
 use kit::rows::Rows;
@@ -72,7 +72,7 @@ fn the_worst_frames_are_replayed() {
     let again = walk(&poses, &second);
     assert!(again.len() >= 30);
     assert!(again.iter().all(|head| head.position.abs_diff_eq(scene.head.position, 1e-8)));
-    // Without a path the head is elsewhere, so that the comparison can fail.
+    // The head is elsewhere without a path, so that the comparison can fail.
     let output = run(&scene.courtyard, &["--frames", "5", "--log", &second]);
     assert!(output.status.success(), "{}", said(&output));
     let free = timing::read(Path::new(&second)).expect("a log");
@@ -98,8 +98,8 @@ fn the_governors_steps_are_in_the_log() {
     };
     let governed = drawn_with("governed.csv", "governor.budget=0.1");
     assert_eq!(governed[0], (1.0, 1.0, "hqs".to_string()));
-    // It went to the cheapest, and stayed, or, where even that shows an image for more than three displays, went back to
-    // a good picture.
+    // The governor went to the cheapest rung and stayed. If even that rung shows an image for more than three
+    // displays, it went back to a good picture.
     let [cheapest, good] = [(3.0, 0.6, "closest".to_string()), (1.99, 1.0, "hqs".to_string())];
     assert!(governed.contains(&cheapest), "{governed:?}");
     assert!(governed.last() == Some(&cheapest) || governed.last() == Some(&good), "{governed:?}");
@@ -143,7 +143,8 @@ fn a_scan_without_permission_says_so() {
     let output = if std::fs::File::open(&scan).is_err() {
         Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(&scan).output()
     } else {
-        // Root may read everything, so the program runs as somebody else, from where that one can start it.
+        // Root may read everything, so the program runs as another user, from a folder in which that user can start
+        // it.
         let program = folder.path().join("scanwalk");
         std::fs::copy(env!("CARGO_BIN_EXE_scanwalk"), &program).expect("a copy of the program");
         let nobody = ["--reuid=65534", "--regid=65534", "--clear-groups"];
@@ -163,7 +164,8 @@ fn a_scan_that_cannot_be_read_ends_the_walk_with_its_sentence() {
     assert!(said.contains("no-such.las") && !said.contains("panicked"), "{said}");
 }
 
-/// Whichever of the threads is faster: reading that is stopped because something else is missing is not the reason.
+/// The reason does not depend on which thread is faster: reading that is stopped because something else is missing is
+/// not the reason.
 #[test]
 fn what_is_required_and_missing_is_the_reason_that_is_given() {
     let scene = Scene::get();
@@ -182,7 +184,7 @@ fn what_is_required_and_missing_is_the_reason_that_is_given() {
         for _ in 0..3 {
             let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
             command.arg("view").arg(scan).args(["--frames", "2", "--set", "simulated.size_px=[97,65]"]);
-            // clap takes each once.
+            // clap takes each option once.
             let given = |option: &str| more.contains(&option);
             if !given("--window") {
                 command.args(["--window", "off"]);

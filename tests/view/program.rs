@@ -1,4 +1,4 @@
-//! A run of the program, ended if the test fails.
+//! A run of the program, which is ended if the test fails.
 
 use kit::screen::wait_for;
 use std::io::Read;
@@ -11,7 +11,7 @@ impl Program {
         Self(command.spawn().expect("the program starts"))
     }
 
-    /// Exit code, and what it said, if that was piped.
+    /// Returns the exit code, and what the program said, if that was piped.
     pub fn end(mut self) -> (Option<i32>, String) {
         let status = wait_for("the end", 60.0, || self.0.try_wait().expect("a child of ours"));
         let mut said = String::new();

@@ -22,7 +22,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Made once a test program.
+    /// Returns the scene, which is made once a test program.
     pub fn get() -> &'static Scene {
         static SCENE: OnceLock<Scene> = OnceLock::new();
         SCENE.get_or_init(Scene::make)
@@ -57,7 +57,8 @@ impl Scene {
     }
 }
 
-/// A ball of 3 cm, pure red, which nothing else in the scene is. Of one value alone it would count as not colored.
+/// Writes a ball of 3 cm, pure red, which nothing else in the scene is. A ball of one value alone would count as not
+/// colored.
 fn write_ball(path: &Path, center: DVec3) {
     let mut header = las::Builder::from((1, 2));
     header.point_format = las::point::Format::new(2).expect("format 2");

@@ -28,7 +28,7 @@ fn draw(runtime: &Runtime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
     ["left", "right"].map(|side| std::fs::read(out.with_extension(format!("{side}.png"))).expect("a picture"))
 }
 
-/// The papers' methods too, and point trees, whose picture is another.
+/// The papers' methods draw the same too. So do point trees among themselves, whose picture is another.
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn methods_draw_the_same_picture_and_validation_is_silent() {
@@ -41,7 +41,8 @@ fn methods_draw_the_same_picture_and_validation_is_silent() {
     for method in Method::ALL {
         let drawn = draw(&runtime, scene, &[&plain[..], &[method.name()]].concat());
         let want = if method.quality() == Some(Quality::Hqs) { &blended } else { &nearest };
-        // Near the scanner a pixel gets more points than hqs1 can count, and points that are equally far to fixed40.
+        // A pixel near the scanner gets more points than hqs1 can count, and points that are equally far away for
+        // fixed40.
         let is_exact = !matches!(method, Method::JustSet | Method::Hqs1 | Method::Fixed40);
         assert!(!is_exact || drawn == *want, "{}", method.name());
     }

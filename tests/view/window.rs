@@ -1,4 +1,4 @@
-//! With a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
+//! `view` with a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
 
 use crate::program::Program;
 use crate::scene::Scene;
@@ -11,7 +11,7 @@ use timing::{self, Phase};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 
-/// The program's window on a screen, once it is there and has the keyboard.
+/// Returns the program's window on a screen, once it is there and has the keyboard.
 fn window(screen: &Screen) -> String {
     let window = wait_for("the window", 60.0, || {
         let found = screen.try_xdotool(&["search", "--onlyvisible", "--name", "scanwalk"])?;
@@ -21,7 +21,7 @@ fn window(screen: &Screen) -> String {
     window
 }
 
-/// Pixels right of the panel that show a point: neither background nor the window's own grey.
+/// Number of pixels right of the panel that show a point: neither background nor the window's own gray.
 fn lit(picture: &Picture) -> usize {
     let pixels = picture.pixels.iter().enumerate().filter(|(i, _)| i % picture.width > picture.width / 2);
     pixels.filter(|(_, [r, g, b])| r.abs_diff(*b) > 12 || g.abs_diff(*b) > 12).count()
@@ -34,13 +34,13 @@ fn wait_lit(screen: &Screen, window: &str) -> Picture {
     })
 }
 
-/// Frames of the walk in a log that is being written.
+/// Number of frames of the walk in a log that is being written.
 fn num_walked(log: &Path) -> usize {
     let log = timing::read(log);
     log.map_or(0, |log| log.frames.iter().filter(|frame| frame.phase == Phase::Walking).count())
 }
 
-/// The window once further frames of the walk show nothing else.
+/// Returns the window's picture once further frames of the walk show nothing else.
 fn still(screen: &Screen, window: &str, log: &Path) -> Picture {
     let further = |before| {
         // The frame that has just ended may not be in the window yet.
@@ -82,7 +82,7 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
         (picture.num_different(&without) > without.pixels.len() / 20).then_some(())
     });
     screen.xdotool(&["keyup", "w"]);
-    // Another size, another shape: the scan fills it again.
+    // The scan fills the window again in another size and shape.
     screen.xdotool(&["windowsize", "--sync", &window, "900", "411"]);
     let small = wait_for("the new size", 60.0, || {
         let picture = screen.picture(&window);
@@ -93,7 +93,7 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
     assert_eq!(viewer.end().0, Some(0));
 }
 
-/// The program on the courtyard with small eyes; its screenshots come into `folder`.
+/// Starts the program on the courtyard with small eyes; its screenshots come into `folder`.
 fn start(screen: &Screen, folder: &Path) -> Program {
     let mut command = command(screen, folder, &Scene::get().courtyard, "on");
     Program::start(command.env_remove("WAYLAND_DISPLAY"))
@@ -105,7 +105,7 @@ fn command(screen: &Screen, folder: &Path, scan: &Path, when: &str) -> Command {
         .arg("view")
         .arg(scan)
         .args(["--headset", "off", "--window", when, "--set", "simulated.size_px=[320,360]"])
-        // Which gives up the quality that counts points where the GPU is slow.
+        // The governor gives up the quality that counts points where the GPU is slow.
         .args(["--set", "governor.enabled=false"])
         .current_dir(folder)
         .env("DISPLAY", &screen.display)
@@ -113,7 +113,7 @@ fn command(screen: &Screen, folder: &Path, scan: &Path, when: &str) -> Command {
     command
 }
 
-/// What a session that has ended, or a container, leaves in the environment: names where nothing answers.
+/// A session that has ended, or a container, leaves names in the environment where nothing answers.
 #[test]
 fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
     let screen = Screen::start();
@@ -135,8 +135,8 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
     }
 }
 
-/// Why there is no scan is to be read: the window stays until it is closed, or the program is asked to end. Whoever set a
-/// limit, or has no window, is not waited for.
+/// The reason why there is no scan is to be read: the window stays until it is closed, or the program is asked to
+/// end. A user who set a limit, or has no window, is not waited for.
 #[test]
 fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
     let screen = Screen::start();
@@ -153,7 +153,7 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
         assert!(said.lines().last().is_some_and(|reason| reason.contains("broken.las")), "{said}");
         assert_eq!(code, Some(1));
     };
-    // The card's heading, which nothing else is of the color of.
+    // The card's heading has a color that nothing else has.
     let written = |picture: &Picture| {
         let red = |[r, g, b]: [u8; 3]| r > 200 && g.abs_diff(110) < 30 && b.abs_diff(96) < 30;
         picture.pixels.iter().filter(|pixel| red(**pixel)).count()
@@ -179,7 +179,7 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
     assert_failed(start("off", &[]));
 }
 
-/// Pictures that have been written so far, by what comes behind the date.
+/// Pictures that have been written so far, by what follows the date in their names.
 fn screenshots(folder: &Path) -> BTreeMap<String, PathBuf> {
     let paths = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let names = paths.filter_map(|path| {
@@ -208,7 +208,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let viewer = Program::start(&mut command);
     let window = window(&screen);
     wait_lit(&screen, &window);
-    // Without the panel, which changes by itself, and once the octree is there.
+    // The picture is without the panel, which changes by itself, and is taken once the octree is there.
     screen.xdotool(&["key", "Tab"]);
     let plain = still(&screen, &window, &log);
     let mut before = plain.clone();
@@ -221,7 +221,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
         with.keep(&format!("overlay-{name}"));
         before = with;
     }
-    // The fifth is on: four pictures, of which two are what the headset gets.
+    // The fifth overlay is on: there are four pictures, of which two are what the headset gets.
     screen.xdotool(&["key", "F12"]);
     let names = ["left.png", "left.precision.png", "right.png", "right.precision.png"];
     let pictures = wait_for("four pictures", 60.0, || {
@@ -236,7 +236,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     }
     wait_for("the notice", 60.0, || (screen.picture(&window).num_different(&before) > 1000).then_some(()));
     screen.picture(&window).keep("screenshot-notice");
-    // After the last comes none.
+    // No overlay follows the last.
     screen.xdotool(&["key", "o"]);
     wait_for("no overlay", 60.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
     screen.ask_to_close(&window);

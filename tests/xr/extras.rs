@@ -1,11 +1,11 @@
-//! What a runtime may offer beyond the frame: it takes depth beside the images, and tells what the lenses hide and where
-//! the user looks.
+//! What a runtime may offer beyond the frame: it takes depth beside the images, and tells what the lenses hide and
+//! where the user looks.
 
 use crate::probe::{Job, last};
 use kit::xr::{Finished, Lab};
 
-/// What was submitted for each eye: the image's size, and if there was depth its size and minDepth, maxDepth, nearZ,
-/// farZ, as the API layer between us and the runtime saw it.
+/// What was submitted for each eye, as the API layer between us and the runtime saw it: the image's size, and if
+/// there was depth its size and minDepth, maxDepth, nearZ, farZ.
 fn submitted_views(done: &Finished) -> Vec<&str> {
     done.stderr.lines().filter_map(|line| line.strip_prefix("faultlayer: view ")).collect()
 }
@@ -77,7 +77,7 @@ fn the_lenses_hide_the_corners() {
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let hidden = words[y * words_per_row + x / 32] >> (x % 32) & 1 == 1;
         num_hidden += usize::from(hidden);
-        // In eighths of the image from the nearest corner, at the pixel's inner corner.
+        // Lengths are in eighths of the image from the nearest corner, at the pixel's inner corner.
         let from_corner = |at: usize, size: usize| 8.0 * (at.min(size - 1 - at) + 1) as f64 / size as f64;
         let inside = from_corner(x, width) + from_corner(y, height);
         if (inside - 1.0).abs() > 0.01 {
@@ -107,7 +107,7 @@ fn gaze(done: &Finished) -> [Option<glam::DVec3>; 2] {
     serde_json::from_value(last(&done.lines, "gaze").unwrap()).unwrap()
 }
 
-/// The test runtime knows the extension and has no eye tracker: the layer plays one.
+/// The test runtime knows the extension and has no eye tracker: the layer plays the part of one.
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_gaze_arrives_where_eyes_are_tracked() {

@@ -1,10 +1,10 @@
-//! What goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
+//! Whatever goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
 
 use crate::probe::{JOB, Job, PROBE_ARGS, last, this_program};
 use kit::xr::{Finished, Lab};
 use std::os::unix::fs::PermissionsExt;
 
-/// Runs the probe without an end of its own.
+/// Runs the probe, which does not end by itself, with a fault.
 fn run_with_fault(lab: &Lab, fault: &str) -> Finished {
     let done = Job::default().run(&lab.runtime().validate().fault(fault));
     done.assert_ok();
@@ -65,7 +65,7 @@ fn what_is_missing_is_told_and_leaves_nothing_behind() {
     let lab = Lab::enter();
     for (fault, words) in [
         ("noheadset", ["finds no headset", "Monado"]),
-        // These fail with the Vulkan device, and the left eye's images, already made.
+        // These faults come when the Vulkan device, and the left eye's images, are already made.
         ("nosession", ["refused the session", "xrCreateSession: ERROR_LIMIT_REACHED"]),
         ("noimages", ["refused the session", "xrCreateSwapchain: ERROR_OUT_OF_MEMORY"]),
     ] {
@@ -91,7 +91,7 @@ fn run_with_variable(lab: &Lab, assignment: &str) -> String {
     let script = tempfile::Builder::new().suffix(".sh").tempfile().unwrap();
     std::fs::write(script.path(), format!("#!/bin/sh\nexec env {assignment} \"$XR_LD\" \"$@\"\n")).unwrap();
     std::fs::set_permissions(script.path(), std::fs::Permissions::from_mode(0o755)).unwrap();
-    // Closed, for a file that is open for writing cannot be run.
+    // The file is closed, because a file that is open for writing cannot be run.
     let script = script.into_temp_path();
     let program = this_program();
     let mut args = vec![program.to_str().unwrap()];

@@ -1,4 +1,4 @@
-//! What the compositor shows is what was submitted, each eye on its own side.
+//! The compositor shows what was submitted, each eye on its own side.
 
 use crate::probe::Job;
 use kit::xr::poses::Packet;

@@ -10,13 +10,13 @@ use xr::hidden_area::HiddenArea;
 use xr::{self, XrHeadset, XrOptions};
 use xr::{EyeImages, FrameState, Headset, StageEye};
 
-/// Carries the [`Job`] to the child.
+/// Environment variable that carries the [`Job`] to the child.
 pub const JOB: &str = "SCANWALK_XR_PROBE";
 
 /// What the probe is to do.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Job {
-    /// Asks for the end after so many drawn frames; 0: never.
+    /// Asks for the end after this many drawn frames; 0: never.
     pub exit_after: u64,
     /// Writes what it submitted to `$XR_RUN/left.rgba` and `right.rgba` with this drawn frame; 0: never.
     pub dump_frame: u64,
@@ -42,7 +42,7 @@ impl Job {
         runtime.clone().variable(JOB, job).start(&this_program(), &PROBE_ARGS)
     }
 
-    /// The same, until its end.
+    /// Runs the probe in a runtime until its end.
     pub fn run(&self, runtime: &Runtime) -> Finished {
         self.start(runtime).finish()
     }
@@ -58,7 +58,7 @@ impl Job {
 /// This test binary's arguments that run the probe alone.
 pub const PROBE_ARGS: [&str; 5] = ["probe::probe", "--exact", "--nocapture", "--test-threads", "1"];
 
-/// This test binary. (`current_exe` is the loader where the binary was started with one.)
+/// Path of this test binary. (`current_exe` is the loader where the binary was started with one.)
 pub fn this_program() -> PathBuf {
     std::fs::canonicalize(std::env::args_os().next().unwrap()).unwrap()
 }
@@ -85,7 +85,7 @@ pub fn frame(line: &str) -> Option<Frame> {
     serde_json::from_str(line).ok()
 }
 
-/// Not a test of its own: the program of the others. Does nothing unless they start it.
+/// This is not a test of its own but the program of the others. It does nothing unless they start it.
 #[test]
 fn probe() {
     let Ok(job) = std::env::var(JOB) else { return };
@@ -126,7 +126,7 @@ fn probe() {
             scope.spawn(|| keep_busy(&gpu, &stop));
         }
         let end = looper.run();
-        // While the other thread still submits: the session must be able to go at any time.
+        // The other thread still submits here: the session must be able to go at any time.
         drop(looper);
         stop.store(true, std::sync::atomic::Ordering::Release);
         end
@@ -171,7 +171,7 @@ struct Loop<'a> {
 }
 
 impl Loop<'_> {
-    /// Frames until the end: the reason, and whether the session was ever in focus.
+    /// Draws frames until the end; returns the reason, and whether the session was ever in focus.
     fn run(&mut self) -> anyhow::Result<(xr::End, bool)> {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {
@@ -239,7 +239,7 @@ impl Loop<'_> {
     }
 }
 
-/// Everything is at the same depth.
+/// Clears depth so that everything is at the same depth.
 fn clear_depth(commands: &mut wgpu::CommandEncoder, image: &wgpu::Texture) {
     let clear = wgpu::Operations { load: wgpu::LoadOp::Clear(0.25), store: wgpu::StoreOp::Store };
     commands.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -258,8 +258,8 @@ fn eye_json(eye: StageEye) -> Value {
     json!([pose.position.to_array(), pose.orientation.to_array(), [fov.left, fov.right, fov.up, fov.down]])
 }
 
-/// Draws a red picture for the left eye and a green one for the right: noise of its own in every pixel, white
-/// top left corners.
+/// Draws a red picture for the left eye and a green one for the right: noise of its own in every pixel, and white top
+/// left corners.
 struct Pattern {
     pipelines: [wgpu::RenderPipeline; 2],
 }
@@ -337,8 +337,8 @@ impl Pattern {
     }
 }
 
-/// A copy of an image on its way to the CPU. It leaves the image in another layout than the runtime wants:
-/// the headset has to put that right.
+/// A copy of an image on its way to the CPU. It leaves the image in another layout than the runtime wants, which the
+/// headset has to put right.
 struct Readback {
     buffer: wgpu::Buffer,
     row_bytes: u32,

@@ -26,7 +26,7 @@ fn the_head_is_where_the_device_says() {
     let lab = Lab::enter();
     let mut run = Job { exit_after: 0, ..Job::default() }.start(&lab.runtime());
     let mut remote = run.remote();
-    // Turned 90° to the left and pitched is not enough to tell signs: all three axes differ here.
+    // A turn of 90° to the left with a pitch is not enough to tell signs, so all three axes differ here.
     let turned = DQuat::from_rotation_y(0.9) * DQuat::from_rotation_x(-0.4) * DQuat::from_rotation_z(0.2);
     let packet = Packet {
         head: RemotePose { orientation: turned.as_quat().to_array(), position: [0.25, 1.5, -0.75] },
@@ -96,7 +96,7 @@ fn sticks_and_the_reset_button_arrive() {
     assert_eq!(sticks(&frame), ([0.25, 0.75], [-1.0, 0.5]));
     assert!(!frame.reset);
 
-    // Held over many frames, it is told once.
+    // A button that is held over many frames is told once.
     let press: [fn(&mut RemoteHand, bool); 2] =
         [|hand, down| hand.stick_pressed = down, |hand, down| hand.a_pressed = down];
     for set in press {

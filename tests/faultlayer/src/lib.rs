@@ -19,7 +19,7 @@
 //! - `gaze`: the one action space that a program creates is active, turned by [`GAZE_TURN`] in any base space;
 //! - `nogaze`: it is active, and xrLocateSpace fails for it with ERROR_RUNTIME_FAILURE.
 //!
-//! One instance and one session at a time, which is what a test has.
+//! The layer serves one instance and one session at a time, which is what a test has.
 
 use openxr_sys as xr;
 use std::ffi::{CStr, c_char};
@@ -33,11 +33,11 @@ static INSTANCE: AtomicU64 = AtomicU64::new(0);
 static SESSION: AtomicU64 = AtomicU64::new(0);
 static FRAMES: AtomicU64 = AtomicU64::new(0);
 static ACTION_SPACE: AtomicU64 = AtomicU64::new(0);
-/// To the left, radians.
+/// Angle of the gaze to the left, radians.
 const GAZE_TURN: f32 = 0.3;
 static FIRED: AtomicBool = AtomicBool::new(false);
 
-/// What is to happen, and after how many frames.
+/// Returns what is to happen, and after how many frames.
 fn plan() -> &'static (String, u64) {
     static PLAN: OnceLock<(String, u64)> = OnceLock::new();
     PLAN.get_or_init(|| {
@@ -53,7 +53,7 @@ fn due(what: &str) -> bool {
     planned == what && FRAMES.load(Ordering::SeqCst) >= *frames
 }
 
-/// The same, once.
+/// Whether `what` is planned and due for the first time.
 fn fires(what: &str) -> bool {
     let fires = due(what) && !FIRED.swap(true, Ordering::SeqCst);
     if fires {
@@ -225,7 +225,7 @@ unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::Frame
     if fires("badend") {
         return xr::Result::ERROR_LAYER_INVALID;
     }
-    // Not one without an image.
+    // A frame without an image is not watched.
     if unsafe { (*info).layer_count } > 0 && fires("watch") {
         unsafe { tell_views(&*info) };
     }

@@ -46,11 +46,11 @@ fn a_unit_of_length_is_taken_or_spoken_of() {
     let degrees = || {
         Las::new(DVec3::new(1e-7, 1e-7, 1e-3), DVec3::new(16.0, 48.0, 0.0), tower_on_earth(16.0, 48.0, 200.0))
     };
-    // A file that does not say what it is: then the user says it.
+    // The user says what the first file is, which does not say it itself.
     let scan = degrees().read(&metres);
     assert_eq!((scan.bounds(), scan.unit_m), (scan.bounds_in_file(), Some(1.0)));
     assert!(scan.warnings.is_empty(), "{:?}", scan.warnings);
-    // One that says it has angles.
+    // The second file says that it has angles.
     let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
     let scan = degrees().with_keys(&keys).read(&metres);
     assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }));
@@ -93,7 +93,7 @@ fn angles_and_lengths_of_every_number_are_drawn_in_metres() {
     }
 }
 
-/// Systems name the latitude first, and some programs write it so. Where |y| is beyond 90 there is no other reading.
+/// Systems name the latitude first, and some programs write it so. There is no other reading where |y| is beyond 90.
 #[test]
 fn latitude_comes_first_where_longitude_cannot() {
     let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
@@ -120,7 +120,7 @@ fn latitude_comes_first_where_longitude_cannot() {
             }
         }
     }
-    // Either may be meant here: then it is as the program's own files have it.
+    // Either order may be meant here; it is then taken as the program's own files have it.
     let swapped: Vec<DVec3> = tower_on_earth(47.0, 8.0, 500.0);
     let scan = Las::new(steps, swapped[0], swapped).with_keys(&keys).read(&ReadOptions::default());
     assert!(!scan.warnings[0].contains("latitude first"), "{:?}", scan.warnings);
@@ -131,7 +131,7 @@ fn longitudes_may_go_on_to_360_and_no_scan_has_steps_of_a_hundred_metres() {
     let east = tower_on_earth(254.8, 40.0, 1500.0);
     let scan = Las::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::default());
     assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }), "{:?}", scan.warnings);
-    // A hall whose file names the system of a receiver.
+    // This is a hall whose file names the system of a receiver.
     let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
     let scan = Las::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect()).with_keys(&keys);
     let scan = scan.read(&ReadOptions::default());

@@ -1,5 +1,5 @@
-//! Where the points of a file come to lie: units, heights in units of their own, coordinates on the earth. Files are made
-//! up byte by byte.
+//! Where the points of a file come to lie: units, heights in units of their own, coordinates on the earth. Files are
+//! made up byte by byte.
 
 mod contradicted;
 
@@ -9,11 +9,11 @@ use kit::las_files::save;
 use points::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
 
 const US_FOOT: f64 = 1200.0 / 3937.0;
-/// A tower of 6 m, 20 m across, and points within, in metres about its foot.
+/// A tower 6 m high and 20 m across, with points within, in metres about its foot.
 const TOWER: [[f64; 3]; 5] =
     [[-10.0, -10.0, 0.0], [10.0, 10.0, 6.0], [3.0, -4.0, 1.5], [-7.25, 2.5, 0.0], [0.0, 0.0, 3.0]];
 
-/// A LAS 1.4 file of point format 0: its grid, the GeoTIFF keys or the WKT, coordinates.
+/// A LAS 1.4 file of point format 0, with its grid, GeoTIFF keys or WKT, and coordinates.
 struct Las {
     scale: DVec3,
     offset: DVec3,
@@ -116,7 +116,7 @@ fn geocentric(p: &DVec3) -> DVec3 {
     Geodetic { longitude: p.x.to_radians(), latitude: p.y.to_radians(), height_m: p.z }.geocentric()
 }
 
-/// Largest error of the distances between points, and of heights.
+/// Largest error of the distances between points, and largest error of heights.
 fn errors(scan: &Scan, height: f64) -> (f64, f64) {
     let (found, right): (Vec<DVec3>, Vec<DVec3>) = (world(scan), tower().collect());
     let pairs = (0..right.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
@@ -126,7 +126,7 @@ fn errors(scan: &Scan, height: f64) -> (f64, f64) {
     (distance.fold(0.0, f64::max), heights.fold(0.0, f64::max))
 }
 
-/// Longitude, latitude and height in metres: along the same axes as the file's size beside them.
+/// The size is of longitude, latitude and height in metres, along the same axes as the file's size beside it.
 #[test]
 fn info_gives_the_size_of_a_scan_on_the_earth_in_the_order_of_its_axes() {
     let tower = tower_on_earth(8.0, 47.0, 500.0);
@@ -174,14 +174,15 @@ fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
         assert!((size - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 1e-3, "{how}: {size}");
         assert_eq!(scan.unit_m, Some(1.0), "{how}");
         assert_eq!(scan.files[0].points.xyz, stored, "{how}");
-        // What the file says is still there, to the last bit.
+        // The file's own numbers are kept, to the last bit.
         let file = &scan.files[0];
         assert_eq!(file.in_file.grid.scale, DVec3::splat(0.001), "{how}");
         assert!((file.in_file.bounds.size().z - 6.0 / US_FOOT).abs() < 1e-3, "{how}");
         let p = file.world_from_file.p_in_world(file.in_file.bounds.max);
         assert!((p - file.bounds.max).abs().max_element() < 1e-9, "{how}: {p}");
     }
-    // Without that word the tower is 19.7 units tall; what the user says of all axes wins over what the file does.
+    // Without a word about the unit of heights the tower is 19.7 units tall. The user's unit of all axes wins over
+    // the file's.
     assert!((tile().read(&ReadOptions::default()).bounds().size().z - 19.685).abs() < 1e-3);
     let metres = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
     assert!((tile().with_wkt(wkt).read(&metres).bounds().size().z - 19.685).abs() < 1e-3);
@@ -255,7 +256,7 @@ fn projection_is_off_on_or_forced_as_asked() {
     let off = las.read(&with(Project::Off));
     assert_eq!((off.bounds(), off.unit_m), (off.bounds_in_file(), None));
     assert!(off.warnings[0].contains("looks flat"), "{:?}", off.warnings);
-    // A local scan that somebody knows to be in degrees.
+    // A local scan may be one that somebody knows to be in degrees.
     let local = Las::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect());
     assert_eq!(local.read(&with(Project::Auto)).unit_m, None);
     assert_eq!(local.read(&with(Project::Degrees)).unit_m, Some(1.0));
@@ -283,7 +284,7 @@ fn files_of_a_scan_share_one_frame() {
 
 #[test]
 fn a_system_that_the_points_contradict_is_not_believed() {
-    // Such files are about: UTM coordinates, and a geocentric system in the header.
+    // Such files exist: UTM coordinates, and a geocentric system in the header.
     let utm = |keys: &[[u16; 4]]| {
         let offset = DVec3::new(515_368.0, 4_918_340.0, 2322.0);
         let scan = Las::new(DVec3::splat(1e-3), offset, tower().map(|p| p + offset).collect())
@@ -330,7 +331,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         ("a plate", local([1.0, 0.7, 0.0], [2.0, 3.0, 1.0], DVec3::new(1e-7, 1e-7, 1e-4))),
         ("UTM", local([100.0, 100.0, 20.0], [600_000.0, 6_350_000.0, 100.0], mm)),
         ("a mountain in UTM", local([900.0, 900.0, 800.0], [600_000.0, 6_350_000.0, 4000.0], mm)),
-        // Moved to zero by a program that keeps the system's name.
+        // A program moved these to zero and kept the system's name.
         (
             "a room that was in UTM",
             local([5.0, 4.0, 2.5], [-2.5, -2.0, 0.0], mm).with_keys(&[[1024, 0, 1, 1], [3072, 0, 1, 32632]]),
@@ -349,7 +350,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
             scan.warnings
         );
     }
-    // The rule can say yes.
+    // The rule can also find that coordinates are degrees.
     let degrees = Las::new(
         DVec3::new(1e-7, 1e-7, 1e-3),
         DVec3::new(16.0, 48.0, 0.0),
@@ -387,7 +388,7 @@ fn zeros_beside_places_on_the_earth_are_left_out_and_cost_nothing() {
     let cartesian: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
     let keys = [[1024, 0, 1, 3], [2048, 0, 1, 4978]];
     for num_zeros in [0, 1, 5] {
-        // Enough of the tower that one zero is a stray.
+        // There are enough points of the tower for one zero to be a stray.
         let mut points: Vec<DVec3> = cartesian.iter().copied().cycle().take(50).collect();
         points.iter_mut().enumerate().for_each(|(i, p)| *p += DVec3::splat(1e-3 * (i / 5) as f64));
         points.splice(7..7, vec![DVec3::ZERO; num_zeros]);
@@ -409,7 +410,7 @@ fn zeros_beside_places_on_the_earth_are_left_out_and_cost_nothing() {
 
 #[test]
 fn files_with_other_units_are_scaled_to_that_of_the_first() {
-    // One projection; its register has it in metres and in feet.
+    // The files have one projection, whose register has it in metres and in feet.
     let base = DVec3::new(400_000.0, 170_000.0, 20.0);
     let tile = |unit_m: f64, shift: f64, keys: &[[u16; 4]]| {
         let points: Vec<DVec3> = tower().map(|p| (p + base + DVec3::X * shift) / unit_m).collect();
@@ -437,13 +438,13 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
             "ft.las: has its lengths in another unit, foot"
         };
         assert!(warning.contains(other), "{warning}");
-        // Whoever says what the unit is, says it of all.
+        // A unit that the user states is that of all files.
         let options = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
         let scan = read(&paths, &options, &CancelToken::default()).unwrap();
         assert!(!scan.warnings.iter().any(|w| w.contains("another unit")), "{:?}", scan.warnings);
         assert_eq!(scan.bounds(), scan.bounds_in_file());
     }
-    // Beside a file that states none, nothing is scaled.
+    // Nothing is scaled beside a file that states no unit.
     let (_a, a) = save("m.las", &tile(1.0, 0.0, &metres));
     let (_b, b) = save("none.las", &tile(1.0, 20.0, &[]));
     let scan = read(&[b, a], &ReadOptions::default(), &CancelToken::default()).unwrap();

@@ -1,4 +1,4 @@
-//! Broken PLY files: a clear error or the part that can be read; never a panic, a hang, or memory that is only
+//! Broken PLY files give a clear error or the part that can be read; never a panic, a hang, or memory that is only
 //! claimed.
 
 use super::made::{Encoding, Made};
@@ -7,7 +7,7 @@ use kit::damage::{MOST_KIB, assert_sound, damaged, peak_kib};
 use points::Scan;
 use proptest::prelude::*;
 
-/// The message, which must name the file and hold `expected`.
+/// Checks that reading fails; the message must name the file and hold `expected`.
 fn assert_refused(bytes: &[u8], expected: &str) {
     let message = read_bytes(bytes).map(|scan| scan.num_points()).unwrap_err().to_string();
     assert!(message.contains("scan.ply: ") && message.contains(expected), "{message}");
@@ -56,14 +56,14 @@ fn counts_that_lie_cost_nothing() {
             let sentence = format!("scan.ply: announces {count} points, but only 1 could be read");
             assert!(scan.warnings[0].contains(&sentence), "{:?}", scan.warnings);
         }
-        // Other elements before the points, with so many rows, leave nothing for them.
+        // Elements before the points that claim this many rows leave nothing for the points.
         let text = String::from_utf8(file(format, 1, b"")).unwrap();
         for property in ["property list uint double more\n", "property double more\n"] {
             let more = format!("element more {}\n{property}element vertex", u64::MAX);
             let bytes = [text.replace("element vertex", &more).as_bytes(), &body].concat();
             assert_refused(&bytes, "1 should follow byte");
         }
-        // None, if its rows are empty.
+        // Other elements leave all for the points if their rows are empty.
         let more = format!("element more {}\nelement vertex", u64::MAX);
         let bytes = [text.replace("element vertex", &more).as_bytes(), &body].concat();
         assert_eq!(read_bytes(&bytes).unwrap().num_points(), 1);
@@ -81,7 +81,7 @@ fn lines_that_are_no_numbers_are_left_out() {
     assert!(scan.warnings[0].ends_with(expected), "{:?}", scan.warnings);
 }
 
-/// The points' places, and the sentences.
+/// Places of the points.
 fn places(scan: &Scan) -> Vec<[f64; 3]> {
     let file = &scan.files[0];
     file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz).to_array()).collect()

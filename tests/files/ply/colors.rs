@@ -28,7 +28,7 @@ const SHAPE: &str = "float scale_0, float scale_1, float scale_2, float rot_0";
 #[test]
 fn transparent_points_are_left_out_whatever_their_colors_are() {
     let shape = "-5 -5 -5 1";
-    // Every fifth is transparent. As a logit, as a part of 1, of a byte, of two.
+    // Every fifth point is transparent. Opacity is a logit, a part of 1, of a byte, or of two bytes.
     for (kind, most, least) in [
         ("float", "4.5", "-6"),
         ("double", "0.5", "-2.5"),
@@ -54,7 +54,7 @@ fn transparent_points_are_left_out_whatever_their_colors_are() {
             assert_eq!(file.format.contains("Gaussian splat"), thing == "splats");
         }
     }
-    // What all points have says nothing; nor does alpha, which programs fill with anything.
+    // An opacity that all points share says nothing; nor does alpha, which programs fill with anything.
     for (name, value) in
         [("float opacity", "1"), ("float opacity", "0"), ("float opacity", "nan"), ("uchar alpha", "0")]
     {
@@ -98,7 +98,7 @@ fn of_several_colors_those_are_shown_that_points_have() {
             if with == without || [with, without].iter().all(|way| way.starts_with("list")) {
                 continue;
             }
-            // All are black, or grey, or most are black.
+            // All points are black, or gray, or most are black.
             for (grey, step) in [(0, usize::MAX), (128, usize::MAX), (0, 9)] {
                 let other = |at: usize| if at % step == 1 { rgb(at) } else { [grey; 3] };
                 for is_first in [true, false] {
@@ -116,7 +116,7 @@ fn of_several_colors_those_are_shown_that_points_have() {
             }
         }
     }
-    // Of two that all points have, the first of the usual names, as ever.
+    // Of two kinds of color that all points have, the one with the first of the usual names is shown, as ever.
     let both = points(&format!("float f_dc_0, float f_dc_1, float f_dc_2, {RGB}"), |at| {
         format!("1 {} 0 {}", at % 3, rgb(at).map(|c| c.to_string()).join(" "))
     });
@@ -124,7 +124,8 @@ fn of_several_colors_those_are_shown_that_points_have() {
     assert!(shown(&file) == expected && warnings.is_empty(), "{warnings:?}");
 }
 
-/// A mesh of triangles side by side in either byte order or as text; each has a list of `colors`, as bytes or floats.
+/// A mesh of triangles side by side, in either byte order or as text; each triangle has a list of `colors`, as bytes
+/// or floats.
 fn mesh(format: &str, kind: &str, colors: &[Vec<f32>]) -> Vec<u8> {
     let num = colors.len();
     let mut bytes = format!(

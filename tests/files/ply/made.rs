@@ -31,7 +31,7 @@ impl Point {
     }
 }
 
-/// Corners, of which some may not be there.
+/// Corners of a face, some of which may not exist.
 #[derive(Clone, Debug)]
 pub struct Face(pub Vec<i32>);
 
@@ -41,14 +41,14 @@ pub struct Made {
     pub points: Vec<Point>,
     pub faces: Vec<Face>,
     pub faces_first: bool,
-    /// Give points a list, so that their rows differ in size.
+    /// True if points get a list, so that their rows differ in size.
     pub lists: bool,
 }
 
 impl Made {
-    /// Points of all kinds; faces of zero to seven corners, each ninth with a corner that is not there.
+    /// Makes points of all kinds, and faces of zero to seven corners, each ninth with a corner that does not exist.
     pub fn new(num_points: usize) -> Self {
-        // Anything that is not regular: a multiplicative hash.
+        // A multiplicative hash gives irregular numbers.
         let hash = |i: usize, salt: u64| (i as u64 * 7 + salt + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let part = |i: usize, salt, bits: u32| hash(i, salt) >> (64 - bits);
         let points = (0..num_points).map(|i| Point {
@@ -76,7 +76,7 @@ impl Made {
         self.faces.iter().filter(|face| !self.is_good(face)).count()
     }
 
-    /// What the faces come to, by the numbers of the points that have a place.
+    /// The triangles that the faces make, by the numbers of the points that have a place.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let numbers: Vec<u32> = self
             .points
@@ -171,7 +171,7 @@ impl Made {
     }
 }
 
-/// Bytes so far.
+/// The bytes so far.
 struct Out {
     bytes: Vec<u8>,
     encoding: Encoding,

@@ -70,7 +70,7 @@ fn all_encodings_hold_the_same_points_and_faces() {
     }
 }
 
-/// More points than are read at once, binary and as text whose lines end as those of old Macs did.
+/// The file has more points than are read at once, binary and as text whose lines end as those of old Macs did.
 #[test]
 fn many_points_keep_their_order() {
     let num_points = 1_300_000u32;

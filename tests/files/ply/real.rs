@@ -17,7 +17,7 @@ const TABLE: &[Row] = &[
     ("malformed/ply/simple_text.ply", 3, 0, [-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
 ];
 
-/// What differs from the row, or nothing.
+/// Tells what differs from the row, if anything does.
 fn difference(scan: &Scan, (name, num_points, num_triangles, min, max): &Row) -> Option<String> {
     let bounds = scan.bounds();
     let near = |a: [f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.00051);

@@ -11,7 +11,7 @@ fn parts(bytes: &[u8]) -> (&str, &str) {
     text.split_at(text.find("end_header\n").unwrap() + "end_header\n".len())
 }
 
-/// The same words with other ends of lines: after so many words each, in turn.
+/// Returns the same words with other ends of lines: after this many words each, in turn.
 fn reflowed(bytes: &[u8], widths: &[usize], line_end: &str) -> Vec<u8> {
     let (header, body) = parts(bytes);
     let (mut out, mut widths, mut in_line) = (header.to_owned(), widths.iter().cycle(), 0);
@@ -54,7 +54,7 @@ fn rows_may_take_several_lines_and_share_one() {
     }
 }
 
-/// Vertices of two lines, as the RealSense SDK writes them; more than are read at once.
+/// Vertices stand on two lines, as the RealSense SDK writes them; there are more than are read at once.
 #[test]
 fn many_rows_of_several_lines_keep_their_order() {
     let num_points = 400_000;
@@ -89,7 +89,7 @@ fn a_bad_word_costs_its_row_only() {
     assert!(warnings.len() == 1 && warnings[0].ends_with(sentence), "{warnings:?}");
     let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz).x).collect();
     assert!(places.iter().all(|&x| x != 50.0 && x < 100.0) && places[98] == 99.0);
-    // Cut off within a row.
+    // The file is cut off within a row.
     let (file, warnings) = read_one(&whole.as_bytes()[..whole.len() - 9]);
     assert_eq!(file.points.xyz.len(), 99);
     assert!(warnings[0].contains("announces 100 points, but only 99"), "{warnings:?}");
@@ -173,7 +173,7 @@ fn intensities_have_many_names() {
         assert_eq!(file.points.intensity, [0, 32768, 65535], "{name}");
         assert!(matches!(file.coloring.source, ColorSource::Intensity { .. }), "{name}");
     }
-    // The likeliest counts.
+    // The likeliest name counts.
     let both = text(
         "float x, float y, float z, float scalar_Scalar_field, float reflectance",
         "0 0 0 9 1\n0 0 1 0 2\n",
@@ -220,7 +220,7 @@ fn faces_color_their_corners_where_points_have_none() {
         assert_eq!(colors(&file), [red, red, red, green], "{kind}");
         assert_eq!(file.triangles, [[0, 1, 2], [1, 3, 2]]);
     }
-    // The points' own win.
+    // The points' own colors win over those of faces.
     let own = header
         .replace("float z\n", "float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n");
     let own = own.replace("KIND", "uchar").replace(" 0\n", " 0 9 9 200\n");
@@ -228,7 +228,7 @@ fn faces_color_their_corners_where_points_have_none() {
     let (file, warnings) = read_one((own.replace("1 1 0 9", "1 1 0 99") + faces).as_bytes());
     assert_eq!(file.points.rgb, [[9, 9, 200], [9, 9, 200], [9, 9, 200], [99, 9, 200]]);
     assert!(warnings.iter().any(|warning| warning.contains("those of faces are not read")), "{warnings:?}");
-    // Unless they are the same everywhere.
+    // The faces' colors win if the points' are the same everywhere.
     let (file, warnings) = read_one((own + faces).as_bytes());
     assert_eq!(colors(&file), [red, red, red, green]);
     assert!(warnings.iter().any(|warning| warning.contains("those of its faces are shown")), "{warnings:?}");
@@ -250,7 +250,7 @@ fn a_texture_is_said_not_to_be_read() {
     assert!(warnings[0].contains("beside the colors of its points"), "{warnings:?}");
 }
 
-/// Place, constant terms, opacity as a logit, of a splat as its training writes it.
+/// Place, constant terms, and opacity as a logit, of a splat as its training writes it.
 type Splat = ([f32; 3], [f32; 3], f32);
 
 fn splats(splats: &[Splat]) -> Vec<u8> {
@@ -282,7 +282,7 @@ fn splats_are_points_with_their_own_color_and_without_fog() {
         "{warnings:?}"
     );
     assert!(file.format.ends_with(", Gaussian splat"), "{}", file.format);
-    // If all are faint, they are all that can be seen.
+    // If all splats are faint, they are all that can be seen.
     let (file, warnings) = read_one(&splats(&[faint, ([8.0, 9.0, 9.0], [0.0; 3], -4.0)]));
     assert_eq!((file.points.xyz.len(), warnings.len()), (2, 0), "{warnings:?}");
 }
@@ -298,7 +298,7 @@ fn the_attributes_of_a_splat_are_not_listed_one_by_one() {
 /// A position, and red, green, blue and opacity, 0 to 1.
 type Packed = ([f64; 3], [f64; 4]);
 
-/// A compressed splat of these: 256 to a chunk, which has a box of positions and, if wished, one of colors.
+/// A file of compressed splats: 256 to a chunk, which has a box of positions and, if wished, one of colors.
 fn compressed(points: &[Packed], color_boxes: bool) -> Vec<u8> {
     let of =
         |names: &str| names.split(' ').map(|name| format!("property float {name}\n")).collect::<String>();
@@ -362,7 +362,7 @@ fn compressed_splats_are_unpacked() {
         assert_eq!(file.points.xyz.len(), visible.len());
         for (i, (place, color)) in visible.iter().enumerate() {
             let moved = file.grid.p_in_world(file.points.xyz[i]) - glam::DVec3::from_array(*place);
-            // Half a step of the packed position, of a box of at most 10 × 5 × 2.
+            // The tolerance is half a step of the packed position, in a box of at most 10 × 5 × 2.
             assert!(moved.abs().cmple(glam::DVec3::new(0.0026, 0.0026, 0.0006)).all(), "{i}: {moved}");
             for (ours, theirs) in file.points.rgb[i].iter().zip(color) {
                 assert!(

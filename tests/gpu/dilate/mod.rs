@@ -1,5 +1,5 @@
-//! `dilate`: GPU against CPU reference, bit for bit; the CPU reference against what dilation is for, and against a plain
-//! two-dimensional definition where the two must agree.
+//! `dilate` on the GPU is compared with its CPU reference, bit for bit. The CPU reference is compared with what
+//! dilation is for, and with a plain two-dimensional definition where the two must agree.
 
 mod on_gpu;
 
@@ -15,7 +15,8 @@ use render::layout::{
 };
 use render::shaders;
 
-/// Two eyes with asymmetric images of that size, canted, looking off the centre: all rings are in the picture.
+/// Two eyes with asymmetric images of this size, canted, looking off the center, so that all rings are in the
+/// picture.
 fn view(size_px: [u32; 2]) -> ViewUniform {
     let eye = |sign: f64| Eye {
         world_from_view: Pose {
@@ -28,7 +29,7 @@ fn view(size_px: [u32; 2]) -> ViewUniform {
     };
     let view = View { eyes: vec![eye(-1.0), eye(1.0)], near: 0.05 };
     let mut uniform = ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &Detail::default());
-    // As if this were the size with the guard band, which `dilate` does not tell from the image.
+    // The size stands for the one with the guard band, which `dilate` does not tell from the image.
     let guard = GUARD_PX as f32;
     for eye in &mut uniform.eyes {
         eye.first_px = eye.first_px.map(|px| px + guard);
@@ -54,7 +55,7 @@ fn depth_of(pixel: Pixel) -> f32 {
     f32::from_bits(pixel[0])
 }
 
-/// Two smooth surfaces, one before the other, of which `percent` of the pixels are there; and single points anywhere.
+/// Two smooth surfaces, one before the other, of which `percent` of the pixels are there, and single points anywhere.
 fn sparse([width, height]: [u32; 2], percent: u64, seed: u64) -> Vec<Pixel> {
     let mut random = Random(seed);
     let mut pixels = Vec::new();
@@ -96,7 +97,7 @@ fn gpu_equals_its_reference() {
     }
 }
 
-/// What is special in the shader: tiles that are skipped as whole, empty ones, and extreme depths and colors.
+/// Covers the shader's special cases: tiles that are skipped as a whole, empty tiles, and extreme depths and colors.
 #[test]
 fn gpu_equals_its_reference_where_tiles_are_whole_or_depths_extreme() {
     let size = [100, 70];
@@ -112,12 +113,12 @@ fn gpu_equals_its_reference_where_tiles_are_whole_or_depths_extreme() {
         with_hole(vec![white(3.0); 7000]),
         with_hole(vec![white(f32::MAX); 7000]),
         with_hole(vec![white(1e-30); 7000]),
-        // Exactly at the tolerance, and one step beyond.
+        // Depths differ by exactly the tolerance, then by one step more.
         (0..7000).map(|i| white(if i % 3 == 0 { 2.0 } else { SURFACE_TOLERANCE * 2.0 })).collect(),
         (0..7000)
             .map(|i| white(if i % 3 == 0 { 2.0 } else { (SURFACE_TOLERANCE * 2.0).next_up() }))
             .collect(),
-        // The nearest and the farthest of a tile lie in different windows.
+        // The nearest and the farthest pixel of a tile lie in different windows.
         (0..7000).map(|i| white(if i % 100 < 50 { 2.0 } else { 4.0 })).collect(),
     ];
     for (number, surface) in surfaces.iter().enumerate() {
@@ -126,12 +127,13 @@ fn gpu_equals_its_reference_where_tiles_are_whole_or_depths_extreme() {
     }
 }
 
-/// Pixels that take nothing though the tile is no single surface, single ones that take, and tiles in which none does.
+/// Some pixels take nothing though the tile is no single surface, single pixels take, and some tiles have none that
+/// does.
 #[test]
 fn gpu_equals_its_reference_where_few_pixels_take() {
     let size = [200, 150];
     let view = view(size);
-    // A floor that recedes by less than the tolerance from row to row: no pixel of it takes from another.
+    // The floor recedes by less than the tolerance from row to row, so none of its pixels takes from another.
     let slope: Vec<Pixel> =
         (0..30_000).map(|i| pixel(1.0 + 0.001 * (i / 200) as f32, [i as u8, 9, 200])).collect();
     assert_eq!(dilate(&view, &by_ring(0), &slope), slope);
@@ -154,7 +156,7 @@ fn gpu_equals_its_reference_where_few_pixels_take() {
     }
 }
 
-/// What nobody sees is background, whether its tile is drawn or not; colors stand as the image holds them.
+/// A pixel that nobody sees is background, whether its tile is drawn or not; colors stand as the image holds them.
 #[test]
 fn hidden_pixels_show_the_background_and_colors_the_images_order() {
     let size = [100, 70];
@@ -166,7 +168,7 @@ fn hidden_pixels_show_the_background_and_colors_the_images_order() {
         }
     });
     let words = mask_words_per_row(size[0]);
-    // All but a disc.
+    // All pixels are hidden except for a circle.
     let is_hidden = |x: u32, y: u32| (x.abs_diff(60)).pow(2) + (y.abs_diff(30)).pow(2) > 25 * 25;
     let mut hidden = vec![0u32; (words * size[1]) as usize];
     for (x, y) in
@@ -196,8 +198,8 @@ fn hidden_pixels_show_the_background_and_colors_the_images_order() {
     }
 }
 
-/// So many points in each pixel of a surface that there are sums of all sizes, whose means are not the colors that
-/// the surface had.
+/// Puts this many points into each pixel of a surface at most, so that there are sums of all sizes, whose means are
+/// not the colors that the surface had.
 fn sums_of(surface: &[Pixel], max_points: u64) -> Vec<Sum> {
     let mut random = Random(17);
     let mut sum = |&[depth, color]: &Pixel| {
@@ -224,7 +226,7 @@ fn blended_and_dilated_in_one_equals_the_references() {
                     assert_eq!(differing, 0, "{size:?}, {percent} %, {uniform:?}: pixels that differ");
                 }
             }
-            // The comparison can fail: sums count, not only depths.
+            // The comparison can fail: it sees sums, not only depths.
             let mut wrong = sums.clone();
             let point = depth.iter().position(|&w| w != EMPTY[0]);
             if let Some(at) = point.filter(|&at| sums[at][1] < 255 * sums[at][3]) {
@@ -295,7 +297,7 @@ fn what_is_empty_stays_empty() {
     assert_eq!(dilate(&view, &by_ring(0), &vec![EMPTY; 1200]), vec![EMPTY; 1200]);
 }
 
-/// Whatever is added behind the near surface, that surface and what it fills keep depth and color.
+/// A near surface and what it fills keep depth and color, whatever is added behind it.
 #[test]
 fn the_far_never_bleeds_over_the_near() {
     let size = [120, 90];
@@ -320,7 +322,7 @@ fn the_far_never_bleeds_over_the_near() {
     }
 }
 
-/// A slit through which a wall shows, as wide as the radius, in a surface of two colors.
+/// A wall shows through a slit, as wide as the radius, in a surface of two colors.
 #[test]
 fn a_hole_in_the_near_is_closed_from_the_near() {
     let view = view([60, 50]);
@@ -348,7 +350,7 @@ fn a_hole_in_the_near_is_closed_from_the_near() {
     }
 }
 
-/// A single point becomes a square of its radius, and no more; by ring, that of the ring that it lies in.
+/// A single point becomes a square of its radius, and no more; the radius is that of the ring that it lies in.
 #[test]
 fn edges_grow_by_the_radius_at_most() {
     let size = [90usize, 70];
@@ -369,7 +371,8 @@ fn edges_grow_by_the_radius_at_most() {
     }
 }
 
-/// The rule over the whole window at once, in floats, without rows, columns or tolerance: for one constant depth.
+/// Applies the rule to the whole window at once, in floats, without rows, columns or tolerance, for one constant
+/// depth.
 fn plain([width, height]: [usize; 2], radius: usize, surface: &[Pixel]) -> Vec<Option<[f64; 3]>> {
     let weight = |distance: usize| 4f64.powi(-(distance as i32));
     let mut image = Vec::new();
@@ -418,8 +421,8 @@ fn the_reference_equals_the_plain_definition_on_one_depth() {
     }
 }
 
-/// Means by floats are those of integers, for every count that `mean` is used for and every mean at its edges, even where
-/// a division is wrong by as much as Vulkan allows: 2.5 units in the last place.
+/// Means by floats equal those by integers, for every count that `mean` is used for and every mean at its edges, even
+/// where a division is wrong by as much as Vulkan allows: 2.5 units in the last place.
 #[test]
 fn float_means_are_exact() {
     let max_count = 12_000u32;
@@ -427,7 +430,7 @@ fn float_means_are_exact() {
     let text = shaders::source("blend-dilate", Variant::eyes(1));
     assert!(text.contains(&format!("MAX_MEAN_COUNT: u32 = {max_count}u")), "the shader's limit");
     assert!(weights * weights < max_count, "what `dilate` divides by");
-    // Of the true quotient, so many units in the last place off.
+    // The mean is this many units in the last place off the true quotient.
     let mean = |sum: u32, count: u32, units: f64| {
         let quotient = (f64::from(sum + count / 2) + 0.5) / f64::from(count);
         let unit = f64::from((quotient as f32).next_up()) - f64::from(quotient as f32);
@@ -436,7 +439,7 @@ fn float_means_are_exact() {
     let mut is_wrong_by_more = false;
     for count in 1..max_count {
         for value in 0..=255 {
-            // The first sum of this mean, and the last.
+            // These are the first and the last sum of this mean.
             let first = (value * count).saturating_sub(count / 2);
             let last = (value * count + (count - 1) / 2).min(255 * count);
             for sum in [first, last] {

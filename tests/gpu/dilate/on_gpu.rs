@@ -1,4 +1,4 @@
-//! Dilation on the GPU, of surfaces, or of depths and sums, without a renderer.
+//! Dilation on the GPU of surfaces, or of depths and sums, without a renderer.
 
 use kit::frames::gpu;
 use lab::reference::color::Sum;
@@ -18,7 +18,7 @@ pub fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
     run("dilate", Variant::eyes(2), (view, dilate), &[("surface", bytemuck::cast_slice(surface))])
 }
 
-/// The GPU's image of depths and sums, which are in four words or in one.
+/// The GPU's image of depths and sums, which stand in four words or in one.
 pub fn blended_on_gpu(
     view: &ViewUniform,
     dilate: &DilateUniform,
@@ -35,18 +35,18 @@ pub fn blended_on_gpu(
         .map(|sums| run("blend-dilate", Variant { sums, ..Variant::eyes(2) }, (view, dilate), &inputs))
 }
 
-/// 10 bits of a count, 18 of each channel.
+/// Packs 10 bits of a count and 18 of each channel.
 fn pack(words: [u32; 4]) -> u64 {
     let shifts = [0, PACKED_RED_SHIFT, PACKED_GREEN_SHIFT, PACKED_BLUE_SHIFT];
     words.iter().zip(shifts).fold(0, |sum, (&word, shift)| sum | u64::from(word) << shift)
 }
 
-/// What lenses hide, and how the image holds what they do not.
+/// What lenses hide, and how the image holds the other pixels.
 #[derive(Default)]
 pub struct Shown {
-    /// A bit a pixel, in rows of [`mask_words_per_row`]; nothing: none is hidden.
+    /// A bit for each pixel, in rows of [`mask_words_per_row`]; empty if no pixel is hidden.
     pub hidden: Vec<u32>,
-    /// As the image holds it.
+    /// The background as the image holds it.
     pub background: u32,
     pub is_bgra: bool,
 }
@@ -61,8 +61,8 @@ fn run(
     run_shown(shader, variant, of, inputs, &Shown::default())
 }
 
-/// The GPU's image, of inputs that have no guard band: round them it is empty, as the CPU reference sees it. The buffers hold
-/// something else before, so that no pixel can be left out unseen.
+/// The GPU's image of inputs that have no guard band: it is empty round them, as the CPU reference sees it. The
+/// buffers hold something else before, so that no pixel can be left out unseen.
 pub fn run_shown(
     shader: &'static str,
     variant: Variant,
@@ -115,12 +115,12 @@ pub fn run_shown(
     depth.into_iter().zip(color).map(|(depth, color)| [depth, color]).collect()
 }
 
-/// Pixels with a guard band in which nothing is.
+/// Adds an empty guard band to pixels.
 fn with_guard(pixels: &[u8], size_px: [u32; 2]) -> Vec<u8> {
     let bytes = pixels.len() / (size_px[0] * size_px[1]) as usize;
     let [columns, rows] = guarded(size_px).map(|size| size as usize);
     let (guard, row) = (GUARD_PX as usize, size_px[0] as usize * bytes);
-    // As depths these bytes are empty pixels.
+    // These bytes are empty pixels if they are depths.
     let mut guarded = vec![0xff; columns * rows * bytes];
     for (from, to) in pixels.chunks_exact(row).zip(guarded.chunks_exact_mut(columns * bytes).skip(guard)) {
         to[guard * bytes..][..row].copy_from_slice(from);

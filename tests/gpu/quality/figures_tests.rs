@@ -1,4 +1,4 @@
-//! From pictures to a table.
+//! The way from pictures to a table.
 
 use super::figures::*;
 use super::metrics_tests::slope;
@@ -9,7 +9,7 @@ use base::space::View;
 use glam::DVec3;
 use std::convert::Infallible;
 
-/// `slope`, brighter by `steps` a frame.
+/// Draws `slope`, brighter by `steps` a frame.
 fn brightening(steps: u8) -> impl FnMut(&View, f32) -> Result<Picture, Infallible> {
     let mut brighter = 0;
     move |_, _| {
@@ -32,7 +32,7 @@ fn frames_are_compared_with_the_one_before() {
     assert_eq!(recorded.still(), &slope());
     // The walk starts at the first picture, and two frames of tremor were drawn in between.
     assert_eq!(recorded.pops, [6.0, 2.0, 2.0]);
-    // So does the approach; three steps of the walk have come between.
+    // The approach starts there too; three steps of the walk have come between.
     assert_eq!(recorded.lod_pops, [12.0, 2.0]);
     let figures = Figures::new(&view(), &recorded, &truth);
     assert_eq!((figures.flicker, figures.own_flicker), (2.0, 2.0));
@@ -45,7 +45,7 @@ fn frames_are_compared_with_the_one_before() {
     assert_eq!((changing_truth.flicker, changing_truth.own_flicker), (2.0, 0.0));
 }
 
-/// What the truth does not know is not held against anybody.
+/// Pixels that the truth does not know are not counted against anybody.
 #[test]
 fn only_what_the_truth_covers_counts() {
     let (mut drawn, mut truth) = (recording(0), recording(0));

@@ -1,4 +1,4 @@
-//! Each figure of a picture, with what it must not see.
+//! Tests of each figure of a picture, with what it must not see.
 
 use super::metrics::*;
 use super::picture::Picture;
@@ -18,7 +18,7 @@ pub fn slope() -> Picture {
     }
 }
 
-/// Every value of every pixel up or down by `by`.
+/// Moves every value of every pixel up or down by `by`.
 fn noisy(picture: &Picture, by: u8) -> Picture {
     let mut random = 1u64;
     let mut noisy = picture.clone();
@@ -75,7 +75,7 @@ fn the_ring_is_round_the_gaze() {
         gaze_in_view,
     };
     let ahead = within_ring(&eye(Eye::AHEAD), 20.0);
-    // A circle of tan 20° = 0.364 of half the width.
+    // The ring is a circle of tan 20° = 0.364 of half the width.
     let num_inside = ahead.iter().filter(|&&inside| inside).count() as f64;
     let want = std::f64::consts::PI * (100.0 * 20f64.to_radians().tan()).powi(2);
     assert!((num_inside / want - 1.0).abs() < 0.01, "{num_inside} and {want}");
@@ -116,7 +116,7 @@ fn holes_are_empty_or_behind() {
     let mut picture = truth.clone();
     picture.depth[50] = f32::INFINITY;
     picture.depth[90] = 10.2;
-    // Within 1 %, and before the surface: no holes.
+    // Depths within 1 %, and before the surface, are no holes.
     picture.depth[130] = 10.05;
     picture.depth[170] = 1.0;
     let holes = Holes::of(&picture, &truth);
@@ -126,7 +126,7 @@ fn holes_are_empty_or_behind() {
 
 #[test]
 fn edges_and_sky_are_no_holes() {
-    // A near surface on the left, a far one on the right, sky at the bottom.
+    // The truth has a near surface on the left, a far one on the right, and sky at the bottom.
     let mut truth = slope();
     for (pixel, depth) in truth.depth.iter_mut().enumerate() {
         *depth = if pixel / 40 >= 30 {
@@ -139,12 +139,12 @@ fn edges_and_sky_are_no_holes() {
     }
     let mut picture = truth.clone();
     let at = |x: usize, y: usize| y * 40 + x;
-    // The far surface where the near one ends, sky where the surface ends: half a pixel of shift.
+    // Half a pixel of shift shows the far surface where the near one ends, and sky where the surface ends.
     picture.depth[at(19, 5)] = 10.0;
     picture.depth[at(25, 29)] = f32::INFINITY;
     let holes = Holes::of(&picture, &truth);
     assert_eq!(holes, Holes { empty: 0, behind: 0, judged: 40 * 29 });
-    // One pixel further in they are.
+    // They are holes one pixel further in.
     picture.depth[at(18, 5)] = 10.0;
     picture.depth[at(25, 28)] = f32::INFINITY;
     let holes = Holes::of(&picture, &truth);
@@ -175,7 +175,7 @@ fn a_patch_that_pops_is_found_where_the_mean_hides_it() {
     }
     assert!((largest_patch_change(&a, &b) - 10.0).abs() < 1e-12);
     assert!((mean_change(&a, &b) - 10.0 * 256.0 / 1440.0).abs() < 1e-12);
-    // A patch at the edge, 8 × 4 pixels, counts by its own pixels.
+    // A patch of 8 × 4 pixels at the edge counts by its own pixels.
     let mut b = a.clone();
     b.rgb[33 * 40 + 39] = a.rgb[33 * 40 + 39].map(|c| c - 32);
     assert!((largest_patch_change(&a, &b) - 1.0).abs() < 1e-12);

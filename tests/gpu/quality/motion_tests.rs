@@ -1,10 +1,10 @@
-//! The ways the head moves.
+//! Tests of the ways the head moves.
 
 use super::motion::*;
 use base::space::{Eye, Fov, Pose, View};
 use glam::DVec3;
 
-/// Of an eye that looks somewhere.
+/// A view of an eye that looks somewhere.
 pub fn view() -> View {
     let eye = Eye {
         world_from_view: Pose::look_at(DVec3::ONE, DVec3::new(9.0, 4.0, 1.0), DVec3::Z),
@@ -27,7 +27,7 @@ fn the_head_trembles_a_little_and_always_alike() {
         .map(f64::to_degrees)
         .collect();
     let largest = turns.iter().copied().fold(0.0, f64::max);
-    // Both axes together: at most 0.1° · √2.
+    // Both axes together turn by at most 0.1° · √2.
     assert!(turns[0] < 1e-6 && largest > TREMOR_DEG && largest < 1.5 * TREMOR_DEG, "{largest}");
     assert!(views.iter().all(|v| v.eyes[0].world_from_view.position == DVec3::ONE));
 }

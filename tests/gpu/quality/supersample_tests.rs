@@ -1,4 +1,4 @@
-//! Parts of a view, and the pixels they become.
+//! Tests of parts of a view, and of the pixels that they become.
 
 use super::picture::{Picture, only_eye};
 use super::supersample::*;

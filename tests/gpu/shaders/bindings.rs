@@ -1,6 +1,6 @@
 //! What shaders bind is in the table of `render::bindings`, and all of the table is bound. So no shader can ask for a
-//! resource that its stage is not given: stages take whole sets, which host code cannot leave a part of out. Techniques of
-//! the laboratory bind what they name besides.
+//! resource that its stage is not given: stages take whole sets, of which host code cannot leave out a part.
+//! Techniques of the laboratory bind what they name besides.
 
 use super::{OUTSIDE, SEEN, Seen, parse};
 use lab::technique::NAMES;
@@ -17,7 +17,7 @@ pub fn declared(module: &Module) -> Vec<(String, u32)> {
     module.global_variables.iter().filter_map(bound).collect()
 }
 
-/// What a text declares and its set lacks.
+/// Names that a text declares and its set lacks.
 fn lacking<'a>(declared: &'a [(String, u32)], names: &[&str]) -> Vec<&'a str> {
     let is_lacking = |(name, group): &&(String, u32)| {
         let own = name.strip_suffix(AGAIN).unwrap_or(name);
@@ -70,7 +70,7 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
     }
 }
 
-/// The list of a set's resources is in the order of its names: each lands at its own.
+/// The list of a set's resources is in the order of its names: each resource lands at its own name.
 #[test]
 fn resources_come_in_the_order_of_their_names() {
     let names = <(Chunk, Eye)>::names();
@@ -90,7 +90,7 @@ fn shaders_outside_the_table_bind_what_their_host_code_says() {
     }
 }
 
-/// What a pipeline asks for is what its entry point uses, not what the text declares.
+/// A pipeline asks for what its entry point uses, not for what the text declares.
 #[test]
 fn entry_points_bind_what_they_use() {
     let of = |shader, entry| {

@@ -23,7 +23,8 @@ const ALLOWED: [(&str, &str, &str); 15] = [
     ("cull.rs", "& 0xffff", "two f16 in a word, as WGSL unpacks them"),
 ];
 
-/// Hexadecimal numbers, shifts by numbers or of numbers but 1, and masks that are numbers but 1; of code without comments.
+/// Finds hexadecimal numbers, shifts by numbers or of numbers except 1, and masks that are numbers except 1, in code
+/// without comments.
 fn numbers(text: &str) -> Vec<String> {
     let code: String =
         text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
@@ -47,7 +48,7 @@ fn numbers(text: &str) -> Vec<String> {
     found
 }
 
-/// An operand up to its end: a name or number, or a vector of such.
+/// An operand up to its end: a name or number, or a vector of these.
 fn operand(code: &str) -> &str {
     let word = code.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(code.len());
     let is_vector = code.starts_with("vec") && code[word..].starts_with('<');
@@ -107,7 +108,7 @@ fn numbers_in_place_of_names_are_noticed() {
     same("color >> (8 * channel) & 255", &["& 255"]);
     same("u64(a) << 32u", &["<< 32u"]);
     same("let x = id >> 1;", &[">> 1"]);
-    // Names, bits, and what only looks like a shift.
+    // Names, bits, and what only looks like a shift, are allowed.
     same("(1u << SHIFT) - 1u; x & MASK; x & 1u; x >> vec3<u32>(0u, GREEN_SHIFT, BLUE_SHIFT)", &[]);
     same("var<storage, read> a: array<vec2<u32>>; bitcast<vec4<u32>>(1.0); // x << 8u, 0xff", &[]);
 }

@@ -155,7 +155,7 @@ fn the_comparison_of_structs_can_fail() {
         faults(&parse("broken", &text.replace(from, to)), &host_structs())
     };
     assert!(broken("struct DilateUniform", "struct DilateUniform").is_empty());
-    // Fields in another order, one too few, and a struct that the host does not know.
+    // The samples have fields in another order, one field too few, and a struct that the host does not know.
     assert_eq!(
         broken(
             "own: vec2<u32>,\n    drawn: u32,\n    batch: u32,",
@@ -166,6 +166,6 @@ fn the_comparison_of_structs_can_fail() {
     );
     assert_eq!(broken("num_points: u32,\n    reserved: vec2<u32>,\n}", "num_points: u32,\n}").len(), 1);
     assert_eq!(broken("ChunkUniform", "Piece"), ["the host has no struct Piece"]);
-    // Within another.
+    // A struct within another is checked too.
     assert_eq!(broken("EyeUniform", "Eye"), ["the host has no struct Eye"]);
 }

@@ -3,7 +3,7 @@
 use super::faults;
 use lab::report::{BenchError, BenchResults, BenchRow, GpuMs, bench_page};
 
-/// What the contract says, word for word.
+/// The contract's own text, word for word.
 const JSON: &str = r#"{"device": "some GPU", "driver": "1.2", "copy_gb_per_s": 12.5, "rows": [
     {"table": "2021", "method": "point-list", "order": "original", "viewpoint": "overview", "points": 4000000,
      "points_read": 4000000, "points_drawn": 3900000, "gpu_ms": {"median": 20.0, "min": 19.0, "max": 24.0},

@@ -1,12 +1,12 @@
-//! Frames before the walk are told apart: without a scan, and while it is built beside them.
+//! Frames before the walk are told apart: those without a scan, and those while it is built beside them.
 
 use super::{faults, log_of, row_of, wave_ms};
 use base::output::{Output, OutputKind};
 use lab::report::{Comparison, Summary, walk_page, worst};
 use timing::{FrameLog, FrameLogFile, Phase, RunFacts, read};
 
-/// A walk, the same whatever came before, after a start in which every frame is over its budget, by ten times while the
-/// scan is built.
+/// A walk that is the same whatever came before, after a start in which every frame is over its budget, by ten times
+/// while the scan is built.
 fn started(num_waiting: u64, num_arriving: u64, num_walking: u64) -> FrameLogFile {
     let walk_begins = num_waiting + num_arriving;
     let mut log = log_of(walk_begins + num_walking, |frame| match frame {
@@ -24,7 +24,7 @@ fn started(num_waiting: u64, num_arriving: u64, num_walking: u64) -> FrameLogFil
     log
 }
 
-/// As if nobody told them apart.
+/// The log as if nobody told the phases apart.
 fn mixed(log: &FrameLogFile) -> FrameLogFile {
     let mut log = log.clone();
     log.frames.iter_mut().for_each(|frame| frame.phase = Phase::Walking);
@@ -49,7 +49,7 @@ fn figures_are_of_the_walk() {
         assert!(text.contains(expected), "{expected} is not in\n{text}");
     }
     assert!(worst(&log).iter().all(|frame| frame.phase == Phase::Walking));
-    // What it would be otherwise.
+    // These would be the figures otherwise.
     assert_eq!(Summary::of(&mixed(&log)).num_over_budget, 174);
     assert!(worst(&mixed(&log))[0].gpu_ms > 100.0);
 }
@@ -102,7 +102,7 @@ fn a_log_that_ends_before_the_walk_says_so() {
     }
 }
 
-/// From the frame thread's row to the report; and a log of a version that had no such column.
+/// The phase goes from the frame thread's row to the report; a log of an earlier version has no such column.
 #[test]
 fn logs_tell_the_phase() {
     let folder = tempfile::tempdir().unwrap();

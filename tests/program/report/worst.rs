@@ -8,7 +8,7 @@ use timing::{FrameLog, RunFacts, read};
 
 #[test]
 fn one_hitch_is_one_worst_frame() {
-    // A hitch of 20 frames, and a lone long frame that is shorter than any of them.
+    // There is a hitch of 20 frames, and a lone long frame that is shorter than any of them.
     let log = log_of(9000, |frame| match frame {
         4000..4020 => 40.0 + (frame - 4000) as f64,
         7000 => 30.0,
@@ -21,7 +21,7 @@ fn one_hitch_is_one_worst_frame() {
     assert!(lab::report::worst(&log_of(0, wave_ms)).is_empty());
 }
 
-/// From the frame thread's row to the path that `view --pose-path` replays.
+/// Poses go from the frame thread's row to the path that `view --pose-path` replays.
 #[test]
 fn a_replay_sees_what_the_worst_frames_saw() {
     let spiky =

@@ -1,4 +1,4 @@
-//! Line 5: colors by their distribution.
+//! Rows of kind 5: colors by their distribution.
 
 use super::desk::{Desk, Picture};
 use super::las::{Las, Point, place};
@@ -7,7 +7,7 @@ use super::{Row, judged, row};
 const LINE: u8 = 5;
 const EYE: [&str; 5] = ["scan.las", "--eye", "-14,-14,12", "--target", "0,0,2"];
 
-/// The place as a file stores it whose colors are made from the 16-bit ones by `store`.
+/// Draws the place from a file whose colors `store` makes from the 16-bit ones.
 fn drawn(desk: &Desk, format: u8, store: impl Fn(usize, &mut Point)) -> Result<Picture, String> {
     let mut points = place(6000, [0.0; 3], 20.0);
     points.iter_mut().enumerate().for_each(|(i, point)| store(i, point));
@@ -15,7 +15,7 @@ fn drawn(desk: &Desk, format: u8, store: impl Fn(usize, &mut Point)) -> Result<P
     desk.render(&EYE)
 }
 
-/// Is drawn as the same place in 16 bits, but for a few pixels: of odd points, and of rounding.
+/// A row whose scene is drawn as it is in 16 bits, except for a few pixels of odd points and of rounding.
 fn as_reference(name: &'static str, format: u8, store: fn(usize, &mut Point), most_off: u8) -> Row {
     row(LINE, name, "the picture of the same scene in 16 bits", move |desk| {
         let want = drawn(desk, format, |_, _| ())?;
@@ -33,7 +33,7 @@ fn to_bits(point: &mut Point, bits: u32) {
     point.rgb = point.rgb.map(|c| (f64::from(c) / 65535.0 * f64::from((1_u32 << bits) - 1)).round() as u16);
 }
 
-/// Shown by another figure than its colors, and that is said.
+/// A row whose scene is shown by another figure than its colors, which is said.
 fn not_by_color(name: &'static str, format: u8, store: fn(usize, &mut Point), shown_by: &'static str) -> Row {
     let right = format!("shown by {shown_by}; info says why");
     row(LINE, name, right, move |desk| {

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// No input may hang the program: this is far beyond what any row takes.
+/// Longest time for a run, far beyond what any row takes: no input may hang the program.
 const LONGEST: Duration = Duration::from_secs(120);
 /// Pixels of pictures: small, and wider than high.
 pub const SIZE: [usize; 2] = [96, 64];
 
-/// What a run came to.
+/// What came of a run.
 pub struct Ran {
     pub code: i32,
     pub out: Vec<u8>,
@@ -18,13 +18,13 @@ pub struct Ran {
 }
 
 impl Ran {
-    /// The sentence that holds all of these words, in any case.
+    /// True if a line holds all of these words, in any case.
     pub fn says(&self, words: &[&str]) -> bool {
         let lines = self.err.lines().map(str::to_lowercase);
         lines.into_iter().any(|line| words.iter().all(|word| line.contains(&word.to_lowercase())))
     }
 
-    /// In a cell of the table.
+    /// The outcome for a cell of the table.
     pub fn in_words(&self) -> String {
         let words = self.err.trim().replace('\n', " | ");
         format!("exit {}: {}", self.code, if words.is_empty() { "no word" } else { &words })
@@ -77,7 +77,7 @@ impl Desk {
         Ran { code, out: read(out_path), err: String::from_utf8_lossy(&read(err_path)).into_owned() }
     }
 
-    /// What `info --json` says; or how it failed.
+    /// Returns what `info --json` says, or how it failed.
     pub fn info(&self, args: &[&str]) -> Result<Info, String> {
         let ran = self.run(&[&["info", "--json"], args].concat());
         match serde_json::from_slice(&ran.out) {
@@ -86,7 +86,7 @@ impl Desk {
         }
     }
 
-    /// The picture that `render` makes of these; or how it failed.
+    /// Returns the picture that `render` makes of these, or how it failed.
     pub fn render(&self, args: &[&str]) -> Result<Picture, String> {
         let size = format!("{}x{}", SIZE[0], SIZE[1]);
         let fixed = ["render", "-o", "picture.png", "--size", &size];
@@ -98,7 +98,7 @@ impl Desk {
         Ok(Picture { pixels: decoded(&bytes)?, ran })
     }
 
-    /// Where a walk's head is at first, in the coordinates that it walks in; or how it failed.
+    /// Returns where a walk's head is at first, in the coordinates that it walks in, or how it failed.
     pub fn start(&self, args: &[&str]) -> Result<Start, String> {
         let fixed = ["view", "--headset", "off", "--window", "off", "--frames", "2", "--log", "frames.csv"];
         let small = ["--set", "simulated.size_px=[64,64]"];
@@ -128,7 +128,7 @@ impl Info {
         self.json["points"].as_u64().unwrap_or(0)
     }
 
-    /// A warning, or a line on stderr, that holds all of these words.
+    /// True if a warning, or a line on stderr, holds all of these words.
     pub fn says(&self, words: &[&str]) -> bool {
         let warnings = self.json["warnings"].as_array().cloned().unwrap_or_default();
         let has_all =
@@ -136,7 +136,7 @@ impl Info {
         warnings.iter().filter_map(Value::as_str).any(has_all) || self.ran.says(words)
     }
 
-    /// In a cell of the table.
+    /// The outcome for a cell of the table.
     pub fn in_words(&self) -> String {
         let warnings = &self.json["warnings"];
         format!("{} points, unit {}, warnings {warnings}", self.points(), self.json["unit_m"])
@@ -149,7 +149,7 @@ pub struct Start {
 }
 
 impl Start {
-    /// In a cell of the table; how far the head is from a place.
+    /// Distance of the head from a place, and its words for a cell of the table.
     pub fn from(&self, place: [f64; 3]) -> (f64, String) {
         let away: f64 = (0..3).map(|axis| (self.head[axis] - place[axis]).powi(2)).sum();
         (away.sqrt(), format!("{:.2} from the scene, at {:.2?}", away.sqrt(), self.head))
@@ -172,7 +172,7 @@ impl Picture {
         self.pixels.iter().flatten().copied().max().unwrap_or(0)
     }
 
-    /// Pixels of about this color.
+    /// Number of pixels of about this color.
     pub fn num_near(&self, color: [u8; 3]) -> usize {
         let near = |pixel: &&[u8; 3]| (0..3).all(|c| pixel[c].abs_diff(color[c]) <= 12);
         self.pixels.iter().filter(near).count()
@@ -184,7 +184,7 @@ impl Picture {
         (height / 2 - 2..height / 2 + 2).any(|y| (width / 2 - 2..width / 2 + 2).any(|x| around(x, y)))
     }
 
-    /// How much of the shorter side the lit pixels span, across or down, without the last hundredth at each end.
+    /// Share of the shorter side that the lit pixels span, across or down, without the last hundredth at each end.
     pub fn span(&self) -> f64 {
         let [width, height] = SIZE;
         let lit = (0..width * height).filter(|at| self.pixels[*at] != [0; 3]);

@@ -1,4 +1,4 @@
-//! LAS files, byte by byte, as devices and exporters write them; shares nothing with the reader.
+//! LAS files, byte by byte, as devices and exporters write them; the writer shares nothing with the reader.
 
 /// A point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,7 +13,7 @@ pub struct Point {
 /// A file to write.
 #[derive(Clone, Debug)]
 pub struct Las {
-    /// 2: LAS 1.2 with colors; 0: without; 6, 7: the same in LAS 1.4.
+    /// Point format: 2 for LAS 1.2 with colors, 0 without; 7 and 6 for the same in LAS 1.4.
     pub format: u8,
     pub scale: [f64; 3],
     pub offset: [f64; 3],
@@ -35,7 +35,7 @@ impl Las {
         Self { scale, ..self }
     }
 
-    /// With GeoTIFF keys: pairs of a key and its short value.
+    /// Adds GeoTIFF keys: pairs of a key and its short value.
     pub fn geo_keys(mut self, keys: &[(u16, u16)]) -> Self {
         let head = [1, 1, 0, keys.len() as u16];
         let words = head.into_iter().chain(keys.iter().flat_map(|&(key, value)| [key, 0, 1, value]));
@@ -43,7 +43,7 @@ impl Las {
         self
     }
 
-    /// With a coordinate system as text.
+    /// Adds a coordinate system as text.
     pub fn wkt(mut self, text: &str) -> Self {
         self.vlrs.push(("LASF_Projection", 2112, [text.as_bytes(), &[0]].concat()));
         self
@@ -107,7 +107,7 @@ impl Las {
     }
 }
 
-/// Numbers that look like chance, the same every time.
+/// Numbers that look random, the same every time.
 pub struct Chance(u64);
 
 impl Chance {
@@ -115,7 +115,7 @@ impl Chance {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// 0 to 1.
+    /// A number from 0 to 1.
     pub fn part(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

@@ -1,4 +1,4 @@
-//! Line 9: many files, and files that are no scans.
+//! Rows of kind 9: many files, and files that are no scans.
 
 use super::desk::Desk;
 use super::las::{Las, place};

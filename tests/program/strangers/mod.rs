@@ -1,7 +1,7 @@
-//! What strangers hand to the program: odd inputs of every kind that is known to have gone wrong elsewhere, each written
-//! here and given to the program as a user would. The table says of each what is right and what came of it, and fails if
-//! any row is wrong. Columns: the kind (files that must not be lost, holes, first views, small scans, colors, units, far
-//! points, PLY, many files), input, right, got.
+//! What strangers hand to the program: odd inputs of every kind that is known to have gone wrong elsewhere, each
+//! written here and given to the program as a user would. The table tells for each input what is right and what came
+//! of it, and fails if any row is wrong. Its columns are the kind (files that must not be lost, holes, first views,
+//! small scans, colors, units, far points, PLY, many files), input, right, got.
 
 // Links and identities of files are made as Unix has them.
 #![cfg(unix)]
@@ -19,7 +19,7 @@ use desk::Desk;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What came of a row, in words: as it should be, or not.
+/// The outcome of a row, in words: `Ok` if it is as it should be.
 type Got = Result<String, String>;
 
 /// A row of the table.
@@ -27,7 +27,7 @@ struct Row {
     kind: u8,
     input: String,
     right: String,
-    /// Does it all, on a desk of its own.
+    /// Runs the row on a desk of its own.
     check: Box<dyn Fn(&Desk) -> Got + Send + Sync>,
 }
 
@@ -47,10 +47,10 @@ fn judged(is_right: bool, got: String) -> Got {
 const KINDS: [&str; 10] =
     ["", "kept", "holes", "first view", "small", "colors", "units", "far", "PLY", "files"];
 
-/// As many programs at once as rows that wait for one.
+/// Programs that run at once.
 const AT_ONCE: usize = 2;
 
-/// Runs all rows; what came of each.
+/// Runs all rows; returns their outcomes.
 fn run(rows: &[Row]) -> Vec<Got> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<Got>>> = Mutex::new(rows.iter().map(|_| None).collect());
@@ -68,7 +68,7 @@ fn run(rows: &[Row]) -> Vec<Got> {
     results.into_inner().expect("no row panics").into_iter().map(|got| got.expect("each row ran")).collect()
 }
 
-/// Prints the table; how many rows are wrong.
+/// Prints the table; returns how many rows are wrong.
 fn print(rows: &[Row], results: &[Got]) -> usize {
     let mut num_wrong = 0;
     println!("| kind | input | right | got | |\n|---|---|---|---|---|");
@@ -93,7 +93,7 @@ fn odd_inputs_come_out_right() {
     let all = [outputs::rows(), views::rows(), colors::rows(), units::rows(), ply::rows(), many::rows()];
     let mut rows: Vec<Row> = all.into_iter().flatten().collect();
     rows.sort_by_key(|row| row.kind);
-    // One kind alone, for whoever mends it.
+    // One kind can be run alone, to mend it.
     if let Ok(only) = std::env::var("STRANGERS_KIND") {
         rows.retain(|row| KINDS[usize::from(row.kind)] == only);
     }

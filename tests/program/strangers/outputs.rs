@@ -1,4 +1,4 @@
-//! Line 1: nothing that is written destroys what is read.
+//! Rows of kind 1: nothing that is written destroys what is read.
 
 use super::desk::{Desk, Ran, decoded};
 use super::las::{Las, place};
@@ -10,7 +10,7 @@ fn scan() -> Vec<u8> {
     Las::new(2, place(500, [0.0; 3], 20.0)).bytes()
 }
 
-/// Refused with exit 2, and every file as it was.
+/// The program refuses with exit code 2, and every file stays as it was.
 fn refused(desk: &Desk, args: &[&str]) -> Got {
     let kept = ["a.las", "b.las", "frames.csv", "path.poses", "own.toml"];
     let read = |name: &&str| std::fs::read(desk.path(name)).ok();
@@ -25,7 +25,7 @@ fn refused(desk: &Desk, args: &[&str]) -> Got {
     }
 }
 
-/// A desk with two scans, a log, a pose path, settings and links.
+/// Lays two scans, a log, a pose path, settings and links on a desk.
 fn laid(desk: &Desk) {
     desk.put("a.las", scan());
     desk.put("b.las", scan());
@@ -41,7 +41,7 @@ fn laid(desk: &Desk) {
     std::fs::hard_link(desk.path("a.las"), desk.path("hard.png")).expect("a link");
 }
 
-/// The output `args` names, and why it must not be written.
+/// The output that `args` names, and why it must not be written.
 const REFUSED: [(&str, &str); 22] = [
     ("render a.las -o a.las", "the scan itself"),
     ("render a.las -o ./folder/../a.las", "the scan by another way"),
@@ -111,7 +111,7 @@ pub fn rows() -> Vec<Row> {
             let before = std::fs::read_dir(desk.path("")).expect("a folder").count();
             let ran = desk.run(&["render", "a.las", "-o", "OLD.PNG", "--size", "96x64"]);
             let picture = std::fs::read(desk.path("OLD.PNG")).map_err(|e| e.to_string())?;
-            // The program's words are kept in two files here.
+            // Two of the files hold what the program said.
             let more = std::fs::read_dir(desk.path("")).expect("a folder").count() - before - 2;
             let got = format!("{}, {more} more files", ran.in_words());
             if ran.code == 0 && decoded(&picture).is_ok() && more == 0 { Ok(got) } else { Err(got) }

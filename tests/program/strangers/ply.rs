@@ -1,4 +1,4 @@
-//! Line 8: PLY as the world writes it.
+//! Rows of kind 8: PLY as the world writes it.
 
 use super::desk::Desk;
 use super::las::{Chance, Las, place};
@@ -11,7 +11,7 @@ pub fn statue(num: usize, edge: f64) -> Vec<[f64; 3]> {
     place(num, [0.0; 3], edge).into_iter().map(|point| point.at).collect()
 }
 
-/// Text PLY without colors.
+/// PLY as text, without colors.
 pub fn points(property: &str, points: &[[f64; 3]]) -> String {
     let mut text = format!("ply\nformat ascii 1.0\nelement vertex {}\n", points.len());
     text += &["x", "y", "z"].map(|axis| format!("property {property} {axis}\n")).concat();
@@ -20,7 +20,7 @@ pub fn points(property: &str, points: &[[f64; 3]]) -> String {
     text
 }
 
-/// Quarters of a square: where, and their colors: red, green, blue, yellow.
+/// Quarters of a square: their places, and their colors red, green, blue, yellow.
 const QUARTERS: [([f64; 2], [u8; 3]); 4] = [
     ([-1.0, 1.0], [230, 20, 20]),
     ([1.0, 1.0], [20, 230, 20]),
@@ -63,7 +63,7 @@ fn of_quarters(
 const COLORED: &str = "property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n\
                        property uchar blue\n";
 
-/// Text of quarters; `row` writes one vertex.
+/// PLY as text with quarters; `row` writes one vertex.
 fn text(head: &str, end: &str, num: usize, row: impl Fn(usize, &[f64; 3], &[u8; 3]) -> String) -> Vec<u8> {
     let body: String = quarters(num / 4).iter().enumerate().map(|(i, (at, rgb))| row(i, at, rgb)).collect();
     (head.replace('\n', end) + &body).into_bytes()
@@ -145,7 +145,7 @@ fn packed(kind: &str, number: impl Fn(u32) -> String) -> Vec<u8> {
     })
 }
 
-/// A Gaussian splat: the color in its first coefficients, an opacity before the sigmoid.
+/// A Gaussian splat: the color is in its first coefficients, the opacity is before the sigmoid.
 fn splat(num_floaters: usize) -> Vec<u8> {
     let names =
         ["x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0"];
@@ -158,7 +158,7 @@ fn splat(num_floaters: usize) -> Vec<u8> {
         bytes.extend(all.flat_map(f32::to_le_bytes));
     };
     quarters(500).into_iter().for_each(|(at, rgb)| put(at, rgb, 4.0));
-    // Nobody would see these: their opacity is about 0.00005.
+    // Nobody would see these points: their opacity is about 0.00005.
     (0..num_floaters).for_each(|i| put([0.001 * i as f64, 0.0, 1.0], [255, 0, 255], -10.0));
     bytes
 }

@@ -1,4 +1,4 @@
-//! Line 6: units and axes.
+//! Rows of kind 6: units and axes.
 
 use super::desk::Desk;
 use super::las::{Las, place};
@@ -18,7 +18,7 @@ fn compound(horizontal: &str, vertical: &str) -> String {
     )
 }
 
-/// The unit of the file and the place's size in metres, as `info` has them.
+/// A row whose file has this unit, and whose place has its size in metres, as `info` says.
 fn of_unit(name: &'static str, make: fn() -> Las, set: &'static [&'static str], unit_m: f64) -> Row {
     row(LINE, name, format!("unit {unit_m:.7} m, eyes 1.7 m above the ground"), move |desk| {
         desk.put("place.las", make().bytes());
@@ -36,7 +36,7 @@ fn metres(edge: f64) -> Las {
     Las::new(2, place(3000, [0.0; 3], edge))
 }
 
-/// The tower's height in the picture as a share of what the same place in metres has.
+/// The tower's height in the picture as a share of its height in the picture of the same place in metres.
 fn tower(desk: &Desk, las: &Las, args: &[&str]) -> Result<f64, String> {
     desk.put("tower.las", las.bytes());
     let mut heights = Vec::new();
@@ -75,7 +75,7 @@ fn degrees(longitude: f64, latitude: f64) -> Las {
     Las::new(2, points).scaled([1e-8, 1e-8, 0.001]).at([longitude, latitude, 0.0])
 }
 
-/// The same, geocentric.
+/// The same place in geocentric coordinates.
 fn geocentric(longitude: f64, latitude: f64) -> Las {
     let mut points = place(3000, [0.0; 3], 20.0);
     let (a, e2) = (6_378_137.0, 6.694_379_990_14e-3);
@@ -94,7 +94,8 @@ fn geocentric(longitude: f64, latitude: f64) -> Las {
     Las::new(2, points).at(middle.map(f64::round))
 }
 
-/// Walked in metres about the scan's middle, upright, which is said; `info` has the file's own coordinates.
+/// A row whose scan is walked in metres about its middle, upright, which is said; `info` has the file's own
+/// coordinates.
 fn projected(name: &'static str, make: fn() -> Las) -> Row {
     row(LINE, name, "an upright place of 20 m, walked in metres; said; the box as in the file", move |desk| {
         let las = make();
@@ -113,7 +114,8 @@ fn projected(name: &'static str, make: fn() -> Las) -> Row {
     })
 }
 
-/// What `info` says of the axis that points up, of a room of 7 × 5 × 2.6 with things in it, which stands askew.
+/// A row about what `info` says of the axis that points up, for a room of 7 × 5 × 2.6 with things in it, which stands
+/// askew.
 fn upright(
     name: &'static str,
     comment: &'static str,
@@ -159,7 +161,7 @@ fn upright(
     })
 }
 
-/// Two tiles side by side of which each says its unit.
+/// Two tiles side by side, each of which states its unit.
 fn tiles() -> Row {
     row(LINE, "a tile in metres and one in feet", "both of one size and side by side; said", |desk| {
         let mut feet = place(3000, [20.0, 0.0, 0.0], 20.0);

@@ -1,4 +1,4 @@
-//! Lines 2, 3, 4 and 7: no holes, the first view, small scans, far points.
+//! Rows of kinds 2, 3, 4 and 7: no holes, the first view, small scans, far points.
 
 use super::desk::Desk;
 use super::las::{Las, Point, place, room, strays};
@@ -6,8 +6,8 @@ use super::{Got, Row, judged, row};
 
 const UTM: [f64; 3] = [500_000.0, 5_000_000.0, 400.0];
 
-/// The walk begins near a place of `edge` round `center`, at arm's length if it is small, and the default picture is filled
-/// by it.
+/// Checks that the walk begins near a place of `edge` round `center`, at arm's length if it is small, and that the
+/// place fills the default picture.
 fn first_view(desk: &Desk, args: &[&str], center: [f64; 3], edge: f64) -> Got {
     let (away, words) = desk.start(args)?.from(center);
     let picture = desk.render(args)?;
@@ -90,14 +90,14 @@ fn border() -> Vec<Row> {
             judged(num <= 8 && whole.lit() > 1000, format!("{num} of 1536 pixels differ"))
         })
     };
-    // Tangents of the whole run from −1 to 1 and from −2/3 to 2/3: these are halves, quarters of it.
+    // Tangents of the whole run from −1 to 1 and from −2/3 to 2/3; these parts are halves and quarters of it.
     vec![
         of("middle", "26.56505117707799,26.56505117707799,18.43494882292201,18.43494882292201", [24, 16]),
         of("top left", "45,0,33.69006752597979,0", [0, 0]),
     ]
 }
 
-/// `render` of another size than the desk's.
+/// Renders in another size than the desk's.
 fn sized(desk: &Desk, args: &[&str]) -> Result<Vec<[u8; 3]>, String> {
     let ran = desk.run(&[&["render", "-o", "sized.png"], args].concat());
     let bytes = std::fs::read(desk.path("sized.png")).map_err(|_| ran.in_words())?;
@@ -256,7 +256,7 @@ fn small() -> Vec<Row> {
     rows
 }
 
-/// A grid of 10 × 10 points 0.1 apart, and what lies far from it.
+/// A grid of 10 × 10 points 0.1 apart, and points far from it.
 fn grid_and(property: &str, far: &[[&str; 3]]) -> String {
     let num = 100 + far.len();
     let mut text = format!("ply\nformat ascii 1.0\nelement vertex {num}\n");
