@@ -1,7 +1,7 @@
 //! Resolves the settings once, to what each room is told. No room below sees [`Config`].
 
 use crate::config::{Config, Setting, choices};
-use crate::desktop::{Choice, Label, Widgets, WindowOptions};
+use crate::desktop::{Label, Selector, Widgets, WindowOptions};
 use crate::draw::DrawOptions;
 use crate::nodes::{CloudOptions, LodMethod};
 use crate::walk::WalkOptions;
@@ -150,15 +150,15 @@ fn technique(config: &Config) -> LabTechnique {
 fn widgets() -> Widgets {
     let Label { title, help } = label("locomotion.speed");
     Widgets {
-        mirror: choice("window.mirror"),
-        overlay: choice("window.overlay"),
+        mirror: selector("window.mirror"),
+        overlay: selector("window.overlay"),
         speed: Label { title, help: format!("A factor on {help}") },
     }
 }
 
-fn choice<'de, T: Deserialize<'de>>(key: &str) -> Choice<T> {
+fn selector<'de, T: Deserialize<'de>>(key: &str) -> Selector<T> {
     let values = choices().into_iter().map(|(name, value)| (title(name), value)).collect();
-    Choice { label: label(key), values }
+    Selector { label: label(key), values }
 }
 
 fn label(key: &str) -> Label {

@@ -9,7 +9,7 @@ use toml::{Spanned, Value};
 
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// A line of a file, counted from 1.
     File {
         /// The file.
@@ -23,7 +23,7 @@ pub enum Place {
     Default,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File { path, line } => write!(f, "{}, line {line}", path.display()),
@@ -41,14 +41,14 @@ pub(super) struct Assignment {
     /// Value, not yet checked.
     pub value: Value,
     /// Where it was written.
-    pub place: Place,
+    pub place: Location,
 }
 
 /// All assignments of a file.
 pub(super) fn in_file(path: &Path, text: &str) -> Result<Vec<Assignment>, ConfigError> {
     let place = |start: usize| {
         let before = text.as_bytes().iter().take(start);
-        Place::File { path: path.to_owned(), line: 1 + before.filter(|byte| **byte == b'\n').count() }
+        Location::File { path: path.to_owned(), line: 1 + before.filter(|byte| **byte == b'\n').count() }
     };
     let syntax = |error: toml::de::Error| ConfigError::Syntax {
         place: place(error.span().map_or(0, |span| span.start)),
@@ -91,5 +91,5 @@ pub(super) fn in_set(set: &str) -> Result<Assignment, ConfigError> {
     let text = value.trim();
     let parsed = DeValue::parse(text).map(ValueDeserializer::from).and_then(Value::deserialize);
     let value = parsed.unwrap_or_else(|_| Value::String(text.to_owned()));
-    Ok(Assignment { key: key.trim().to_owned(), value, place: Place::Set(set.to_owned()) })
+    Ok(Assignment { key: key.trim().to_owned(), value, place: Location::Set(set.to_owned()) })
 }

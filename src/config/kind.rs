@@ -7,7 +7,7 @@ use std::fmt::{self, Display};
 
 /// What can be assigned to a setting. As text it continues "must be …".
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// True or false.
     Flag,
     /// A number without fraction, up to this one.
@@ -24,7 +24,7 @@ pub enum Kind {
     Other(String),
 }
 
-impl Kind {
+impl ValueKind {
     /// What `T` takes.
     #[must_use]
     pub fn of<'de, T: Deserialize<'de>>() -> Self {
@@ -36,7 +36,7 @@ impl Kind {
     }
 }
 
-impl Display for Kind {
+impl Display for ValueKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let most = |most: &u32| format!("from 0 to {most}");
         match self {
@@ -58,7 +58,7 @@ impl Display for Kind {
 /// The choices of `T` by their names, in its own order; none if it is not chosen by name.
 #[must_use]
 pub fn choices<'de, T: Deserialize<'de>>() -> Vec<(&'static str, T)> {
-    let Kind::Choice(names) = Kind::of::<T>() else { return Vec::new() };
+    let ValueKind::Choice(names) = ValueKind::of::<T>() else { return Vec::new() };
     let value = |name: &'static str| {
         let name_as_value: StrDeserializer<'static, Refusal> = name.into_deserializer();
         Some((name, T::deserialize(name_as_value).ok()?))
@@ -71,7 +71,7 @@ struct Asked;
 
 /// The kind that was asked for. It travels as an error, which ends the reading.
 #[derive(Debug)]
-struct Answer(Kind);
+struct Answer(ValueKind);
 
 impl Display for Answer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -83,7 +83,7 @@ impl std::error::Error for Answer {}
 
 impl Error for Answer {
     fn custom<T: Display>(words: T) -> Self {
-        Self(Kind::Other(words.to_string()))
+        Self(ValueKind::Other(words.to_string()))
     }
 }
 
@@ -101,23 +101,23 @@ impl<'de> Deserializer<'de> for Asked {
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
-        Err(Answer(Kind::Flag))
+        Err(Answer(ValueKind::Flag))
     }
 
     fn deserialize_u8<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
-        Err(Answer(Kind::Whole(u8::MAX.into())))
+        Err(Answer(ValueKind::Whole(u8::MAX.into())))
     }
 
     fn deserialize_u32<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
-        Err(Answer(Kind::Whole(u32::MAX)))
+        Err(Answer(ValueKind::Whole(u32::MAX)))
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
-        Err(Answer(Kind::Number))
+        Err(Answer(ValueKind::Number))
     }
 
     fn deserialize_string<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
-        Err(Answer(Kind::Text))
+        Err(Answer(ValueKind::Text))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -126,11 +126,11 @@ impl<'de> Deserializer<'de> for Asked {
         names: &'static [&'static str],
         _: V,
     ) -> Result<V::Value, Answer> {
-        Err(Answer(Kind::Choice(names)))
+        Err(Answer(ValueKind::Choice(names)))
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Answer> {
-        visitor.visit_seq(self).map_err(|Answer(kind)| Answer(Kind::List(Box::new(kind), len)))
+        visitor.visit_seq(self).map_err(|Answer(kind)| Answer(ValueKind::List(Box::new(kind), len)))
     }
 
     forward_to_deserialize_any! {
@@ -156,18 +156,23 @@ mod tests {
 
     #[test]
     fn types_tell_what_they_take() {
-        let kinds = [Kind::of::<bool>(), Kind::of::<u32>(), Kind::of::<f64>(), Kind::of::<String>()];
-        assert_eq!(kinds, [Kind::Flag, Kind::Whole(u32::MAX), Kind::Number, Kind::Text]);
-        assert_eq!(Kind::of::<[u8; 3]>(), Kind::List(Box::new(Kind::Whole(255)), 3));
-        assert_eq!(Kind::of::<Up>(), Kind::Choice(&["auto", "z", "y", "-y"]));
+        let kinds = [
+            ValueKind::of::<bool>(),
+            ValueKind::of::<u32>(),
+            ValueKind::of::<f64>(),
+            ValueKind::of::<String>(),
+        ];
+        assert_eq!(kinds, [ValueKind::Flag, ValueKind::Whole(u32::MAX), ValueKind::Number, ValueKind::Text]);
+        assert_eq!(ValueKind::of::<[u8; 3]>(), ValueKind::List(Box::new(ValueKind::Whole(255)), 3));
+        assert_eq!(ValueKind::of::<Up>(), ValueKind::Choice(&["auto", "z", "y", "-y"]));
     }
 
     #[test]
     fn words_continue_a_sentence() {
-        assert_eq!(Kind::of::<[f64; 2]>().to_string(), "a list of 2 numbers");
-        assert_eq!(Kind::of::<Quality>().to_string(), "\"closest\" or \"hqs\"");
-        assert_eq!(Kind::of::<Up>().to_string(), "one of \"auto\", \"z\", \"y\", \"-y\"");
-        let unit = Kind::of::<Unit>().to_string();
+        assert_eq!(ValueKind::of::<[f64; 2]>().to_string(), "a list of 2 numbers");
+        assert_eq!(ValueKind::of::<Quality>().to_string(), "\"closest\" or \"hqs\"");
+        assert_eq!(ValueKind::of::<Up>().to_string(), "one of \"auto\", \"z\", \"y\", \"-y\"");
+        let unit = ValueKind::of::<Unit>().to_string();
         assert!(unit.starts_with("\"auto\", \"m\"") && unit.ends_with("or a number of metres"), "{unit}");
     }
 

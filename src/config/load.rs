@@ -1,8 +1,8 @@
 //! Reading configuration: assignments of presets, a file and the command line, one after the other, on top of the
 //! defaults. Each is checked when it is made, so that every complaint names the line it stems from.
 
-use super::assign::{Assignment, Place, in_file, in_set};
-use super::kind::Kind;
+use super::assign::{Assignment, Location, in_file, in_set};
+use super::kind::ValueKind;
 use super::presets::in_preset;
 use super::{Config, Setting, check};
 use serde::Deserialize;
@@ -30,7 +30,7 @@ pub enum ConfigError {
     #[error("{place}: this is not TOML: {message}")]
     Syntax {
         /// Place of the error.
-        place: Place,
+        place: Location,
         /// The parser's words.
         message: String,
     },
@@ -49,7 +49,7 @@ pub enum ConfigError {
     #[error("{place}: there is no setting '{key}'; did you mean '{nearest}'?")]
     UnknownKey {
         /// Place of the key.
-        place: Place,
+        place: Location,
         /// Key as it was written.
         key: String,
         /// The valid key that is spelt most like it.
@@ -59,11 +59,11 @@ pub enum ConfigError {
     #[error("{place}: {key} must be {wanted}, not {found}")]
     WrongType {
         /// Place of the value.
-        place: Place,
+        place: Location,
         /// The key.
         key: &'static str,
         /// Kind of value that the key takes.
-        wanted: Kind,
+        wanted: ValueKind,
         /// Kind and text of the value.
         found: String,
     },
@@ -71,7 +71,7 @@ pub enum ConfigError {
     #[error("{place}: {key} {problem}")]
     OutOfRange {
         /// Place of the value.
-        place: Place,
+        place: Location,
         /// The key.
         key: &'static str,
         /// A sentence about its value.
@@ -127,7 +127,7 @@ struct Resolving {
     /// The configuration with the values so far, typed.
     config: Config,
     /// Where a key was last assigned.
-    places: HashMap<&'static str, Place>,
+    places: HashMap<&'static str, Location>,
 }
 
 impl Resolving {
@@ -156,7 +156,7 @@ impl Resolving {
         match check::check(&self.config) {
             Ok(()) => Ok(self.config),
             Err(check::Problem { key, problem }) => {
-                let place = self.places.remove(key).unwrap_or(Place::Default);
+                let place = self.places.remove(key).unwrap_or(Location::Default);
                 Err(ConfigError::OutOfRange { place, key, problem })
             }
         }

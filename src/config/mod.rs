@@ -13,8 +13,8 @@ mod presets;
 mod setting;
 mod table;
 
-pub use assign::Place;
-pub use kind::{Kind, choices};
+pub use assign::Location;
+pub use kind::{ValueKind, choices};
 pub use load::{ConfigError, load};
 pub use page::{FILES, file, page};
 pub use presets::{PRESETS, Preset};

@@ -1,6 +1,6 @@
 //! What a setting is, and the macro that makes structs, defaults and the list of all settings from the one table.
 
-use super::kind::Kind;
+use super::kind::ValueKind;
 
 /// Settings that belong together.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub struct Setting {
     /// Who changes it.
     pub audience: Audience,
     /// Kind of value that its type takes.
-    pub(super) kind: fn() -> Kind,
+    pub(super) kind: fn() -> ValueKind,
 }
 
 /// Who changes a setting.
@@ -77,14 +77,14 @@ impl Setting {
 
     /// Kind of value that its type takes.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ValueKind {
         (self.kind)()
     }
 
     /// What it means and which numbers make sense: sentences.
     #[must_use]
     pub fn help(&self) -> String {
-        let each = if matches!(self.kind(), Kind::List(..)) { "Each from" } else { "From" };
+        let each = if matches!(self.kind(), ValueKind::List(..)) { "Each from" } else { "From" };
         let limits = match (self.range, self.unit) {
             (None, "") => String::new(),
             (None, unit) => format!(" In {unit}."),
@@ -149,7 +149,7 @@ macro_rules! settings {
                 range: settings!(@range $($least, $most)?),
                 unit: concat!($($unit)?),
                 audience: settings!(@audience $($audience)?),
-                kind: Kind::of::<$type>,
+                kind: ValueKind::of::<$type>,
             },)+],
         },)+];
     };

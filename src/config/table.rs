@@ -1,8 +1,8 @@
 //! Every setting: the one place that says its key, type, default, range, unit, meaning, and whom it is for.
 
-use super::kind::Kind;
+use super::kind::ValueKind;
 use super::setting::{Audience, Section, Setting, settings};
-use crate::desktop::Mirror;
+use crate::desktop::MirroredEyes;
 use crate::nodes::LodMethod;
 use cloud::Order;
 use lab::technique::{EarlyZLoad, Method};
@@ -161,7 +161,7 @@ settings! {
         /// Size at start: width, height.
         size: [u32; 2] = [1280, 720], from 1 to 16_384, in "points";
         /// Which eye the window mirrors: "left", "right" or "both".
-        mirror: Mirror = Mirror::Left;
+        mirror: MirroredEyes = MirroredEyes::Left;
         /// true: the panel is shown at start.
         panel: bool = true;
         /// Drawn over the mirror, never in the headset, to see how a frame comes about: "none", "rings" (round the gaze),

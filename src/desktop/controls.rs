@@ -1,8 +1,8 @@
 //! Turns keys and mouse into actions for the frame thread and into what the window shows. It knows no window: events
 //! go in, and at most one action comes out of each.
 
-use super::keys::{self, Input, KeyAction};
-use super::{Mirror, WindowOptions};
+use super::keys::{self, HandInput, KeyAction};
+use super::{MirroredEyes, WindowOptions};
 use crate::walk::state::Action;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
@@ -12,9 +12,9 @@ const LEAVE_WINDOW: Duration = Duration::from_secs(2);
 
 /// What the window shows; the user changes it with keys and in the panel.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct View {
+pub(super) struct WindowState {
     /// Which eyes are mirrored.
-    pub mirror: Mirror,
+    pub mirror: MirroredEyes,
     /// True if the panel is shown.
     pub panel: bool,
     /// True if the help is shown.
@@ -26,7 +26,7 @@ pub(super) struct View {
     leave_asked: Option<Instant>,
 }
 
-impl View {
+impl WindowState {
     /// What the window shows at start.
     pub(super) fn new(options: &WindowOptions) -> Self {
         let WindowOptions { mirror, panel, .. } = *options;
@@ -56,7 +56,7 @@ impl View {
 #[derive(Debug)]
 pub(super) struct Controls {
     /// What the window shows.
-    pub view: View,
+    pub view: WindowState,
     held: Vec<KeyCode>,
     sent: Action,
     drag_from_px: Option<[f64; 2]>,
@@ -67,13 +67,13 @@ const AT_REST: Action = Action::Move { direction: [0.0; 3], fast: false };
 
 impl Controls {
     /// Controls with nothing held.
-    pub(super) fn new(view: View) -> Self {
+    pub(super) fn new(view: WindowState) -> Self {
         Self { view, held: Vec::new(), sent: AT_REST, drag_from_px: None, pointer_px: [0.0; 2] }
     }
 
     /// Takes in that a key went down (once, not its repeats) or up.
     pub(super) fn key(&mut self, key: KeyCode, pressed: bool, now: Instant) -> Option<Action> {
-        let action = keys::action(Input::Key(key))?;
+        let action = keys::action(HandInput::Key(key))?;
         if let KeyAction::Move(..) | KeyAction::Fast = action {
             self.held.retain(|held| *held != key);
             if pressed {
@@ -118,13 +118,13 @@ impl Controls {
         self.pointer_px = at_px;
         let from_px = self.drag_from_px.as_mut().map(|from| std::mem::replace(from, at_px))?;
         let delta_px = [(at_px[0] - from_px[0]) as f32, (at_px[1] - from_px[1]) as f32];
-        (keys::action(Input::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
+        (keys::action(HandInput::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
             .then_some(Action::Look { delta_px })
     }
 
     /// Takes in that the wheel turned by this many lines; up is positive.
     pub(super) fn wheel(&mut self, lines: f32) -> Option<Action> {
-        match keys::action(Input::Wheel)? {
+        match keys::action(HandInput::Wheel)? {
             KeyAction::Speed(steps) if lines.is_finite() => Some(Action::Faster(steps * lines)),
             _ => None,
         }
@@ -142,7 +142,7 @@ impl Controls {
         let mut moving = [0.0f32; 3];
         let mut fast = false;
         for key in &self.held {
-            match keys::action(Input::Key(*key)) {
+            match keys::action(HandInput::Key(*key)) {
                 Some(KeyAction::Move(axis, by)) => moving[axis] += by,
                 Some(KeyAction::Fast) => fast = true,
                 _ => {}
@@ -154,11 +154,11 @@ impl Controls {
 }
 
 /// The mirror after this one.
-fn next(mirror: Mirror) -> Mirror {
+fn next(mirror: MirroredEyes) -> MirroredEyes {
     match mirror {
-        Mirror::Left => Mirror::Right,
-        Mirror::Right => Mirror::Both,
-        Mirror::Both => Mirror::Left,
+        MirroredEyes::Left => MirroredEyes::Right,
+        MirroredEyes::Right => MirroredEyes::Both,
+        MirroredEyes::Both => MirroredEyes::Left,
     }
 }
 
@@ -168,7 +168,7 @@ mod tests {
     use crate::resolve::Plan;
 
     fn controls() -> Controls {
-        Controls::new(View::new(&Plan::default().window))
+        Controls::new(WindowState::new(&Plan::default().window))
     }
 
     fn moving(direction: [f32; 3], fast: bool) -> Option<Action> {
@@ -244,7 +244,7 @@ mod tests {
         c.key(KeyCode::Tab, true, now);
         c.key(KeyCode::Tab, false, now);
         assert!(!c.view.panel);
-        for mirror in [Mirror::Right, Mirror::Both, Mirror::Left] {
+        for mirror in [MirroredEyes::Right, MirroredEyes::Both, MirroredEyes::Left] {
             assert_eq!(c.key(KeyCode::KeyM, true, now), None);
             assert_eq!(c.view.mirror, mirror);
         }

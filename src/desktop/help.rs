@@ -1,6 +1,6 @@
 //! The help over the picture: every binding of the one table.
 
-use super::controls::View;
+use super::controls::WindowState;
 use super::keys::BINDINGS;
 use super::style::{self, FAINT};
 use egui::{Align2, Area, Color32, CornerRadius, Frame, Grid, Id, Margin, Order, RichText, ScrollArea, Ui};
@@ -9,7 +9,7 @@ use egui::{Align2, Area, Color32, CornerRadius, Frame, Grid, Id, Margin, Order, 
 const WIDTH: f32 = 430.0;
 
 /// Draws the help if the view wants it.
-pub(super) fn show(ui: &mut Ui, view: &mut View) {
+pub(super) fn show(ui: &mut Ui, view: &mut WindowState) {
     if !view.help {
         return;
     }

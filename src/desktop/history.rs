@@ -29,7 +29,7 @@ pub(super) struct History {
 
 /// A time now and over the history, milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spread {
+pub(super) struct TimeSummary {
     /// Time of the newest frame.
     pub now_ms: f32,
     /// Median: half of the frames took no longer.
@@ -98,12 +98,12 @@ impl History {
     }
 
     /// GPU time of the whole frame; `None` if the device gives none.
-    pub(super) fn gpu(&self) -> Option<Spread> {
+    pub(super) fn gpu(&self) -> Option<TimeSummary> {
         let times = || self.aged().map(|(_, row)| row.gpu_ms).filter(|ms| ms.is_finite());
         let now_ms = times().next_back()?;
         let sorted = Sorted::new(times().map(f64::from));
         let [median_ms, p99_ms] = [sorted.median()?, sorted.percentile(990)?].map(|ms| ms as f32);
-        Some(Spread { now_ms, median_ms, p99_ms })
+        Some(TimeSummary { now_ms, median_ms, p99_ms })
     }
 
     /// Top of the plot: a multiple of the budget in steps, so that it rests while the frames change little.
@@ -240,7 +240,7 @@ pub(super) mod tests {
         }
         history.push(row(201, 2.3, f32::NAN), Instant::now());
         let spread = history.gpu();
-        assert_eq!(spread, Some(Spread { now_ms: 0.0, median_ms: 99.5, p99_ms: 197.0 }));
+        assert_eq!(spread, Some(TimeSummary { now_ms: 0.0, median_ms: 99.5, p99_ms: 197.0 }));
         let mut silent = History::default();
         silent.push(row(0, 0.0, f32::NAN), Instant::now());
         assert_eq!(silent.gpu(), None);

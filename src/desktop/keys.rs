@@ -7,7 +7,7 @@ use winit::keyboard::KeyCode;
 
 /// Something that a hand can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Input {
+pub(super) enum HandInput {
     /// A key by its position.
     Key(KeyCode),
     /// Moving the mouse with a button held.
@@ -45,7 +45,7 @@ pub(super) enum KeyAction {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Binding {
     /// Inputs, each of which does it.
-    pub inputs: &'static [Input],
+    pub inputs: &'static [HandInput],
     /// What the inputs do.
     pub action: KeyAction,
     /// The action in words, for the help.
@@ -54,10 +54,10 @@ pub(super) struct Binding {
 
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[Binding] = {
-    use Input::{Drag, Key, Wheel};
+    use HandInput::{Drag, Key, Wheel};
     use KeyAction::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
     use KeyCode as K;
-    const fn bind(inputs: &'static [Input], action: KeyAction, does: &'static str) -> Binding {
+    const fn bind(inputs: &'static [HandInput], action: KeyAction, does: &'static str) -> Binding {
         Binding { inputs, action, does }
     }
     &[
@@ -86,20 +86,20 @@ pub(super) const BINDINGS: &[Binding] = {
 };
 
 /// Returns what `input` does, if anything.
-pub(super) fn action(input: Input) -> Option<KeyAction> {
+pub(super) fn action(input: HandInput) -> Option<KeyAction> {
     BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
 }
 
 impl Binding {
     /// Names of its inputs for the help: "E", "Space". Left and right keys of one name count once.
     pub(super) fn labels(&self) -> Vec<String> {
-        let mut labels: Vec<String> = self.inputs.iter().map(Input::label).collect();
+        let mut labels: Vec<String> = self.inputs.iter().map(HandInput::label).collect();
         labels.dedup();
         labels
     }
 }
 
-impl Input {
+impl HandInput {
     fn label(&self) -> String {
         let name = match self {
             Self::Drag => "Mouse drag",
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn no_input_is_bound_twice() {
-        let all: Vec<Input> = BINDINGS.iter().flat_map(|b| b.inputs).copied().collect();
+        let all: Vec<HandInput> = BINDINGS.iter().flat_map(|b| b.inputs).copied().collect();
         for (i, input) in all.iter().enumerate() {
             assert!(!all[..i].contains(input), "{input:?} is bound twice");
         }
@@ -136,10 +136,10 @@ mod tests {
 
     #[test]
     fn the_table_binds() {
-        assert_eq!(action(Input::Key(KeyCode::KeyW)), Some(KeyAction::Move(2, 1.0)));
-        assert_eq!(action(Input::Key(KeyCode::Home)), Some(KeyAction::Send(Action::WholeView)));
-        assert_eq!(action(Input::Drag), Some(KeyAction::Look));
-        assert_eq!(action(Input::Key(KeyCode::F5)), None);
+        assert_eq!(action(HandInput::Key(KeyCode::KeyW)), Some(KeyAction::Move(2, 1.0)));
+        assert_eq!(action(HandInput::Key(KeyCode::Home)), Some(KeyAction::Send(Action::WholeView)));
+        assert_eq!(action(HandInput::Drag), Some(KeyAction::Look));
+        assert_eq!(action(HandInput::Key(KeyCode::F5)), None);
     }
 
     #[test]

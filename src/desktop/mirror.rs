@@ -1,7 +1,7 @@
 //! The pipeline that lays the eyes' images on the window.
 
-use super::Mirror;
-use super::placement::{Area, panes};
+use super::MirroredEyes;
+use super::placement::{PixelRect, panes};
 use crate::walk::link::MirrorImages;
 use wgpu::util::DeviceExt;
 
@@ -13,12 +13,12 @@ pub(super) struct MirrorPipeline {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     longest_px: u32,
-    bound: Option<Bound>,
+    bound: Option<BoundImages>,
 }
 
 /// Bind groups of the mirrored images, which live as long as the images that they were made for.
 #[derive(Debug)]
-struct Bound {
+struct BoundImages {
     images: MirrorImages,
     groups: [wgpu::BindGroup; 2],
 }
@@ -70,13 +70,13 @@ impl MirrorPipeline {
         pass: &mut wgpu::RenderPass<'_>,
         size_px: [u32; 2],
         images: &MirrorImages,
-        mirror: Mirror,
+        mirror: MirroredEyes,
     ) {
         let longest_px = self.longest_px;
         let groups = self.groups(device, images).clone();
         pass.set_pipeline(&self.pipeline);
         for pane in panes(mirror, images.drawn_px, size_px, longest_px) {
-            let Area { x, y, width, height } = pane.image;
+            let PixelRect { x, y, width, height } = pane.image;
             pass.set_viewport(x, y, width, height, 0.0, 1.0);
             let clip = pane.clip;
             pass.set_scissor_rect(clip.x as u32, clip.y as u32, clip.width as u32, clip.height as u32);
@@ -89,10 +89,12 @@ impl MirrorPipeline {
     }
 
     fn groups(&mut self, device: &wgpu::Device, images: &MirrorImages) -> &[wgpu::BindGroup; 2] {
-        let bound = self.bound.take().filter(|bound| bound.images == *images).unwrap_or_else(|| Bound {
-            groups: [0, 1].map(|eye: usize| self.group(device, &images.textures[eye], images.drawn_px[eye])),
-            images: images.clone(),
-        });
+        let bound =
+            self.bound.take().filter(|bound| bound.images == *images).unwrap_or_else(|| BoundImages {
+                groups: [0, 1]
+                    .map(|eye: usize| self.group(device, &images.textures[eye], images.drawn_px[eye])),
+                images: images.clone(),
+            });
         &self.bound.insert(bound).groups
     }
 

@@ -7,7 +7,7 @@
 //! ```text
 //! main thread                                        frame thread
 //!   Display::run ── winit events ─▶ controls ──Action──▶ walk
-//!        │                            │ View                │
+//!        │                            │ WindowState         │
 //!        ▼                            ▼                     │
 //!     painter ◀── panel, help (egui) ◀── history ◀──rows────┤
 //!        └── mirror ◀───────────────────────────mirror images┘
@@ -56,7 +56,7 @@ mod server;
 mod style;
 mod window;
 
-pub use options::{Choice, Label, Mirror, Widgets, WindowOptions};
+pub use options::{Label, MirroredEyes, Selector, Widgets, WindowOptions};
 pub use server::{Server, is_named, server};
 
 use crate::walk::link::ViewerEnd;

@@ -11,7 +11,7 @@ pub struct WindowOptions {
     /// Whether the panel is shown.
     pub panel: bool,
     /// Which eye is mirrored.
-    pub mirror: Mirror,
+    pub mirror: MirroredEyes,
     /// What the panel changes.
     pub widgets: Widgets,
 }
@@ -20,9 +20,9 @@ pub struct WindowOptions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Widgets {
     /// Which eye is mirrored.
-    pub mirror: Choice<Mirror>,
+    pub mirror: Selector<MirroredEyes>,
     /// What is drawn over the mirror.
-    pub overlay: Choice<Overlay>,
+    pub overlay: Selector<Overlay>,
     /// How fast the user moves.
     pub speed: Label,
 }
@@ -38,14 +38,14 @@ pub struct Label {
 
 /// A widget that takes one of several values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice<T> {
+pub struct Selector<T> {
     /// Name and meaning of the widget.
     pub label: Label,
     /// All values with their titles: "Left".
     pub values: Vec<(String, T)>,
 }
 
-impl<T: PartialEq> Choice<T> {
+impl<T: PartialEq> Selector<T> {
     /// The title of a value.
     pub(super) fn title(&self, of: &T) -> &str {
         self.values.iter().find(|(_, value)| value == of).map_or("", |(title, _)| title)
@@ -55,7 +55,7 @@ impl<T: PartialEq> Choice<T> {
 /// What the window mirrors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Mirror {
+pub enum MirroredEyes {
     /// The left eye.
     #[default]
     Left,

@@ -1,6 +1,6 @@
 //! One picture of the window: the mirror, egui on top. Draws into any texture view, so tests need no window.
 
-use super::Mirror;
+use super::MirroredEyes;
 use super::mirror::MirrorPipeline;
 use crate::walk::link::MirrorImages;
 use render::gpu::Gpu;
@@ -50,7 +50,7 @@ impl Painter {
         gpu: &Gpu,
         target: &wgpu::TextureView,
         size_px: [u32; 2],
-        mirror: Option<(&MirrorImages, Mirror)>,
+        mirror: Option<(&MirrorImages, MirroredEyes)>,
         mut ui: EguiPicture,
     ) -> Vec<wgpu::CommandBuffer> {
         let device = &gpu.device;

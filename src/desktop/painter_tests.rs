@@ -1,9 +1,9 @@
 //! The painter on a GPU without a window, and the panel without either.
 
-use super::controls::{Controls, View};
+use super::controls::{Controls, WindowState};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
-use super::{Mirror, WindowFacts, WindowOptions, help, keys, notice, panel, style};
+use super::{MirroredEyes, WindowFacts, WindowOptions, help, keys, notice, panel, style};
 use crate::resolve::Plan;
 use crate::walk::link::{LoadState, MirrorImages};
 use crate::walk::state::AppState;
@@ -34,7 +34,7 @@ fn ramps(gpu: &Gpu) -> MirrorImages {
 }
 
 /// The first channel of each pixel after mirroring `images` into a picture of their own size.
-fn mirrored(gpu: &Gpu, images: &MirrorImages, mirror: Mirror, format: TextureFormat) -> Vec<u8> {
+fn mirrored(gpu: &Gpu, images: &MirrorImages, mirror: MirroredEyes, format: TextureFormat) -> Vec<u8> {
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
     let target = texture(gpu, format, usage);
     let nothing = EguiPicture { primitives: Vec::new(), textures: Default::default(), pixels_per_point: 1.0 };
@@ -71,11 +71,11 @@ fn the_mirror_keeps_every_8_bit_value() {
     let ramp: Vec<u8> = (0..=255).collect();
     let negative: Vec<u8> = (0..=255).rev().collect();
     for format in [TextureFormat::Bgra8Unorm, TextureFormat::Rgba8Unorm, TextureFormat::Bgra8UnormSrgb] {
-        assert_eq!(mirrored(&gpu, &images, Mirror::Left, format), ramp, "{format:?}");
-        assert_eq!(mirrored(&gpu, &images, Mirror::Right, format), negative, "{format:?}");
+        assert_eq!(mirrored(&gpu, &images, MirroredEyes::Left, format), ramp, "{format:?}");
+        assert_eq!(mirrored(&gpu, &images, MirroredEyes::Right, format), negative, "{format:?}");
     }
     // The comparison can fail: side by side each eye has half of the pixels.
-    assert_ne!(mirrored(&gpu, &images, Mirror::Both, TextureFormat::Bgra8Unorm), ramp);
+    assert_ne!(mirrored(&gpu, &images, MirroredEyes::Both, TextureFormat::Bgra8Unorm), ramp);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn the_mirror_shows_only_what_is_drawn() {
     let (across, down) = (8, 4);
     let part = MirrorImages { drawn_px: [[across, down]; 2], ..whole.clone() };
     let corners = |images: &MirrorImages| {
-        let shown = mirrored(&gpu, images, Mirror::Left, TextureFormat::Rgba8Unorm);
+        let shown = mirrored(&gpu, images, MirroredEyes::Left, TextureFormat::Rgba8Unorm);
         [shown[0], shown[shown.len() - 1]]
     };
     // The part is twice as wide as high: it covers the square window and loses a quarter on either side. Nothing is
@@ -140,7 +140,7 @@ fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String 
         eye_px: Some([1440, 1600]),
         now,
     };
-    let mut view = View::new(&options);
+    let mut view = WindowState::new(&options);
     painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), None))
 }
 
@@ -203,7 +203,7 @@ fn the_panel_bears_having_nothing_to_tell() {
 
 #[test]
 fn the_help_lists_the_whole_table() {
-    let mut view = View::new(&WindowOptions { panel: false, ..Plan::default().window });
+    let mut view = WindowState::new(&WindowOptions { panel: false, ..Plan::default().window });
     assert_eq!(painted(|ui| help::show(ui, &mut view)), "");
     let mut controls = Controls::new(view);
     controls.key(winit::keyboard::KeyCode::F1, true, Instant::now());

@@ -1,7 +1,7 @@
 //! The panel: how the frames go, what is seen, a few choices.
 
-use super::controls::View;
-use super::history::{History, Spread};
+use super::controls::WindowState;
+use super::history::{History, TimeSummary};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
 use super::{Label, Widgets, WindowFacts, numbers, plot};
 use crate::walk::link::LoadState;
@@ -35,7 +35,7 @@ pub(super) struct Contents<'a> {
 }
 
 /// Draws the panel if the view wants it; returns the action that the user asked for in it.
-pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> {
+pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<Action> {
     if !view.panel {
         return None;
     }
@@ -131,7 +131,7 @@ fn stages(ui: &mut Ui, row: &FrameRow) {
     });
 }
 
-fn gpu(ui: &mut Ui, spread: &Spread, budget_ms: f32) {
+fn gpu(ui: &mut Ui, spread: &TimeSummary, budget_ms: f32) {
     ui.columns_const(|columns: &mut [Ui; 3]| {
         let figures = [("now", spread.now_ms), ("median", spread.median_ms), ("99 %", spread.p99_ms)];
         for (ui, (name, ms)) in columns.iter_mut().zip(figures) {
@@ -165,7 +165,7 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
 }
 
 /// Draws the choices: mirror, overlay, speed, help.
-fn choices(ui: &mut Ui, contents: &Contents, view: &mut View) -> Option<Action> {
+fn choices(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<Action> {
     let Contents { widgets, state, .. } = contents;
     let (mut speed, mut overlay) = (state.speed(), state.overlay);
     Grid::new("choices").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {

@@ -1,11 +1,11 @@
 //! Where the eyes' images lie in the window. Everything is in physical pixels, with (0, 0) at the top left and y
 //! down.
 
-use super::Mirror;
+use super::MirroredEyes;
 
 /// A rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Area {
+pub(super) struct PixelRect {
     /// Left edge.
     pub x: f32,
     /// Top edge.
@@ -22,9 +22,9 @@ pub(super) struct Pane {
     /// 0 for the left eye, 1 for the right.
     pub eye: usize,
     /// The part of the window that it may paint; whole pixels.
-    pub clip: Area,
+    pub clip: PixelRect,
     /// Where the whole image would lie; larger than `clip` where the image is cropped.
-    pub image: Area,
+    pub image: PixelRect,
 }
 
 /// What gives way where image and area differ in shape.
@@ -39,13 +39,13 @@ enum Fit {
 /// The panes of a window: one eye covers it, as headset mirrors do; two stand side by side, each whole.
 /// `longest_px` is the longest edge that the GPU's viewport may have.
 pub(super) fn panes(
-    mirror: Mirror,
+    mirror: MirroredEyes,
     images_px: [[u32; 2]; 2],
     window_px: [u32; 2],
     longest_px: u32,
 ) -> Vec<Pane> {
     let [width, height] = window_px.map(|edge| edge as f32);
-    let pane = |eye: usize, clip: Area, fit: Fit| {
+    let pane = |eye: usize, clip: PixelRect, fit: Fit| {
         let covering = fitted(images_px[eye], clip, fit);
         let image = if covering.width.max(covering.height) > longest_px as f32 {
             fitted(images_px[eye], clip, Fit::Whole)
@@ -54,26 +54,26 @@ pub(super) fn panes(
         };
         Pane { eye, clip, image }
     };
-    let window = Area { x: 0.0, y: 0.0, width, height };
+    let window = PixelRect { x: 0.0, y: 0.0, width, height };
     let half = (width / 2.0).floor();
     match mirror {
-        Mirror::Left => vec![pane(0, window, Fit::Cover)],
-        Mirror::Right => vec![pane(1, window, Fit::Cover)],
-        Mirror::Both => vec![
-            pane(0, Area { width: half, ..window }, Fit::Whole),
-            pane(1, Area { x: half, width: width - half, ..window }, Fit::Whole),
+        MirroredEyes::Left => vec![pane(0, window, Fit::Cover)],
+        MirroredEyes::Right => vec![pane(1, window, Fit::Cover)],
+        MirroredEyes::Both => vec![
+            pane(0, PixelRect { width: half, ..window }, Fit::Whole),
+            pane(1, PixelRect { x: half, width: width - half, ..window }, Fit::Whole),
         ],
     }
 }
 
 /// The image's rectangle around the middle of `area`, its shape kept. The corner lies on a whole pixel, so
 /// that an image of the area's own size is copied pixel by pixel.
-fn fitted(image_px: [u32; 2], area: Area, fit: Fit) -> Area {
+fn fitted(image_px: [u32; 2], area: PixelRect, fit: Fit) -> PixelRect {
     let [width, height] = image_px.map(|edge| edge.max(1) as f32);
     let (across, down) = (area.width / width, area.height / height);
     let scale = if fit == Fit::Cover { across.max(down) } else { across.min(down) };
     let (width, height) = (width * scale, height * scale);
-    Area {
+    PixelRect {
         x: (area.x + (area.width - width) / 2.0).round(),
         y: (area.y + (area.height - height) / 2.0).round(),
         width,
@@ -89,7 +89,7 @@ mod tests {
     const EYE: [u32; 2] = [960, 1080];
     const LONGEST: u32 = 16_384;
 
-    fn only(mirror: Mirror, images: [[u32; 2]; 2], window: [u32; 2]) -> Pane {
+    fn only(mirror: MirroredEyes, images: [[u32; 2]; 2], window: [u32; 2]) -> Pane {
         let all = panes(mirror, images, window, LONGEST);
         assert_eq!(all.len(), 1);
         all[0]
@@ -97,29 +97,29 @@ mod tests {
 
     #[test]
     fn an_image_of_the_windows_size_is_copied() {
-        let pane = only(Mirror::Left, [EYE; 2], EYE);
-        assert_eq!(pane.image, Area { x: 0.0, y: 0.0, width: 960.0, height: 1080.0 });
+        let pane = only(MirroredEyes::Left, [EYE; 2], EYE);
+        assert_eq!(pane.image, PixelRect { x: 0.0, y: 0.0, width: 960.0, height: 1080.0 });
     }
 
     #[test]
     fn one_eye_covers_a_wide_window_and_is_cropped_above_and_below() {
-        let pane = only(Mirror::Right, [[1, 1], EYE], [1280, 720]);
+        let pane = only(MirroredEyes::Right, [[1, 1], EYE], [1280, 720]);
         assert_eq!(pane.eye, 1);
-        assert_eq!(pane.image, Area { x: 0.0, y: -360.0, width: 1280.0, height: 1440.0 });
+        assert_eq!(pane.image, PixelRect { x: 0.0, y: -360.0, width: 1280.0, height: 1440.0 });
     }
 
     #[test]
     fn both_eyes_are_whole_and_side_by_side() {
-        let both = panes(Mirror::Both, [EYE; 2], [1281, 720], LONGEST);
+        let both = panes(MirroredEyes::Both, [EYE; 2], [1281, 720], LONGEST);
         assert_eq!([both[0].eye, both[1].eye], [0, 1]);
         assert_eq!([both[0].clip.width, both[1].clip.width], [640.0, 641.0]);
-        assert_eq!(both[0].image, Area { x: 0.0, y: 0.0, width: 640.0, height: 720.0 });
+        assert_eq!(both[0].image, PixelRect { x: 0.0, y: 0.0, width: 640.0, height: 720.0 });
         assert_eq!(both[1].image.x, 641.0, "the spare pixel is split evenly, rounded");
     }
 
     #[test]
     fn a_crop_beyond_the_gpus_viewport_becomes_whole() {
-        let sliver = panes(Mirror::Left, [EYE; 2], [16_000, 100], LONGEST);
+        let sliver = panes(MirroredEyes::Left, [EYE; 2], [16_000, 100], LONGEST);
         assert!(sliver[0].image.height <= 100.0);
     }
 
@@ -128,7 +128,7 @@ mod tests {
         fn shapes_are_kept_and_areas_covered_or_kept_within(
             image in prop::array::uniform2(1u32..5000),
             window in prop::array::uniform2(2u32..5000),
-            mirror in prop::sample::select(vec![Mirror::Left, Mirror::Right, Mirror::Both]),
+            mirror in prop::sample::select(vec![MirroredEyes::Left, MirroredEyes::Right, MirroredEyes::Both]),
         ) {
             for Pane { clip, image: placed, .. } in panes(mirror, [image; 2], window, u32::MAX) {
                 let shape = image[0] as f32 / image[1] as f32;
@@ -139,7 +139,7 @@ mod tests {
                     && placed.x + placed.width >= clip.x + clip.width - 0.51
                     && placed.y + placed.height >= clip.y + clip.height - 0.51;
                 let within = placed.width <= clip.width * 1.001 && placed.height <= clip.height * 1.001;
-                let kept = if mirror == Mirror::Both { within } else { covers };
+                let kept = if mirror == MirroredEyes::Both { within } else { covers };
                 prop_assert!(kept, "{placed:?} in {clip:?}");
             }
         }

@@ -17,10 +17,10 @@ const CONFIGURE_PAUSE: Duration = Duration::from_millis(100);
 
 /// A surface and what it is configured to.
 #[derive(Debug)]
-pub(super) struct Screen {
+pub(super) struct WindowSurface {
     gpu: Arc<Gpu>,
     window: Arc<Window>,
-    /// `None` only inside [`Screen::recreate`] and `drop`.
+    /// `None` only inside [`WindowSurface::recreate`] and `drop`.
     surface: Option<wgpu::Surface<'static>>,
     config: wgpu::SurfaceConfiguration,
     /// True if the surface is as `config` says.
@@ -30,7 +30,7 @@ pub(super) struct Screen {
     finished: Arc<AtomicBool>,
 }
 
-impl Screen {
+impl WindowSurface {
     /// The surface of `window`, which is configured when the first picture is begun.
     pub(super) fn new(gpu: Arc<Gpu>, window: Arc<Window>) -> Result<Self, DesktopError> {
         let surface = gpu.instance.create_surface(Arc::clone(&window))?;
@@ -142,7 +142,7 @@ impl Screen {
     }
 }
 
-impl Drop for Screen {
+impl Drop for WindowSurface {
     fn drop(&mut self) {
         self.release();
     }

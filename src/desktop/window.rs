@@ -1,10 +1,10 @@
 //! winit's side of the window: passes events to [`Controls`], looks for news sixty times a second, and draws a
 //! picture if there is any.
 
-use super::controls::{Controls, View};
+use super::controls::{Controls, WindowState};
 use super::history::History;
 use super::painter::{EguiPicture, Painter};
-use super::screen::Screen;
+use super::screen::WindowSurface;
 use super::{DesktopError, WindowFacts, WindowOptions, help, notice, panel, server, style};
 use crate::walk::link::{LoadState, ViewerEnd};
 use crate::walk::state::{Action, Snapshot};
@@ -47,7 +47,7 @@ pub(super) struct App {
 
 /// What exists while the window does. The screen is dropped before the window.
 struct Shown {
-    screen: Screen,
+    screen: WindowSurface,
     painter: Painter,
     egui: egui_winit::State,
     window: Arc<Window>,
@@ -78,7 +78,7 @@ impl App {
         options: WindowOptions,
         stop: CancelToken,
     ) -> Self {
-        let controls = Controls::new(View::new(&options));
+        let controls = Controls::new(WindowState::new(&options));
         let (load, state) = (viewer.load(), viewer.snapshot());
         Self {
             gpu,
@@ -112,7 +112,7 @@ impl App {
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(160, 120));
         let window = Arc::new(events.create_window(attributes).map_err(refused)?);
-        let screen = Screen::new(Arc::clone(&self.gpu), Arc::clone(&window))?;
+        let screen = WindowSurface::new(Arc::clone(&self.gpu), Arc::clone(&window))?;
         let painter = Painter::new(&self.gpu.device, screen.format());
         let context = egui::Context::default();
         style::apply(&context);

@@ -48,7 +48,7 @@ pub struct GovernorOptions {
 
 /// A change of settings, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct RungChange {
     /// Settings before.
     pub from: Settings,
     /// Settings from the next frame on.
@@ -73,7 +73,7 @@ pub enum Why {
     Hopeless,
 }
 
-impl Step {
+impl RungChange {
     /// True if quality was given up, false if it was given back.
     #[must_use]
     pub fn is_down(&self) -> bool {
@@ -81,7 +81,7 @@ impl Step {
     }
 }
 
-impl fmt::Display for Step {
+impl fmt::Display for RungChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { from, to, gpu_ms, target_ms, why } = self;
         let why = match why {
@@ -125,7 +125,7 @@ pub struct Governor {
     newest_frame: u64,
     /// Frames before this one were drawn with other settings.
     first_frame: u64,
-    times: Times,
+    times: RecentTimes,
     /// Frames in a row with room for a step up.
     calm: u32,
     /// The frame time that the last step was taken at, if it was a step up.
@@ -148,7 +148,7 @@ impl Governor {
             at: 0,
             newest_frame: 0,
             first_frame: 0,
-            times: Times::default(),
+            times: RecentTimes::default(),
             calm: 0,
             raised_at_ms: None,
             hopeless: None,
@@ -178,7 +178,7 @@ impl Governor {
     /// Notes that frame number `frame` took `gpu_ms` of a display period of `budget_ms`. A time says nothing if it is
     /// not known (NaN), belongs to other settings, or is not of the walk: while a scan is read, built and sent,
     /// others use the same GPU, and frames without a scan cost nothing.
-    pub fn observe(&mut self, frame: u64, phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<Step> {
+    pub fn observe(&mut self, frame: u64, phase: Phase, gpu_ms: f32, budget_ms: f32) -> Option<RungChange> {
         let target_ms = self.options.budget * budget_ms;
         let known = gpu_ms.is_finite() && target_ms.is_finite() && target_ms > 0.0;
         if !known || phase != Phase::Walking || frame < self.first_frame || !self.options.enabled {
@@ -210,7 +210,7 @@ impl Governor {
     }
 
     /// Steps from the cheapest rung back to a good picture, if giving that up has gained nothing.
-    fn give_back(&mut self, gpu_ms: f32, target_ms: f32, most_ms: f32) -> Option<Step> {
+    fn give_back(&mut self, gpu_ms: f32, target_ms: f32, most_ms: f32) -> Option<RungChange> {
         let good = good_rung(&self.ladder);
         if gpu_ms <= most_ms || good >= self.at {
             return None;
@@ -222,7 +222,7 @@ impl Governor {
 
     /// Steps down by as many rungs as could suffice. A rung rarely saves the most that it can, so this falls short
     /// rather than goes too far; the next frames then go on.
-    fn step_down(&mut self, gpu_ms: f32, target_ms: f32) -> Option<Step> {
+    fn step_down(&mut self, gpu_ms: f32, target_ms: f32) -> Option<RungChange> {
         let here = self.settings();
         let below = &self.ladder[self.at + 1..];
         let could_do = |rung: &Rung| gpu_ms / here.most_saved_by(&rung.settings) <= target_ms;
@@ -238,7 +238,7 @@ impl Governor {
     }
 
     /// Steps up by one rung, if there has been room for it long enough.
-    fn step_up(&mut self, gpu_ms: f32, target_ms: f32) -> Option<Step> {
+    fn step_up(&mut self, gpu_ms: f32, target_ms: f32) -> Option<RungChange> {
         let above = self.at.checked_sub(1)?;
         let most = self.ladder[above].settings.most_saved_by(&self.settings());
         let room_ms = (1.0 - MARGIN) * target_ms;
@@ -259,25 +259,25 @@ impl Governor {
         Some(self.step_to(above, gpu_ms, target_ms, Why::Room))
     }
 
-    fn step_to(&mut self, at: usize, gpu_ms: f32, target_ms: f32, why: Why) -> Step {
+    fn step_to(&mut self, at: usize, gpu_ms: f32, target_ms: f32, why: Why) -> RungChange {
         let from = self.settings();
         self.at = at;
         self.first_frame = self.newest_frame + 1;
-        self.times = Times::default();
+        self.times = RecentTimes::default();
         self.calm = 0;
-        Step { from, to: self.settings(), gpu_ms, target_ms, why }
+        RungChange { from, to: self.settings(), gpu_ms, target_ms, why }
     }
 }
 
 /// Times of the last frames since the last step.
 #[derive(Clone, Copy, Debug, Default)]
-struct Times {
+struct RecentTimes {
     ms: [f32; WINDOW],
     /// Frames since the last step.
     seen: u32,
 }
 
-impl Times {
+impl RecentTimes {
     fn push(&mut self, ms: f32) {
         self.ms[self.seen as usize % WINDOW] = ms;
         self.seen = self.seen.saturating_add(1);

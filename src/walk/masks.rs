@@ -6,14 +6,14 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use xr::hidden_area::HiddenArea;
 
 /// What a mask is for: fields of view and sizes of both eyes' images.
-type For = ([Fov; 2], [[u32; 2]; 2]);
+type MaskKey = ([Fov; 2], [[u32; 2]; 2]);
 
 /// Sizes of the images, and their masks.
 type Made = ([[u32; 2]; 2], [Vec<u32>; 2]);
 
 enum Request {
     Areas([HiddenArea; 2]),
-    Masks(For),
+    Masks(MaskKey),
 }
 
 /// The frame thread's end.
@@ -21,7 +21,7 @@ enum Request {
 pub struct Masks {
     requests: Sender<Request>,
     results: Receiver<Made>,
-    asked: Option<For>,
+    asked: Option<MaskKey>,
 }
 
 impl Default for Masks {

@@ -12,7 +12,7 @@ const MAX_PENDING_ROWS: usize = 32;
 
 /// Rows under way, and what they count from frame to frame.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(super) struct PendingRows {
     pending: VecDeque<FrameRow>,
     /// Frames so far.
     pub frame: u64,
@@ -28,7 +28,7 @@ pub(super) struct Rows {
     written_bytes: u64,
 }
 
-impl Rows {
+impl PendingRows {
     /// Rows that begin now, when `written_bytes` have been sent to the GPU.
     pub fn new(written_bytes: u64) -> Self {
         Self {

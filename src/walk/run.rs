@@ -5,7 +5,7 @@ use super::link::WalkEnd;
 use super::locomotion::{Locomotion, LocomotionOptions, Start, head_of};
 use super::masks::Masks;
 use super::mirror::Mirror;
-use super::rows::{Rows, ms, pass_on};
+use super::rows::{PendingRows, ms, pass_on};
 use super::screenshot::Screenshots;
 use super::state::{Action, AppState};
 use super::views::Views;
@@ -164,7 +164,7 @@ struct Frames {
     /// Pixels of each eye's image that are drawn, from the top left corner.
     drawn_px: [[u32; 2]; 2],
     may_pitch: bool,
-    rows: Rows,
+    rows: PendingRows,
     /// True until the loader is done.
     arriving: bool,
     waiting: Waiting,
@@ -201,7 +201,7 @@ impl Frames {
             sizes_px,
             drawn_px: sizes_px,
             may_pitch: headset.is_simulated(),
-            rows: Rows::new(walk.gpu.queue.written_bytes()),
+            rows: PendingRows::new(walk.gpu.queue.written_bytes()),
             arriving: true,
             waiting: Waiting::default(),
             stage_from_head: Pose::IDENTITY,
@@ -435,7 +435,7 @@ impl Frames {
         self.collect(walk);
         self.rows.give_up(true, &mut |row| pass_on(walk.log, &walk.link, row));
         self.screenshots.finish();
-        let Rows { frame, scan_frames, .. } = self.rows;
+        let PendingRows { frame, scan_frames, .. } = self.rows;
         WalkSummary { frames: frame, scan_frames, ended, last_view: self.last_view }
     }
 }

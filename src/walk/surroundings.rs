@@ -68,10 +68,12 @@ pub(super) struct Standing {
 
 /// The place nearest to the scene's middle where one can stand; `None` if the scene is an object.
 pub(super) fn standing(scene: &Scene, units_per_m: f64) -> Option<Standing> {
-    COARSER.into_iter().find_map(|coarser| standing_in(&Plan::new(scene, units_per_m, coarser)?, units_per_m))
+    COARSER
+        .into_iter()
+        .find_map(|coarser| standing_in(&FloorPlan::new(scene, units_per_m, coarser)?, units_per_m))
 }
 
-fn standing_in(plan: &Plan, units_per_m: f64) -> Option<Standing> {
+fn standing_in(plan: &FloorPlan, units_per_m: f64) -> Option<Standing> {
     let free: Vec<(DVec2, f64)> = plan.free_places();
     let room = free.iter().find_map(|&(at, floor)| Some((at, floor, plan.walls(at, floor)?)));
     let outside = |reach| (reach < SMALL_ROOM_M).then(|| plan.open_place(&free, true)).flatten();
@@ -87,7 +89,7 @@ fn standing_in(plan: &Plan, units_per_m: f64) -> Option<Standing> {
 
 /// A scene from above: its points by the cells of a floor plan of where most of it is. Lengths are in metres from the
 /// plan's origin.
-struct Plan {
+struct FloorPlan {
     /// Origin in world space.
     origin: DVec3,
     size: DVec3,
@@ -106,7 +108,7 @@ struct Plan {
     max_in_air: usize,
 }
 
-impl Plan {
+impl FloorPlan {
     /// The floor plan of a scene; `None` if nobody fits into it.
     fn new(scene: &Scene, units_per_m: f64, coarser: f64) -> Option<Self> {
         let (x, y) = (scene.quarters(0)?, scene.quarters(1)?);

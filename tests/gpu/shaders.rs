@@ -54,7 +54,7 @@ struct Text {
 }
 
 /// What the tests want to know of a text, which is parsed once for all of them.
-struct Seen {
+struct ParsedText {
     shader: Shader,
     name: String,
     /// Resources that it may bind beside its set.
@@ -72,12 +72,12 @@ struct Seen {
 }
 
 /// All texts of all tiers.
-static SEEN: LazyLock<Vec<Seen>> = LazyLock::new(|| {
+static PARSED: LazyLock<Vec<ParsedText>> = LazyLock::new(|| {
     let hosts = structs::host_structs();
     let see = &|atomics: Atomics, Text { shader, name, wgsl, besides }: Text| {
         let module = parse(&name, &wgsl);
         let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
-        Seen {
+        ParsedText {
             error: validator.validate(&module).err().map(|e| e.emit_to_string(&wgsl)),
             entries: module.entry_points.iter().map(|entry| entry.name.clone()).collect(),
             declared: bindings::declared(&module),
@@ -175,7 +175,7 @@ fn parse(name: &str, wgsl: &str) -> naga::Module {
 
 #[test]
 fn every_shader_is_valid_in_every_tier() {
-    for Seen { name, error, .. } in SEEN.iter() {
+    for ParsedText { name, error, .. } in PARSED.iter() {
         assert!(error.is_none(), "{name}: {}", error.as_deref().unwrap_or_default());
     }
 }
@@ -190,7 +190,7 @@ const DRAWN: [(&str, &[&str]); 4] = [
 
 #[test]
 fn shaders_have_the_entry_points_that_the_host_names() {
-    for Seen { shader, name, entries, .. } in SEEN.iter() {
+    for ParsedText { shader, name, entries, .. } in PARSED.iter() {
         let drawn = DRAWN.iter().find(|(drawn, _)| *drawn == shader.name);
         assert_eq!(entries, drawn.map_or(&["main"][..], |(_, entries)| entries), "{name}");
     }

@@ -1,8 +1,8 @@
 //! Settings: the table yields the files that show them, and every mistake is named with its place and the way out.
 
 use render::options::Precision;
-use scanwalk::config::{Config, ConfigError, FILES, Kind, PRESETS, Preset, Setting, file, load, page};
-use scanwalk::desktop::Mirror;
+use scanwalk::config::{Config, ConfigError, FILES, PRESETS, Preset, Setting, ValueKind, file, load, page};
+use scanwalk::desktop::MirroredEyes;
 use std::path::{Path, PathBuf};
 
 fn sets(sets: &[&str]) -> Result<Config, ConfigError> {
@@ -77,7 +77,7 @@ fn quoted(text: &str) -> Vec<&str> {
 fn the_meaning_of_a_choice_names_all_that_there_are() {
     let mut num_choices = 0;
     for setting in Setting::all() {
-        let Kind::Choice(names) = setting.kind() else { continue };
+        let ValueKind::Choice(names) = setting.kind() else { continue };
         num_choices += 1;
         let help = setting.help();
         let mut told = quoted(&help);
@@ -96,9 +96,9 @@ fn meanings_are_sentences_and_numbers_have_limits() {
     for setting in Setting::all() {
         let (key, help) = (setting.key, setting.help());
         assert!(help.ends_with('.') && help.split_whitespace().count() > 2, "{key}: {help}");
-        let is_number = |kind: &Kind| *kind == Kind::Number;
+        let is_number = |kind: &ValueKind| *kind == ValueKind::Number;
         let kind = setting.kind();
-        let is_free = is_number(&kind) || matches!(&kind, Kind::List(items, _) if is_number(items));
+        let is_free = is_number(&kind) || matches!(&kind, ValueKind::List(items, _) if is_number(items));
         assert!(!is_free || setting.range.is_some(), "{key} has no range");
         let has_unit = ["_m", "_deg", "_px", "_mib", "_hz"].iter().any(|end| key.ends_with(end));
         assert!(!has_unit || !setting.unit.is_empty(), "{key} has no unit");
@@ -192,7 +192,7 @@ fn the_command_line_wins_over_the_file() {
     let path = folder.path().join("walk.toml");
     std::fs::write(&path, "frame.near_m = 0.2\n[window]\nmirror = \"both\"\n").unwrap();
     let config = load(&[], Some(&path), &["frame.near_m=0.3".into(), "frame.near_m=0.4".into()]).unwrap();
-    assert_eq!((config.frame.near_m, config.window.mirror), (0.4, Mirror::Both));
+    assert_eq!((config.frame.near_m, config.window.mirror), (0.4, MirroredEyes::Both));
     assert_eq!(config.simulated, Config::default().simulated, "the rest stays");
 }
 

@@ -9,31 +9,31 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// A folder with two scans, a frame log, settings, a pose path, and names that lead to them.
-struct Lab(tempfile::TempDir);
+struct TestFolder(tempfile::TempDir);
 
 /// Files that no command may change.
 const PRECIOUS: [&str; 5] = ["a.las", "b.las", "frames.csv", "set.toml", "walk.poses"];
 
-impl Lab {
+impl TestFolder {
     fn new() -> Self {
-        let lab = Self(tempfile::tempdir().unwrap());
-        lab.put("a.las", &las(7));
-        lab.put("b.las", &las(9));
-        lab.put("frames.csv", frame_log().as_bytes());
-        lab.put("set.toml", b"[frame]\nnear_m = 0.1\n");
-        lab.put("walk.poses", b"0,0,0,5,0,0,0,1\n");
-        symlink("a.las", lab.path("link.png")).unwrap();
-        symlink("frames.csv", lab.path("link.html")).unwrap();
-        symlink("walk.poses", lab.path("link.csv")).unwrap();
-        symlink("set.toml", lab.path("link.json")).unwrap();
-        fs::hard_link(lab.path("a.las"), lab.path("hard.png")).unwrap();
-        fs::hard_link(lab.path("b.las"), lab.path("hard.npy")).unwrap();
-        fs::create_dir(lab.path("inner")).unwrap();
-        symlink("..", lab.path("inner/up")).unwrap();
-        symlink("../inner/up/hard.png", lab.path("inner/far.png")).unwrap();
+        let folder = Self(tempfile::tempdir().unwrap());
+        folder.put("a.las", &las(7));
+        folder.put("b.las", &las(9));
+        folder.put("frames.csv", frame_log().as_bytes());
+        folder.put("set.toml", b"[frame]\nnear_m = 0.1\n");
+        folder.put("walk.poses", b"0,0,0,5,0,0,0,1\n");
+        symlink("a.las", folder.path("link.png")).unwrap();
+        symlink("frames.csv", folder.path("link.html")).unwrap();
+        symlink("walk.poses", folder.path("link.csv")).unwrap();
+        symlink("set.toml", folder.path("link.json")).unwrap();
+        fs::hard_link(folder.path("a.las"), folder.path("hard.png")).unwrap();
+        fs::hard_link(folder.path("b.las"), folder.path("hard.npy")).unwrap();
+        fs::create_dir(folder.path("inner")).unwrap();
+        symlink("..", folder.path("inner/up")).unwrap();
+        symlink("../inner/up/hard.png", folder.path("inner/far.png")).unwrap();
         // This link has the name of one eye's picture.
-        symlink("b.las", lab.path("eye.right.png")).unwrap();
-        lab
+        symlink("b.las", folder.path("eye.right.png")).unwrap();
+        folder
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -125,7 +125,7 @@ fn frame_log() -> String {
 
 #[test]
 fn no_output_is_written_over_an_input() {
-    let lab = Lab::new();
+    let folder = TestFolder::new();
     let view = "scanwalk view a.las b.las --headset off --window off --frames 2";
     let render = "scanwalk render a.las b.las --size 64x48";
     for line in [
@@ -150,18 +150,18 @@ fn no_output_is_written_over_an_input() {
         "scanwalk info a.las >> a.las".into(),
     ] {
         let line = line.replace(" --points 1", "");
-        let said = lab.refused(&line, 2);
+        let said = folder.refused(&line, 2);
         assert!(said.contains("which is read as") && said.contains("another file"), "{line}: {said}");
     }
     // The input need not exist, and no option need come last.
-    let said = lab.refused("scanwalk render -o none.png none.png --size 8x8", 2);
+    let said = folder.refused("scanwalk render -o none.png none.png --size 8x8", 2);
     assert!(said.contains("none.png would be written over none.png"), "{said}");
 }
 
 #[test]
 fn no_two_outputs_are_one_file() {
-    let lab = Lab::new();
-    symlink("x.poses", lab.path("same.html")).unwrap();
+    let folder = TestFolder::new();
+    symlink("x.poses", folder.path("same.html")).unwrap();
     for line in [
         "scanwalk render a.las -o - --depth -",
         "scanwalk render a.las -o /dev/stdout --metrics - | cat",
@@ -171,8 +171,8 @@ fn no_two_outputs_are_one_file() {
     ] {
         // The shell's last command counts in a pipe.
         let said = match line.strip_suffix(" | cat") {
-            Some(line) => lab.refused(line, 2),
-            None => lab.refused(line, 2),
+            Some(line) => folder.refused(line, 2),
+            None => folder.refused(line, 2),
         };
         assert!(said.contains("are the same file"), "{line}: {said}");
     }
@@ -180,8 +180,8 @@ fn no_two_outputs_are_one_file() {
 
 #[test]
 fn a_pattern_in_the_place_of_an_output_costs_no_file() {
-    let lab = Lab::new();
-    lab.put("before.csv", b"another log");
+    let folder = TestFolder::new();
+    folder.put("before.csv", b"another log");
     for line in [
         "scanwalk render -o *.las --size 64x48",
         "scanwalk render -o x.png --depth *.las",
@@ -191,14 +191,14 @@ fn a_pattern_in_the_place_of_an_output_costs_no_file() {
         "scanwalk report frames.csv --worst-poses *.toml",
         "scanwalk bench -o *.las",
     ] {
-        let said = lab.refused(line, 2);
+        let said = folder.refused(line, 2);
         assert!(said.contains("the shell put its first match here"), "{line}: {said}");
     }
 }
 
 #[test]
 fn endings_that_say_something_else_are_refused() {
-    let lab = Lab::new();
+    let folder = TestFolder::new();
     for line in [
         "scanwalk render missing.las -o x.jpg",
         "scanwalk render missing.las -o x",
@@ -213,18 +213,18 @@ fn endings_that_say_something_else_are_refused() {
         "scanwalk report missing.csv -o -",
         "scanwalk render missing.las -o - --stereo",
     ] {
-        lab.refused(line, 2);
+        folder.refused(line, 2);
     }
     // The ending may be in any case.
-    let output = lab.run("scanwalk render a.las -o X.PNG --size 64x48");
+    let output = folder.run("scanwalk render a.las -o X.PNG --size 64x48");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(fs::read(lab.path("X.PNG")).unwrap().starts_with(b"\x89PNG"));
+    assert!(fs::read(folder.path("X.PNG")).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]
 fn places_where_nothing_can_be_written_are_found_before_reading() {
-    let lab = Lab::new();
-    fs::create_dir(lab.path("x.png")).unwrap();
+    let folder = TestFolder::new();
+    fs::create_dir(folder.path("x.png")).unwrap();
     for (line, words) in [
         ("scanwalk render missing.las -o no/such/x.png", "no/such"),
         ("scanwalk render missing.las -o x.png", "is a folder"),
@@ -236,41 +236,41 @@ fn places_where_nothing_can_be_written_are_found_before_reading() {
         ("scanwalk report missing.csv -o no/such/y.html", "no/such"),
         ("scanwalk bench missing.las -o no/such/y.html", "no/such"),
     ] {
-        let said = lab.refused(line, 1);
+        let said = folder.refused(line, 1);
         assert!(said.contains(words) && !said.contains("missing"), "{line}: {said}");
     }
 }
 
 #[test]
 fn stdout_takes_one_output_and_nothing_else() {
-    let lab = Lab::new();
-    let output = lab.run("scanwalk render a.las -o - --size 64x48 --metrics m.json");
+    let folder = TestFolder::new();
+    let output = folder.run("scanwalk render a.las -o - --size 64x48 --metrics m.json");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut reader = png::Decoder::new(std::io::Cursor::new(output.stdout)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     assert_eq!(reader.next_frame(&mut pixels).unwrap().width, 64);
     reader.finish().expect("nothing follows the picture");
-    assert!(lab.path("m.json").exists());
-    let output = lab.run("scanwalk render a.las -o x.png --size 64x48 --metrics -");
+    assert!(folder.path("m.json").exists());
+    let output = folder.run("scanwalk render a.las -o x.png --size 64x48 --metrics -");
     assert_eq!(serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["points"], 7);
-    let output = lab.run("scanwalk render a.las -o /dev/null --size 4x2 --depth -");
+    let output = folder.run("scanwalk render a.las -o /dev/null --size 4x2 --depth -");
     assert!(output.stdout.starts_with(b"\x93NUMPY") && output.stdout.len() == 128 + 4 * 8);
 }
 
 #[test]
 fn a_pipe_and_a_link_are_written_through() {
-    let lab = Lab::new();
-    let pipe = lab.path("pipe.png");
+    let folder = TestFolder::new();
+    let pipe = folder.path("pipe.png");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    let mut child = lab.command("scanwalk render a.las -o pipe.png --size 64x48").spawn().unwrap();
+    let mut child = folder.command("scanwalk render a.las -o pipe.png --size 64x48").spawn().unwrap();
     let mut picture = Vec::new();
     fs::File::open(&pipe).unwrap().read_to_end(&mut picture).unwrap();
     assert!(child.wait().unwrap().success() && picture.starts_with(b"\x89PNG"));
-    symlink("inner/later.png", lab.path("dangling.png")).unwrap();
-    let output = lab.run("scanwalk render a.las -o dangling.png --size 64x48");
+    symlink("inner/later.png", folder.path("dangling.png")).unwrap();
+    let output = folder.run("scanwalk render a.las -o dangling.png --size 64x48");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(fs::read_link(lab.path("dangling.png")).unwrap(), Path::new("inner/later.png"));
-    assert!(fs::read(lab.path("inner/later.png")).unwrap() == picture, "the same picture");
+    assert_eq!(fs::read_link(folder.path("dangling.png")).unwrap(), Path::new("inner/later.png"));
+    assert!(fs::read(folder.path("inner/later.png")).unwrap() == picture, "the same picture");
 }
 
 /// Outputs of an earlier run, which the next run may replace.
@@ -284,9 +284,9 @@ const OLD: [(&str, &[u8]); 5] = [
 
 #[test]
 fn a_failure_leaves_what_was_there() {
-    let lab = Lab::new();
-    lab.put("broken.las", b"LASF and then nothing");
-    OLD.iter().for_each(|(name, bytes)| lab.put(name, bytes));
+    let folder = TestFolder::new();
+    folder.put("broken.las", b"LASF and then nothing");
+    OLD.iter().for_each(|(name, bytes)| folder.put(name, bytes));
     for line in [
         "scanwalk render broken.las -o old.png --depth old.npy --metrics old.json",
         "scanwalk render a.las -o old.png --size 64x48 --metrics /dev/full",
@@ -294,9 +294,9 @@ fn a_failure_leaves_what_was_there() {
         "scanwalk report broken.las -o old.html",
         "scanwalk bench broken.las -o old.html",
     ] {
-        lab.refused(line, 1);
+        folder.refused(line, 1);
         for (name, bytes) in OLD {
-            assert_eq!(fs::read(lab.path(name)).unwrap(), bytes, "{line}: {name}");
+            assert_eq!(fs::read(folder.path(name)).unwrap(), bytes, "{line}: {name}");
         }
     }
 }
@@ -305,15 +305,15 @@ fn a_failure_leaves_what_was_there() {
 /// kind.
 #[test]
 fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
-    let lab = Lab::new();
-    lab.put("mesh.ply", b"ply\nformat ascii 1.0\n");
-    lab.put("photo.png", b"\xff\xd8\xff\xe0 a JPEG by another name");
-    lab.put("package.json", b"{\"name\": \"mine\"}");
-    lab.put("table.csv", b"x,y,z\n1,2,3\n");
-    lab.put("site.html", b"<!DOCTYPE html><title>mine</title>");
-    lab.put("notes", b"remember");
-    symlink("b.las", lab.path("scan.png")).unwrap();
-    symlink("mesh.ply", lab.path("mesh.json")).unwrap();
+    let folder = TestFolder::new();
+    folder.put("mesh.ply", b"ply\nformat ascii 1.0\n");
+    folder.put("photo.png", b"\xff\xd8\xff\xe0 a JPEG by another name");
+    folder.put("package.json", b"{\"name\": \"mine\"}");
+    folder.put("table.csv", b"x,y,z\n1,2,3\n");
+    folder.put("site.html", b"<!DOCTYPE html><title>mine</title>");
+    folder.put("notes", b"remember");
+    symlink("b.las", folder.path("scan.png")).unwrap();
+    symlink("mesh.ply", folder.path("mesh.json")).unwrap();
     let view = "scanwalk view a.las --headset off --window off --frames 2";
     for line in [
         "scanwalk synth aerial -o a.las --points 100",
@@ -329,10 +329,10 @@ fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
         "scanwalk report frames.csv -o site.html",
         "scanwalk report frames.csv --worst-poses notes",
     ] {
-        let before: Vec<_> = lab.names().iter().map(fs::read).map(Result::ok).collect();
-        let said = lab.refused(line, 2);
+        let before: Vec<_> = folder.names().iter().map(fs::read).map(Result::ok).collect();
+        let said = folder.refused(line, 2);
         assert!(said.contains("is there already") && said.contains("--force"), "{line}: {said}");
-        assert!(lab.names().iter().map(fs::read).map(Result::ok).eq(before), "{line}");
+        assert!(folder.names().iter().map(fs::read).map(Result::ok).eq(before), "{line}");
     }
     // The same is allowed by force, except over what is read.
     for line in [
@@ -342,21 +342,21 @@ fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
         &format!("{view} --log table.csv --force"),
         "scanwalk report frames.csv -o site.html --force",
     ] {
-        let output = lab.run(line);
+        let output = folder.run(line);
         assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     }
     for (name, start) in [("b.las", &b"LASF"[..]), ("photo.png", b"\x89PNG"), ("site.html", b"<!DOCTYPE")] {
-        assert!(fs::read(lab.path(name)).unwrap().starts_with(start), "{name}");
+        assert!(fs::read(folder.path(name)).unwrap().starts_with(start), "{name}");
     }
-    let said = lab.refused("scanwalk render a.las -o link.png --size 64x48 --force", 2);
+    let said = folder.refused("scanwalk render a.las -o link.png --size 64x48 --force", 2);
     assert!(said.contains("which is read as"), "{said}");
 }
 
 /// Every command runs twice with the same names; an empty file counts as none.
 #[test]
 fn outputs_of_an_earlier_run_are_replaced() {
-    let lab = Lab::new();
-    lab.put("empty.las", b"");
+    let folder = TestFolder::new();
+    folder.put("empty.las", b"");
     for run in 0..2 {
         for line in [
             "scanwalk render a.las -o x.png --depth x.npy --metrics x.json --size 64x48",
@@ -364,37 +364,40 @@ fn outputs_of_an_earlier_run_are_replaced() {
             "scanwalk report frames.csv -o x.html --worst-poses x.poses",
             "scanwalk report results.json -o x.md",
         ] {
-            lab.put("results.json", br#"{"device": "a GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#);
-            let output = lab.run(line);
+            folder.put(
+                "results.json",
+                br#"{"device": "a GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#,
+            );
+            let output = folder.run(line);
             assert!(output.status.success(), "{run}: {line}: {}", String::from_utf8_lossy(&output.stderr));
         }
     }
-    let output = lab.run("scanwalk synth aerial -o empty.las --points 100");
+    let output = folder.run("scanwalk synth aerial -o empty.las --points 100");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// The limit stands in for a full disk: both end a write with an error.
 #[test]
 fn a_disk_that_fills_up_is_named_and_leaves_nothing() {
-    let lab = Lab::new();
-    lab.put("old.las", b"old");
-    lab.put("old.laz", b"old");
-    lab.put("old.ply", b"old");
+    let folder = TestFolder::new();
+    folder.put("old.las", b"old");
+    folder.put("old.laz", b"old");
+    folder.put("old.ply", b"old");
     for (kind, name) in [("aerial", "old.las"), ("terrestrial", "old.laz"), ("photogrammetry", "old.ply")] {
         // The limit is 200 blocks of 512 bytes; the signal that comes with it is ignored.
         let line =
             format!("trap '' XFSZ; ulimit -f 200; scanwalk synth {kind} -o {name} --points 30000 --force");
-        let before = lab.names();
-        let output = lab.run_in_shell(&line);
+        let before = folder.names();
+        let output = folder.run_in_shell(&line);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains(name) && said.contains("nothing was kept"), "{said}");
-        assert_eq!(fs::read(lab.path(name)).unwrap(), b"old");
-        assert_eq!(lab.names(), before);
+        assert_eq!(fs::read(folder.path(name)).unwrap(), b"old");
+        assert_eq!(folder.names(), before);
     }
 }
 
-impl Lab {
+impl TestFolder {
     /// Runs several commands, the last of which counts.
     fn run_in_shell(&self, line: &str) -> Output {
         let line = line.replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
@@ -406,16 +409,16 @@ impl Lab {
 #[test]
 fn ctrl_c_leaves_no_half_file() {
     for signals in [1, 2] {
-        let lab = Lab::new();
-        lab.put("old.las", b"old");
-        let before = lab.names();
-        let mut child = lab
+        let folder = TestFolder::new();
+        folder.put("old.las", b"old");
+        let before = folder.names();
+        let mut child = folder
             .command("scanwalk synth aerial -o old.las --points 2000000000 --force")
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
-        while lab.names() == before {
+        while folder.names() == before {
             assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
@@ -427,20 +430,20 @@ fn ctrl_c_leaves_no_half_file() {
         }
         let code = child.wait().unwrap().code();
         assert!(code == Some(1) || signals == 2 && code == Some(130), "{code:?}");
-        assert_eq!(lab.names(), before, "after {signals} signals");
-        assert_eq!(fs::read(lab.path("old.las")).unwrap(), b"old");
+        assert_eq!(folder.names(), before, "after {signals} signals");
+        assert_eq!(fs::read(folder.path("old.las")).unwrap(), b"old");
     }
 }
 
 #[test]
 fn what_is_written_may_be_read_by_whom_the_mask_allows() {
     use std::os::unix::fs::PermissionsExt;
-    let lab = Lab::new();
+    let folder = TestFolder::new();
     let output =
-        lab.run_in_shell("umask 027; scanwalk report frames.csv -o page.html > /dev/null && touch plain");
+        folder.run_in_shell("umask 027; scanwalk report frames.csv -o page.html > /dev/null && touch plain");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mode = |name: &str| fs::metadata(lab.path(name)).unwrap().permissions().mode();
+    let mode = |name: &str| fs::metadata(folder.path(name)).unwrap().permissions().mode();
     assert_eq!(mode("page.html"), mode("plain"));
-    let mut page = fs::File::options().append(true).open(lab.path("page.html")).unwrap();
+    let mut page = fs::File::options().append(true).open(folder.path("page.html")).unwrap();
     page.write_all(b"whole").unwrap();
 }

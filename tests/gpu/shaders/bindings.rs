@@ -2,7 +2,7 @@
 //! resource that its stage is not given: stages take whole sets, of which host code cannot leave out a part.
 //! Techniques of the laboratory bind what they name besides.
 
-use super::{OUTSIDE, SEEN, Seen, parse};
+use super::{OUTSIDE, PARSED, ParsedText, parse};
 use lab::technique::NAMES;
 use naga::Module;
 use render::bindings::{AGAIN, Chunk, Clear, Cloud, Eye, Overlay, Pixels, Set};
@@ -28,7 +28,7 @@ fn lacking<'a>(declared: &'a [(String, u32)], names: &[&str]) -> Vec<&'a str> {
 
 #[test]
 fn every_shader_binds_only_what_there_is() {
-    for seen in SEEN.iter() {
+    for seen in PARSED.iter() {
         let names = [&(seen.shader.names)()[..], seen.besides].concat();
         assert_eq!(lacking(&seen.declared, &names), [""; 0], "{}", seen.name);
     }
@@ -51,7 +51,7 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
     let sets =
         [Clear::names(), Cloud::names(), Chunk::names(), Pixels::names(), Eye::names(), Overlay::names()];
     let mut bound = vec![BTreeSet::new(); sets.len()];
-    for Seen { shader, name, declared, .. } in SEEN.iter() {
+    for ParsedText { shader, name, declared, .. } in PARSED.iter() {
         let names = (shader.names)();
         let distinct: BTreeSet<_> = names.iter().collect();
         assert_eq!(distinct.len(), names.len(), "{name}: no name stands for two resources");
@@ -62,7 +62,8 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
             }
         }
     }
-    let besides: BTreeSet<_> = SEEN.iter().flat_map(|seen| &seen.declared).map(|(name, _)| &**name).collect();
+    let besides: BTreeSet<_> =
+        PARSED.iter().flat_map(|seen| &seen.declared).map(|(name, _)| &**name).collect();
     assert!(NAMES.iter().all(|name| besides.contains(name)), "nobody binds one of {NAMES:?}");
     for (set, bound) in sets.iter().zip(&bound) {
         let idle: Vec<_> = set.iter().filter(|name| !bound.contains(**name)).collect();

@@ -1,6 +1,6 @@
 //! Structs that host and shaders share are the same ones, both ways: fields, offsets and sizes.
 
-use super::{OUTSIDE, SEEN, parse};
+use super::{OUTSIDE, PARSED, parse};
 use lab::technique::{counts, tree};
 use naga::{AddressSpace, Handle, Module, Type, TypeInner};
 use render::layout::{self, CullCounters, Variant};
@@ -98,7 +98,7 @@ pub fn faults(module: &Module, hosts: &[HostStruct]) -> Vec<String> {
 fn shared_structs_are_the_same_in_host_and_shaders() {
     let hosts = host_structs();
     let mut used = BTreeSet::new();
-    for seen in SEEN.iter() {
+    for seen in PARSED.iter() {
         assert_eq!(seen.faults, [""; 0], "{}", seen.name);
         used.extend(seen.structs.clone());
     }

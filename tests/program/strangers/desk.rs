@@ -11,13 +11,13 @@ const LONGEST: Duration = Duration::from_secs(120);
 pub const SIZE: [usize; 2] = [96, 64];
 
 /// What came of a run.
-pub struct Ran {
+pub struct RunOutput {
     pub code: i32,
     pub out: Vec<u8>,
     pub err: String,
 }
 
-impl Ran {
+impl RunOutput {
     /// True if a line holds all of these words, in any case.
     pub fn says(&self, words: &[&str]) -> bool {
         let lines = self.err.lines().map(str::to_lowercase);
@@ -49,7 +49,7 @@ impl Desk {
     }
 
     /// Runs the program here, with names relative to the folder.
-    pub fn run(&self, args: &[&str]) -> Ran {
+    pub fn run(&self, args: &[&str]) -> RunOutput {
         let files = ["stdout", "stderr"].map(|name| {
             let path = self.path(&format!(".{name}"));
             (std::fs::File::create(&path).expect("a file"), path)
@@ -74,7 +74,7 @@ impl Desk {
             }
         };
         let read = |path: PathBuf| std::fs::read(path).expect("what it said");
-        Ran { code, out: read(out_path), err: String::from_utf8_lossy(&read(err_path)).into_owned() }
+        RunOutput { code, out: read(out_path), err: String::from_utf8_lossy(&read(err_path)).into_owned() }
     }
 
     /// Returns what `info --json` says, or how it failed.
@@ -120,7 +120,7 @@ impl Desk {
 
 pub struct Info {
     pub json: Value,
-    pub ran: Ran,
+    pub ran: RunOutput,
 }
 
 impl Info {
@@ -145,7 +145,7 @@ impl Info {
 
 pub struct Start {
     pub head: [f64; 3],
-    pub ran: Ran,
+    pub ran: RunOutput,
 }
 
 impl Start {
@@ -159,7 +159,7 @@ impl Start {
 /// A picture of [`SIZE`] pixels.
 pub struct Picture {
     pub pixels: Vec<[u8; 3]>,
-    pub ran: Ran,
+    pub ran: RunOutput,
 }
 
 impl Picture {

@@ -20,7 +20,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The outcome of a row, in words: `Ok` if it is as it should be.
-type Got = Result<String, String>;
+type Outcome = Result<String, String>;
 
 /// A row of the table.
 struct Row {
@@ -28,19 +28,19 @@ struct Row {
     input: String,
     right: String,
     /// Runs the row on a desk of its own.
-    check: Box<dyn Fn(&Desk) -> Got + Send + Sync>,
+    check: Box<dyn Fn(&Desk) -> Outcome + Send + Sync>,
 }
 
 fn row(
     kind: u8,
     input: impl Into<String>,
     right: impl Into<String>,
-    check: impl Fn(&Desk) -> Got + Send + Sync + 'static,
+    check: impl Fn(&Desk) -> Outcome + Send + Sync + 'static,
 ) -> Row {
     Row { kind, input: input.into(), right: right.into(), check: Box::new(check) }
 }
 
-fn judged(is_right: bool, got: String) -> Got {
+fn judged(is_right: bool, got: String) -> Outcome {
     if is_right { Ok(got) } else { Err(got) }
 }
 
@@ -51,9 +51,9 @@ const KINDS: [&str; 10] =
 const AT_ONCE: usize = 2;
 
 /// Runs all rows; returns their outcomes.
-fn run(rows: &[Row]) -> Vec<Got> {
+fn run(rows: &[Row]) -> Vec<Outcome> {
     let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<Option<Got>>> = Mutex::new(rows.iter().map(|_| None).collect());
+    let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(rows.iter().map(|_| None).collect());
     std::thread::scope(|scope| {
         for _ in 0..AT_ONCE {
             scope.spawn(|| {
@@ -69,7 +69,7 @@ fn run(rows: &[Row]) -> Vec<Got> {
 }
 
 /// Prints the table; returns how many rows are wrong.
-fn print(rows: &[Row], results: &[Got]) -> usize {
+fn print(rows: &[Row], results: &[Outcome]) -> usize {
     let mut num_wrong = 0;
     println!("| kind | input | right | got | |\n|---|---|---|---|---|");
     for (row, got) in rows.iter().zip(results) {

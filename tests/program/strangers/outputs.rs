@@ -1,8 +1,8 @@
 //! Rows of kind 1: nothing that is written destroys what is read.
 
-use super::desk::{Desk, Ran, decoded};
+use super::desk::{Desk, RunOutput, decoded};
 use super::las::{Las, place};
-use super::{Got, Row, row};
+use super::{Outcome, Row, row};
 
 const LINE: u8 = 1;
 
@@ -11,7 +11,7 @@ fn scan() -> Vec<u8> {
 }
 
 /// The program refuses with exit code 2, and every file stays as it was.
-fn refused(desk: &Desk, args: &[&str]) -> Got {
+fn refused(desk: &Desk, args: &[&str]) -> Outcome {
     let kept = ["a.las", "b.las", "frames.csv", "path.poses", "own.toml"];
     let read = |name: &&str| std::fs::read(desk.path(name)).ok();
     let before: Vec<_> = kept.iter().map(read).collect();
@@ -26,7 +26,7 @@ fn refused(desk: &Desk, args: &[&str]) -> Got {
 }
 
 /// Lays two scans, a log, a pose path, settings and links on a desk.
-fn laid(desk: &Desk) {
+fn lay_files(desk: &Desk) {
     desk.put("a.las", scan());
     desk.put("b.las", scan());
     desk.put("path.poses", "0,0,0,9,0,0,0,1\n");
@@ -73,7 +73,7 @@ const REFUSED: [(&str, &str); 22] = [
 pub fn rows() -> Vec<Row> {
     let of = |(args, why): (&'static str, &'static str)| {
         row(LINE, format!("{args} ({why})"), "exit 2, a sentence, all files as they were", move |desk| {
-            laid(desk);
+            lay_files(desk);
             refused(desk, &args.split(' ').collect::<Vec<_>>())
         })
     };
@@ -88,12 +88,12 @@ pub fn rows() -> Vec<Row> {
         },
     ));
     rows.push(row(LINE, "--log into a folder's name", "refused before reading", |desk| {
-        laid(desk);
+        lay_files(desk);
         let args = ["view", "no-such.las", "--headset", "off", "--window", "off", "--log", "folder"];
         found(desk.run(&args), |ran| ran.code != 0 && ran.says(&["folder"]) && !ran.says(&["no-such.las"]))
     }));
     rows.push(row(LINE, "-o - ", "the PNG on stdout, and nothing else", |desk| {
-        laid(desk);
+        lay_files(desk);
         let ran = desk.run(&["render", "a.las", "-o", "-", "--size", "96x64"]);
         match decoded(&ran.out) {
             Ok(pixels) if ran.code == 0 => Ok(format!("a PNG of {} pixels", pixels.len())),
@@ -106,7 +106,7 @@ pub fn rows() -> Vec<Row> {
         "a picture over an older picture, ending .PNG",
         "the new picture, no other file",
         |desk| {
-            laid(desk);
+            lay_files(desk);
             desk.put("OLD.PNG", b"\x89PNG\r\n\x1a\n");
             let before = std::fs::read_dir(desk.path("")).expect("a folder").count();
             let ran = desk.run(&["render", "a.las", "-o", "OLD.PNG", "--size", "96x64"]);
@@ -120,6 +120,6 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-fn found(ran: Ran, is_right: impl Fn(&Ran) -> bool) -> Got {
+fn found(ran: RunOutput, is_right: impl Fn(&RunOutput) -> bool) -> Outcome {
     if is_right(&ran) { Ok(ran.in_words()) } else { Err(ran.in_words()) }
 }

@@ -40,7 +40,7 @@ fn quarters(num: usize) -> Vec<([f64; 3], [u8; 3])> {
 }
 
 /// A file is read whole, and its quarters have their colors.
-fn shows_quarters(desk: &Desk, num: usize) -> super::Got {
+fn shows_quarters(desk: &Desk, num: usize) -> super::Outcome {
     let eye = ["--eye", "0,0,2.2", "--target", "0,0,0", "--up", "0,1,0", "--dilate", "rings"];
     let picture = desk.render(&[&["quarters.ply"], &eye[..]].concat())?;
     let info = desk.info(&["quarters.ply"])?;

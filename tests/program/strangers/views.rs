@@ -2,13 +2,13 @@
 
 use super::desk::Desk;
 use super::las::{Las, Point, place, room, strays};
-use super::{Got, Row, judged, row};
+use super::{Outcome, Row, judged, row};
 
 const UTM: [f64; 3] = [500_000.0, 5_000_000.0, 400.0];
 
 /// Checks that the walk begins near a place of `edge` round `center`, at arm's length if it is small, and that the
 /// place fills the default picture.
-fn first_view(desk: &Desk, args: &[&str], center: [f64; 3], edge: f64) -> Got {
+fn first_view(desk: &Desk, args: &[&str], center: [f64; 3], edge: f64) -> Outcome {
     let (away, words) = desk.start(args)?.from(center);
     let picture = desk.render(args)?;
     let got = format!("start {words}; picture filled to {:.0} %", 100.0 * picture.span());
