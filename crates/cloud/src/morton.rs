@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Bit by bit, as the definition says.
+    /// Moves the bits one by one, as the definition says.
     fn spread_by_definition(v: u64) -> u64 {
         (0..BITS).map(|i| (v >> i & 1) << (3 * i)).sum()
     }

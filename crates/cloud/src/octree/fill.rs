@@ -13,15 +13,15 @@ use points::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Points that are put in place before they are handed over, about.
+/// Number of points, about, that are put in place before they are handed over.
 const RUN_POINTS: usize = 1 << 20;
-/// Keys looked through at once for those of a level.
+/// Keys of a block: blocks without a key of the wanted level are passed over.
 const BLOCK_KEYS: usize = 64;
 
-/// Where the points come from.
+/// Sorted keys and the points that they stand for.
 pub(super) struct Source<'a> {
     pub index: &'a Index<'a>,
-    /// Sorted, with filtered colors.
+    /// Keys in sorted order, with filtered colors.
     pub keys: &'a [Placed],
     /// Level of the node that owns each key.
     pub levels: &'a [u8],
@@ -32,7 +32,7 @@ pub(super) struct Plan {
     pub hierarchy: Hierarchy,
     /// Keys and cells of each node.
     origins: Vec<(Range<usize>, Cells)>,
-    /// Of all leaves, in the keys' order.
+    /// Octants of all leaves, in the keys' order.
     octants: Vec<Octant>,
 }
 
@@ -141,7 +141,7 @@ pub(super) fn fill<E: From<BuildError>>(
     Ok(hierarchy)
 }
 
-/// True if octants have all keys, one after the other.
+/// True if the octants cover all keys, one after the other, without a gap.
 fn follow(octants: &[Octant], num_keys: usize) -> bool {
     let starts = octants.iter().map(|octant| octant.keys.start).chain([num_keys]);
     let ends = [0].into_iter().chain(octants.iter().map(|octant| octant.keys.end));
@@ -163,13 +163,13 @@ fn runs(nodes: &[Node]) -> Vec<Range<usize>> {
 }
 
 impl NodeBlock {
-    /// Room for so many points.
+    /// A block with room for `num_points` points.
     fn empty(node: usize, num_points: usize) -> Self {
         let column = || vec![0; num_points];
         Self { node, planes: [column(), column(), column()], colors: column(), filtered_colors: column() }
     }
 
-    /// `octants`: of all leaves.
+    /// Fills in a node's points. `octants` are those of all leaves.
     fn fill(&mut self, source: &Source, octants: &[Octant], node: &Node, keys: Range<usize>, cells: &Cells) {
         let Self { planes: [hi, mid, lo], colors, filtered_colors, .. } = self;
         // An inner node that has taken every point below has no children either: its points stand for themselves.

@@ -19,8 +19,8 @@ pub(super) struct Key {
     pub color: u32,
 }
 
-/// A key once its place is known, in half the memory. As aligned as a key, so that a list of keys becomes one of these where it
-/// is.
+/// A key whose place is known, in half the memory. It is aligned as a key is, so that a list of keys can be converted
+/// in place.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(8))]
 pub(super) struct Placed {
@@ -36,7 +36,7 @@ impl From<Key> for Placed {
     }
 }
 
-/// The root's cube: all others are halves of halves of it.
+/// The root's cube, from which all others come by halving.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     min: DVec3,

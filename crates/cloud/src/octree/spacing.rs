@@ -10,18 +10,18 @@ const POINTS_PER_CELL: usize = 4;
 /// Cells that a surface meets, on average over its directions, for each cell face of its area.
 const CELLS_PER_FACE: f64 = 1.5;
 
-/// What the sorted codes of a leaf tell.
+/// How close the points of a leaf lie, as their sorted codes tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spacing {
     /// Mean distance of neighbors, taking the points for a surface, as a share of the cube's edge.
     pub share: f64,
-    /// Most points in one cell of the sampling grid.
+    /// Largest number of points in one cell of the sampling grid.
     pub crowd: u32,
 }
 
-/// From the codes of a cube's points, in order, whose lowest `bits` tell the place in the cube.
+/// Estimates the spacing from the sorted codes of a cube's points, whose lowest `bits` tell the place in the cube.
 pub(super) fn spacing(keys: &[Key], bits: u32) -> Spacing {
-    // Neighbors in order that lie in different cells from a depth on begin a new filled cell there.
+    // Two successive keys that lie in different cells from a depth on begin a new filled cell at that depth.
     let mut begun = [0usize; MAX_DEPTH + 1];
     let (mut crowd, mut run) = (1u32, 1u32);
     for pair in keys.windows(2) {

@@ -22,12 +22,13 @@ const _: () = assert!(MAX_DISCS <= BATCH_POINTS as usize);
 pub struct SequentialCloud {
     /// The discs: their centres and mean colors. After them the triangles' corners.
     pub cloud: Cloud,
-    /// Beside `cloud.colors`: [`Shape::word`], and in a batch of triangles one of these: corner | corner≪8 |
-    /// corner≪16 | step≪24, drawn below that step. Gaps hold zeros, which no tolerance draws.
+    /// One word beside each of `cloud.colors`: [`Shape::word`] for a disc; in a batch of triangles corner | corner≪8 |
+    /// corner≪16 | step≪24, a triangle that is drawn below that step. Gaps hold zeros, which no tolerance draws.
     pub shapes: Vec<u32>,
     /// What the steps in `shapes` and `intervals` mean.
     pub scale: Scale,
-    /// Of each batch: the smallest `min` and the largest `max` of its discs; of triangles, 0 and the largest step.
+    /// Interval of each batch: the smallest `min` and the largest `max` of its discs, or 0 and the largest step of its
+    /// triangles.
     pub intervals: Vec<[u8; 2]>,
     /// Batches whose discs face the same way; the last run is of triangles, if there are any.
     pub runs: Vec<BatchRun>,
@@ -40,16 +41,16 @@ pub struct SequentialCloud {
 pub struct BatchRun {
     /// Its batches.
     pub batches: Range<u32>,
-    /// Their box, world space.
+    /// Box of its batches, world space.
     pub bounds: Bounds,
     /// The directions that lead away from all of its discs' fronts; `None` for discs that are seen from any side,
     /// as triangles are.
     pub behind: Option<Cone>,
-    /// Its batches are of triangles.
+    /// True if its batches are of triangles.
     pub has_triangles: bool,
 }
 
-/// What a batch is made of.
+/// Entries of a batch before they are quantised.
 struct Plan<'a> {
     /// Nodes of its entries.
     nodes: &'a [u32],
@@ -57,7 +58,7 @@ struct Plan<'a> {
     first_point: u32,
 }
 
-/// What stands beside the entries of a batch.
+/// Words that stand beside the entries of a batch.
 enum Beside<'a> {
     Discs(&'a [Shape]),
     Triangles(&'a Meshlet),
@@ -86,7 +87,7 @@ impl Beside<'_> {
 #[derive(Default)]
 struct Plans<'a> {
     plans: Vec<Plan<'a>>,
-    /// Words that their columns take.
+    /// Words of a column that holds all batches.
     size: u64,
 }
 
@@ -161,7 +162,7 @@ impl SequentialCloud {
     }
 }
 
-/// Fills the planes, the colors and the shapes, and tells each batch with its true box.
+/// Fills the planes, the colors and the shapes, and returns each batch with its true box.
 fn fill(
     tree: &PointTree,
     plans: &[Plan],

@@ -16,9 +16,9 @@ use super::{Sorted, normals};
 use glam::{DVec3, Vec3};
 use points::{Scan, ScanFile};
 
-/// Discs at corners reach over the triangles there, but over none that is longer than the smallest by this factor:
-/// where the smallest has just vanished, that would be many pixels. Of longer triangles, a gap as wide as the error
-/// allowed may show between their corners, once they are as small as that.
+/// A disc at a corner reaches over the triangles there, up to this many times the longest side of the smallest one: a
+/// wider disc would be many pixels large where that one has just vanished. Between the corners of longer triangles a
+/// gap as wide as the allowed error may show, once they are as small as that.
 const MAX_SIDE_RATIO: f32 = 2.0;
 
 /// A triangle of a mesh, not degenerate.
@@ -30,22 +30,22 @@ pub struct Triangle {
     pub side: f32,
 }
 
-/// What a file says of a triangle.
+/// A triangle as its file has it.
 struct Face {
     /// Running numbers of points, as in [`super::Index`].
     corners: [u32; 3],
-    /// As long as twice its area.
+    /// Normal whose length is twice the triangle's area.
     normal: DVec3,
     /// Longest side, world units.
     side: f32,
 }
 
-/// What the triangles at a point tell of it.
+/// Normals and sizes of the triangles at a point.
 #[derive(Clone, Copy)]
 struct Corner {
     /// Sum of their normals, each as long as twice the area.
     normal: DVec3,
-    /// Longest sides of the smallest and of the largest.
+    /// Longest side of the smallest triangle, and of the largest.
     sides: [f32; 2],
 }
 
@@ -66,8 +66,8 @@ fn faces(scan: &Scan) -> impl Iterator<Item = Face> + '_ {
     })
 }
 
-/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line. The grid
-/// tells exactly.
+/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line, which the grid's
+/// whole numbers tell exactly.
 fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
     let xyz = |corner: u32| file.points.xyz.get(corner as usize).map(|p| p.map(i64::from));
     let (a, b, c) = (xyz(corners[0])?, xyz(corners[1])?, xyz(corners[2])?);
@@ -102,7 +102,7 @@ pub(super) fn inform(leaves: &mut [Leaf], sorted: &Sorted, scan: &Scan, with_sid
     }
 }
 
-/// Of each point; empty if there is no triangle. Memory: 32 B a point.
+/// The triangles at each point; empty if there is no triangle. Memory: 32 B a point.
 fn corners(scan: &Scan) -> Vec<Corner> {
     if !is_mesh(scan) {
         return Vec::new();
@@ -162,14 +162,14 @@ pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
 }
 
 /// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
-/// grow on the way from the disc's centre to any of its points, which are within `radius`. And a step less: GPUs find
-/// corners and discs where different grids of cells put them.
+/// grow on the way from the disc's centre to any of its points, which are within `radius`. It is one step less because
+/// the GPU has corners and discs on different grids of cells.
 pub(super) fn first_step(scale: &Scale, floor: u8, radius: f64, max_slope: f64) -> u8 {
     let length = f64::from(scale.length(floor)) - max_slope * radius;
     scale.step_below(length.max(0.0) as f32).saturating_sub(1)
 }
 
-/// A file's normal; `None` if it is none, NaN or 0 say.
+/// A file's normal at unit length; `None` if it has no direction, as NaN and 0 have none.
 fn direction(normal: [f32; 3]) -> Option<DVec3> {
     Vec3::from_array(normal).as_dvec3().try_normalize()
 }

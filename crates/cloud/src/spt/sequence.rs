@@ -10,9 +10,9 @@ use std::ops::Range;
 /// When a disc is drawn, and how large: everything that the GPU's test needs beside the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Drawn from this step of tolerance on: the disc's own error, and its floor; see [`super::mesh`].
+    /// Step of tolerance from which on it is drawn: the disc's own error, and its floor; see [`super::mesh`].
     pub min: u8,
-    /// Drawn below this step: the error of its parent and the overlap; [`ENDLESS`] for the root.
+    /// Step below which it is drawn: the error of its parent and the overlap; [`ENDLESS`] for the root.
     pub max: u8,
     /// The disc's diameter, as a step.
     pub diameter: u8,
@@ -25,7 +25,7 @@ impl Shape {
         self.min <= step && step < self.max
     }
 
-    /// As the GPU has it: min | max≪8 | diameter≪16.
+    /// The GPU's word: min | max≪8 | diameter≪16.
     #[must_use]
     pub fn word(self) -> u32 {
         u32::from_le_bytes([self.min, self.max, self.diameter, 0])
@@ -35,7 +35,7 @@ impl Shape {
 /// A batch of the list: discs that are culled together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// The directions that its discs' normals have; `None` for discs that may be seen from any side.
+    /// Cluster of its discs' normals; `None` for discs that may be seen from any side.
     pub cluster: Option<u8>,
     /// Its entries in the list.
     pub entries: Range<usize>,
@@ -48,17 +48,17 @@ pub struct Sequence {
     pub scale: Scale,
     /// Number of each entry's node. Nodes that no tolerance draws have none.
     pub nodes: Vec<u32>,
-    /// Of each entry.
+    /// When each entry is drawn, and how large.
     pub shapes: Vec<Shape>,
-    /// All entries, each in one; sorted by cluster, those without the last, then by the octave of the largest `max`,
-    /// falling.
+    /// Parts, which have each entry once. They are sorted by cluster, those without one last, then by the octave of the
+    /// largest `max`, falling.
     pub parts: Vec<Part>,
 }
 
 /// Discs whose points' normals lie further apart than this, in radians, have no side. The more is allowed, the fewer
 /// clusters face away.
 pub const MAX_SPREAD: f32 = 0.15;
-/// Order of the discs without side.
+/// Cluster number of discs without a side: they come last.
 pub(super) const NO_CLUSTER: u8 = NUM_CLUSTERS as u8;
 
 impl Sequence {
@@ -82,7 +82,7 @@ impl Sequence {
             let node = &tree.nodes[node as usize];
             if node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
         };
-        // Octaves from the largest on, then Morton order.
+        // Entries are sorted by octave, the largest first, then in Morton order.
         let key = |number: usize| {
             let Shape { min, max, .. } = shape(number);
             (min < max).then(|| u64::from(u8::MAX - octave(max)) << 32 | number as u64)
@@ -98,14 +98,14 @@ impl Sequence {
     }
 }
 
-/// What entries are sorted by: eight steps are an octave.
+/// Octave of a step, which entries are sorted by: eight steps are an octave.
 pub(super) fn octave(step: u8) -> u8 {
     step >> 3
 }
 
-/// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow
-/// on the way from the parent's centre to the node's: a parent that is just too near to be drawn then never leaves a
-/// hole [SPT §3.6].
+/// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow on
+/// the way from the parent's centre to the node's: so a parent that is just too near to be drawn never leaves a hole
+/// [SPT §3.6].
 fn shape(tree: &PointTree, scale: &Scale, max_slope: f64, number: usize) -> Shape {
     let node = &tree.nodes[number];
     let max = tree.parent(number).map_or(ENDLESS, |parent| {

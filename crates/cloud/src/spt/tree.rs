@@ -11,7 +11,7 @@ use glam::DVec3;
 use points::Scene;
 use rayon::prelude::*;
 
-/// Subtrees with at most as many points are built by one thread.
+/// Subtrees with at most this many points are built by one thread.
 const PART_POINTS: usize = 1 << 14;
 /// Grid steps along the longest edge of the cloud.
 const GRID_STEPS: f64 = u32::MAX as f64;
@@ -19,18 +19,18 @@ const GRID_STEPS: f64 = u32::MAX as f64;
 /// Spread of a normal without a side, which may as well point the other way, radians.
 pub(super) const NO_SIDE: f32 = std::f32::consts::PI;
 
-/// What is known of a point beside its place and color.
+/// Normal and diameter of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leaf {
-    /// [`normals::pack`]ed.
+    /// Normal, packed ([`normals::pack`]).
     pub normal: u32,
-    /// Of its disc, world units.
+    /// Diameter of its disc, world units.
     pub diameter: f32,
-    /// 0, or [`NO_SIDE`].
+    /// Spread of its normal: 0, or [`NO_SIDE`].
     pub spread: f32,
 }
 
-/// A disc: a point, or what stands for several from afar.
+/// A node of the tree, drawn as a disc: a point, or the mean of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// Mean of its points' positions, on the tree's grid; see [`PointTree::position`].
@@ -39,11 +39,11 @@ pub struct Node {
     pub normal: u32,
     /// Mean of its points' colors: r | g≪8 | b≪16 | 255≪24.
     pub color: u32,
-    /// Of the disc, and of a sphere round its centre that holds the children's spheres, world units.
+    /// Diameter of the disc, and of a sphere round its centre that holds the children's spheres, world units.
     pub diameter: f32,
     /// How far the disc is from what it stands for, world units: 0 for a point, else not less than any child's.
     pub error: f32,
-    /// Largest angle between its normal and those of its points, at most, radians; π if one of these has no side.
+    /// Upper bound of the angle between its normal and those of its points, radians; π if one of these has no side.
     pub spread: f32,
     /// Points that it stands for; 1 for a leaf.
     pub num_points: u32,
@@ -58,12 +58,12 @@ pub struct PointTree {
     pub nodes: Vec<Node>,
     /// True box of the points, world space.
     pub bounds: Bounds,
-    /// The scan's.
+    /// The scan's scene.
     pub scene: Scene,
-    /// A step of the grid that positions lie on, world units: the longest edge, 2³² times cut, which is finer
-    /// than any batch's cells.
+    /// A step of the grid that positions lie on, world units: the longest edge, cut into 2³² steps, which is finer than
+    /// any batch's cells.
     pub step: f64,
-    /// Of meshes, those that are not degenerate.
+    /// Triangles of meshes, without degenerate ones.
     pub triangles: Vec<Triangle>,
 }
 
@@ -94,10 +94,10 @@ impl PointTree {
     }
 }
 
-/// What parents must know exactly of a subtree.
+/// Sums over the points of a subtree, which parents must know exactly.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Of positions, relative to the box's smallest corner.
+    /// Sum of positions, relative to the box's smallest corner.
     position: DVec3,
     rgb: [u64; 3],
 }
@@ -108,7 +108,7 @@ struct Part {
     sums: Sums,
 }
 
-/// The tree over sorted points, at least one. Worthless if `progress` says stop.
+/// The tree over sorted points, at least one. The result is worthless if `progress` is cancelled.
 pub(super) fn build(
     sorted: &Sorted,
     leaves: &[Leaf],
@@ -117,7 +117,7 @@ pub(super) fn build(
     progress: &Progress,
 ) -> PointTree {
     let step = bounds.size().max_element() / GRID_STEPS;
-    // The scene comes last: each part begins as a copy of this.
+    // The scene is put in last, since each part begins as a copy of this tree.
     let tree = PointTree { nodes: Vec::new(), bounds, scene: Scene::default(), step, triangles: Vec::new() };
     let mut cubes = Vec::new();
     let root = Cube::root(&sorted.keys);
@@ -143,7 +143,7 @@ pub(super) fn build(
     builder.tree
 }
 
-/// The largest subtrees of at most [`PART_POINTS`], in order; also such as nothing divides.
+/// The largest subtrees of at most [`PART_POINTS`], in order; larger ones only if nothing divides their points.
 fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
     let octants = if cube.keys.len() <= PART_POINTS { Vec::new() } else { cube.octants(&sorted.keys) };
     if octants.is_empty() {
@@ -152,7 +152,7 @@ fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
     octants.iter().for_each(|octant| small_cubes(sorted, octant, each));
 }
 
-/// The next f32, so that a sphere still holds all that it held.
+/// Rounds up to f32, so that a sphere still holds all that it held.
 pub(super) fn rounded_up(length: f64) -> f32 {
     let rounded = length as f32;
     if f64::from(rounded) < length { rounded.next_up() } else { rounded }
@@ -174,7 +174,7 @@ impl Builder<'_> {
         if (cube.keys.len() <= PART_POINTS || octants.is_empty())
             && let Some(parts) = &mut self.parts
         {
-            // As many as `small_cubes` counted, in its order.
+            // There are as many parts as `small_cubes` found cubes, in its order.
             let part = parts.next().unwrap_or(Part { nodes: Vec::new(), sums: Sums::default() });
             self.tree.nodes.extend_from_slice(&part.nodes);
             return part.sums;
@@ -217,7 +217,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Appends the node that stands for all these.
+    /// Appends the node that stands for these children.
     fn inner(&mut self, children: &[usize], sums: &Sums, num_points: usize) {
         let position = self.on_grid(sums.position / num_points as f64);
         let (normal, spread) = self.mean_normal(children);
@@ -254,7 +254,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Those
+    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Normals
     /// without a side are first turned into the hemisphere of those before them.
     fn mean_normal(&self, children: &[usize]) -> (DVec3, f32) {
         let turned = |normal: DVec3, node: &Node, to: DVec3| {
@@ -271,7 +271,7 @@ impl Builder<'_> {
             sum += f64::from(node.num_points) * turned(normal, node, sum);
         }
         let Some(mean) = sum.try_normalize() else {
-            // They cancel out: no direction is better than another, and none is far enough from the opposite.
+            // The normals cancel out: no direction is better than another, and no side is known.
             return (DVec3::Z, NO_SIDE);
         };
         let angle = |(normal, node): (DVec3, &Node)| {
@@ -282,7 +282,7 @@ impl Builder<'_> {
     }
 
     fn on_grid(&self, offset: DVec3) -> [u32; 3] {
-        // Casts from float saturate; without extent there is one place.
+        // Casts from float saturate; a tree without extent has one position.
         let axis = |v: f64| if self.tree.step > 0.0 { (v / self.tree.step).round() as u32 } else { 0 };
         offset.to_array().map(axis)
     }
