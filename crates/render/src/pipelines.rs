@@ -16,15 +16,15 @@ pub(super) struct Pipelines {
     pub clear: Stage<Clear>,
     pub lod: Stage<Cloud>,
     pub cull: Stage<(Cloud, Chunk)>,
-    /// None where the technique finds the nearest points otherwise.
+    /// `None` if the technique finds the nearest points in another way.
     pub closest: Option<Closest>,
-    /// Of each form of sums that the GPU can do.
+    /// Stages for each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
-    /// `closest` quality, where gaps are closed.
+    /// Makes finished pixels in `closest` quality, if gaps are closed.
     pub dilate: Stage<Eye>,
-    /// The surface to the image, where gaps stay open.
+    /// Makes finished pixels from the surface, if gaps stay open.
     pub show: Stage<Eye>,
-    /// Where there are depth images.
+    /// Writes depth images, if there are any.
     pub depth_image: Option<DepthImage>,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Pipelines {
 #[derive(Debug)]
 pub(super) struct Closest {
     pub depth: Stage<Geometry>,
-    /// Where depth and id do not fit one atomic.
+    /// Finds ids, if depth and id do not fit one atomic.
     pub ids: Option<Stage<Geometry>>,
     pub shade: Stage<(Chunk, Eye)>,
 }
@@ -43,9 +43,9 @@ pub(super) struct Hqs {
     pub sums: Sums,
     pub depth: Stage<Geometry>,
     pub color: Stage<Geometry>,
-    /// Where gaps stay open.
+    /// Makes the surface, if gaps stay open.
     pub blend: Stage<Eye>,
-    /// `blend` and `dilate` in one, where they are closed.
+    /// `blend` and `dilate` in one step, if gaps are closed.
     pub blend_dilate: Stage<Eye>,
 }
 
@@ -67,7 +67,7 @@ pub(super) struct For {
 }
 
 impl Pipelines {
-    /// With the technique's other way to the nearest points, if it has one.
+    /// Compiles the pipelines, with the technique's other way to the nearest points, if it has one.
     pub fn new(gpu: &Gpu, technique: &dyn Technique, what: For) -> (Self, Option<Box<dyn Nearest>>) {
         let For { num_eyes, fill, atomics, access, depth_format } = what;
         let keys = atomics >= Atomics::Int64Minmax;
@@ -127,7 +127,7 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// One of them.
+    /// Compiles a stage.
     fn stage<S: Set>(self, shader: Of<S>, variant: Variant) -> Stage<S> {
         Stage::of(self.gpu, shader, variant, self.access)
     }

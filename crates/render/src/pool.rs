@@ -6,26 +6,26 @@ use std::ops::Range;
 /// Where a batch's points begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
-    /// The chunk.
+    /// Number of the chunk.
     pub chunk: usize,
-    /// First point in it.
+    /// First point, counted in the chunk.
     pub first_point: u32,
 }
 
 /// The places of all batches of a cloud, in their order.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// A batch each.
+    /// Place of each batch.
     pub places: Vec<Place>,
-    /// A chunk each: where its points stand in the pool.
+    /// Place of each chunk's points in the pool.
     pub chunks: Vec<ChunkUniform>,
-    /// A chunk each: its batches.
+    /// Batches of each chunk.
     pub batches: Vec<Range<usize>>,
 }
 
 impl Places {
-    /// For batches that begin at these points of the pool, which ends at `end`, in chunks whose planes fit `limit` bytes and
-    /// one dispatch.
+    /// Places of batches that begin at these points of the pool, which ends at `end`, in chunks whose planes fit
+    /// `limit` bytes and whose batches fit one dispatch.
     pub fn new(starts: &[u32], end: u32, limit: u64, max_batches: usize) -> Self {
         // At least one batch fits: no adapter binds less than 128 MiB, and a lower wish is raised to a batch.
         let max_points = (limit / 4).max(u64::from(BATCH_POINTS));
@@ -69,7 +69,7 @@ mod tests {
         let uniforms: Vec<_> = places.chunks.iter().map(|c| (c.first_index, c.num_points)).collect();
         assert_eq!(uniforms, [(0, 640), (640, 10_240), (10_880, 8)]);
         assert_eq!((places.slot(2), places.slot(4)), (2, 0));
-        // A dispatch holds so many batches.
+        // A dispatch holds three batches.
         let few = Places::new(&[0, 8, 12, 16], 20, u64::MAX, 3);
         assert_eq!(few.batches, [0..3, 3..4]);
         assert_eq!(few.chunks[1].first_index, 16);

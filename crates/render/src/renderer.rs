@@ -1,4 +1,4 @@
-//! The renderer: what the frame needs from one to the next, and what may change in between.
+//! The renderer: its state from one frame to the next, and how that may change in between.
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::DrawnPart;
@@ -55,9 +55,9 @@ pub struct Renderer {
     pub(super) waiting: Waiting,
     drawn: DrawnPart,
     pub(super) groups: Groups,
-    /// The frame before has cleared its targets, and nothing has changed since.
+    /// True if the frame before has cleared its targets and nothing has changed since.
     pub(super) targets_are_clear: bool,
-    /// The finished pixels are of another drawn part or cloud than the next frame's.
+    /// True if the finished pixels are of another drawn part or cloud than the next frame's.
     pub(super) images_are_new: bool,
     /// See [`Self::binding`].
     binding: u64,
@@ -73,7 +73,7 @@ impl Renderer {
         Self::with_technique(gpu, setup, look, Box::new(Own))
     }
 
-    /// One that draws by another technique than the frame's own.
+    /// A renderer that draws by another technique than the frame's own.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -117,8 +117,9 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// While there is no cloud: how much of the work until then is done, 0 to 1, as a bar and a number that stand at
-    /// `world_from_bar`, metres across. `None`: nothing. Shown from the frame on that is recorded next.
+    /// Sets what is shown while there is no cloud: the part of the work until then that is done, 0 to 1, as a bar and a
+    /// number that stand at `world_from_bar`, in metres. `None` shows nothing. It is shown from the frame on that is
+    /// recorded next.
     pub fn set_waiting(
         &mut self,
         queue: &QueueGuard,
@@ -130,8 +131,8 @@ impl Renderer {
         self.waiting.set(queue, eyes, near, world_from_bar, fraction);
     }
 
-    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. Takes
-    /// no longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
+    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. It takes no
+    /// longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
@@ -139,7 +140,7 @@ impl Renderer {
         self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
         let num_chunks = cloud.chunks.len() as u64;
         if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
-            // More than it needs: the same scan's octree may have another chunk.
+            // There are more counters than it needs: the same scan's octree may have another chunk.
             self.counters = counters_buffer(&self.gpu, 2 * num_chunks);
             // Frames under way go without times.
             self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
@@ -156,7 +157,7 @@ impl Renderer {
         cloud
     }
 
-    /// New image sizes, one an eye.
+    /// Sets new image sizes, one an eye.
     ///
     /// # Errors
     /// If they do not fit the device.
@@ -178,7 +179,7 @@ impl Renderer {
         }
     }
 
-    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, in rows of
+    /// Sets which pixels of each eye's drawn part nobody sees: a bit a pixel, in rows of
     /// [`crate::layout::mask_words_per_row`].
     pub fn set_hidden(&mut self, hidden: Vec<Vec<u32>>) {
         self.hidden = hidden;
@@ -186,8 +187,8 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of [`crate::layout::Detail::fill_reach_px`] from or to `None`
-    /// compiles pipelines; all else is quick.
+    /// Sets how frames look from the next one on. A change of [`crate::layout::Detail::fill_reach_px`] from or to
+    /// `None` compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
@@ -206,7 +207,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What a pixel shows from the next frame on.
+    /// Sets what a pixel shows from the next frame on.
     ///
     /// # Errors
     /// See [`Self::set_look`].
@@ -230,7 +231,7 @@ impl Renderer {
         &self.look
     }
 
-    /// Factor on the thresholds of level of detail, 1 or more.
+    /// Sets the factor on the thresholds of level of detail, 1 or more.
     pub fn set_lod_scale(&mut self, scale: f32) {
         self.lod_scale = scale;
     }
@@ -321,7 +322,8 @@ impl Renderer {
         self.rebound();
     }
 
-    /// The technique's other way to the nearest points, if it has one and this quality asks for it; and what it is told.
+    /// The technique's other way to the nearest points, if it has one and this quality asks for it, with what it is
+    /// told.
     pub(super) fn nearest(&self) -> Option<(&dyn Nearest, Recording<'_>)> {
         let nearest = self.nearest.as_deref().filter(|_| self.look.quality == Quality::Closest)?;
         let recording = Recording {
@@ -333,7 +335,7 @@ impl Renderer {
         Some((nearest, recording))
     }
 
-    /// Another number whenever bind groups of this renderer's buffers are out of date.
+    /// A number that changes whenever bind groups of this renderer's buffers are out of date.
     pub(super) fn binding(&self) -> u64 {
         self.binding
     }

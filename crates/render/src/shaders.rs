@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../../shaders/layout.inc.wgsl");
 
-/// What several shaders have in common, in a variant of theirs.
+/// A text that several shaders share, in a variant of theirs.
 pub type Shared = fn(Variant) -> Pieces;
 
 macro_rules! shared {
@@ -17,23 +17,23 @@ macro_rules! shared {
     };
 }
 
-/// What a technique's texts need besides.
+/// Declarations that a technique's texts need besides.
 const BESIDES: Shared = |variant| variant.texts.besides;
 /// Points, read and projected.
 const POINTS: Shared = shared!("points.inc");
-/// What a thread reads at a time.
+/// Points that a thread reads at a time.
 const TURN: Shared = |variant| variant.texts.turn;
-/// How it puts that into pixels.
+/// How a thread puts its points into pixels.
 const PUT: Shared = |variant| variant.texts.put;
 /// Which points are drawn, and how large.
 const CHOICE: Shared = |variant| variant.texts.choice;
-/// How large what lies in a box is drawn.
+/// Projected sizes of boxes.
 const SIZES: Shared = shared!("sizes.inc");
 /// The rings round the gaze.
 const RINGS: Shared = shared!("rings.inc");
-/// The geometry stages' loop over them.
+/// The geometry stages' loop over points.
 const LOOP: Shared = shared!("loop.inc");
-/// Points wider than a pixel, where there may be some.
+/// Points wider than a pixel, if there may be any.
 const WIDE: Shared = |variant| (variant.texts.wide)(variant);
 /// Where the geometry stages begin.
 const MAIN: Shared = |variant| variant.texts.main;
@@ -43,7 +43,7 @@ const COUNTS: Shared = |variant| variant.texts.counts;
 const TILES: Shared = shared!("tiles.inc");
 /// Which points count for a pixel's color.
 const SUMS: Shared = shared!("sums.inc");
-/// Their sums in four u32.
+/// Sums of colors in four u32.
 const WIDE_SUMS: Shared = shared!("wide_sums.inc");
 /// The points' colors.
 const COLORS: Shared = |variant| variant.texts.colors;
@@ -59,8 +59,9 @@ const SURFACE: Shared = shared!("surface.inc");
 const CHUNK_COLORS: Shared = shared!("chunk_colors.inc");
 /// The rule of dilation.
 const DILATION: Shared = shared!("dilation.inc");
-/// A pixel's depth and color before gaps are closed: as `shade` left them, or from the sums of `hqs` quality.
+/// A pixel's depth and color before gaps are closed, as `shade` left them.
 const KEPT_SURFACE: Shared = shared!("kept_surface.inc");
+/// A pixel's depth and color before gaps are closed, from the sums of `hqs` quality.
 const BLENDED_SURFACE: Shared = shared!("blended_surface.inc");
 /// Finished pixels.
 const IMAGE: Shared = shared!("image.inc");
@@ -77,11 +78,11 @@ const GEOMETRY: &[Shared] = &[BESIDES, POINTS, TURN, CHOICE, RINGS, FILL, LOOP, 
 /// A shader's text.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// Its name, as the file's.
+    /// Name, as the file's.
     pub name: &'static str,
     /// Names of the resources that it may bind.
     pub names: fn() -> Vec<&'static str>,
-    /// What it shares with others, group by group.
+    /// Texts that it shares with others, group by group.
     shared: &'static [&'static [Shared]],
     /// Its own text.
     text: Shared,
@@ -109,7 +110,7 @@ impl<S: Set> Of<S> {
         Self { shader: Shader { name, names: S::names, shared, text }, set: PhantomData }
     }
 
-    /// The shader, whatever it binds.
+    /// The shader as a type that does not tell what it binds.
     #[must_use]
     pub const fn shader(self) -> Shader {
         self.shader
@@ -170,13 +171,13 @@ shaders! {
     BOXES: (Cloud, Overlay) = "boxes", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("boxes");
 }
 
-/// What techniques share with the frame's shaders, for shaders of their own.
+/// Texts that techniques share with the frame's shaders, for shaders of their own.
 pub mod parts {
     use super::Shared;
 
     /// Points, read and projected, a turn at a time, as the texts choose; with what the texts need besides.
     pub const POINTS: &[Shared] = &[super::BESIDES, super::POINTS, super::TURN, super::CHOICE];
-    /// All of the geometry stages but what is done with a point in a pixel.
+    /// All of the geometry stages except what is done with a point in a pixel.
     pub const GEOMETRY: &[Shared] = super::GEOMETRY;
     /// The points' colors, as the texts choose.
     pub const COLORS: &[Shared] = &[super::COLORS];

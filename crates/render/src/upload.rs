@@ -21,7 +21,7 @@ const PENDING_BYTES: usize = 64 << 20;
 /// Why a cloud is not on the GPU.
 #[derive(Debug, thiserror::Error)]
 pub enum UploadError {
-    /// It does not fit.
+    /// The cloud does not fit.
     #[error("the GPU has no room for the scan's {points} points ({bytes} bytes): {source}")]
     OutOfMemory {
         /// Points of the scan.
@@ -44,15 +44,15 @@ pub enum UploadError {
 pub struct Whole<'a, N, B> {
     /// Its points and batches.
     pub cloud: &'a Cloud,
-    /// Points that it has for people.
+    /// Number of points to tell people.
     pub num_points: u64,
     /// Its nodes.
     pub nodes: &'a [N],
-    /// The record of batch number …, whose points begin at … of its chunk.
+    /// Makes the record of a batch from its number and the place of its first point in its chunk.
     pub batch: &'a dyn Fn(usize, u32) -> B,
     /// A column beside the colors, by the name that shaders have for it.
     pub column: (&'static str, &'a [u32]),
-    /// What shaders bind besides, by name.
+    /// Buffers that shaders bind besides, by name.
     pub besides: Vec<(&'static str, wgpu::Buffer)>,
 }
 
@@ -76,11 +76,11 @@ pub struct CloudUpload<'a> {
     progress: &'a Progress,
     cloud: CloudBuffers,
     places: Places,
-    /// Of an octree: its nodes as the GPU has them, or will have.
+    /// Nodes of an octree, as the GPU has them or will have them.
     nodes: Vec<Node>,
-    /// Of an octree: the node of each batch.
+    /// The node of each batch of an octree.
     node_of: Vec<u32>,
-    /// Bytes since the GPU was last waited for.
+    /// Bytes sent since the GPU was last waited for.
     pending: usize,
 }
 
@@ -111,7 +111,7 @@ impl<'a> CloudUpload<'a> {
         })
     }
 
-    /// What can be drawn: the nodes that have come, and those that will.
+    /// The cloud to draw: its nodes that have come, and those that will.
     #[must_use]
     pub fn buffers(&self) -> CloudBuffers {
         self.cloud.clone()
@@ -226,7 +226,7 @@ impl<'a> CloudUpload<'a> {
         let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         let max_batches = max_groups - num_extra_slices(column);
         let starts: Vec<u32> = batches.iter().map(|batch| batch.first_point).collect();
-        // Ids of 32 bits: the builders make no more.
+        // Numbers of words fit 32 bits: the builders make no more.
         let places = Places::new(&starts, num_words as u32, limit, max_batches);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let mut room = Room { gpu, bytes: 0 };
@@ -301,7 +301,7 @@ impl<'a> CloudUpload<'a> {
     ) -> Result<(), UploadError> {
         let Some(last) = run.clone().next_back() else { return Ok(()) };
         let of_run = nodes[run.start].batches.start as usize..nodes[last].batches.end as usize;
-        // What lies together in a chunk goes together.
+        // Batches that lie in the same chunk are sent together.
         let mut from = of_run.start;
         while from < of_run.end {
             let number = self.places.places[from].chunk;
@@ -324,7 +324,7 @@ impl<'a> CloudUpload<'a> {
         self.show(nodes, batches, run, of_run)
     }
 
-    /// Has nodes drawn whose points have been sent: from one frame to the next, with all their batches.
+    /// Has nodes drawn whose points have been sent. All their batches appear in the same frame.
     fn show(
         &mut self,
         nodes: &[octree::Node],
