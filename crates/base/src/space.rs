@@ -1,7 +1,7 @@
 //! Every space and every matrix of the program, in f64; f32 only at the very end (docs/FRAME.md §2).
 //!
 //! Spaces, all right-handed:
-//! - **world**: the scan's coordinates (f64, z up), in one unit along all axes: see `scan::WorldFromFile`.
+//! - **world**: the scan's coordinates (f64, z up), in one unit along all axes: see `points::WorldFromFile`.
 //! - **stage**: the headset's play space: metres, y up, floor at 0.
 //! - **view**: an eye's own space: x right, y up, looking along −z. Lengths are world units.
 //! - **head**: world axes, origin at the point midway between the eyes. The GPU works in it: numbers near
@@ -22,7 +22,7 @@ pub struct Bounds {
 }
 
 impl Default for Bounds {
-    /// Of no points.
+    /// The box of no points.
     fn default() -> Self {
         Self::EMPTY
     }
@@ -134,14 +134,14 @@ impl Pose {
         }
     }
 
-    /// `from_to`.
+    /// The inverse transform, `from_to`.
     #[must_use]
     pub fn inverse(&self) -> Pose {
         let orientation = self.orientation.inverse();
         Pose { position: -(orientation * self.position), orientation }
     }
 
-    /// The same as a matrix.
+    /// The transform as a matrix.
     #[must_use]
     pub fn matrix(&self) -> DMat4 {
         DMat4::from_rotation_translation(self.orientation, self.position)
@@ -198,8 +198,8 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// The optical axis: the gaze of an eye that nobody tracks. Not the image's centre, which an asymmetric
-    /// field of view puts degrees away.
+    /// The optical axis: the gaze of an eye that nobody tracks. It is not the image's centre, which an asymmetric field
+    /// of view puts degrees away.
     pub const AHEAD: DVec3 = DVec3::NEG_Z;
 
     /// Rows of `pixel_from_head`: for p in head space (world axes, relative to `head_in_world`),
@@ -236,7 +236,7 @@ impl Eye {
         [x, y, near, w].map(|c| c as f32)
     }
 
-    /// Pixels per radian at the optical axis; the smaller of both directions would lose detail, so the larger.
+    /// Pixels per radian at the optical axis, in the direction that has more of them: the smaller would lose detail.
     #[must_use]
     pub fn pixels_per_radian(&self) -> f64 {
         let [width, height] = self.size_px.map(f64::from);

@@ -11,7 +11,7 @@ pub fn set(name: &OsStr, value: &OsStr) {
     }
 }
 
-/// Linux lists a process's threads.
+/// True if the process has one thread, by the list of threads that Linux has.
 fn is_single_threaded() -> bool {
     std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1)
 }

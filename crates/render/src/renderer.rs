@@ -131,8 +131,8 @@ impl Renderer {
         self.waiting.set(queue, eyes, near, world_from_bar, fraction);
     }
 
-    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. It takes no
-    /// longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
+    /// Shows this cloud from the next frame on, and gives back the one before. It takes no longer for a large cloud than
+    /// for a small one: nothing except bind groups is made, and nothing is freed.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.

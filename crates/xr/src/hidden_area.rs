@@ -1,8 +1,7 @@
 //! The part of an eye's image that the lenses hide, from the runtime's triangles to one bit a pixel.
 //!
-//! The triangles come in tangents, so they fit any field of view and resolution; the frame wants pixels. A
-//! pixel is hidden only if hidden triangles cover its whole square: at the border a pixel too many is drawn, and
-//! none is missing.
+//! The triangles come in tangents, so they fit any field of view and resolution; the frame wants pixels. A pixel is
+//! hidden only if hidden triangles cover its whole square: at the border too many pixels are drawn rather than too few.
 
 use base::space::Fov;
 use glam::DVec2;
@@ -64,7 +63,7 @@ impl HiddenArea {
     }
 }
 
-/// Bits of an image.
+/// A bit for each pixel of an image.
 struct Mask {
     words: Vec<u32>,
     words_per_row: usize,
@@ -122,7 +121,7 @@ impl HalfPlane {
     }
 }
 
-/// A triangle in pixels: what lies inside all of its sides.
+/// A triangle in pixels: the area inside all of its sides.
 struct Triangle {
     corners: [DVec2; 3],
     sides: [HalfPlane; 3],
@@ -149,7 +148,7 @@ impl Triangle {
         is_one.then(|| Self { corners, sides: [0, 1, 2].map(side) })
     }
 
-    /// Whether it reaches into row `y`.
+    /// True if it reaches into row `y`.
     fn meets(&self, y: u32) -> bool {
         let (low, high) = self.reach(|corner| corner.y);
         low < f64::from(y + 1) && high > f64::from(y)
@@ -188,7 +187,7 @@ fn pixels(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
     (from as u32).min(size)..(to as u32).min(size)
 }
 
-/// Whether the triangles together cover the pixel: cuts each out of its square and sees what is left.
+/// True if the triangles together cover the pixel. Each one is cut out of the pixel's square, until nothing is left.
 fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: u32) -> bool {
     let mut left = vec![Piece::square(f64::from(x), f64::from(y))];
     for triangle in triangles {
@@ -198,7 +197,7 @@ fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: 
                 if piece.is_inside(side) {
                     continue;
                 }
-                // Too intricate a pixel is drawn.
+                // A pixel whose pieces get too many corners is drawn.
                 let Some([within, without]) = piece.split(side) else { return false };
                 if without.area() > SLIVER {
                     outside.push(without);

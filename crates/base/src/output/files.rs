@@ -30,12 +30,13 @@ impl Files {
         self.prints = true;
     }
 
-    /// Declares that outputs may take the place of whatever has their names, but of nothing that is read.
+    /// Declares that outputs may take the place of whatever has their names, except of files that are read.
     pub fn force(&mut self) {
         self.forced = true;
     }
 
-    /// Looks at all of them; nothing is created or changed. Files that `partials` knows of are removed when it says so.
+    /// Checks all declared files; nothing is created or changed. Files that `partials` knows of are removed when it
+    /// says so.
     ///
     /// # Errors
     /// An output with a wrong ending; one that is read, or written twice; one whose name a file of another kind has, or any
@@ -83,7 +84,7 @@ impl Files {
             let output = Output { path: path.clone(), place, partials: partials.clone(), fresh: false };
             outputs.0.push((*kind, output));
         }
-        // Last: it touches the disk, if only to see that it could be written.
+        // This comes last because it touches the disk, if only to see that it can be written.
         for ((_, output), (option, path, _)) in outputs.0.iter().zip(&self.writes) {
             output.place.try_it().map_err(|source| OutputError::Locked {
                 option,
@@ -94,7 +95,7 @@ impl Files {
         Ok(outputs)
     }
 
-    /// What speaks against writing a kind of output to a pipe, a device or stdout.
+    /// The problem with writing a kind of output to a pipe, a device or stdout, if there is one.
     fn stream_problem(&self, place: &Place, kind: OutputKind) -> Option<&'static str> {
         match place {
             Place::File { .. } => None,
@@ -138,12 +139,12 @@ fn no_place(option: &'static str, path: &Path, problem: NoPlace) -> OutputError 
 pub struct Outputs(Vec<(OutputKind, Output)>);
 
 impl Outputs {
-    /// Takes out those of a kind.
+    /// Takes out the outputs of a kind.
     pub fn take(&mut self, kind: OutputKind) -> Vec<Output> {
         self.0.extract_if(.., |(of, _)| *of == kind).map(|(_, output)| output).collect()
     }
 
-    /// Takes out the first of a kind, if one was declared.
+    /// Takes out the first output of a kind, if one was declared.
     pub fn take_one(&mut self, kind: OutputKind) -> Option<Output> {
         let at = self.0.iter().position(|(of, _)| *of == kind)?;
         Some(self.0.remove(at).1)

@@ -29,16 +29,16 @@ use std::path::{Path, PathBuf};
 /// A file that may be written.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// As the user wrote it.
+    /// The path, as the user wrote it.
     path: PathBuf,
     place: Place,
     partials: Partials,
-    /// What has the name already stays, and writing fails.
+    /// True if a file that has the name already stays, and writing fails.
     fresh: bool,
 }
 
 impl Output {
-    /// A file that is written beside no other, and nothing is read.
+    /// The only output of a program that reads nothing.
     ///
     /// # Errors
     /// A wrong ending, a folder or another kind of file of that name, a folder that is missing or cannot be written.
@@ -54,7 +54,7 @@ impl Output {
     /// A file whose name the program chose: it never takes the place of another.
     ///
     /// # Errors
-    /// As [`Output::new`].
+    /// Those of [`Output::new`].
     pub fn fresh(path: impl Into<PathBuf>, kind: OutputKind) -> Result<Self, OutputError> {
         Ok(Self { fresh: true, ..Self::new(path, kind)? })
     }
@@ -91,7 +91,7 @@ impl Output {
         file.keep().map_err(|source| self.failed(source))
     }
 
-    /// For `map_err` of what is written into the file.
+    /// Turns an error of writing into the file into one that names it, for `map_err`.
     pub fn failed(&self, source: std::io::Error) -> OutputError {
         OutputError::Write { path: self.path.clone(), source }
     }
