@@ -13,12 +13,17 @@ use crate::options::Quality;
 use base::space::View;
 use timing::{STAGES, StageMs};
 
-/// Number of `clear` in [`STAGES`], where each stage's times stand; the other stages follow.
+/// Place of `clear` in [`STAGES`], and of its times.
 const CLEAR: usize = 0;
+/// Place of `lod` in [`STAGES`], and of its times.
 const LOD: usize = 1;
+/// Place of `cull` in [`STAGES`], and of its times.
 const CULL: usize = 2;
+/// Place of `depth` in [`STAGES`], and of its times.
 pub(super) const DEPTH: usize = 3;
+/// Place of `color` in [`STAGES`], and of its times.
 const COLOR: usize = 4;
+/// Place of `resolve` in [`STAGES`], and of its times.
 const RESOLVE: usize = 5;
 
 // Rows of finished pixels begin where copies need them to.

@@ -11,10 +11,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// Frames that may be under way at once; a frame beyond that goes without times.
 const NUM_SLOTS: usize = 8;
 
-/// State of a slot's readback buffer, as the three that follow: here a slot that is free.
+/// State of a slot's readback buffer: free for a frame.
 const IDLE: u8 = 0;
+/// State of a slot's readback buffer: asked for, and not there yet.
 const WAITING: u8 = 1;
+/// State of a slot's readback buffer: there to be read.
 const MAPPED: u8 = 2;
+/// State of a slot's readback buffer: lost.
 const FAILED: u8 = 3;
 
 /// A ring of query sets and readback buffers.
