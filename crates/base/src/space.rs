@@ -224,8 +224,8 @@ impl Eye {
         [px, py, w]
     }
 
-    /// Clip coordinates of a place, for what the GPU's own pipeline draws: w is the linear depth, and z / w is near / w,
-    /// as depth images have it.
+    /// Clip coordinates of a place, for what the GPU's own pipeline draws: w is the linear depth, and z / w is near /
+    /// w, as depth images have it.
     #[must_use]
     pub fn clip_from_world(&self, p_in_world: DVec3, near: f64) -> [f32; 4] {
         let p = self.world_from_view.inverse().matrix().transform_point3(p_in_world);
@@ -277,8 +277,8 @@ pub struct Split {
 }
 
 impl Split {
-    /// The split for a scene in the box of `all` points: the scene's centre as origin. Differences are exact as far as the
-    /// points reach, or a million times as far as the scene does: beyond that its own precision would suffer.
+    /// The split for a scene in the box of `all` points: the scene's centre as origin. Differences are exact as far as
+    /// the points reach, or a million times as far as the scene does: beyond that its own precision would suffer.
     #[must_use]
     pub fn of(scene: &Bounds, all: &Bounds) -> Self {
         let origin = scene.center();

@@ -91,7 +91,7 @@ pub fn build_in_batches(
     // A batch holds either points of the scene or strays: a box round both would be too large for the scene's
     // precision.
     let num_near = sorted.as_ref().map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
-    let cut = Cut { size: batch_points as usize, num_near, num_points };
+    let cut = BatchCut { size: batch_points as usize, num_near, num_points };
     let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
     let batches = cut
         .batches(&mut hi)
@@ -100,7 +100,7 @@ pub fn build_in_batches(
         .zip(cut.batches(&mut colors))
         .enumerate()
         .map_init(Vec::new, |positions, (number, (((hi, mid), lo), colors))| {
-            let Piece { first, first_point, count } = cut.piece(number);
+            let BatchRange { first, first_point, count } = cut.range(number);
             if progress.is_cancelled() {
                 return Batch { first_point: 0, num_points: 0, min: DVec3::ZERO, cell: [0.0; 3] };
             }
@@ -201,7 +201,7 @@ fn shuffled_groups(sorted: Vec<(u64, u32)>) -> Vec<(u64, u32)> {
 /// How ordered points are cut into batches: the scene's come first, the strays' begin at the next multiple of
 /// [`POINTS_PER_LOAD`].
 #[derive(Clone, Copy)]
-struct Cut {
+struct BatchCut {
     /// Points of a batch.
     size: usize,
     num_near: usize,
@@ -209,13 +209,13 @@ struct Cut {
 }
 
 /// A batch's points: the number of the first in the order, its place in the planes, and their count.
-struct Piece {
+struct BatchRange {
     first: usize,
     first_point: usize,
     count: usize,
 }
 
-impl Cut {
+impl BatchCut {
     /// Place in the planes at which the strays begin.
     fn far(self) -> usize {
         self.num_near.next_multiple_of(POINTS_PER_LOAD as usize)
@@ -232,15 +232,15 @@ impl Cut {
         near.par_chunks_mut(self.size).chain(far.par_chunks_mut(self.size))
     }
 
-    fn piece(self, number: usize) -> Piece {
+    fn range(self, number: usize) -> BatchRange {
         let num_near_batches = self.num_near.div_ceil(self.size);
         if number < num_near_batches {
             let first = number * self.size;
-            return Piece { first, first_point: first, count: self.size.min(self.num_near - first) };
+            return BatchRange { first, first_point: first, count: self.size.min(self.num_near - first) };
         }
         let within = (number - num_near_batches) * self.size;
         let first = self.num_near + within;
-        Piece { first, first_point: self.far() + within, count: self.size.min(self.num_points - first) }
+        BatchRange { first, first_point: self.far() + within, count: self.size.min(self.num_points - first) }
     }
 }
 
@@ -250,7 +250,7 @@ pub(super) const FAR: u64 = 1 << (3 * morton::BITS);
 
 /// Pairs (Morton code, point) in ascending order, strays last; equal codes keep the files' order.
 pub(super) fn sort(index: &Index, bounds: &Bounds, scene: &Bounds) -> Vec<(u64, u32)> {
-    let (near, far) = (morton::Grid::new(scene), morton::Grid::new(bounds));
+    let (near, far) = (morton::MortonGrid::new(scene), morton::MortonGrid::new(bounds));
     let code = |p| if scene.contains(p) { near.code(p) } else { FAR | far.code(p) };
     let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
         .into_par_iter()

@@ -1,4 +1,5 @@
-//! How points lie in memory: what the builders write and the shaders read. `render` hands these constants to the shaders.
+//! How points lie in memory: what the builders write and the shaders read. `render` hands these constants to the
+//! shaders.
 
 /// Threads of a workgroup of the geometry stages [2022 §3.2].
 pub const WORKGROUP_SIZE: u32 = 128;
@@ -17,7 +18,7 @@ pub const PLANE_BITS: u32 = 10;
 /// lie. The distance is the octant's spacing times the node's `spacing_step` to the power of the exponent, which is 0
 /// in flat clouds.
 pub const SPACING_EXPONENT_SHIFT: u32 = 3 * PLANE_BITS;
-/// Bits of an f32 that a sequential point tree's lengths drop to become steps; see [`crate::spt::Scale`].
+/// Bits of an f32 that a sequential point tree's lengths drop to become steps; see [`crate::spt::StepScale`].
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
 pub const ENDLESS_STEP: u32 = 255;

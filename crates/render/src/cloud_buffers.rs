@@ -143,12 +143,12 @@ pub(super) fn num_extra_slices(column: Option<&str>) -> usize {
 }
 
 /// Makes buffers and counts their bytes.
-pub(super) struct Room<'a> {
+pub(super) struct Allocator<'a> {
     pub gpu: &'a Gpu,
     pub bytes: u64,
 }
 
-impl Room<'_> {
+impl Allocator<'_> {
     pub fn take(&mut self, label: &'static str, usage: wgpu::BufferUsages, size: usize) -> wgpu::Buffer {
         self.bytes += size as u64;
         self.gpu.buffer(label, size as u64, usage)

@@ -294,7 +294,7 @@ impl Renderer {
             ..Default::default()
         });
         self.draw_to_drawn_part(&mut pass, eye);
-        self.waiting.draw(&mut pass, eye);
+        self.loading_bar.draw(&mut pass, eye);
     }
 
     fn draw_to_drawn_part(&self, pass: &mut wgpu::RenderPass, eye: usize) {

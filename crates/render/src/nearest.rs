@@ -1,5 +1,5 @@
-//! Other ways to the nearest points of `closest` quality than the frame's stages: what they are asked for, and what they
-//! are told while a frame is recorded.
+//! Other ways to the nearest points of `closest` quality than the frame's stages: what they are asked for, and what
+//! they are told while a frame is recorded.
 
 use crate::cloud_buffers::CloudBuffers;
 use crate::frame::DEPTH;

@@ -5,7 +5,7 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::groups;
 use super::renderer::Renderer;
-use super::shaders::{self, Of};
+use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{self, Cloud, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
@@ -57,7 +57,7 @@ impl Overlays {
     #[must_use]
     pub fn new(renderer: &Renderer) -> Self {
         let (gpu, format) = (&*renderer.gpu, renderer.setup.color_format);
-        let pass = |shader: Of<_>, sums, entries| {
+        let pass = |shader: ShaderOfSet<_>, sums, entries| {
             let wgsl = shader.source(Variant { sums, ..Variant::eyes(2) });
             Pass::new(gpu, shader.name(), &wgsl, entries, format)
         };

@@ -1,6 +1,6 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
-use super::shaders::{self, Of};
+use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, Set};
 use crate::gpu::drawing::Drawing;
 use crate::gpu::stage::{Bindings, Stage, nothing_besides};
@@ -58,7 +58,7 @@ pub(super) struct DepthImage {
 
 /// What the pipelines are made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct For {
+pub(super) struct PipelineOptions {
     pub num_eyes: u32,
     pub fill: bool,
     pub atomics: Atomics,
@@ -68,8 +68,12 @@ pub(super) struct For {
 
 impl Pipelines {
     /// Compiles the pipelines, with the technique's other way to the nearest points, if it has one.
-    pub fn new(gpu: &Gpu, technique: &dyn Technique, what: For) -> (Self, Option<Box<dyn Nearest>>) {
-        let For { num_eyes, fill, atomics, access, depth_format } = what;
+    pub fn new(
+        gpu: &Gpu,
+        technique: &dyn Technique,
+        options: PipelineOptions,
+    ) -> (Self, Option<Box<dyn Nearest>>) {
+        let PipelineOptions { num_eyes, fill, atomics, access, depth_format } = options;
         let keys = atomics >= Atomics::Int64Minmax;
         let together = access.together.unwrap_or(!gpu.is_software());
         let variant = Variant { fill, keys, together, texts: technique.texts(), ..Variant::eyes(num_eyes) };
@@ -128,7 +132,7 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// Compiles a stage.
-    fn stage<S: Set>(self, shader: Of<S>, variant: Variant) -> Stage<S> {
+    fn stage<S: Set>(self, shader: ShaderOfSet<S>, variant: Variant) -> Stage<S> {
         Stage::of(self.gpu, shader, variant, self.access)
     }
 }

@@ -3,9 +3,9 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::DrawnPart;
 use super::groups::{self, Groups, Parts};
-use super::pipelines::{For, Pipelines};
+use super::pipelines::{PipelineOptions, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
-use super::waiting::Waiting;
+use super::waiting::LoadingBar;
 use crate::gpu::timer::Timer;
 use crate::gpu::{Atomics, Gpu, QueueGuard, readback};
 use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform, of_image};
@@ -52,7 +52,7 @@ pub struct Renderer {
     pub(super) nearest: Option<Box<dyn Nearest>>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
-    pub(super) waiting: Waiting,
+    pub(super) loading_bar: LoadingBar,
     drawn: DrawnPart,
     pub(super) groups: Groups,
     /// True if the frame before has cleared its targets and nothing has changed since.
@@ -83,7 +83,7 @@ impl Renderer {
         look: Look,
         technique: Box<dyn Technique>,
     ) -> Result<Self, TargetTooLarge> {
-        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, what(&setup, &look));
+        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, pipeline_options(&setup, &look));
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
@@ -91,7 +91,7 @@ impl Renderer {
         let drawn = DrawnPart::new(gpu, &targets, &[], (look.background_word(), setup.color_format));
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
-        let waiting = Waiting::new(gpu, &setup);
+        let loading_bar = LoadingBar::new(gpu, &setup);
         let mut renderer = Self {
             gpu: Arc::clone(gpu),
             setup,
@@ -105,7 +105,7 @@ impl Renderer {
             nearest,
             targets,
             hidden: vec![],
-            waiting,
+            loading_bar,
             drawn,
             groups: Groups::default(),
             targets_are_clear: false,
@@ -128,11 +128,11 @@ impl Renderer {
         world_from_bar: &Pose,
         fraction: Option<f64>,
     ) {
-        self.waiting.set(queue, eyes, near, world_from_bar, fraction);
+        self.loading_bar.set(queue, eyes, near, world_from_bar, fraction);
     }
 
-    /// Shows this cloud from the next frame on, and gives back the one before. It takes no longer for a large cloud than
-    /// for a small one: nothing except bind groups is made, and nothing is freed.
+    /// Shows this cloud from the next frame on, and gives back the one before. It takes no longer for a large cloud
+    /// than for a small one: nothing except bind groups is made, and nothing is freed.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
@@ -194,9 +194,9 @@ impl Renderer {
     /// If what the quality needs does not fit the device; then nothing has changed.
     pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
         self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
-        if what(&self.setup, &look) != what(&self.setup, &self.look) {
+        if pipeline_options(&self.setup, &look) != pipeline_options(&self.setup, &self.look) {
             (self.pipelines, self.nearest) =
-                Pipelines::new(&self.gpu, &*self.technique, what(&self.setup, &look));
+                Pipelines::new(&self.gpu, &*self.technique, pipeline_options(&self.setup, &look));
         }
         let is_same_background = look.background == self.look.background;
         self.look = look;
@@ -260,8 +260,8 @@ impl Renderer {
         &self.targets
     }
 
-    /// The finished pixels of an eye's drawn part, row by row: bits of the depth, and the color as the image holds it, the
-    /// background where nothing is. For pictures and tests: waits for the GPU.
+    /// The finished pixels of an eye's drawn part, row by row: bits of the depth, and the color as the image holds it,
+    /// the background where nothing is. For pictures and tests: waits for the GPU.
     ///
     /// # Errors
     /// If the device is lost.
@@ -345,8 +345,8 @@ impl Renderer {
     }
 }
 
-fn what(setup: &Setup, look: &Look) -> For {
-    For {
+fn pipeline_options(setup: &Setup, look: &Look) -> PipelineOptions {
+    PipelineOptions {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
         atomics: setup.atomics,

@@ -1,6 +1,6 @@
 //! The one seam between the frame and other ways to draw, of which the laboratory has many: a technique hands in shader
-//! texts that stand in place of the frame's, what they bind besides, and, if need be, another way to the nearest points.
-//! The frame's own technique is [`Own`], which hands in nothing.
+//! texts that stand in place of the frame's, what they bind besides, and, if need be, another way to the nearest
+//! points. The frame's own technique is [`Own`], which hands in nothing.
 
 use crate::cloud_buffers::CloudBuffers;
 use crate::gpu::{Gpu, QueueGuard};

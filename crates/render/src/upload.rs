@@ -1,10 +1,10 @@
-//! A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come. A node is
-//! drawn from the first frame on that is submitted after all of its points were.
+//! A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come. A node
+//! is drawn from the first frame on that is submitted after all of its points were.
 
-use crate::cloud_buffers::{CloudBuffers, FILTERED_COLORS, Room, num_extra_slices};
+use crate::cloud_buffers::{Allocator, CloudBuffers, FILTERED_COLORS, num_extra_slices};
 use crate::gpu::Gpu;
 use crate::layout::{Batch, CHILD_ABSENT, ChunkUniform, NO_CHILD, NODE_RESIDENT, Node};
-use crate::pool::Places;
+use crate::pool::BatchPlaces;
 use base::space::Split;
 use base::task::{Cancelled, Progress};
 use bytemuck::Pod;
@@ -39,8 +39,8 @@ pub enum UploadError {
     Cancelled(#[from] Cancelled),
 }
 
-/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its nodes (`N`) and batches
-/// (`B`) that a technique's shaders read.
+/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its nodes (`N`) and
+/// batches (`B`) that a technique's shaders read.
 pub struct Whole<'a, N, B> {
     /// Its points and batches.
     pub cloud: &'a Cloud,
@@ -75,7 +75,7 @@ pub struct CloudUpload<'a> {
     gpu: &'a Gpu,
     progress: &'a Progress,
     cloud: CloudBuffers,
-    places: Places,
+    places: BatchPlaces,
     /// Nodes of an octree, as the GPU has them or will have them.
     nodes: Vec<Node>,
     /// The node of each batch of an octree.
@@ -227,19 +227,20 @@ impl<'a> CloudUpload<'a> {
         let max_batches = max_groups - num_extra_slices(column);
         let starts: Vec<u32> = batches.iter().map(|batch| batch.first_point).collect();
         // Numbers of words fit 32 bits: the builders make no more.
-        let places = Places::new(&starts, num_words as u32, limit, max_batches);
+        let places = BatchPlaces::new(&starts, num_words as u32, limit, max_batches);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let mut room = Room { gpu, bytes: 0 };
+        let mut allocator = Allocator { gpu, bytes: 0 };
         let storage = wgpu::BufferUsages::STORAGE;
-        let nodes_buffer = room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
-        let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
-        let counted = room.take("counted", storage, 4 * nodes.len());
+        let nodes_buffer =
+            allocator.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
+        let states = allocator.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
+        let counted = allocator.take("counted", storage, 4 * nodes.len());
         let chunks = places.chunks.iter().zip(&places.batches);
         let chunk = |(uniform, batches): (&ChunkUniform, &Range<usize>)| {
-            room.chunk(*uniform, (batches.len(), batch_bytes), column)
+            allocator.chunk(*uniform, (batches.len(), batch_bytes), column)
         };
         let chunks = chunks.map(chunk).collect();
-        let bytes = room.bytes;
+        let bytes = allocator.bytes;
         // Vulkan reports at once: the scope's future is ready.
         if let Some(source) = crate::gpu::block_on(scope.pop()) {
             return Err(UploadError::OutOfMemory { points: num_points, bytes, source });

@@ -10,7 +10,7 @@ use glam::DVec3;
 /// A rectangle from its lower left to its upper right corner, in metres from the bar's middle, and its brightness.
 type Rectangle = ([f64; 4], f32);
 /// A corner in clip coordinates, and its brightness.
-type Corner = [f32; 5];
+type Vertex = [f32; 5];
 
 /// The bar, metres.
 const BAR: [f64; 4] = [-0.4, -0.02, 0.4, 0.02];
@@ -29,16 +29,16 @@ const STROKES: [u8; 10] = [0x3f, 0x06, 0x5b, 0x4f, 0x66, 0x6d, 0x7d, 0x07, 0x7f,
 
 /// The bar's corners, made anew for each frame.
 #[derive(Debug)]
-pub(super) struct Waiting {
+pub(super) struct LoadingBar {
     pipeline: wgpu::RenderPipeline,
     corners: wgpu::Buffer,
     is_shown: bool,
 }
 
-impl Waiting {
+impl LoadingBar {
     pub(super) fn new(gpu: &Gpu, setup: &Setup) -> Self {
         let corners = wgpu::VertexBufferLayout {
-            array_stride: size_of::<Corner>() as u64,
+            array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32],
         };
@@ -51,7 +51,7 @@ impl Waiting {
             depth_format: setup.depth_format,
         }
         .pipeline(gpu);
-        let num_bytes = setup.sizes_px.len() * MOST_CORNERS * size_of::<Corner>();
+        let num_bytes = setup.sizes_px.len() * MOST_CORNERS * size_of::<Vertex>();
         let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
         Self { pipeline, corners: gpu.buffer("waiting", num_bytes as u64, usage), is_shown: false }
     }
@@ -71,7 +71,7 @@ impl Waiting {
         let mut rectangles = [([0.0; 4], 0.0); MOST_RECTANGLES];
         let num = lay(fraction, &mut rectangles);
         for (number, eye) in eyes.iter().enumerate() {
-            let mut corners: [Corner; MOST_CORNERS] = [[0.0; 5]; MOST_CORNERS];
+            let mut corners: [Vertex; MOST_CORNERS] = [[0.0; 5]; MOST_CORNERS];
             for (rectangle, corners) in rectangles[..num].iter().zip(corners.chunks_exact_mut(CORNERS_EACH)) {
                 let ([left, bottom, right, top], brightness) = *rectangle;
                 let places = [

@@ -117,7 +117,7 @@ impl FrameLogFile {
 /// An unreadable file, or one that is no frame log: with the line.
 pub fn read(path: &Path) -> Result<FrameLogFile, ReadError> {
     let file = File::open(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
-    let mut reading = Reading { path, line: 0, columns: None, log: FrameLogFile::default() };
+    let mut reader = LogReader { path, line: 0, columns: None, log: FrameLogFile::default() };
     let mut lines = BufReader::new(file);
     let mut bytes = Vec::new();
     loop {
@@ -125,25 +125,25 @@ pub fn read(path: &Path) -> Result<FrameLogFile, ReadError> {
         let read = (&mut lines).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes);
         let num_bytes = read.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         if num_bytes == 0 {
-            return reading.finish();
+            return reader.finish();
         }
-        reading.line += 1;
+        reader.line += 1;
         if bytes.pop() != Some(b'\n') {
-            if num_bytes as u64 == MAX_LINE_BYTES || reading.columns.is_none() {
-                return Err(reading.no_frame_log());
+            if num_bytes as u64 == MAX_LINE_BYTES || reader.columns.is_none() {
+                return Err(reader.no_frame_log());
             }
-            reading.log.cut_off = true;
-            return reading.finish();
+            reader.log.cut_off = true;
+            return reader.finish();
         }
         match std::str::from_utf8(&bytes) {
-            Ok(line) => reading.take(line.trim_end_matches('\r'))?,
-            Err(_) => return Err(reading.no_frame_log()),
+            Ok(line) => reader.take(line.trim_end_matches('\r'))?,
+            Err(_) => return Err(reader.no_frame_log()),
         }
     }
 }
 
 /// State of the reader between two lines.
-struct Reading<'a> {
+struct LogReader<'a> {
     path: &'a Path,
     line: usize,
     columns: Option<Columns>,
@@ -168,7 +168,7 @@ struct Columns {
     phase: Option<usize>,
 }
 
-impl Reading<'_> {
+impl LogReader<'_> {
     fn error(&self, problem: String) -> ReadError {
         ReadError::Format { path: self.path.to_owned(), line: self.line, problem }
     }

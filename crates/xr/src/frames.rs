@@ -8,13 +8,13 @@ use raw::depth_layer::DepthInfo;
 use render::gpu::QueueGuard;
 
 /// xrWaitFrame, xrBeginFrame, xrEndFrame; the openxr objects do not leave this struct.
-pub(super) struct Frames {
+pub(super) struct FrameCalls {
     waiter: xr::FrameWaiter,
     stream: xr::FrameStream<xr::Vulkan>,
     blend_mode: xr::EnvironmentBlendMode,
 }
 
-impl Frames {
+impl FrameCalls {
     pub fn new(
         waiter: xr::FrameWaiter,
         stream: xr::FrameStream<xr::Vulkan>,

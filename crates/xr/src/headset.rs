@@ -60,7 +60,8 @@ pub struct EyeImages {
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
 ///
-/// Calls fail with a [`Fault`], which says what was lost; whether the walk goes on without it is for the caller to decide.
+/// Calls fail with a [`Fault`], which says what was lost; whether the walk goes on without it is for the caller to
+/// decide.
 pub trait Headset: Send {
     /// For the log: "Monado(XRT) 25.0.0", "simulated".
     fn runtime(&self) -> String;

@@ -37,8 +37,11 @@ impl HiddenArea {
     /// [`mask_words_per_row`] words each. Bits beyond the width are 0.
     #[must_use]
     pub fn rasterize(&self, fov: &Fov, size_px: [u32; 2]) -> Vec<u32> {
-        let triangles: Vec<Triangle> =
-            self.triangles.iter().filter_map(|corners| Triangle::in_pixels(corners, fov, size_px)).collect();
+        let triangles: Vec<PixelTriangle> = self
+            .triangles
+            .iter()
+            .filter_map(|corners| PixelTriangle::in_pixels(corners, fov, size_px))
+            .collect();
         let mut mask = Mask::new(size_px);
         // Columns of the row that a triangle covers in part, with that triangle.
         let mut partly = Vec::new();
@@ -122,12 +125,12 @@ impl HalfPlane {
 }
 
 /// A triangle in pixels: the area inside all of its sides.
-struct Triangle {
+struct PixelTriangle {
     corners: [DVec2; 3],
     sides: [HalfPlane; 3],
 }
 
-impl Triangle {
+impl PixelTriangle {
     /// `None` if it has no area, or a corner that is no number or too far away.
     fn in_pixels(corners: &[[f32; 2]; 3], fov: &Fov, size_px: [u32; 2]) -> Option<Self> {
         let [width, height] = size_px.map(f64::from);
@@ -188,8 +191,8 @@ fn pixels(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
 }
 
 /// True if the triangles together cover the pixel. Each one is cut out of the pixel's square, until nothing is left.
-fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: u32) -> bool {
-    let mut left = vec![Piece::square(f64::from(x), f64::from(y))];
+fn cover_together<'a>(triangles: impl Iterator<Item = &'a PixelTriangle>, x: u32, y: u32) -> bool {
+    let mut left = vec![ConvexPolygon::square(f64::from(x), f64::from(y))];
     for triangle in triangles {
         let mut outside = Vec::new();
         for mut piece in left {
@@ -210,17 +213,17 @@ fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: 
     left.is_empty()
 }
 
-/// Corners that a [`Piece`] can have.
+/// Corners that a [`ConvexPolygon`] can have.
 const MAX_CORNERS: usize = 12;
 
 /// A convex part of a pixel.
 #[derive(Clone, Copy)]
-struct Piece {
+struct ConvexPolygon {
     corners: [DVec2; MAX_CORNERS],
     num_corners: usize,
 }
 
-impl Piece {
+impl ConvexPolygon {
     const EMPTY: Self = Self { corners: [DVec2::ZERO; MAX_CORNERS], num_corners: 0 };
 
     fn square(x: f64, y: f64) -> Self {

@@ -2,7 +2,7 @@
 
 use super::eyes::{EYE_HEIGHT_M, Eyes};
 use super::fault::{End, Fault};
-use super::frames::{Frames, locate};
+use super::frames::{FrameCalls, locate};
 use super::input::Input;
 use super::lifecycle::{Duty, Lifecycle};
 use super::mask::VisibilityMask;
@@ -32,7 +32,7 @@ pub(super) struct XrSession {
     stage: xr::Space,
     stage_kind: xr::ReferenceSpaceType,
     input: Input,
-    frames: Frames,
+    frames: FrameCalls,
     session: xr::Session<xr::Vulkan>,
     xr: xr::Instance,
     gpu: Arc<Gpu>,
@@ -85,7 +85,7 @@ impl XrSession {
             stage,
             stage_kind,
             input,
-            frames: Frames::new(waiter, stream, blend_mode),
+            frames: FrameCalls::new(waiter, stream, blend_mode),
             session,
             xr: runtime.xr.clone(),
             gpu: Arc::clone(gpu),

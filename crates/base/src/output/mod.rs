@@ -1,8 +1,10 @@
-//! The files that scanwalk writes for a user. No other module creates, renames or removes one (`tests/program/house.rs`).
+//! The files that scanwalk writes for a user. No other module creates, renames or removes one
+//! (`tests/program/house.rs`).
 //!
 //! A command declares all that it reads and all that it writes ([`Files`]) before it does either. [`Files::check`]
 //! refuses what would destroy something that is read, or a file that is none of the kind that is written, tells of a
-//! folder that is missing or cannot be written, and only then gives out [`Output`]s; nothing can be written without one.
+//! folder that is missing or cannot be written, and only then gives out [`Output`]s; nothing can be written without
+//! one.
 //!
 //! An output is written under another name in its folder and gets its own when it is whole ([`OutputFile`]), so that
 //! at any moment there is the old file or the new one. A name that is a link keeps being one: what it leads to is
@@ -23,7 +25,7 @@ pub use kind::OutputKind;
 pub use partial::Partials;
 pub use write::OutputFile;
 
-use place::Place;
+use place::OutputPlace;
 use std::path::{Path, PathBuf};
 
 /// A file that may be written.
@@ -31,7 +33,7 @@ use std::path::{Path, PathBuf};
 pub struct Output {
     /// The path, as the user wrote it.
     path: PathBuf,
-    place: Place,
+    place: OutputPlace,
     partials: Partials,
     /// True if a file that has the name already stays, and writing fails.
     fresh: bool,

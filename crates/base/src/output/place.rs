@@ -10,7 +10,7 @@ const MAX_LINKS: usize = 40;
 
 /// Where the bytes go.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum OutputPlace {
     /// The program's own output.
     Stdout,
     /// A pipe, a device, or a file that somebody else has opened: written as it is.
@@ -26,16 +26,16 @@ pub(super) enum Place {
 
 /// Why a path is no place to write to.
 #[derive(Debug)]
-pub(super) enum NoPlace {
+pub(super) enum NoOutputPlace {
     IsFolder,
     NoFolder(PathBuf),
     Disk,
     Io(io::Error),
 }
 
-impl Place {
+impl OutputPlace {
     /// Finds the place of a path: follows links, `.` and `..`, and creates nothing.
-    pub fn of(path: &Path) -> Result<Self, NoPlace> {
+    pub fn of(path: &Path) -> Result<Self, NoOutputPlace> {
         let mut at = path.to_path_buf();
         for _ in 0..MAX_LINKS {
             if is_stdout(&at) {
@@ -47,11 +47,11 @@ impl Place {
                 .last()
                 .is_some_and(|byte| std::path::is_separator((*byte).into()))
             {
-                return Err(NoPlace::IsFolder);
+                return Err(NoOutputPlace::IsFolder);
             }
             match fs::metadata(&at) {
-                Ok(found) if found.is_dir() => return Err(NoPlace::IsFolder),
-                Ok(found) if is_disk(&found) => return Err(NoPlace::Disk),
+                Ok(found) if found.is_dir() => return Err(NoOutputPlace::IsFolder),
+                Ok(found) if is_disk(&found) => return Err(NoOutputPlace::Disk),
                 Ok(found) if !found.is_file() || is_open_already(&at) => return Ok(Self::Stream(at)),
                 _ => {}
             }
@@ -61,19 +61,19 @@ impl Place {
                 Err(_) => return Self::in_folder(&at),
             }
         }
-        Err(NoPlace::Io(io::Error::other("the link leads to itself")))
+        Err(NoOutputPlace::Io(io::Error::other("the link leads to itself")))
     }
 
-    fn in_folder(path: &Path) -> Result<Self, NoPlace> {
-        let Some(name) = path.file_name() else { return Err(NoPlace::IsFolder) };
+    fn in_folder(path: &Path) -> Result<Self, NoOutputPlace> {
+        let Some(name) = path.file_name() else { return Err(NoOutputPlace::IsFolder) };
         let folder = parent(path);
         match fs::canonicalize(folder) {
             Ok(folder) if folder.is_dir() => Ok(Self::File { folder, name: name.to_owned() }),
-            Ok(_) => Err(NoPlace::NoFolder(folder.to_owned())),
+            Ok(_) => Err(NoOutputPlace::NoFolder(folder.to_owned())),
             Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
-                Err(NoPlace::NoFolder(folder.to_owned()))
+                Err(NoOutputPlace::NoFolder(folder.to_owned()))
             }
-            Err(error) => Err(NoPlace::Io(error)),
+            Err(error) => Err(NoOutputPlace::Io(error)),
         }
     }
 
@@ -125,26 +125,26 @@ fn is_disk(_: &Metadata) -> bool {
 
 /// What tells one file from another, however it is named.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Identity {
+pub(super) struct FileIdentity {
     /// Device and inode, where the system has them: hard links share them.
     node: Option<(u64, u64)>,
     /// The path where it is, or would be, without links.
     place: Option<PathBuf>,
 }
 
-impl Identity {
+impl FileIdentity {
     /// The identity of a file that is read.
     pub fn of_read(path: &Path) -> Self {
-        let place = fs::canonicalize(path).ok().or_else(|| Place::of(path).ok()?.goal());
+        let place = fs::canonicalize(path).ok().or_else(|| OutputPlace::of(path).ok()?.goal());
         Self { node: node(path), place: place.filter(|_| !is_endless(path)) }
     }
 
     /// The identity of a place to write to.
-    pub fn of_written(place: &Place) -> Self {
+    pub fn of_written(place: &OutputPlace) -> Self {
         match place {
-            Place::Stdout => Self { node: node(Path::new("/dev/stdout")), place: None },
-            Place::Stream(path) => Self { node: node(path), place: None },
-            Place::File { .. } => {
+            OutputPlace::Stdout => Self { node: node(Path::new("/dev/stdout")), place: None },
+            OutputPlace::Stream(path) => Self { node: node(path), place: None },
+            OutputPlace::File { .. } => {
                 let goal = place.goal();
                 Self { node: goal.as_deref().and_then(node), place: goal }
             }

@@ -1,6 +1,6 @@
 //! A file while it is written: under another name in its folder until it is whole.
 
-use super::place::Place;
+use super::place::OutputPlace;
 use super::{Output, Partials};
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Stdout, Write};
@@ -35,9 +35,9 @@ struct Partial {
 impl OutputFile {
     pub(super) fn begin(output: &Output) -> io::Result<Self> {
         Ok(Self(match &output.place {
-            Place::Stdout => Sink::Stdout(io::stdout()),
-            Place::Stream(path) => Sink::Open(File::options().write(true).open(path)?),
-            Place::File { folder, name } => {
+            OutputPlace::Stdout => Sink::Stdout(io::stdout()),
+            OutputPlace::Stream(path) => Sink::Open(File::options().write(true).open(path)?),
+            OutputPlace::File { folder, name } => {
                 Sink::Partial(Box::new(Partial::begin(folder, folder.join(name), output)?))
             }
         }))

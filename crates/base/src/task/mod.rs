@@ -146,7 +146,8 @@ impl Done {
     }
 }
 
-/// The worker's side of a piece of work: counts, and asks whether to go on. Shared by worker threads; cheap to call often.
+/// The worker's side of a piece of work: counts, and asks whether to go on. Shared by worker threads; cheap to call
+/// often.
 #[derive(Debug)]
 pub struct Progress {
     count: Arc<Count>,

@@ -2,7 +2,7 @@
 
 use crate::format::COORDINATE_BITS;
 use crate::index::Index;
-use crate::morton::{self, Grid};
+use crate::morton::{self, MortonGrid};
 use crate::quantize::{Cells, cell_edge};
 use base::space::Bounds;
 use glam::DVec3;
@@ -80,7 +80,7 @@ impl Root {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     cube: Cube,
-    grid: Grid,
+    grid: MortonGrid,
 }
 
 impl Frame {
@@ -89,7 +89,7 @@ impl Frame {
     pub const LEVELS: u32 = morton::BITS - super::GRID_BITS - 4;
 
     pub fn new(root: &Root, cube: Cube) -> Self {
-        Self { cube, grid: Grid::of_cube(root.min(cube), root.edge(cube.level)) }
+        Self { cube, grid: MortonGrid::of_cube(root.min(cube), root.edge(cube.level)) }
     }
 
     pub fn code(&self, p_in_world: DVec3) -> u64 {

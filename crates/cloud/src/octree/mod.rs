@@ -73,7 +73,8 @@ pub struct Node {
     pub children: Range<u32>,
     /// Its points, as a range of batches.
     pub batches: Range<u32>,
-    /// First of its points in the planes, a multiple of [`crate::format::PAGE_POINTS`]; they follow one another without gaps.
+    /// First of its points in the planes, a multiple of [`crate::format::PAGE_POINTS`]; they follow one another without
+    /// gaps.
     pub first_point: u32,
     /// Points of its own.
     pub num_points: u32,
@@ -232,8 +233,8 @@ pub fn is_crowded(nodes: &[Node]) -> bool {
 /// Builds the octree of a scan, on all cores, and hands its points over node by node, the root first.
 ///
 /// `progress` counts each point twice: once sorted into the tree, once put in its place. `take` gets runs of nodes in
-/// the hierarchy's order, the first of them the root alone. It is called on this thread, between two runs: hand the work
-/// on if it takes long.
+/// the hierarchy's order, the first of them the root alone. It is called on this thread, between two runs: hand the
+/// work on if it takes long.
 ///
 /// Peak memory above the scan: 17 B a point for the keys while the tree is built; then 9, and the blocks of a run.
 ///
@@ -259,8 +260,8 @@ pub fn build_nodes<E: From<BuildError>>(
     // Codes are not needed any more: their half of the memory is freed.
     let mut keys: Vec<keys::Placed> = keys.into_iter().map(keys::Placed::from).collect();
     keys.shrink_to_fit();
-    let source = fill::Source { index: &index, keys: &keys, levels: &levels };
-    fill::fill(&source, fill::Plan::new(&root, bounds, scene, draft)?, progress, take)
+    let placed = fill::PlacedKeys { index: &index, keys: &keys, levels: &levels };
+    fill::fill(&placed, fill::NodeLayout::new(&root, bounds, scene, draft)?, progress, take)
 }
 
 /// Builds the octree of a scan as [`build_nodes`] does and keeps all of it in memory, 20 B a point more.

@@ -108,19 +108,19 @@ pub(super) struct Sampler {
     /// The current run of candidates: its best so far, which stands for all of them, the child that this one comes
     /// from, and how near to the cell's centre it is.
     run: Option<(Sample, usize, u64)>,
-    grid: Grid,
+    grid: SamplingGrid,
 }
 
 /// How codes fall into a node's grid.
 #[derive(Clone, Copy, Debug, Default)]
-struct Grid {
+struct SamplingGrid {
     /// Bits of a code below the node's cube.
     node_bits: u32,
     /// Bits an axis below a grid cell.
     cell_bits: u32,
 }
 
-impl Grid {
+impl SamplingGrid {
     fn inside(&self, code: u64) -> u64 {
         code & ((1 << self.node_bits) - 1)
     }
@@ -164,7 +164,7 @@ impl Sampler {
             places: Vec::new(),
             sampled: Sampled::default(),
             run: None,
-            grid: Grid::default(),
+            grid: SamplingGrid::default(),
         }
     }
 
@@ -176,7 +176,7 @@ impl Sampler {
         limit: usize,
         feed: impl FnOnce(&mut dyn FnMut(usize, &Sample)),
     ) -> Sampled {
-        self.grid = Grid { node_bits, cell_bits: node_bits / 3 - super::GRID_BITS };
+        self.grid = SamplingGrid { node_bits, cell_bits: node_bits / 3 - super::GRID_BITS };
         feed(&mut |child, candidate| self.offer(child, candidate));
         self.end_run();
         let mut sampled = self.finish();

@@ -48,11 +48,11 @@ pub(super) fn spacing(keys: &[Key], bits: u32) -> Spacing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::morton::Grid;
+    use crate::morton::MortonGrid;
     use glam::DVec3;
 
     fn keys(points: impl Iterator<Item = DVec3>) -> Vec<Key> {
-        let grid = Grid::of_cube(DVec3::ZERO, 1.0);
+        let grid = MortonGrid::of_cube(DVec3::ZERO, 1.0);
         let mut keys: Vec<Key> =
             points.enumerate().map(|(i, p)| Key { code: grid.code(p), point: i as u32, color: 0 }).collect();
         keys.sort_by_key(|key| key.code);

@@ -57,16 +57,16 @@ enum Offer {
 }
 
 /// The keys of a subtree and the levels of the nodes that own them.
-struct Part<'k> {
+struct SubtreeKeys<'k> {
     /// Number of its first key.
     first: usize,
     keys: &'k mut [Key],
     levels: &'k mut [u8],
 }
 
-impl<'k> Part<'k> {
-    fn reborrow(&mut self) -> Part<'_> {
-        Part { first: self.first, keys: self.keys, levels: self.levels }
+impl<'k> SubtreeKeys<'k> {
+    fn reborrow(&mut self) -> SubtreeKeys<'_> {
+        SubtreeKeys { first: self.first, keys: self.keys, levels: self.levels }
     }
 
     fn range(&self) -> Range<usize> {
@@ -74,7 +74,7 @@ impl<'k> Part<'k> {
     }
 
     /// Splits the keys into runs whose codes agree above the lowest `bits`.
-    fn split(self, bits: u32) -> Vec<Part<'k>> {
+    fn split(self, bits: u32) -> Vec<SubtreeKeys<'k>> {
         let mut parts = Vec::with_capacity(8);
         let mut rest = self;
         while let Some(first) = rest.keys.first() {
@@ -82,8 +82,8 @@ impl<'k> Part<'k> {
             let count = rest.keys.partition_point(|key| key.code >> bits == cube);
             let (keys, later_keys) = rest.keys.split_at_mut(count);
             let (levels, later_levels) = rest.levels.split_at_mut(count);
-            parts.push(Part { first: rest.first, keys, levels });
-            rest = Part { first: rest.first + count, keys: later_keys, levels: later_levels };
+            parts.push(SubtreeKeys { first: rest.first, keys, levels });
+            rest = SubtreeKeys { first: rest.first + count, keys: later_keys, levels: later_levels };
         }
         parts
     }
@@ -107,14 +107,14 @@ impl Builder<'_> {
     /// owns it, and its color is the filtered one. The result is worthless if `progress` is cancelled.
     pub fn build(&self, keys: &mut [Key], levels: &mut [u8]) -> Draft {
         let frame = Frame::new(&self.root, Cube::ROOT);
-        let part = Part { first: 0, keys, levels };
+        let part = SubtreeKeys { first: 0, keys, levels };
         if self.root.edge(0) == 0.0 {
             return self.leaf(&frame, 0, part).0;
         }
         self.subtree(&frame, 0, part).0
     }
 
-    fn subtree(&self, frame: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
+    fn subtree(&self, frame: &Frame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
         if level == MAX_LEVEL || self.progress.is_cancelled() {
             return self.leaf(frame, level, part);
         }
@@ -135,7 +135,7 @@ impl Builder<'_> {
         let cube = frame.cube(part.keys[0].code, level);
         let is_small = part.keys.len() < PARALLEL_POINTS;
         let parts = part.reborrow().split(frame.bits_below(level + 1));
-        let below = |part: Part| self.subtree(frame, level + 1, part);
+        let below = |part: SubtreeKeys| self.subtree(frame, level + 1, part);
         let below: Vec<(Draft, Offer)> = if is_small {
             parts.into_iter().map(below).collect()
         } else {
@@ -144,7 +144,7 @@ impl Builder<'_> {
         self.inner(frame, cube, part, below)
     }
 
-    fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
+    fn leaf(&self, frame: &Frame, level: u32, part: SubtreeKeys) -> (Draft, Offer) {
         self.progress.add(part.keys.len() as u64);
         part.levels.fill(level as u8);
         let bits = frame.bits_below(level);
@@ -172,7 +172,7 @@ impl Builder<'_> {
     }
 
     /// Builds a subtree that its frame's codes are too short for, in a frame of its own.
-    fn reframed(&self, outer: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
+    fn reframed(&self, outer: &Frame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
         let cube = outer.cube(part.keys[0].code, level);
         let frame = Frame::new(&self.root, cube);
         recode(part.keys, self.index, &frame);
@@ -189,7 +189,13 @@ impl Builder<'_> {
     }
 
     /// Makes a node over its children and takes its samples from them.
-    fn inner(&self, frame: &Frame, cube: Cube, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+    fn inner(
+        &self,
+        frame: &Frame,
+        cube: Cube,
+        part: SubtreeKeys,
+        below: Vec<(Draft, Offer)>,
+    ) -> (Draft, Offer) {
         let level = cube.level;
         let feed = |offer: &mut dyn FnMut(usize, &Sample)| {
             for (number, (child, offered)) in below.iter().enumerate() {

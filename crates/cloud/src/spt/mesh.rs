@@ -10,9 +10,9 @@
 //! for.
 
 use super::neighbors::OVERLAP;
-use super::steps::Scale;
+use super::steps::StepScale;
 use super::tree::{Leaf, NO_SIDE, PointTree, rounded_up};
-use super::{Sorted, normals};
+use super::{SortedPoints, normals};
 use glam::{DVec3, Vec3};
 use points::{Scan, ScanFile};
 
@@ -83,7 +83,7 @@ fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
 
 /// Puts into the leaves what files know better than neighbors tell: normals, sides if `with_sides`, and how far
 /// the triangles at a point reach.
-pub(super) fn inform(leaves: &mut [Leaf], sorted: &Sorted, scan: &Scan, with_sides: bool) {
+pub(super) fn inform(leaves: &mut [Leaf], sorted: &SortedPoints, scan: &Scan, with_sides: bool) {
     let corners = corners(scan);
     for (leaf, key) in leaves.iter_mut().zip(&sorted.keys) {
         let corner = corners.get(key.1 as usize);
@@ -120,7 +120,7 @@ fn corners(scan: &Scan) -> Vec<Corner> {
 }
 
 /// The triangles between a tree's leaves, in the files' order. Memory: 4 B a point meanwhile, 16 B a triangle.
-pub(super) fn triangles(scan: &Scan, sorted: &Sorted, tree: &PointTree) -> Vec<Triangle> {
+pub(super) fn triangles(scan: &Scan, sorted: &SortedPoints, tree: &PointTree) -> Vec<Triangle> {
     if !is_mesh(scan) {
         return Vec::new();
     }
@@ -137,7 +137,7 @@ pub(super) fn triangles(scan: &Scan, sorted: &Sorted, tree: &PointTree) -> Vec<T
 
 /// The floor of each node as a step, 0 for those with a point below that no triangle stands for; empty if there is no
 /// triangle.
-pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
+pub(super) fn floors(tree: &PointTree, scale: &StepScale) -> Vec<u8> {
     if tree.triangles.is_empty() {
         return Vec::new();
     }
@@ -164,7 +164,7 @@ pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
 /// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
 /// grow on the way from the disc's centre to any of its points, which are within `radius`. It is one step less because
 /// the GPU has corners and discs on different grids of cells.
-pub(super) fn first_step(scale: &Scale, floor: u8, radius: f64, max_slope: f64) -> u8 {
+pub(super) fn first_step(scale: &StepScale, floor: u8, radius: f64, max_slope: f64) -> u8 {
     let length = f64::from(scale.length(floor)) - max_slope * radius;
     scale.step_below(length.max(0.0) as f32).saturating_sub(1)
 }

@@ -36,7 +36,7 @@ fn tree_of(scan: &Scan) -> PointTree {
 }
 
 /// Tells of each triangle whether it is drawn, where `tolerance` gives a node's tolerance.
-fn are_drawn(tree: &PointTree, scale: &Scale, tolerance: &dyn Fn(usize) -> f32) -> Vec<bool> {
+fn are_drawn(tree: &PointTree, scale: &StepScale, tolerance: &dyn Fn(usize) -> f32) -> Vec<bool> {
     let is_drawn = |triangle: &Triangle| {
         let nearest = triangle.corners.map(|corner| tolerance(corner as usize)).into_iter().reduce(f32::min);
         scale.step_below(nearest.unwrap_or(0.0)) < scale.step(triangle.side)
@@ -49,7 +49,7 @@ fn are_drawn(tree: &PointTree, scale: &Scale, tolerance: &dyn Fn(usize) -> f32) 
 fn num_lost(
     tree: &PointTree,
     sequence: &Sequence,
-    shapes: &[Shape],
+    shapes: &[DiscShape],
     tolerance: &dyn Fn(usize) -> f32,
 ) -> usize {
     let is_chosen = |node: usize| shapes[node].is_drawn(sequence.scale.step_below(tolerance(node)));

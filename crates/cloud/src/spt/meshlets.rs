@@ -5,7 +5,7 @@
 
 use super::mesh::Triangle;
 use super::sequence::octave;
-use super::steps::Scale;
+use super::steps::StepScale;
 use super::tree::PointTree;
 use crate::format::{SECOND_CORNER_SHIFT, SIDE_SHIFT, THIRD_CORNER_SHIFT, WORKGROUP_SIZE};
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ pub(super) struct Meshlet {
 }
 
 /// The triangles of a tree by falling octave of their sizes, and in Morton order of a corner inside of each.
-pub(super) fn meshlets(tree: &PointTree, scale: &Scale) -> Vec<Meshlet> {
+pub(super) fn meshlets(tree: &PointTree, scale: &StepScale) -> Vec<Meshlet> {
     let key = |(number, triangle): (usize, &Triangle)| {
         let falling = u8::MAX - octave(scale.step(triangle.side));
         let [a, b, c] = triangle.corners;

@@ -22,7 +22,8 @@
 //! can be culled [SPT §3.7]. The list is therefore sorted by the octave of `max` alone, and in Morton order inside of
 //! each: a batch of it has a small box and an interval of its own, and is culled by both. In a scan of four million
 //! points seen from within, half as many are read as in the paper's order. Discs without a lower end, which are drawn
-//! at any nearness, have batches of their own ([`parts`]). Lengths are kept in
+//! at any nearness, have batches of their own ([`parts`]). Lengths are kept in steps of an eighth of an octave
+//! ([`StepScale`]), so that a disc's interval and size are three bytes.
 //!
 //! **Fovea.** Between the inner and the middle ring's ends ε grows by as much as the octree's thresholds do, smoothly,
 //! whatever the settings say of rings: a step in it would be a hole, for which no overlap is wide enough.
@@ -67,8 +68,8 @@ mod tree;
 
 pub use batches::{BatchRun, SequentialCloud};
 pub use mesh::Triangle;
-pub use sequence::{Part, Sequence, Shape};
-pub use steps::Scale;
+pub use sequence::{DiscShape, ListPart, Sequence};
+pub use steps::StepScale;
 pub use tree::{Node, PointTree};
 
 use super::BuildError;
@@ -81,15 +82,15 @@ use points::Scan;
 pub const MAX_TOLERANCE_RAD: f64 = 1.0 / 128.0;
 
 /// The most that the tolerance may grow by from one place to another, as a share of their distance: it grows with the
-/// distance from the eye, and with the angle from the gaze. The overlap of neighboring intervals is made for it, so that
-/// a surface seen at different distances and angles has no holes [SPT §3.6].
+/// distance from the eye, and with the angle from the gaze. The overlap of neighboring intervals is made for it, so
+/// that a surface seen at different distances and angles has no holes [SPT §3.6].
 pub const MAX_TOLERANCE_SLOPE: f64 = 1.0 / 64.0;
 
 /// Largest number of points: they make at most twice as many discs, and a disc has two ids of 32 bits.
 const MAX_POINTS: usize = 1_000_000_000;
 
 /// Points by Morton code.
-struct Sorted<'a> {
+struct SortedPoints<'a> {
     index: Index<'a>,
     /// (code, number in the index), ascending.
     keys: Vec<Key>,
@@ -134,7 +135,7 @@ pub fn build_point_tree(scan: &Scan, with_sides: bool, progress: &Progress) -> R
     }
     let index = Index::new(scan);
     let keys = sort(&index, &bounds, &scene.bounds);
-    let sorted = Sorted { index, keys };
+    let sorted = SortedPoints { index, keys };
     let mut leaves = neighbors::leaves(&sorted, progress);
     mesh::inform(&mut leaves, &sorted, scan, with_sides);
     if progress.is_cancelled() {

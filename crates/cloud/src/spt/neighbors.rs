@@ -5,7 +5,7 @@
 
 use super::cubes::Cube;
 use super::tree::{Leaf, NO_SIDE};
-use super::{Key, Sorted, normals};
+use super::{Key, SortedPoints, normals};
 use crate::build::FAR;
 use crate::morton::{BITS, compact, spread};
 use base::task::Progress;
@@ -34,7 +34,7 @@ const STRAY: f32 = 1.5;
 const HONEST: f64 = 0.99;
 
 /// A normal and a diameter for each of the sorted points. The result is worthless if `progress` is cancelled.
-pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
+pub(super) fn leaves(sorted: &SortedPoints, progress: &Progress) -> Vec<Leaf> {
     let mut tasks = Vec::new();
     Cube::root(&sorted.keys).cut(&sorted.keys, TASK_POINTS, &mut |cube| tasks.push(cube));
     let of_task = |task: &Cube| {
@@ -71,7 +71,7 @@ fn limit(leaves: &mut [Leaf]) {
 
 /// Buffers of a thread to find neighbors with.
 struct Search<'a> {
-    sorted: &'a Sorted<'a>,
+    sorted: &'a SortedPoints<'a>,
     /// Points of a cube and those round it: number of the key, and position relative to the cube's first point.
     candidates: Vec<(usize, Vec3)>,
     /// Nearest candidates of a point: squared distance, and number among the candidates.

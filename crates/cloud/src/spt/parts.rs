@@ -9,7 +9,7 @@
 //! - Discs whose normals are of one cluster are split off: they face away together [SPT §3.10]. A few parts hold the
 //!   discs that are drawn far away, with normals of all clusters, and stay whole.
 
-use super::sequence::{NO_CLUSTER, Part, Shape, octave};
+use super::sequence::{DiscShape, ListPart, NO_CLUSTER, octave};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -24,13 +24,16 @@ pub(super) const MAX_DISCS: usize = 4096;
 pub(super) const MIN_APART: usize = 128;
 
 /// A node's number, and its disc's interval and size.
-pub(super) type Entry = (u32, Shape);
+pub(super) type Entry = (u32, DiscShape);
 
 /// Entries, and the cluster and the size of each group of them.
 type Grouped = (Vec<Entry>, Vec<(u8, usize)>);
 
 /// Cuts a list that is sorted by falling octaves of `max`, and puts the entries of each part next to each other.
-pub(super) fn parts(entries: Vec<Entry>, cluster: &(impl Fn(u32) -> u8 + Sync)) -> (Vec<Entry>, Vec<Part>) {
+pub(super) fn parts(
+    entries: Vec<Entry>,
+    cluster: &(impl Fn(u32) -> u8 + Sync),
+) -> (Vec<Entry>, Vec<ListPart>) {
     let apart = |range: &Range<usize>| asunder(entries[range.clone()].to_vec(), cluster);
     let pieces: Vec<Grouped> = cut(&entries).par_iter().map(apart).collect();
     drop(entries);
@@ -38,13 +41,14 @@ pub(super) fn parts(entries: Vec<Entry>, cluster: &(impl Fn(u32) -> u8 + Sync)) 
     let mut parts = Vec::new();
     for (entries, sizes) in pieces {
         for (cluster, size) in sizes {
-            let end = parts.last().map_or(0, |(_, part): &(_, Part)| part.entries.end);
-            let part = Part { cluster: (cluster != NO_CLUSTER).then_some(cluster), entries: end..end + size };
+            let end = parts.last().map_or(0, |(_, part): &(_, ListPart)| part.entries.end);
+            let part =
+                ListPart { cluster: (cluster != NO_CLUSTER).then_some(cluster), entries: end..end + size };
             parts.push((cluster, part));
         }
         ordered.extend(entries);
     }
-    let largest = |part: &Part| ordered[part.entries.clone()].iter().map(|(_, shape)| shape.max).max();
+    let largest = |part: &ListPart| ordered[part.entries.clone()].iter().map(|(_, shape)| shape.max).max();
     parts.sort_by_cached_key(|(cluster, part)| (*cluster, u8::MAX - largest(part).map_or(0, octave)));
     (ordered, parts.into_iter().map(|(_, part)| part).collect())
 }

@@ -10,12 +10,12 @@ pub const ENDLESS: u8 = ENDLESS_STEP as u8;
 
 /// Which lengths the steps stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Scale {
+pub struct StepScale {
     /// Number of step 0 among the steps of all positive f32; step 0 itself is the length 0.
     pub base: u32,
 }
 
-impl Scale {
+impl StepScale {
     /// The steps whose last before [`ENDLESS`] holds `largest`.
     #[must_use]
     pub fn up_to(largest: f32) -> Self {
@@ -59,7 +59,7 @@ mod tests {
     proptest! {
         #[test]
         fn steps_round_up_by_an_eighth_at_most(largest in 1e-3f32..1e6, share in 1e-8f32..=1.0) {
-            let scale = Scale::up_to(largest);
+            let scale = StepScale::up_to(largest);
             let length = largest * share;
             let rounded = scale.length(scale.step(length));
             prop_assert!(rounded >= length && rounded <= length * 1.126, "{length} {rounded}");
@@ -68,7 +68,7 @@ mod tests {
 
         #[test]
         fn a_step_is_reached_from_its_length_on(a in 0.0f32..1e3, b in 0.0f32..1e3) {
-            let scale = Scale::up_to(1e3);
+            let scale = StepScale::up_to(1e3);
             let reached = scale.length(scale.step(a)) <= b;
             prop_assert_eq!(reached, scale.step(a) <= scale.step_below(b));
         }
@@ -76,12 +76,12 @@ mod tests {
 
     #[test]
     fn the_ends_of_the_scale() {
-        let scale = Scale::up_to(100.0);
+        let scale = StepScale::up_to(100.0);
         assert_eq!((scale.step(0.0), scale.step_below(0.0)), (0, 0));
         assert_eq!(scale.step(100.0), ENDLESS - 1);
         assert_eq!(scale.step_below(1e30), ENDLESS - 1);
         assert_eq!((scale.step(1e-30), scale.step_below(1e-30)), (1, 0));
-        assert_eq!(Scale::up_to(0.0).base, 0);
+        assert_eq!(StepScale::up_to(0.0).base, 0);
         // The length of each step has that step.
         assert!((0..ENDLESS).all(|step| scale.step(scale.length(step)) == step));
         assert!((0..ENDLESS).all(|step| scale.step_below(scale.length(step)) == step));

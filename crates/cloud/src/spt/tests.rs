@@ -59,8 +59,8 @@ pub(super) fn leaves(tree: &PointTree) -> impl Iterator<Item = usize> {
 }
 
 /// Shapes by node; nodes without an entry are never drawn.
-pub(super) fn shapes(tree: &PointTree, sequence: &Sequence) -> Vec<Shape> {
-    let mut shapes = vec![Shape { min: 255, max: 0, diameter: 0 }; tree.nodes.len()];
+pub(super) fn shapes(tree: &PointTree, sequence: &Sequence) -> Vec<DiscShape> {
+    let mut shapes = vec![DiscShape { min: 255, max: 0, diameter: 0 }; tree.nodes.len()];
     for (&node, &shape) in sequence.nodes.iter().zip(&sequence.shapes) {
         shapes[node as usize] = shape;
     }
@@ -68,7 +68,7 @@ pub(super) fn shapes(tree: &PointTree, sequence: &Sequence) -> Vec<Shape> {
 }
 
 /// The least and the most nodes drawn on a path from a leaf to the root, if the tolerance of node n is `step(n)`.
-fn drawn_on_paths(tree: &PointTree, shapes: &[Shape], step: impl Fn(usize) -> u8) -> (usize, usize) {
+fn drawn_on_paths(tree: &PointTree, shapes: &[DiscShape], step: impl Fn(usize) -> u8) -> (usize, usize) {
     let is_drawn: Vec<bool> = shapes.iter().enumerate().map(|(n, shape)| shape.is_drawn(step(n))).collect();
     let counts = leaves(tree).map(|leaf| path(tree, leaf).filter(|&n| is_drawn[n]).count());
     counts.fold((usize::MAX, 0), |(least, most), count| (least.min(count), most.max(count)))
@@ -137,11 +137,11 @@ fn check_errors(tree: &PointTree) -> Result<(), String> {
 /// Checks that parts of a cluster are sorted, that none beyond a prefix is drawn at its step or a larger one, and that
 /// each entry is in one part.
 fn check_prefixes(sequence: &Sequence) -> Result<(), String> {
-    let shapes = |part: &Part| &sequence.shapes[part.entries.clone()];
-    let largest = |part: &Part| shapes(part).iter().map(|shape| sequence::octave(shape.max)).max();
+    let shapes = |part: &ListPart| &sequence.shapes[part.entries.clone()];
+    let largest = |part: &ListPart| shapes(part).iter().map(|shape| sequence::octave(shape.max)).max();
     for parts in sequence.parts.chunk_by(|a, b| a.cluster == b.cluster) {
         for step in 0..255u8 {
-            let reaches = |part: &Part| largest(part) >= Some(sequence::octave(step + 1));
+            let reaches = |part: &ListPart| largest(part) >= Some(sequence::octave(step + 1));
             let prefix = parts.iter().take_while(|part| reaches(part)).count();
             let mut beyond = parts[prefix..].iter().flat_map(shapes);
             if let Some(shape) = beyond.find(|shape| (step..255).any(|step| shape.is_drawn(step))) {
@@ -272,7 +272,7 @@ fn every_check_can_fail() {
     assert!(check_prefixes(&lost).is_err());
     let mut mixed = Sequence::new(&tree_of(&sheet(9000, 3)), 0.0);
     assert_eq!(check_parts(&tree_of(&sheet(9000, 3)), &mixed), Ok(()));
-    mixed.parts = vec![Part { cluster: None, entries: 0..mixed.shapes.len() }];
+    mixed.parts = vec![ListPart { cluster: None, entries: 0..mixed.shapes.len() }];
     assert!(check_parts(&tree_of(&sheet(9000, 3)), &mixed).is_err());
 }
 

@@ -3,7 +3,7 @@
 use super::cubes::Cube;
 use super::error::{self, Disc};
 use super::mesh::Triangle;
-use super::{Sorted, normals};
+use super::{SortedPoints, normals};
 use crate::format::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, OPAQUE};
 use base::space::Bounds;
 use base::task::Progress;
@@ -96,21 +96,21 @@ impl PointTree {
 
 /// Sums over the points of a subtree, which parents must know exactly.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+struct SubtreeSums {
     /// Sum of positions, relative to the box's smallest corner.
     position: DVec3,
     rgb: [u64; 3],
 }
 
 /// A subtree whose place in the list is still open.
-struct Part {
+struct Subtree {
     nodes: Vec<Node>,
-    sums: Sums,
+    sums: SubtreeSums,
 }
 
 /// The tree over sorted points, at least one. The result is worthless if `progress` is cancelled.
 pub(super) fn build(
-    sorted: &Sorted,
+    sorted: &SortedPoints,
     leaves: &[Leaf],
     bounds: Bounds,
     scene: Scene,
@@ -124,14 +124,14 @@ pub(super) fn build(
     small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
     let of_cube = |cube: &Cube| {
         if progress.is_cancelled() {
-            return Part { nodes: Vec::new(), sums: Sums::default() };
+            return Subtree { nodes: Vec::new(), sums: SubtreeSums::default() };
         }
         let mut builder = Builder { sorted, leaves, tree: PointTree { ..tree.clone() }, parts: None };
         let sums = builder.subtree(cube);
         progress.add(cube.keys.len() as u64);
-        Part { nodes: builder.tree.nodes, sums }
+        Subtree { nodes: builder.tree.nodes, sums }
     };
-    let parts: Vec<Part> = cubes.par_iter().map(of_cube).collect();
+    let parts: Vec<Subtree> = cubes.par_iter().map(of_cube).collect();
     if progress.is_cancelled() {
         return tree;
     }
@@ -144,7 +144,7 @@ pub(super) fn build(
 }
 
 /// The largest subtrees of at most [`PART_POINTS`], in order; larger ones only if nothing divides their points.
-fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
+fn small_cubes(sorted: &SortedPoints, cube: &Cube, each: &mut dyn FnMut(Cube)) {
     let octants = if cube.keys.len() <= PART_POINTS { Vec::new() } else { cube.octants(&sorted.keys) };
     if octants.is_empty() {
         return each(cube.clone());
@@ -159,32 +159,32 @@ pub(super) fn rounded_up(length: f64) -> f32 {
 }
 
 struct Builder<'a> {
-    sorted: &'a Sorted<'a>,
+    sorted: &'a SortedPoints<'a>,
     leaves: &'a [Leaf],
     tree: PointTree,
     /// The small subtrees, if these are built already.
-    parts: Option<std::vec::IntoIter<Part>>,
+    parts: Option<std::vec::IntoIter<Subtree>>,
 }
 
 impl Builder<'_> {
     /// Appends the nodes of a subtree, its root last.
-    fn subtree(&mut self, cube: &Cube) -> Sums {
+    fn subtree(&mut self, cube: &Cube) -> SubtreeSums {
         let keys = &self.sorted.keys;
         let octants = cube.octants(keys);
         if (cube.keys.len() <= PART_POINTS || octants.is_empty())
             && let Some(parts) = &mut self.parts
         {
             // There are as many parts as `small_cubes` found cubes, in its order.
-            let part = parts.next().unwrap_or(Part { nodes: Vec::new(), sums: Sums::default() });
+            let part = parts.next().unwrap_or(Subtree { nodes: Vec::new(), sums: SubtreeSums::default() });
             self.tree.nodes.extend_from_slice(&part.nodes);
             return part.sums;
         }
         if cube.keys.len() == 1 {
             return self.leaf(cube.keys.start);
         }
-        let mut sums = Sums::default();
+        let mut sums = SubtreeSums::default();
         let mut children = Vec::with_capacity(8);
-        let mut add = |builder: &mut Self, of_child: Sums| {
+        let mut add = |builder: &mut Self, of_child: SubtreeSums| {
             children.push(builder.tree.nodes.len() - 1);
             sums.position += of_child.position;
             sums.rgb = std::array::from_fn(|c| sums.rgb[c] + of_child.rgb[c]);
@@ -204,21 +204,21 @@ impl Builder<'_> {
         sums
     }
 
-    fn leaf(&mut self, key: usize) -> Sums {
+    fn leaf(&mut self, key: usize) -> SubtreeSums {
         let (p_in_world, color) = self.sorted.index.point(self.sorted.keys[key].1 as usize);
         let Leaf { normal, diameter, spread } = self.leaves[key];
         let offset = p_in_world - self.tree.bounds.min;
         let position = self.on_grid(offset);
         let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
         self.tree.nodes.push(node);
-        Sums {
+        SubtreeSums {
             position: offset,
             rgb: [0, GREEN_SHIFT, BLUE_SHIFT].map(|shift| u64::from(color >> shift & CHANNEL_MASK)),
         }
     }
 
     /// Appends the node that stands for these children.
-    fn inner(&mut self, children: &[usize], sums: &Sums, num_points: usize) {
+    fn inner(&mut self, children: &[usize], sums: &SubtreeSums, num_points: usize) {
         let position = self.on_grid(sums.position / num_points as f64);
         let (normal, spread) = self.mean_normal(children);
         let count = num_points as u64;

@@ -4,7 +4,7 @@ use super::Gpu;
 use crate::bindings::{AGAIN, Set};
 use crate::layout::Variant;
 use crate::look::Access;
-use crate::shaders::Of;
+use crate::shaders::ShaderOfSet;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -139,7 +139,7 @@ pub fn nothing_besides<'a>(_name: &str) -> Option<wgpu::BindingResource<'a>> {
 impl<S: Set> Stage<S> {
     /// Compiles a variant of a shader.
     #[must_use]
-    pub fn of(gpu: &Gpu, shader: Of<S>, variant: Variant, access: Access) -> Self {
+    pub fn of(gpu: &Gpu, shader: ShaderOfSet<S>, variant: Variant, access: Access) -> Self {
         let compile = if access.checked { Self::new } else { Self::trusted };
         compile(gpu, shader.name(), &shader.source(variant))
     }

@@ -91,8 +91,8 @@ pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
 pub const TILE_PX: [u32; 2] = [32, 16];
 /// Pixels that `dilate` reaches at most, to each side: 7×7.
 pub const DILATE_REACH_PX: u32 = 3;
-/// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0 where
-/// the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
+/// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0
+/// where the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
 pub const REACH_MASK: u32 = 3;
 /// A tile's word in the list of those that `resolve` works on: lenses hide some of its pixels.
 pub const TILE_HIDES: u32 = 1 << 31;
@@ -284,8 +284,8 @@ pub struct VisibleBatch {
     pub flags: u32,
     /// [`Node::spacing`].
     pub spacing: [u32; 4],
-    /// State of the child in each octant in [`OWN_BITS`], [`OWN_NONE`] where there is none: a point whose child is drawn has
-    /// its own color, else the filtered one, point by point as the child fades in.
+    /// State of the child in each octant in [`OWN_BITS`], [`OWN_NONE`] where there is none: a point whose child is
+    /// drawn has its own color, else the filtered one, point by point as the child fades in.
     pub own: [u32; 2],
     /// State of the node, not 0; see [`DRAWN_WHOLE`].
     pub drawn: u32,

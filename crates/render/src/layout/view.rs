@@ -88,8 +88,8 @@ impl EyeUniform {
     }
 }
 
-/// [`EyeUniform::widest_cos`]: of the image's farthest corner or of [`WIDEST_RAD`], which is farther in all headsets, so
-/// that a part of a picture is judged like the whole.
+/// [`EyeUniform::widest_cos`]: of the image's farthest corner or of [`WIDEST_RAD`], which is farther in all headsets,
+/// so that a part of a picture is judged like the whole.
 fn widest_cos(fov: &Fov) -> f32 {
     let (x, y) = (fov.left.abs().max(fov.right.abs()), fov.up.abs().max(fov.down.abs()));
     (1.0 + x * x + y * y).sqrt().recip().min(WIDEST_RAD.cos()) as f32
@@ -189,8 +189,8 @@ impl ViewUniform {
     }
 }
 
-/// [`ViewUniform::undivided_px`]. A node that reaches into an inner ring has that ring's threshold; where thresholds grow
-/// smoothly, they end the middle ring as the outer one's.
+/// [`ViewUniform::undivided_px`]. A node that reaches into an inner ring has that ring's threshold; where thresholds
+/// grow smoothly, they end the middle ring as the outer one's.
 fn undivided_px(detail: &Detail) -> [f32; 3] {
     let [inner, middle, outer] = detail.threshold_px;
     let middle = if detail.smooth { middle.max(outer) } else { middle };
