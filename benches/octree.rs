@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use base::output::{Output, OutputKind};
 use base::percentile::Sorted;
 use base::task::{CancelToken, Progress};
-use cloud::morton::Grid;
+use cloud::morton::MortonGrid;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Order, build};
 use lab::synth::{self, Kind, SynthOptions};
@@ -83,7 +83,7 @@ fn run_step(step: &str, path: &Path) -> Result<()> {
 
 /// Keys of the octree's size in the octree's order.
 fn sort(scan: &Scan) -> Vec<(u64, u32, u32)> {
-    let grid = Grid::new(&scan.bounds());
+    let grid = MortonGrid::new(&scan.bounds());
     let file = &scan.files[0];
     let xyz = file.points.xyz.par_iter().enumerate();
     let mut keys: Vec<(u64, u32, u32)> =

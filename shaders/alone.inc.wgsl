@@ -1,4 +1,5 @@
-// Each thread draws its own points' splats: for software drivers, which pay dearly for threads that wait for each other.
+// Each thread draws its own points' splats: for software drivers, which pay dearly for threads that wait for each
+// other.
 
 fn stays(batch: VisibleBatch) -> bool {
     return false;

@@ -1,6 +1,6 @@
 // Early-z's look at a pixel, by an atomic load.
 
-// Whether a key may still win the pixel.
+// True if a key may still win the pixel.
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
     return key < key_in(eye, pixel);
 }

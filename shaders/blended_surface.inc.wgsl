@@ -4,13 +4,16 @@
 @group(0) @binding(4) var<storage, read> sums: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> wide: array<vec4<u32>>;
 
-// Of packed sums: green's bits in the low word, and where green and blue stand in the high one.
+// Packed sums: bits of green in the low word.
 const GREEN_LOW_BITS: u32 = 32u - PACKED_GREEN_SHIFT;
+// Packed sums: place of blue in the high word.
 const HIGH_BLUE_SHIFT: u32 = PACKED_BLUE_SHIFT - 32u;
+// Packed sums: bits of green in the high word.
 const HIGH_GREEN_MASK: u32 = (1u << HIGH_BLUE_SHIFT) - 1u;
+// Packed sums: bits of a channel.
 const PACKED_CHANNEL_MASK: u32 = (1u << (PACKED_GREEN_SHIFT - PACKED_RED_SHIFT)) - 1u;
 
-// Red, green, blue, count; the low word of a u64 comes first.
+// Red, green, blue and count of a pixel; the low word of a u64 comes first.
 fn sum_of(pixel: u32) -> vec4<u32> {
     if SUMS == WIDE {
         return wide[pixel];
@@ -21,7 +24,7 @@ fn sum_of(pixel: u32) -> vec4<u32> {
         let green = (sum.x >> PACKED_GREEN_SHIFT) | ((sum.y & HIGH_GREEN_MASK) << GREEN_LOW_BITS);
         return vec4<u32>(red, green, sum.y >> HIGH_BLUE_SHIFT, sum.x & PACKED_COUNT_MASK);
     }
-    // Each word's high half is as far up as red.
+    // The high half of either word begins at red's place.
     let shift = PROTECTED_RED_SHIFT;
     let first = vec4<u32>(sum.x >> shift, sum.y & PROTECTED_MASK, sum.y >> shift, sum.x & PROTECTED_MASK);
     if first.w < PROTECTED_POINTS {

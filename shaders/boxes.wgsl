@@ -1,11 +1,11 @@
 // Overlays of boxes: the cubes of the nodes that are drawn, by level, and the boxes of visible batches, by the bits
 // that are read of them. A box is an instance: 12 edges of two triangles each, as wide as they need to be to survive
-// the way to the window. Behind surfaces they are faint.
+// the way to the window. Boxes are faint behind surfaces.
 
 @group(0) @binding(4) var<storage, read> nodes: array<Node>;
 @group(0) @binding(5) var<storage, read> states: array<u32>;
 @group(0) @binding(6) var<storage, read> visible: array<VisibleBatch>;
-/// num_visible and what follows it; see CullCounters.
+/// The counters as words, num_visible first; see CullCounters.
 @group(0) @binding(7) var<storage, read> counters: array<u32>;
 
 /// How strongly an edge covers the image, before and behind surfaces.
@@ -17,20 +17,20 @@ struct Edge {
     @location(1) @interpolate(flat) color: vec3<f32>,
 }
 
-/// All vertices in one place: nothing is drawn.
+/// All vertices lie in one place, so that nothing is drawn.
 const NO_EDGE: Edge = Edge(vec4<f32>(0.0, 0.0, 0.0, 1.0), 0.0, vec3<f32>(0.0));
 
 fn depth_of(eye: EyeUniform, p: vec3<f32>) -> f32 {
     return dot(eye.row_w, vec4<f32>(p, 1.0));
 }
 
-// In the image, from its top left corner.
+// Pixel coordinates in the image, from its top left corner.
 fn px_of(eye: EyeUniform, p: vec3<f32>) -> vec2<f32> {
     let at = vec4<f32>(p, 1.0);
     return vec2<f32>(dot(eye.row_x, at), dot(eye.row_y, at)) / depth_of(eye, p) - eye.first_px - f32(GUARD_PX);
 }
 
-// The part of p–q from p on, from where it is no nearer than the near clip.
+// Where the edge p–q begins: p, or the point on the near plane if p is nearer.
 fn clipped(eye: EyeUniform, p: vec3<f32>, q: vec3<f32>) -> vec3<f32> {
     let w_p = depth_of(eye, p);
     if w_p >= view.near {
@@ -90,7 +90,7 @@ fn batch_box(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
         return NO_EDGE;
     }
     let batch = visible[number];
-    // A box, however many slices.
+    // A batch has one box, however many slices it has.
     if slice_of(batch) != 0u {
         return NO_EDGE;
     }

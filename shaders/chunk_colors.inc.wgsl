@@ -4,7 +4,7 @@
 @group(0) @binding(5) var<storage, read> filtered_colors: array<u32>;
 @group(0) @binding(6) var<uniform> chunk: ChunkUniform;
 
-// A pixel with the point `id` at depth `w`, in bits; EMPTY_DEPTH where there is none.
+// Writes a pixel's point `id` at depth `w`, in bits; EMPTY_DEPTH if there is no point.
 fn show(pixel: u32, w: u32, id: u32) {
     if w == EMPTY_DEPTH {
         surface[pixel] = vec2<u32>(EMPTY_DEPTH, 0u);

@@ -19,7 +19,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
             right[i] = value;
         }
     }
-    // num_visible = 0, one row, one layer, all else 0: see CullCounters.
+    // Sets num_visible to 0, one row, one layer, and all else to 0: see CullCounters.
     for (var i = id.x; i * COUNTERS_WORDS < arrayLength(&counters); i += stride) {
         counters[i * COUNTERS_WORDS] = vec4<u32>(0u, 1u, 1u, 0u);
         counters[i * COUNTERS_WORDS + 1u] = vec4<u32>(0u);

@@ -4,14 +4,14 @@
 @group(0) @binding(12) var<storage, read_write> sums_left: array<atomic<u64>>;
 @group(0) @binding(13) var<storage, read_write> sums_right: array<atomic<u64>>;
 
-// Count in 10 bits, red, green, blue in 18 each.
+// The color as packed sums: count in 10 bits, red, green, blue in 18 each.
 fn packed(color: u32) -> u64 {
     return 1lu | (u64(color & CHANNEL_MASK) << PACKED_RED_SHIFT)
         | (u64((color >> GREEN_SHIFT) & CHANNEL_MASK) << PACKED_GREEN_SHIFT)
         | (u64((color >> BLUE_SHIFT) & CHANNEL_MASK) << PACKED_BLUE_SHIFT);
 }
 
-// Count, red, green, blue in 16 bits each.
+// The color as protected sums: count, red, green, blue in 16 bits each.
 fn protected_form(color: u32) -> u64 {
     return 1lu | (u64(color & CHANNEL_MASK) << PROTECTED_RED_SHIFT)
         | (u64((color >> GREEN_SHIFT) & CHANNEL_MASK) << PROTECTED_GREEN_SHIFT)
@@ -25,7 +25,7 @@ fn num_points_in(eye: u32, pixel: u32) -> u64 {
     return atomicLoad(&sums_right[pixel]) & u64(PROTECTED_MASK);
 }
 
-// What was there before.
+// Adds to a pixel's sums and returns what they were before.
 fn add(eye: u32, pixel: u32, sum: u64) -> u64 {
     if eye == 0u {
         return atomicAdd(&sums_left[pixel], sum);
@@ -47,7 +47,7 @@ fn put(eye: u32, pixel: u32, w: f32, id: u32) {
         if (before & u64(PROTECTED_MASK)) < u64(PROTECTED_POINTS) {
             return;
         }
-        // Others were faster: take it back. Unsigned addition wraps.
+        // Other threads were faster, so the sum is taken back. Unsigned addition wraps.
         add(eye, pixel, 0lu - protected_form(color));
     }
     add_wide(eye, pixel, color);

@@ -1,4 +1,4 @@
-// color for GPUs without 64-bit addition: the same sums in four u32. docs/FRAME.md §7.
+// color for GPUs without 64-bit addition: sums in four u32, equal to the others. docs/FRAME.md §7.
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     if counts(eye, pixel, w) {

@@ -1,4 +1,4 @@
-// What the culls of octrees and of sequential point trees share: the frustum, precision, and the list of visible batches.
+// What the culls of octrees and of sequential point trees share: frustum, precision, and the list of visible batches.
 // [2022 §3.2, 3.3]; docs/FRAME.md §2, §3.
 
 struct CullCounters {
@@ -14,13 +14,13 @@ struct CullCounters {
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(4) var<storage, read_write> visible: array<VisibleBatch>;
 @group(0) @binding(5) var<storage, read_write> counters: CullCounters;
-// Nodes that are among those of `counters.num_nodes` already: one may have several batches, in several chunks.
+// Nodes that are counted in `counters.num_nodes` already: a node may have several batches, in several chunks.
 @group(0) @binding(6) var<storage, read_write> counted: array<atomic<u32>>;
 
-/// Half as many cells as a box edge has.
+/// Half the number of cells that a box edge has.
 const HALF_CELLS: f32 = 0.5 * CELLS;
 
-// True unless the box is certainly outside. The terms are added in the CPU reference's order.
+// False only if the box is certainly outside. The terms are added in the CPU reference's order.
 fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     let n = abs(plane);
     let c = abs(center);
@@ -30,7 +30,8 @@ fn in_front(plane: vec4<f32>, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     return distance + radius + CULL_SLACK * magnitude >= 0.0;
 }
 
-// Splats of points beyond the image reach into it.
+// True unless the box is certainly outside the frustum, widened by how far splats of points beyond the image reach into
+// it.
 fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool {
     let first = eye.first_px - view.margin_px;
     let end = eye.end_px + view.margin_px;
@@ -41,7 +42,7 @@ fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool 
         && in_front(eye.row_w * end.y - eye.row_y, center, half_edge);
 }
 
-// Planes that a box whose edge is drawn so large asks for: 1 below the first threshold, 2 below the second, else 3.
+// Planes to read of a box whose edge is drawn this large: 1 below the first threshold, 2 below the second, else 3.
 fn planes_needed(edge_px: f32) -> u32 {
     if edge_px < PRECISION_THRESHOLD_PX {
         return 1u;
@@ -67,8 +68,8 @@ fn head_place(head_hi: vec3<f32>, head_lo: vec3<f32>, cell: vec3<f32>, steps_per
     return HeadPlace(head_cell, offset);
 }
 
-// Adds a batch of a node to the visible ones, of which there are `num_batches` at most: in as many slices as there is room
-// for.
+// Adds a batch of a node to the list of visible ones, which holds at most `num_batches` without extra slices, in as
+// many slices as there is room for.
 fn show(batch: VisibleBatch, node: u32, wanted_slices: u32, num_batches: u32) {
     var num_slices = wanted_slices;
     if num_slices > 1u {

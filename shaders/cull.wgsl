@@ -5,8 +5,8 @@
 @group(0) @binding(2) var<storage, read> nodes: array<Node>;
 @group(0) @binding(3) var<storage, read> states: array<u32>;
 
-// The widest square in each ring that a point of a box is to close whose edge is drawn so large: see `open_px`, in which the
-// edge counts at most twice. `far` is the distance of its farthest corner over its least depth.
+// The widest square that a point is to close, in each ring, of a box whose edge is drawn this large: see `open_px`, in
+// which the edge counts at most twice. `far` is the distance of its farthest corner over its least depth.
 fn widest_open_px(eye: EyeUniform, edge_px: f32, far: f32, widest: f32, sample_spacing: f32) -> vec3<f32> {
     let stretch = min(far, 1.0 / eye.widest_cos);
     let undivided_px = min(vec3<f32>(2.0 * edge_px), view.undivided_px);
@@ -21,7 +21,7 @@ fn widest(spacing: vec4<u32>) -> f32 {
     return max(widest.x, widest.y);
 }
 
-// How far apart a node's samples lie, as a share of its edge: further where the root is drawn with a part of them.
+// How far apart a node's samples lie, as a share of its edge: further if only a part of the root's samples is drawn.
 fn spacing_drawn(node: Node, drawn: u32) -> f32 {
     if (node.flags & NODE_ROOT) == 0u || drawn == DRAWN_WHOLE {
         return node.sample_spacing;
@@ -45,7 +45,8 @@ fn own_colors(node: Node) -> vec2<u32> {
     return own;
 }
 
-// Workgroups that draw a batch of points: more than one where points cover many pixels. A software driver has no use for more.
+// Workgroups that draw a batch of points: more than one if its points cover many pixels. A software driver has no use
+// for more than one.
 fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     if radius == 0.0 || !TOGETHER {
         return 1u;
@@ -86,7 +87,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if flags == 0u {
         return;
     }
-    // Both eyes count, whichever sees it: what one eye's picture shows does not depend on where the other's ends.
+    // Both eyes count, whichever sees the batch, so that one eye's picture does not depend on where the other's ends.
     var planes = max(view.forced_planes, 1u);
     var num_slices = 1u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {

@@ -1,5 +1,5 @@
-// resolve, for the runtime's reprojection: an eye's depths to its depth image, near / w; 0 where nothing is: infinitely
-// far. Nothing but a pass that draws can write one.
+// resolve, for the runtime's reprojection: an eye's depths to its depth image, near / w, or 0, infinitely far, where
+// nothing is. Only a pass that draws can write a depth image.
 
 @group(0) @binding(0) var<uniform> resolve: ResolveUniform;
 @group(0) @binding(1) var<storage, read> image_depth: array<u32>;

@@ -1,5 +1,5 @@
-// What keys.inc.wgsl is where a pixel's depth has a buffer of its own: in `hqs` quality, and in the tier without 64-bit
-// atomics, in which `ids` comes after. A key is the depth alone.
+// Stands in for keys.inc.wgsl where a pixel's depth has a buffer of its own: in `hqs` quality, and in the tier without
+// 64-bit atomics, in which `ids` comes after. A key is the depth alone.
 
 @group(0) @binding(6) var<storage, read_write> depth_left: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> depth_right: array<atomic<u32>>;

@@ -1,12 +1,13 @@
-// dilate: closes the gaps between points of one surface, on the way to the image. A pixel that lies farther than the nearest
-// surface of its window, or has no point, takes that surface's depth and the blend of its colors, the closer the heavier;
-// others stay as they are. One eye a dispatch, a tile a workgroup; docs/FRAME.md §6.
+// dilate: closes the gaps between points of one surface, on the way to the image. A pixel that lies farther than the
+// nearest surface of its window, or has no point, takes that surface's depth and the blend of its colors, in which
+// nearer pixels weigh more; other pixels stay as they are. One eye a dispatch, a tile a workgroup; docs/FRAME.md §6.
 //
-// In two passes through workgroup memory: rows first, each pixel with what reaches it, then columns over what the rows
-// found. What lies in a pixel reaches as far as its depth's last bits say, and as its ring's kernel at least. A tile that is
-// one surface without gaps, or empty, is written as it is. Sums are integers, so their order does not show. Neighbors are
-// made at once, eight in a row and four in a column, since they share taps. Rows of workgroup memory have odd lengths, so
-// that the threads' taps lie in different banks. A thread keeps its own four pixels' depths and colors.
+// It makes two passes through workgroup memory: rows first, each pixel with those that reach it, then columns over what
+// the rows found. A pixel's point reaches as far as its depth's last bits say, and at least as far as the kernel of its
+// ring. A tile that is one surface without gaps, or empty, is written as it is. Sums are integers, so their order does
+// not show. Neighbors are made at once, eight in a row and four in a column, since they share taps. Rows of workgroup
+// memory have odd lengths, so that the threads' taps lie in different banks. A thread keeps its own four pixels' depths
+// and colors.
 
 const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;
@@ -17,36 +18,38 @@ const ROW_STRIDE: u32 = TILE_PX.x | 1u;
 const NUM_RUNS: u32 = TILE_PX.x / 8u;
 /// Depths within this factor of another, nearer or farther, are of one surface: its square is below SURFACE_TOLERANCE.
 const WHOLE_TOLERANCE: f32 = 1.0 + 0.49 * (SURFACE_TOLERANCE - 1.0);
-/// Pixels that reach into the tile: above and below it, and in all.
+/// Pixels above and below the tile that reach into it.
 const NUM_ABOVE_BELOW: u32 = 2u * DILATE_REACH_PX * NUM_COLUMNS;
+/// All pixels around the tile that reach into it.
 const NUM_AROUND: u32 = NUM_ABOVE_BELOW + 2u * DILATE_REACH_PX * TILE_PX.y;
 
-/// The eye, read once.
+/// The eye, which is read once.
 var<private> eye: EyeUniform;
 
-/// Depths of the tile and of what reaches into it.
+/// Depths of the tile and of the pixels that reach into it.
 var<workgroup> tile_depth: array<u32, TILE_STRIDE * NUM_ROWS>;
-/// Their colors, with 1 for alpha: its sum is that of the weights.
+/// Colors of the same pixels, with 1 for alpha, whose sum is that of the weights.
 var<workgroup> tile_color: array<u32, TILE_STRIDE * NUM_ROWS>;
-/// Not 0 if a pixel of the tile may have something to take: it is neither one surface without gaps, nor empty.
+/// Not 0 if a pixel of the tile may take another's surface: the tile is neither one surface without gaps, nor empty.
 var<workgroup> varies: atomic<u32>;
 /// Nearest depth of each pixel's row window.
 var<workgroup> row_nearest: array<u32, ROW_STRIDE * NUM_ROWS>;
-/// Sums of that surface's colors times weights, 16 bits each: r | b≪16, g | weights≪16.
+/// Sums of each row window's nearest surface, colors times weights, 16 bits each: r | b≪16, g | weights≪16.
 var<workgroup> row_sums: array<vec2<u32>, ROW_STRIDE * NUM_ROWS>;
 
 /// Ten values that follow each other.
 alias Run = array<u32, 10>;
-/// Fourteen: eight neighbors and what they reach.
+/// Fourteen values that follow each other: eight neighbors and the pixels that they reach.
 alias Row = array<u32, 14>;
-/// Two sums share a word, a half each: red below blue, green below the weights.
+/// Bits of one of the two sums that share a word: red below blue, green below the weights.
 const HALF_BITS: u32 = 16u;
+/// Mask of the lower of the two sums in a word.
 const HALF_MASK: u32 = (1u << HALF_BITS) - 1u;
 /// A channel's bits in each half.
 const CHANNELS_MASK: u32 = CHANNEL_MASK | (CHANNEL_MASK << HALF_BITS);
-/// What each of four neighbors sees of a run, at the distances −3 to 3.
+/// Values of a run that each of four neighbors sees, at the distances −3 to 3.
 alias Taps = array<vec4<u32>, 7>;
-/// A part of each of four values.
+/// The bits of a value that are summed up.
 struct Part {
     shift: u32,
     mask: u32,
@@ -58,12 +61,12 @@ fn taps(v: Run) -> Taps {
         vec4(v[6], v[7], v[8], v[9]));
 }
 
-// Depths of what reaches so far.
+// Depths of the pixels that reach this far.
 fn reaching(depth: vec4<u32>, distance: u32) -> vec4<u32> {
     return select(vec4<u32>(EMPTY_DEPTH), depth, (depth & vec4<u32>(REACH_MASK)) >= vec4<u32>(distance));
 }
 
-// All reach the pixels beside them.
+// Depths of the pixels that reach each neighbor. Every pixel reaches those beside it.
 fn within_reach(d: Taps) -> Taps {
     return Taps(reaching(d[0], 3u), reaching(d[1], 2u), d[2], d[3], d[4], reaching(d[5], 2u), reaching(d[6], 3u));
 }
@@ -77,7 +80,7 @@ fn counted(end: vec4<u32>, depth: vec4<u32>, value: vec4<u32>, part: Part) -> ve
     return select(vec4<u32>(0u), (value >> vec4<u32>(part.shift)) & vec4<u32>(part.mask), depth <= end);
 }
 
-// Sum of what counts, times its weight: a shift for each pixel that it is nearer.
+// Weighted sum of the values that count: a weight is one shift larger for each pixel that the value is nearer.
 fn weigh(end: vec4<u32>, d: Taps, v: Taps, part: Part) -> vec4<u32> {
     let falloff = vec4<u32>(DILATE_FALLOFF_BITS);
     var sum = counted(end, d[3], v[3], part);
@@ -106,7 +109,7 @@ fn place_around(i: u32) -> vec2<u32> {
     return vec2<u32>(select(side, side + TILE_PX.x, side >= DILATE_REACH_PX), row + DILATE_REACH_PX);
 }
 
-// A pixel's depth, which counts for the nearest and farthest of a thread; outside the image there is none.
+// A pixel's depth, which widens the thread's range of depths; outside the image there is none.
 fn load_depth(pixel: vec2<u32>, range: ptr<function, vec2<u32>>) -> u32 {
     if !is_inside(pixel) {
         return EMPTY_DEPTH;
@@ -129,7 +132,7 @@ fn load_color(pixel: vec2<u32>, w: u32) -> u32 {
     return surface_color(number_of(pixel));
 }
 
-// The nearest and the farthest of depths that are of one surface if the pixel's is among them.
+// The range of depths that are of one surface with the given pixel's.
 fn surface_around(pixel: vec2<u32>) -> vec2<u32> {
     let w = surface_depth(number_of(pixel));
     let depth = bitcast<f32>(w);
@@ -163,7 +166,7 @@ fn sum_row(to: u32, depth: Run, color: Run) {
     }
 }
 
-// Those of eight pixels, the first of which lies at column + reach, row of the tile.
+// Sums up the row windows of eight pixels, the first of which lies at column + reach, row of the tile.
 fn sum_rows(column: u32, row: u32) {
     let i = row * TILE_STRIDE + column;
     let depth = Row(tile_depth[i], tile_depth[i + 1u], tile_depth[i + 2u], tile_depth[i + 3u], tile_depth[i + 4u],
@@ -177,7 +180,7 @@ fn sum_rows(column: u32, row: u32) {
     sum_row(to + 4u, last_run(depth), last_run(color));
 }
 
-// What the rows found in the column windows of four pixels.
+// Depths that the rows found in the column windows of four pixels.
 fn column_depths(i: u32) -> Taps {
     let k = ROW_STRIDE;
     return within_reach(taps(Run(row_nearest[i], row_nearest[i + k], row_nearest[i + 2u * k],
@@ -194,7 +197,7 @@ fn blend_columns(i: u32, end: vec4<u32>, d: Taps) -> vec4<u32> {
         run[9].x));
     let gw = taps(Run(run[0].y, run[1].y, run[2].y, run[3].y, run[4].y, run[5].y, run[6].y, run[7].y, run[8].y,
         run[9].y));
-    // Where nothing counts there is no color either, and no division by 0.
+    // Weights are at least 1, so that nothing is divided by 0 where nothing counts; there is no color there either.
     let weights = max(weigh(end, d, gw, Part(HALF_BITS, HALF_MASK)), vec4<u32>(1u));
     let r = mean(weigh(end, d, rb, Part(0u, HALF_MASK)), weights);
     let g = mean(weigh(end, d, gw, Part(0u, HALF_MASK)), weights);
@@ -212,7 +215,7 @@ fn main(
     let tile = tile_of(group, groups);
     let first = first_pixel(tile);
     let corner = first - DILATE_REACH_PX;
-    // Four pixels below each other are this thread's own.
+    // This thread's own pixels are four below each other.
     let column = thread % TILE_PX.x;
     let row = 4u * (thread / TILE_PX.x);
     let a = first + vec2(column, row);
@@ -258,7 +261,7 @@ fn main(
         let around = column_depths(i);
         let nearest = nearest_of(around);
         let end = surface_end(nearest);
-        // An empty pixel that finds nothing stays too.
+        // An empty pixel that finds no surface stays too.
         let stays = (own <= end) | (nearest == vec4<u32>(EMPTY_DEPTH));
         if !all(stays) {
             depth = select(nearest & vec4<u32>(~REACH_MASK), own, stays);

@@ -1,5 +1,5 @@
-// depth, `closest` quality, the tier without 64-bit atomics, second dispatch: the smallest id among the points
-// at each pixel's nearest depth. docs/FRAME.md §7.
+// depth, `closest` quality, the tier without 64-bit atomics, second dispatch: the smallest id among the points at each
+// pixel's nearest depth. docs/FRAME.md §7.
 
 @group(0) @binding(5) var<uniform> chunk: ChunkUniform;
 @group(0) @binding(6) var<storage, read> depth_left: array<u32>;

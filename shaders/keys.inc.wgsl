@@ -1,5 +1,5 @@
 // The targets of `closest` quality: in each pixel the smallest depth ≪ 32 | id. WGSL cannot pass a buffer to a
-// function, so these choose the eye's; where they are called the eye is a constant.
+// function, so these functions choose the eye's buffer; their callers pass the eye as a constant.
 
 @group(0) @binding(5) var<uniform> chunk: ChunkUniform;
 @group(0) @binding(6) var<storage, read_write> keys_left: array<atomic<u64>>;

@@ -100,7 +100,7 @@ struct DilateUniform {
     reserved: vec2<u32>,
 }
 
-// Which slice of its batch this is, of how many.
+// Number of the slice that this is, among those of its batch.
 fn slice_of(batch: VisibleBatch) -> u32 {
     return (batch.flags >> SLICE_SHIFT) & (MAX_SLICES - 1u);
 }

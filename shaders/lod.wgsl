@@ -1,10 +1,10 @@
 // lod: which nodes are large enough, in either eye, for where the eye looks, and how much of each is drawn?
 // One thread a node. [2022 §3.7]; docs/FRAME.md §4.
 //
-// Size and ring are judged by the cube's nearest point and by its sphere, so a node is never judged smaller or
-// further out than a node within it: what is drawn is a tree. Nearest is what has the least depth, as in cull's
-// precision: an edge across the view is as many pixels long as it has pixels per radian over depth, which away from the
-// optical axis is less than distance.
+// Size and ring are judged by the cube's nearest point and by its sphere, so that a node is never judged smaller or
+// further out than a node within it: what is drawn is a tree. The nearest point is the one with the least depth, as in
+// cull's precision: an edge across the view is as many pixels long as it has pixels per radian over depth, which away
+// from the optical axis is less than distance.
 
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<storage, read> nodes: array<Node>;
@@ -33,17 +33,17 @@ fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
     return view.threshold_px.x + (view.threshold_px.z - view.threshold_px.x) * min(share, 1.0);
 }
 
-// Projected edge in thresholds.
+// Projected edge as a multiple of its threshold.
 fn importance(eye: EyeUniform, center: vec3<f32>, edge: f32) -> f32 {
     let from_eye = center - eye.eye_in_head;
-    // Written as one product, for compilers would make it one, and the CPU reference must know.
+    // This is written as one product, since compilers would make it one, and the CPU reference must match.
     let reach = 0.5 * edge * (abs(eye.row_w.x) + abs(eye.row_w.y) + abs(eye.row_w.z));
     let depth = nearest_depth(eye, center, vec3<f32>(0.5 * edge), reach);
     let edge_px = edge * eye.pixels_per_radian / depth;
     return edge_px / threshold_px(eye.gaze_in_head, from_eye, CUBE_RADIUS * edge);
 }
 
-// A share, 0 to 1, of all points as a node's state; at least one point.
+// A share, 0 to 1, of all points as a node's state; at least one point is drawn.
 fn state_of(share: f32) -> u32 {
     if share >= 1.0 {
         return DRAWN_WHOLE;
@@ -56,7 +56,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&nodes) {
         return;
     }
-    // By `cull`, which comes next.
+    // `cull`, which comes next, counts nodes from 0.
     counted[id.x] = 0u;
     let node = nodes[id.x];
     if (node.flags & NODE_RESIDENT) == 0u {
@@ -74,7 +74,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var state = 0u;
     if (node.flags & NODE_ROOT) != 0u {
-        // Always drawn; with points by its area once it is small, or a pixel would get too many.
+        // The root is always drawn; once it is small, with points by its area, or a pixel would get too many.
         state = state_of(largest * largest);
     } else if (view.flags & LOD_FADE) != 0u {
         if largest > FADE_BEGIN {

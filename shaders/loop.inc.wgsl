@@ -1,12 +1,13 @@
-// The loop of the geometry stages: a workgroup a visible batch, each point read once and put into both eyes' pixels. A batch
-// of wide points comes in slices, a workgroup each. Each draws its share of the parts: a turn of every thread, or, where there
-// are more slices than that, one point of such a turn.
+// The loop of the geometry stages: a workgroup a visible batch, each point read once and put into both eyes' pixels. A
+// batch of wide points comes in slices, a workgroup each. A workgroup draws its share of the parts: a part is a turn of
+// every thread, or, if there are more slices than that, one point of such a turn.
 //
 // A stage adds its targets from binding 5 on, and what it does with a point in a pixel of an eye, 0 or 1:
 //   fn put(eye: u32, pixel: u32, w: f32, id: u32)
 
-// Where this thread is; for those who ask in `put`.
+// Number of this workgroup, for functions that `put` calls.
 var<private> this_group: u32;
+// Number of this thread in its workgroup, for functions that `put` calls.
 var<private> this_thread: u32;
 
 fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
@@ -16,9 +17,9 @@ fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
 /// The place of a float's exponent.
 const EXPONENT_SHIFT: u32 = 23u;
 
-// The edge of the finest nodes that are drawn whole where a point of a node with this edge lies: edges halve from level to
-// level, and the finest is more than half of `undivided_px`. While nodes below them fade in, with four times as many
-// samples, these lie less far apart, and the edge is as much shorter.
+// The edge of the finest nodes that are drawn whole where a point of a node with this edge lies: edges halve from level
+// to level, and the finest is more than half of `undivided_px`. While nodes below these fade in, with four times as
+// many samples, samples lie less far apart, and the edge is shorter by as much.
 fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
     let larger = bitcast<u32>(max(edge_px, undivided_px)) >> EXPONENT_SHIFT;
     let octaves = larger - (bitcast<u32>(undivided_px) >> EXPONENT_SHIFT);
@@ -32,9 +33,9 @@ fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
     return whole_px / sqrt(1.0 + 3.0 * share);
 }
 
-// How wide the square is that a point is to close, in pixels: by its distance from others, `spacing` world units, and by
-// what level of detail leaves open, a share of the finest nodes' edge. Away from the optical axis a length along the radius
-// is longer in pixels than one across, by distance over depth. The terms are added in the CPU reference's order.
+// Width in pixels of the square that a point is to close: by its distance from others, `spacing` world units, and by
+// what level of detail leaves open, a share of the finest nodes' edge. Away from the optical axis a length along the
+// radius is longer in pixels than one across, by distance over depth. The terms are added in the CPU reference's order.
 fn open_px(eye: u32, batch: VisibleBatch, p_in_head: vec3<f32>, w: f32, spacing: f32) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     let p = p_in_head - view.eyes[eye].eye_in_head;

@@ -7,7 +7,7 @@ override ENCODE_SRGB: bool;
 // The part of the image that is drawn, from its top left corner, in uv.
 struct Drawn {
     size: vec2f,
-    // Centre of the last texel: beyond it, filtering would mix in what is not drawn.
+    // Centre of the last texel: beyond it, filtering would mix in pixels that are not drawn.
     last: vec2f,
 }
 
@@ -22,7 +22,7 @@ struct Corner {
 
 @vertex
 fn corner(@builtin(vertex_index) index: u32) -> Corner {
-    // uv (0, 0), (2, 0), (0, 2): the half of the triangle beyond 1 falls outside the viewport.
+    // The uv are (0, 0), (2, 0), (0, 2): the half of the triangle beyond 1 falls outside the viewport.
     let uv = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
     return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 }

@@ -1,4 +1,4 @@
-// What the geometry stages do, for those who count it. The frame does not.
+// Empty counters of what the geometry stages do: the frame does not count it.
 
 fn count_point() {}
 fn count_once(is_drawn: bool) {}

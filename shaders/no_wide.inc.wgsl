@@ -1,4 +1,4 @@
-// Points wider than a pixel where there are none.
+// Points wider than a pixel, of which there are none here.
 
 fn stays(batch: VisibleBatch) -> bool {
     return false;

@@ -1,4 +1,4 @@
-// Colors of a node's points: their own, and those of what they stand for.
+// Colors of a node's points: their own, or filtered ones.
 
 @group(0) @binding(9) var<storage, read> filtered_colors: array<u32>;
 

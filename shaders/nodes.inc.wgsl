@@ -1,11 +1,11 @@
-// Points of flat clouds and of an octree's nodes: `cull` has chosen, and the node knows how far apart they lie.
+// Points of flat clouds and of an octree's nodes: `cull` has chosen them, and their node knows how far apart they lie.
 
 // Where an eye sees the points of a turn.
 fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
     return project(eye, points.x, points.y, points.z, points.exists);
 }
 
-// World units that points are apart, in a batch with this longest edge: by the spacing of their octant, and by a power of
+// World units that points lie apart, in a batch with this longest edge: the spacing of their octant, times a power of
 // their node's step.
 fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
     let exponent = hi_of(load, turn) >> vec4<u32>(SPACING_EXPONENT_SHIFT);
@@ -19,8 +19,8 @@ fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: 
     return apart;
 }
 
-// How wide the square is that a point closes which lies so many pixels from the next, where the ring's kernel closes some
-// in any case.
+// Width of the square that a point is to close which lies `spacing_px` pixels from the next, where the ring's kernel
+// closes `kernel_px` in any case.
 fn cover_px(spacing_px: f32, kernel_px: f32) -> f32 {
     return min(POINTS_COVER * spacing_px, FILL_OVERLAP * spacing_px + kernel_px);
 }

@@ -1,9 +1,10 @@
-// What overlays share. Each is drawn over the window's copy of an eye's image; `dilate.eye` says which eye's.
+// What overlays share. An overlay is drawn over the window's copy of an eye's image; `dilate.eye` says which eye's.
 
 // Depths of the finished pixels.
 @group(0) @binding(2) var<storage, read> image_depth: array<u32>;
 
-/// Told apart by color-blind people too: rings and precisions from the first on, levels of nodes in turn. sRGB.
+/// Colors in sRGB that color-blind people can tell apart too: rings and precisions have the first ones, levels of nodes
+/// take turns.
 const PALETTE: array<vec3<f32>, 8> = array<vec3<f32>, 8>(
     vec3<f32>(0.337, 0.706, 0.914), vec3<f32>(0.0, 0.62, 0.451), vec3<f32>(0.902, 0.624, 0.0),
     vec3<f32>(0.8, 0.475, 0.655), vec3<f32>(0.941, 0.894, 0.259), vec3<f32>(0.0, 0.447, 0.698),

@@ -3,19 +3,19 @@
 @group(0) @binding(4) var<storage, read> sums: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> wide: array<vec4<u32>>;
 
-/// Depths from the near clip on that the ramp tells apart: 2^14 times as far.
+/// Octaves of depth, from the near clip on, that the ramp tells apart: up to 2^14 times as far.
 const DEPTH_OCTAVES: f32 = 14.0;
 /// Points in a pixel, as a power of two, from which on the ramp stays white.
 const OVERDRAW_OCTAVES: f32 = 6.0;
 /// How strongly a ring's color covers the image, inside and at its edge.
 const RING_ALPHA: vec2<f32> = vec2<f32>(0.22, 0.9);
 
-/// From little to much, dark to light. sRGB.
+/// Colors from little to much, dark to light, in sRGB.
 const RAMP: array<vec3<f32>, 6> = array<vec3<f32>, 6>(
     vec3<f32>(0.05, 0.03, 0.2), vec3<f32>(0.2, 0.25, 0.7), vec3<f32>(0.6, 0.2, 0.6),
     vec3<f32>(0.9, 0.4, 0.2), vec3<f32>(1.0, 0.8, 0.2), vec3<f32>(1.0, 1.0, 1.0),
 );
-/// Where nothing is.
+/// Color of a pixel without points.
 const NOTHING: vec4<f32> = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
 fn ramp(share: f32) -> vec4<f32> {
@@ -31,7 +31,7 @@ fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-// By the rule of dilation, with a line where a ring ends.
+// Colors by the rule of dilation, with a line where a ring ends.
 @fragment
 fn rings(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let eye = view.eyes[dilate.eye];
@@ -69,7 +69,7 @@ fn num_points(pixel: u32) -> u32 {
 
 @fragment
 fn overdraw(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    // Sums have the guard band.
+    // Sums have the guard band round the image.
     let pixel = (u32(position.y) + GUARD_PX) * view.eyes[dilate.eye].width + u32(position.x) + GUARD_PX;
     let count = num_points(pixel);
     if count == 0u {

@@ -9,7 +9,7 @@
 
 const TURNS_PER_LOAD: u32 = POINTS_PER_LOAD / POINTS_PER_TURN;
 
-// Points inside the eye's image, or its guard band, have a pixel number; the others NO_PIXEL.
+// Number of a pixel that is none: points outside the eye's image and its guard band have it.
 const NO_PIXEL: u32 = ~0u;
 
 struct Cells {
@@ -31,8 +31,8 @@ struct Turn {
     exists: vec4<bool>,
 }
 
-/// `x` and `y` are whole coordinates, inside the image or not. `w` is linear depth, whose IEEE bits order like the
-/// number itself, with room for REACH_MASK; 0 for points that are not there or too near.
+/// `x` and `y` are whole coordinates, inside the image or not. `w` is linear depth, whose IEEE bits are ordered as the
+/// number itself is, with room for REACH_MASK; 0 for points that are not there or too near.
 struct Projected {
     pixel: vec4<u32>,
     x: vec4<f32>,
@@ -69,14 +69,14 @@ fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool
     return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), u, v, select(vec4<f32>(0.0), w, is_there));
 }
 
-// Coordinates in 30-bit cells. Bits that are not read stand at half: the centre of the coarser cell.
+// Coordinates in 30-bit cells. Bits that are not read are set to half, the centre of the coarser cell.
 fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
     let hi = hi_of(load, turn);
     let mask = vec4<u32>(PLANE_MASK);
     let coarse_center = vec4<u32>(COARSE_CENTER);
     var x = ((hi & mask) << vec4<u32>(COARSE_SHIFT)) | coarse_center;
     var y = (((hi >> vec4<u32>(Y_SHIFT)) & mask) << vec4<u32>(COARSE_SHIFT)) | coarse_center;
-    // z lies where it belongs, below the spacing exponent.
+    // The bits of z are in place already, below the spacing exponent.
     var z = (hi & vec4<u32>(PLANE_MASK << Z_SHIFT)) | coarse_center;
     if planes >= 2u {
         let mid = mid_of(load, turn);
@@ -97,7 +97,7 @@ fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
     return Cells(x, y, z);
 }
 
-// A turn of a batch.
+// The points of a turn of a batch.
 fn points_of(batch: VisibleBatch, turn: u32) -> Turn {
     let load = batch.first_point / POINTS_PER_LOAD + turn / TURNS_PER_LOAD;
     let cells = cells_of(load, turn, batch.flags & VISIBLE_PLANES);
@@ -112,7 +112,7 @@ fn points_of(batch: VisibleBatch, turn: u32) -> Turn {
     if batch.drawn != DRAWN_WHOLE {
         exists = exists & (rank < vec4<u32>(batch.drawn));
     }
-    // The octant says of which child the color and the spacing depend.
+    // The octant tells the child that the color and the spacing depend on.
     let octant = (cells.x >> vec4<u32>(OCTANT_SHIFT)) | ((cells.y >> vec4<u32>(OCTANT_SHIFT)) << vec4<u32>(1u))
         | ((cells.z >> vec4<u32>(OCTANT_SHIFT)) << vec4<u32>(2u));
     var id = (vec4<u32>(batch.first_point) + number) << vec4<u32>(ID_SHIFT);

@@ -1,4 +1,4 @@
-// A point in its pixel, if it has one.
+// Puts a point into its pixel, if it has one.
 
 fn put_seen(eye: u32, pixel: u32, w: f32, id: u32) {
     if pixel != NO_PIXEL {

@@ -1,4 +1,4 @@
-// The points of a turn, each in its pixel.
+// Puts the points of a turn into their pixels.
 
 fn put_turn(eye: u32, p: Projected, id: vec4<u32>) {
     put_seen(eye, p.pixel.x, p.w.x, id.x);

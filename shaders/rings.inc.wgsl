@@ -1,6 +1,7 @@
 // The rings round the gaze, for pixels and for points.
 
-// Grows with x on both sides of 0, so that cosines compare without the root that a direction's length needs.
+// A square that grows with x on both sides of 0, so that cosines compare without the root that a direction's length
+// needs.
 fn signed_square(x: f32) -> f32 {
     return x * abs(x);
 }

@@ -1,6 +1,6 @@
-// How large what lies in a box is drawn: by its depth, for `lod` and `cull`.
+// The projected size of boxes, by their depth, for `lod` and `cull`.
 
-// The least depth that points of a box have which the eye sees; near at least, since nothing nearer is drawn. `reach` is
+// The least depth of the points of a box that the eye sees; at least near, since nothing nearer is drawn. `reach` is
 // how far the box reaches along the optical axis from its centre. The terms are added in the CPU reference's order.
 fn nearest_depth(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>, reach: f32) -> f32 {
     let axis = eye.row_w;

@@ -1,4 +1,4 @@
-// What all forms of `color` share: which points count.
+// The test that all forms of `color` share: which points count.
 
 @group(0) @binding(6) var<storage, read> depth_left: array<u32>;
 @group(0) @binding(7) var<storage, read> depth_right: array<u32>;

@@ -1,4 +1,5 @@
-// What both forms of the first step of `resolve` share: one eye, a workgroup a tile that somebody sees. Each writes
+// What both forms of the first step of `resolve` share: one eye, a workgroup a tile that somebody sees. Each form
+// writes
 //   fn finish(pixel: u32)
 // which puts a pixel's depth and color into `surface`.
 

@@ -1,9 +1,9 @@
-// What the steps of `resolve` share: a workgroup a tile of which somebody sees a part.
+// What the steps of `resolve` share: a workgroup for each tile of which somebody sees a part.
 
-/// x | y≪16, and TILE_HIDES where lenses hide some of its pixels.
+/// Column | row≪16 of each tile, and TILE_HIDES if lenses hide some of its pixels.
 @group(0) @binding(15) var<storage, read> tiles: array<u32>;
 
-// The workgroup's tile. Where workgroups come in several rows there may be a few too many: they do the last tile again.
+// The workgroup's tile. If workgroups come in several rows there may be a few too many, which do the last tile again.
 fn tile_of(group: vec3<u32>, groups: vec3<u32>) -> u32 {
     return tiles[min(group.y * groups.x + group.x, arrayLength(&tiles) - 1u)];
 }

@@ -1,26 +1,27 @@
-// The larger splats of a turn wait until all threads of the workgroup draw them together, a team a splat and a thread a pixel: so
-// no thread is held up by a neighbor's large splat, and the pixels that a team looks at lie beside each other.
+// The larger splats of a turn wait until all threads of the workgroup draw them together, with a team for each splat
+// and a thread for each pixel: so no thread is held up by a neighbor's large splat, and the pixels that a team looks at
+// lie beside each other.
 
 /// Threads that draw a splat together.
 const TEAM: u32 = 32u;
-/// What makes the pixel of a splat positive that lies left of the image or above it.
+/// Is added to the coordinates of a splat's pixel, which may lie left of the image or above it, to make them positive.
 const BEFORE_PX: i32 = i32(MAX_FILL_RADIUS);
-/// A pixel of a waiting splat was asked for.
+/// Flag of a waiting splat: one of its pixels was asked for.
 const WAITING_ASKED: u32 = 0x80000000u;
 /// The place of y in a waiting splat's pixel.
 const WAITING_Y_SHIFT: u32 = 16u;
 const WAITING_X_MASK: u32 = (1u << WAITING_Y_SHIFT) - 1u;
 
-/// Discs that wait: their pixel, x | y≪16, plus BEFORE_PX each; depth; id; radius, and WAITING_ASKED.
+/// Splats that wait: their pixel, x | y≪16, plus BEFORE_PX each; depth; id; radius, and WAITING_ASKED.
 var<workgroup> waiting_splats: array<vec4<u32>, WORKGROUP_SIZE * POINTS_PER_TURN>;
 var<workgroup> num_waiting_splats: atomic<u32>;
 
-// Whether all threads of the workgroup stay until the last turn of a batch.
+// True if all threads of the workgroup stay until the last turn of a batch.
 fn stays(batch: VisibleBatch) -> bool {
     return (batch.flags & VISIBLE_WIDE) != 0u;
 }
 
-// Whether a splat that reaches into the image waits.
+// True if a splat that reaches into the image waits.
 fn waits(center: vec2<i32>, w: f32, id: u32, radius: i32) -> bool {
     if radius <= i32(OWN_FILL_RADIUS) {
         return false;
@@ -31,7 +32,7 @@ fn waits(center: vec2<i32>, w: f32, id: u32, radius: i32) -> bool {
     return true;
 }
 
-// The splats that wait. All threads of the workgroup come here together.
+// Draws the splats that wait. All threads of the workgroup come here together.
 fn put_waiting(eye: u32) {
     workgroupBarrier();
     let num_splats = atomicLoad(&num_waiting_splats);

@@ -3,15 +3,17 @@
 /// Points that a thread draws before it goes on.
 const POINTS_PER_TURN: u32 = POINTS_PER_LOAD;
 
-// What a turn gets of each plane.
+// Words of the coarse plane for a turn.
 fn hi_of(load: u32, turn: u32) -> vec4<u32> {
     return plane_hi[load];
 }
 
+// Words of the middle plane for a turn.
 fn mid_of(load: u32, turn: u32) -> vec4<u32> {
     return plane_mid[load];
 }
 
+// Words of the fine plane for a turn.
 fn lo_of(load: u32, turn: u32) -> vec4<u32> {
     return plane_lo[load];
 }

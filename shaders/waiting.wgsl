@@ -1,4 +1,4 @@
-// What the eyes see while there is no scan: rectangles of one brightness each, laid out by the host.
+// The picture while there is no scan: rectangles of one brightness each, laid out by the host.
 
 struct Corner {
     @builtin(position) position: vec4f,

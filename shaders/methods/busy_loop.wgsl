@@ -1,8 +1,8 @@
 // busy-loop: a thread waits until nobody has the pixel locked, locks it, writes, and unlocks it; Günther et al. 2013,
 // with their early-z. [2021 §2.2, §5]
 //
-// A pixel's depth is its lock: it reads LOCKED while somebody writes the id, and unlocking is writing the new depth.
-// All of it stands inside the loop: a thread that holds a lock comes to its end while threads beside it, of the same
+// A pixel's depth is its lock: it reads LOCKED while a thread writes the id, and writing the new depth unlocks it. The
+// whole of it stands inside the loop: a thread that holds a lock comes to its end while threads beside it, of the same
 // subgroup, go round. WGSL promises neither that, nor that a thread which sees the new depth sees the new id; drivers
 // keep both as far as tests can tell. `exchange-loop` needs neither.
 
@@ -11,7 +11,7 @@
 @group(0) @binding(6) var<storage, read_write> keys_left: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> keys_right: array<atomic<u32>>;
 
-/// No point's depth: they lie beyond the near plane.
+/// A depth that no point has: points lie beyond the near plane.
 const LOCKED: u32 = 0u;
 
 fn depth_in(eye: u32, pixel: u32) -> u32 {
@@ -31,7 +31,7 @@ fn lock(eye: u32, pixel: u32, seen: u32) -> bool {
     return atomicCompareExchangeWeak(&keys_right[2u * pixel + 1u], seen, LOCKED).exchanged;
 }
 
-// Of equal depths the smallest id stays.
+// Writes the id of a point; the smallest id stays if depths are equal.
 fn write_id(eye: u32, pixel: u32, id: u32, is_nearer: bool) {
     if eye == 0u {
         if is_nearer {

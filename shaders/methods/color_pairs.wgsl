@@ -1,4 +1,4 @@
-// color, as the first form of high-quality shading has it: sums of 32 bits, two to a 64-bit addition. [2021 §3.5]
+// color in the first form of high-quality shading: sums of 32 bits, two to a 64-bit addition. [2021 §3.5]
 
 @group(0) @binding(10) var<storage, read_write> wide_left: array<atomic<u64>>;
 @group(0) @binding(11) var<storage, read_write> wide_right: array<atomic<u64>>;

@@ -1,4 +1,4 @@
-// Points wider than a pixel where there are none, and all threads stay, for they ask each other.
+// Points wider than a pixel, of which there are none here. All threads stay until the end, since they ask each other.
 
 fn stays(batch: VisibleBatch) -> bool {
     return true;

@@ -1,4 +1,4 @@
-// What a way of drawing does, counted rather than timed: for `bench`, which draws a frame of its own with it. Each
+// Counts what a way of drawing does, for `bench`, which draws a frame of its own with it and does not time it. Each
 // workgroup has a bin, so that few threads meet in one; the host adds the bins up.
 
 struct Counts {
@@ -19,19 +19,19 @@ fn bin() -> u32 {
     return this_group % COUNT_BINS;
 }
 
-// Whether the point at hand has asked; then the next one is at hand.
+// True if the current point has asked for a pixel; afterwards the next point is the current one.
 fn take_asked() -> bool {
     let asked = has_asked;
     has_asked = false;
     return asked;
 }
 
-// A point, disc or triangle is done: it was drawn if it has asked.
+// Counts a point, disc or triangle that is done: it was drawn if it has asked.
 fn count_point() {
     count_once(take_asked());
 }
 
-// What threads draw together is counted by one of them.
+// Counts what threads have drawn together; one of them passes true.
 fn count_once(is_drawn: bool) {
     has_asked = false;
     if is_drawn {
@@ -39,18 +39,18 @@ fn count_once(is_drawn: bool) {
     }
 }
 
-// An atomic, or a write, for a pixel.
+// Counts an atomic, or a write, for a pixel.
 fn count_ask() {
     has_asked = true;
     atomicAdd(&count_bins[bin()].num_asked, 1u);
 }
 
-// A pixel's word was loaded, to see whether it is worth an atomic.
+// Counts a load of a pixel's word, made to see whether an atomic is worth it.
 fn count_look() {
     atomicAdd(&count_bins[bin()].num_looks, 1u);
 }
 
-// A point's color was loaded.
+// Counts a load of a point's color.
 fn count_color() {
     atomicAdd(&count_bins[bin()].num_colors, 1u);
 }

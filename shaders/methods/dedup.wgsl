@@ -1,5 +1,5 @@
-// dedup: of each pixel that a subgroup has, the threads with the smallest depth ask; points that lie behind one which is
-// already there do not take part. [2021 §3.4, §5: "also includes an early-z test"]
+// dedup: for each pixel that a subgroup has, only the threads with the smallest depth ask; points that lie behind one
+// which is already there do not take part. [2021 §3.4, §5: "also includes an early-z test"]
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     let depth = bitcast<u32>(w);

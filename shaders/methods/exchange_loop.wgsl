@@ -1,7 +1,7 @@
-// exchange-loop: busy-loop without a lock. A thread tries until nobody comes between its look and its exchange, or
-// somebody nearer was there before it. Depth and id change at once, so no thread waits for another.
+// exchange-loop: busy-loop without a lock. A thread tries until no other comes between its look and its exchange, or
+// until a nearer point is there. Depth and id change at once, so no thread waits for another.
 
-// Puts the key there if `seen` still is; what is there then.
+// Writes the key if `seen` is still there, and returns what is there then.
 fn exchange_key(eye: u32, pixel: u32, seen: u64, key: u64) -> u64 {
     count_ask();
     if eye == 0u {

@@ -1,9 +1,10 @@
-// fixed40: depth in 40 bits, from f64, and color in 24 below it. Of equal depths the smaller color stays. [2019 §2.1]
-// Of a triangle, whose ids are odd beside discs, the depth is the f32 that all methods have, and the color a corner's.
+// fixed40: depth in 40 bits, from f64, and color in 24 below it. The smaller color stays if depths are equal.
+// [2019 §2.1] A triangle, whose ids are odd beside discs, has the f32 depth that all methods have, and a corner's
+// color.
 
 @group(0) @binding(8) var<storage, read> colors: array<u32>;
 
-// The point's depth again, in f64: from its cells, which are exact, and the head's place among them.
+// The point's depth in f64: from its cells, which are exact, and the head's place among them.
 fn exact_depth(eye: u32, point: u32) -> f64 {
     let batch = visible[this_group];
     let lane = point % POINTS_PER_LOAD;

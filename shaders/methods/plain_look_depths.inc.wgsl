@@ -1,9 +1,9 @@
-// What plain_look_keys.inc.wgsl is where a key is the depth alone.
+// Stands in for plain_look_keys.inc.wgsl where a key is the depth alone.
 
 @group(0) @binding(16) var<storage, read_write> depth_left_again: array<u32>;
 @group(0) @binding(17) var<storage, read_write> depth_right_again: array<u32>;
 
-// Whether a key may still win the pixel.
+// True if a key may still win the pixel.
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
     count_look();
     if eye == 0u {

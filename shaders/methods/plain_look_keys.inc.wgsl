@@ -1,12 +1,13 @@
-// Early-z's look at a pixel by a plain load, which a GPU may answer from its first cache, as the papers' is; atomic loads
-// pass by it on some. The targets are bound a second time for that. What is seen may be out of date: then it is farther
-// than what is there, and costs an atomic operation. Only the depth is looked at, one word: of two, one could be of
-// before and one of after an exchange. Where depths are equal all ask, and the smallest id wins as ever.
+// Early-z's look at a pixel by a plain load, which a GPU may answer from its first cache, as the papers' is; atomic
+// loads bypass it on some. The targets are bound a second time for that. The value seen may be out of date: then it is
+// farther than the present one, and costs an atomic operation. Only the depth is looked at, one word: of two words, one
+// could be from before an exchange and one from after. If depths are equal all threads ask, and the smallest id wins as
+// always.
 
 @group(0) @binding(16) var<storage, read_write> keys_left_again: array<vec2<u32>>;
 @group(0) @binding(17) var<storage, read_write> keys_right_again: array<vec2<u32>>;
 
-// Whether a key may still win the pixel.
+// True if a key may still win the pixel.
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
     count_look();
     if eye == 0u {

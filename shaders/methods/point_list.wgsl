@@ -1,8 +1,9 @@
-// point-list: each point a hardware primitive of one pixel, hidden by the hardware's depth test; what the compute frame
-// is measured against. An instance a visible batch, a vertex a point. [2022 §4.1, GL_POINTS]
+// point-list: each point is a hardware primitive of one pixel, hidden by the hardware's depth test; the compute frame
+// is measured against it. An instance a visible batch, a vertex a point. [2022 §4.1, GL_POINTS]
 //
 // The image is that of the other methods: a vertex lies at the centre of its point's pixel, and depths are the bits of
-// w, moved down so that they are floats from 0 to 1. Points equally far come as the batches do, in any order.
+// w, moved down so that they are floats from 0 to 1. Points at the same depth win in the order of batches, which is
+// any.
 
 @group(0) @binding(5) var<uniform> chunk: ChunkUniform;
 

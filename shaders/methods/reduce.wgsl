@@ -1,5 +1,5 @@
-// reduce, reduce-early-z: where a subgroup has only one pixel, the thread with the smallest depth asks for it; where only
-// a pair of threads shares one, the nearer of the two does. [2021 §3.3]
+// reduce, reduce-early-z: if a subgroup has only one pixel, the thread with the smallest depth asks for it; if only a
+// pair of threads shares one, the nearer of the two does. [2021 §3.3]
 
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     let depth = bitcast<u32>(w);
@@ -9,7 +9,7 @@ fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     if pixel == NO_PIXEL || depth > least {
         return;
     }
-    // Of equal depths all ask: the smallest id wins, as ever.
+    // All threads of equal depths ask: the smallest id wins, as always.
     let key = key_of(w, id);
     if !EARLY_Z || may_win(eye, pixel, key) {
         min_key(eye, pixel, key);

@@ -1,4 +1,4 @@
-// resolve, first step of `fixed40`: the pixel's color, and the target is ready for the next frame. [2019 §2.1]
+// resolve, first step of `fixed40`: writes the pixel's color, and clears the target for the next frame. [2019 §2.1]
 
 @group(0) @binding(2) var<storage, read_write> keys: array<u64>;
 

@@ -1,4 +1,4 @@
-// resolve, first step of `point-list`: what the hardware left in its image.
+// resolve, first step of `point-list`: shows the points that the hardware left in its image.
 
 @group(0) @binding(2) var points: texture_2d<u32>;
 

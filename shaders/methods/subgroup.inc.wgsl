@@ -1,4 +1,4 @@
-// What threads of a subgroup tell each other, whatever its size. All of them must come here together.
+// Questions that threads of a subgroup ask each other, whatever its size. All of its threads must come here together.
 
 // The smallest value of all threads if they have the same key, else the thread's own.
 fn least_if_same(key: u32, value: u32) -> u32 {
@@ -13,8 +13,8 @@ fn neighbours(value: u32) -> u32 {
     return subgroupShuffleXor(value, 1u);
 }
 
-// The smallest value among the threads that have this key. A turn for each key that there is: WGSL cannot ask for
-// all of them at once.
+// The smallest value among the threads that have this key. The loop goes round once for each key that there is: WGSL
+// cannot ask for all of them at once.
 fn least_of_same(key: u32, value: u32) -> u32 {
     var least = value;
     var waits = key != NO_PIXEL;

@@ -1,5 +1,5 @@
-// The same for devices without subgroups: the whole workgroup is one, and its threads tell each other through its
-// memory. Slow; the pictures are right.
+// Stands in for subgroup.inc.wgsl on devices without subgroups: the whole workgroup is one, and its threads tell each
+// other through its memory. It is slow; the pictures are right.
 
 var<workgroup> told: array<vec2<u32>, WORKGROUP_SIZE>;
 

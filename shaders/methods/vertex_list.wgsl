@@ -1,7 +1,7 @@
-// Hardware points as the papers draw them: from vertices of their own, straight into the image. What `bench` measures
-// against. [2022 §4.1, GL_POINTS]
+// Hardware points as the papers draw them: from vertices of their own, straight into the image. `bench` measures
+// against them. [2022 §4.1, GL_POINTS]
 //
-// Depth is near / w, compared with "greater": an infinite far plane whose floats are dense far away.
+// Depth is near / w, compared with "greater": the far plane is infinite, and floats are dense far away.
 
 @group(0) @binding(0) var<uniform> clip_from_cloud: mat4x4<f32>;
 

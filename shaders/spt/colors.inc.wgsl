@@ -1,5 +1,5 @@
-// Colors of discs: the mean of what they stand for. Odd ids are of triangles: the corners' colors by their shares of the
-// pixel that is being put.
+// Colors of discs: the mean of their points. Odd ids are of triangles, whose color is that of the corners by their
+// shares of the pixel that is being put.
 
 fn rgb_of(point: u32) -> vec3<f32> {
     let color = colors[point];

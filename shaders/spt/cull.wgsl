@@ -25,7 +25,7 @@ fn is_needed(batch: DiscBatch, run: Run, eye: u32, center: vec3<f32>, half_edge:
     let nearest = sqrt(near.x * near.x + near.y * near.y + near.z * near.z);
     let farthest = sqrt(far.x * far.x + far.y * far.y + far.z * far.z);
     let radius = sqrt(half_edge.x * half_edge.x + half_edge.y * half_edge.y + half_edge.z * half_edge.z);
-    // The tolerance in the box, at least and at most: by its ends, and by what it may change from the centre on.
+    // The tolerance in the box, at least and at most: by the box's ends, and by what it may change from the centre on.
     let change = steepest_tolerance(eye) * radius;
     let middle = tolerance_of(eye, from_eye.x, from_eye.y, from_eye.z);
     let least = max(tree.tolerance_rad[eye] * nearest, middle - change);
@@ -47,8 +47,8 @@ fn is_needed(batch: DiscBatch, run: Run, eye: u32, center: vec3<f32>, half_edge:
     return inside < radius + CULL_SLACK * sqrt(distance_sq);
 }
 
-// Workgroups that draw a batch of triangles: more than one where one of them may cover many pixels. The longest side
-// says how many.
+// Workgroups that draw a batch of triangles: more than one if a triangle may cover many pixels, which the longest side
+// tells.
 fn num_slices_of_triangles(batch: DiscBatch, eye: EyeUniform, depth: f32) -> u32 {
     let side_px = length_of(batch.interval >> UNTIL_SHIFT) * eye.pixels_per_radian / depth;
     let num_pixels = min(side_px * side_px, f32(eye.width) * f32(eye.height));
@@ -78,7 +78,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let is_of_triangles = (run.flags & RUN_TRIANGLES) != 0u;
     flags |= select(VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS, VISIBLE_TRIANGLES, is_of_triangles);
-    // Both eyes count, whichever sees it: what one eye's picture shows does not depend on where the other's ends.
+    // Both eyes count, whichever sees the batch, so that one eye's picture does not depend on where the other's ends.
     let longest = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z));
     var planes = max(view.forced_planes, 1u);
     var num_slices = 1u;
@@ -95,7 +95,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
     if is_of_triangles {
-        // Corners are where those of the batches beside put them: half a pixel away there would be gaps.
+        // Corners are where the batches beside put theirs: half a pixel of difference would leave gaps.
         planes = 3u;
     }
 

@@ -1,5 +1,5 @@
-// Discs of a sequential point tree: each has its own size, and the steps of tolerance that it is drawn at. The test
-// is the whole of the tree's traversal. [SPT §3.6, 3.7]
+// Discs of a sequential point tree: each has its own size, and the steps of tolerance that it is drawn at. This test is
+// the whole of the tree's traversal. [SPT §3.6, 3.7]
 
 /// A disc's interval and diameter: from | until≪8 | diameter≪16.
 @group(0) @binding(14) var<storage, read> shapes: array<vec4<u32>>;
@@ -25,13 +25,13 @@ fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
     return project(eye, points.x, points.y, points.z, points.exists & is_chosen(eye, points));
 }
 
-// World units that discs are wide: as far as they are apart.
+// Widths of discs in world units, which stand for the distances between points.
 fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
     let step = (shapes_of(load, turn) >> vec4<u32>(DIAMETER_SHIFT)) & vec4<u32>(STEP_MASK);
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
 }
 
-// Discs close as much as they are made wide.
+// A disc closes a square as wide as itself.
 fn cover_px(spacing_px: f32, kernel_px: f32) -> f32 {
     return spacing_px;
 }

@@ -1,4 +1,5 @@
-// Structs of sequential point trees shared with the host: crates/lab/src/technique/tree.rs, which documents every field.
+// Structs of sequential point trees shared with the host: crates/lab/src/technique/tree.rs, which documents every
+// field.
 
 struct Run {
     behind: vec4<f32>,

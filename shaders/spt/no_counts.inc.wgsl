@@ -1,2 +1,2 @@
-// Discs are not counted but for `bench`.
+// Discs are counted for `bench` only.
 fn count_chosen(chosen: vec4<bool>) {}

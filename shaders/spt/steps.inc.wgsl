@@ -10,7 +10,7 @@ fn length_of(step: u32) -> f32 {
     return select(bitcast<f32>((tree.step_base + step) << STEP_SHIFT), 0.0, step == 0u);
 }
 
-// The tolerance at a distance from an eye, of which so much lies along the gaze: it grows between the ends of the inner
+// The tolerance at a distance from an eye, of which `along` lies along the gaze: it grows between the ends of the inner
 // and the middle ring. The terms are added in the CPU reference's order.
 fn tolerance_at(eye: u32, distance: f32, along: f32) -> f32 {
     let cos = view.ring_cos;
@@ -18,7 +18,7 @@ fn tolerance_at(eye: u32, distance: f32, along: f32) -> f32 {
     return tree.tolerance_rad[eye] * distance + tree.tolerance_growth[eye] * outside;
 }
 
-// The same of a place relative to the eye.
+// The tolerance at a place relative to the eye.
 fn tolerance_of(eye: u32, x: f32, y: f32, z: f32) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
     return tolerance_at(eye, sqrt(x * x + y * y + z * z), x * gaze.x + y * gaze.y + z * gaze.z);

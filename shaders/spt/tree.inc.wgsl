@@ -1,3 +1,3 @@
-// What the stages of a sequential point tree know of it.
+// The uniform by which the stages know a sequential point tree.
 
 @group(0) @binding(15) var<uniform> tree: TreeUniform;

@@ -1,35 +1,35 @@
-// Triangles of meshes, beside the discs of a sequential point tree. [SPT §3.8] Their corners are the batch's points; the
-// word beside point i is triangle i: corner | corner≪8 | corner≪16 | step of its longest side≪24.
+// Triangles of meshes, beside the discs of a sequential point tree. [SPT §3.8] Their corners are the batch's points;
+// the word beside point i is triangle i: corner | corner≪8 | corner≪16 | step of its longest side≪24.
 //
-// A pixel belongs to a triangle if its centre does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are of
-// homogeneous coordinates, so that triangles need not be clipped at the near plane. [Olano and Greer 1997]
+// A pixel belongs to a triangle if its centre does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are
+// of homogeneous coordinates, so that triangles need not be clipped at the near plane. [Olano and Greer 1997]
 //
-// A thread draws a triangle; large ones wait until all threads draw them together. Where threads ask each other (CONVERGED),
-// all triangles do. Where some may be larger still, a batch comes in slices: a workgroup each, which draws its share of the
-// pixels of the large ones.
+// A thread draws a triangle; large ones wait until all threads draw them together. If threads ask each other
+// (CONVERGED), all triangles wait. If some may be larger still, a batch comes in slices: each is a workgroup that draws
+// its share of the pixels of the large ones.
 
 /// Pixels in the box of a triangle that a thread draws alone.
 const OWN_PIXELS: i32 = 64;
 
 struct Triangle {
-    /// Of the corners: pixel coordinates times w, and w.
+    /// The corners' pixel coordinates times w, and w.
     x: vec3<f32>,
     y: vec3<f32>,
     w: vec3<f32>,
     /// How far below 0 the edge functions may be.
     slack: vec3<f32>,
-    /// The pixels to look at, both included; none if it is not drawn.
+    /// The pixels to look at, both included; none if the triangle is not drawn.
     first: vec2<i32>,
     last: vec2<i32>,
-    /// The corners' points, numbers in the chunk.
+    /// Numbers in the chunk of the corners' points.
     points: vec3<u32>,
 }
 
-/// Triangles that all threads are to draw together: numbers in the batch.
+/// Triangles that all threads are to draw together, by their numbers in the batch.
 var<workgroup> waiting: array<u32, WORKGROUP_SIZE>;
 var<workgroup> num_waiting: atomic<u32>;
 
-/// What `put` has of the triangle that an odd id is of: its corners' points, and their shares of the pixel.
+/// The triangle that an odd id is of, for `put`: its corners' points, and their shares of the pixel.
 var<private> mixed_points: vec3<u32>;
 var<private> mixed_shares: vec3<f32>;
 
@@ -37,7 +37,7 @@ fn word_of(point: u32) -> u32 {
     return shapes[point / POINTS_PER_LOAD][point % POINTS_PER_LOAD];
 }
 
-// Position in head space. Batches of triangles are always read at 30 bits.
+// A corner's position in head space. Batches of triangles are always read at 30 bits.
 fn corner_in_head(batch: VisibleBatch, point: u32) -> vec3<f32> {
     let load = point / POINTS_PER_LOAD;
     let lane = point % POINTS_PER_LOAD;
@@ -117,13 +117,13 @@ fn num_pixels_of(t: Triangle) -> i32 {
 fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
     let width = max(t.last.x - t.first.x + 1, 1);
     let px = t.first + vec2<i32>(at % width, at / width);
-    // The corners from the pixel's centre, times w.
+    // The corners seen from the pixel's centre, times w.
     let x = t.x - (f32(px.x) + 0.5) * t.w;
     let y = t.y - (f32(px.y) + 0.5) * t.w;
     let edge = x.yzx * y.zxy - x.zxy * y.yzx;
     let is_front = all(edge >= -t.slack);
     let is_back = all(edge <= t.slack);
-    // Shares of the corners in space, not yet of a sum of 1: their mean has the pixel's depth.
+    // The corners' shares in space, whose sum is not 1 yet: their mean has the pixel's depth.
     let shares = max(select(-edge, edge, is_front), vec3<f32>(0.0));
     let sum = shares.x + shares.y + shares.z;
     let w = without_reach(vec4<f32>((t.w.x * shares.x + t.w.y * shares.y + t.w.z * shares.z) / sum)).x;

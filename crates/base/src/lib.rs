@@ -1,5 +1,5 @@
-//! What every room uses and no room owns: spaces, long work and its progress, words, random numbers, percentiles, and the
-//! files that are written.
+//! Parts that every room uses and no room owns: spaces, long work and its progress, words, random numbers, percentiles,
+//! and the files that are written.
 
 pub mod output;
 pub mod percentile;

@@ -9,8 +9,8 @@ pub fn rank(num: usize, per_mille: usize) -> usize {
     (num * per_mille.min(1000)).div_ceil(1000).max(1)
 }
 
-/// The place before the middle of `num` ascending values, one or more, and the place after it, counted from 0: the same
-/// where there is a middle one.
+/// The place before the middle of `num` ascending values, one or more, and the place after it, counted from 0. Both are
+/// the same if there is a middle value.
 #[must_use]
 pub fn middle(num: usize) -> [usize; 2] {
     [(num - 1) / 2, num / 2]
@@ -36,7 +36,7 @@ impl Sorted {
         self.0.get(rank(self.0.len(), per_mille) - 1).copied()
     }
 
-    /// The one in the middle, or the mean of the two there; `None` if there is no value.
+    /// The middle value, or the mean of the two in the middle; `None` if there is no value.
     #[must_use]
     pub fn median(&self) -> Option<f64> {
         if self.0.is_empty() {
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The definition, word for word.
+    /// The percentile by its definition, word for word.
     fn naive(values: &[f64], per_mille: usize) -> Option<f64> {
         let not_above = |v: f64| values.iter().filter(|w| **w <= v).count();
         let enough = |v: &&f64| not_above(**v) * 1000 >= per_mille * values.len();

@@ -25,24 +25,24 @@ impl Rng {
         Self(mix(mix(seed.wrapping_add(GAMMA)) ^ stream.wrapping_mul(GAMMA)))
     }
 
-    /// 64 even bits.
+    /// 64 evenly distributed bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(GAMMA);
         mix(self.0)
     }
 
-    /// Even in [0, 1).
+    /// A number that is evenly distributed in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// Even in [low, high).
+    /// A number that is evenly distributed in [low, high).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// Mean 0, standard deviation 1: the sum of four even numbers, so never beyond ± 3.47, which suits
-    /// instruments that reject outliers, and needs no logarithm.
+    /// A number of mean 0 and standard deviation 1: the sum of four evenly distributed numbers. It is never beyond
+    /// ± 3.47, which suits instruments that reject outliers, and needs no logarithm.
     pub fn normal(&mut self) -> f64 {
         let bits = self.bits();
         let sum: u64 = (0..4).map(|i| (bits >> (16 * i)) & 0xFFFF).sum();
@@ -50,7 +50,7 @@ impl Rng {
         (sum as f64 - 131_070.0) / 37_837.227
     }
 
-    /// Even on the unit sphere.
+    /// A direction that is evenly distributed on the unit sphere.
     pub fn direction(&mut self) -> DVec3 {
         let z = self.between(-1.0, 1.0);
         let (sin, cos) = libm::sincos(self.between(0.0, std::f64::consts::TAU));

@@ -1,7 +1,7 @@
 //! Every space and every matrix of the program, in f64; f32 only at the very end (docs/FRAME.md §2).
 //!
 //! Spaces, all right-handed:
-//! - **world**: the scan's coordinates (f64, z up), in one unit along all axes: see `scan::WorldFromFile`.
+//! - **world**: the scan's coordinates (f64, z up), in one unit along all axes: see `points::WorldFromFile`.
 //! - **stage**: the headset's play space: metres, y up, floor at 0.
 //! - **view**: an eye's own space: x right, y up, looking along −z. Lengths are world units.
 //! - **head**: world axes, origin at the point midway between the eyes. The GPU works in it: numbers near
@@ -22,7 +22,7 @@ pub struct Bounds {
 }
 
 impl Default for Bounds {
-    /// Of no points.
+    /// The box of no points.
     fn default() -> Self {
         Self::EMPTY
     }
@@ -134,14 +134,14 @@ impl Pose {
         }
     }
 
-    /// `from_to`.
+    /// The inverse transform, `from_to`.
     #[must_use]
     pub fn inverse(&self) -> Pose {
         let orientation = self.orientation.inverse();
         Pose { position: -(orientation * self.position), orientation }
     }
 
-    /// The same as a matrix.
+    /// The transform as a matrix.
     #[must_use]
     pub fn matrix(&self) -> DMat4 {
         DMat4::from_rotation_translation(self.orientation, self.position)
@@ -198,8 +198,8 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// The optical axis: the gaze of an eye that nobody tracks. Not the image's centre, which an asymmetric
-    /// field of view puts degrees away.
+    /// The optical axis: the gaze of an eye that nobody tracks. It is not the image's centre, which an asymmetric field
+    /// of view puts degrees away.
     pub const AHEAD: DVec3 = DVec3::NEG_Z;
 
     /// Rows of `pixel_from_head`: for p in head space (world axes, relative to `head_in_world`),
@@ -224,8 +224,8 @@ impl Eye {
         [px, py, w]
     }
 
-    /// Clip coordinates of a place, for what the GPU's own pipeline draws: w is the linear depth, and z / w is near / w,
-    /// as depth images have it.
+    /// Clip coordinates of a place, for what the GPU's own pipeline draws: w is the linear depth, and z / w is near /
+    /// w, as depth images have it.
     #[must_use]
     pub fn clip_from_world(&self, p_in_world: DVec3, near: f64) -> [f32; 4] {
         let p = self.world_from_view.inverse().matrix().transform_point3(p_in_world);
@@ -236,7 +236,7 @@ impl Eye {
         [x, y, near, w].map(|c| c as f32)
     }
 
-    /// Pixels per radian at the optical axis; the smaller of both directions would lose detail, so the larger.
+    /// Pixels per radian at the optical axis, in the direction that has more of them: the smaller would lose detail.
     #[must_use]
     pub fn pixels_per_radian(&self) -> f64 {
         let [width, height] = self.size_px.map(f64::from);
@@ -277,8 +277,8 @@ pub struct Split {
 }
 
 impl Split {
-    /// The split for a scene in the box of `all` points: the scene's centre as origin. Differences are exact as far as the
-    /// points reach, or a million times as far as the scene does: beyond that its own precision would suffer.
+    /// The split for a scene in the box of `all` points: the scene's centre as origin. Differences are exact as far as
+    /// the points reach, or a million times as far as the scene does: beyond that its own precision would suffer.
     #[must_use]
     pub fn of(scene: &Bounds, all: &Bounds) -> Self {
         let origin = scene.center();

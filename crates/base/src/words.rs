@@ -9,12 +9,12 @@ pub fn counted(count: impl Display, thing: &str) -> String {
     format!("{count} {thing}{ending}")
 }
 
-/// What agrees with a count: `one` with 1, `many` with all others.
+/// The form that agrees with a count: `one` with 1, `many` with all others.
 pub fn agreeing<'a>(count: impl Display, one: &'a str, many: &'a str) -> &'a str {
     if count.to_string() == "1" { one } else { many }
 }
 
-/// So many files, at least one, by the first: "a.las", "a.las and 3 more files".
+/// `num` files, at least one, by the name of the first: "a.las", "a.las and 3 more files".
 pub fn files(first: impl Display, num: usize) -> String {
     match num {
         ..=1 => first.to_string(),
@@ -22,7 +22,7 @@ pub fn files(first: impl Display, num: usize) -> String {
     }
 }
 
-/// 1234567 as 1,234,567.
+/// A count with its thousands grouped: 1234567 as 1,234,567.
 pub fn grouped(count: usize) -> String {
     grouped_by(count as u64, ',')
 }

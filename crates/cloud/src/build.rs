@@ -13,27 +13,27 @@ use rayon::prelude::*;
 /// Why no cloud came of a scan.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum BuildError {
-    /// Nothing to draw.
+    /// The scan has no points.
     #[error("the scan holds no points")]
     Empty,
-    /// Points have 32-bit ids, two each.
+    /// The scan has more points than 32-bit ids reach: each point has two.
     #[error(
         "the scan has {0} points; more than 2 147 000 000 do not fit one cloud: open fewer files at once"
     )]
     TooMany(usize),
-    /// As [`BuildError::TooMany`], of a point tree.
+    /// The scan has more points than a sequential point tree holds.
     #[error(
         "the scan has {0} points; a sequential point tree holds 1 000 000 000: open fewer files at once, or use the octree"
     )]
     TooManyDiscs(usize),
-    /// As [`BuildError::TooManyDiscs`], of one with triangles.
+    /// The scan has more points and triangles than a sequential point tree holds together.
     #[error(
         "the scan's {num_points} points and {num_triangles} triangles do not fit one sequential point tree: open fewer files at once, or use the octree"
     )]
     TooManyTriangles {
         /// Points of the scan.
         num_points: usize,
-        /// Its triangles.
+        /// Triangles of the scan.
         num_triangles: usize,
     },
     /// Coordinates beyond what f32 spans.
@@ -44,9 +44,9 @@ pub enum BuildError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Ids of 32 bits, two for each point, and room for the gaps between batches.
+/// Points of a cloud at most: ids have 32 bits, each point has two, and the gaps between batches need some.
 const MAX_POINTS: usize = 2_147_000_000;
-/// Largest box edge: that of points which are read.
+/// Longest edge of a cloud's box: readers accept coordinates up to [`FARTHEST`] to either side of the origin.
 const MAX_EDGE: f64 = 2.0 * FARTHEST;
 
 /// Orders the points of a scan, cuts them into batches and quantises them.
@@ -59,8 +59,8 @@ pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, Bu
     build_in_batches(scan, order, BATCH_POINTS, progress)
 }
 
-/// The same in batches of so many points, a multiple of [`POINTS_PER_LOAD`] and at most [`BATCH_POINTS`]: to measure what
-/// small ones cost.
+/// Builds a cloud as [`build`] does, in batches of `batch_points`, a multiple of [`POINTS_PER_LOAD`] and at most
+/// [`BATCH_POINTS`]: to measure what small batches cost.
 ///
 /// # Errors
 /// See [`BuildError`].
@@ -88,9 +88,10 @@ pub fn build_in_batches(
     }
     let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
 
-    // No batch holds points of the scene and strays: its box would be too large for the former's precision.
+    // A batch holds either points of the scene or strays: a box round both would be too large for the scene's
+    // precision.
     let num_near = sorted.as_ref().map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
-    let cut = Cut { size: batch_points as usize, num_near, num_points };
+    let cut = BatchCut { size: batch_points as usize, num_near, num_points };
     let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
     let batches = cut
         .batches(&mut hi)
@@ -99,7 +100,7 @@ pub fn build_in_batches(
         .zip(cut.batches(&mut colors))
         .enumerate()
         .map_init(Vec::new, |positions, (number, (((hi, mid), lo), colors))| {
-            let Piece { first, first_point, count } = cut.piece(number);
+            let BatchRange { first, first_point, count } = cut.range(number);
             if progress.is_cancelled() {
                 return Batch { first_point: 0, num_points: 0, min: DVec3::ZERO, cell: [0.0; 3] };
             }
@@ -131,7 +132,7 @@ pub fn build_in_batches(
     Ok(Cloud { split, bounds, scene, batches, planes, colors, num_points: num_points as u64 })
 }
 
-/// What is known of a scan that can become a cloud.
+/// Size, box and scene of a scan that can become a cloud.
 pub(super) struct Checked {
     pub num_points: usize,
     pub bounds: Bounds,
@@ -155,7 +156,7 @@ pub(super) fn check(scan: &Scan) -> Result<Checked, BuildError> {
     Ok(Checked { num_points, bounds, scene })
 }
 
-/// (0 or [`FAR`], point): in the order given, but strays last.
+/// Pairs (0 or [`FAR`], point) in the order given, except that strays come last.
 fn parted(
     index: &Index,
     scene: &Bounds,
@@ -167,7 +168,7 @@ fn parted(
     near
 }
 
-/// A number that looks random, another for each `i`: splitmix64.
+/// A pseudo-random number, a different one for each `i`: splitmix64.
 fn scrambled(i: usize) -> u64 {
     let z = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -175,14 +176,15 @@ fn scrambled(i: usize) -> u64 {
     z ^ z >> 31
 }
 
-/// (Random number, place) in ascending order.
+/// Pairs (random number, place) in ascending order.
 fn shuffled(count: usize) -> Vec<(u64, u32)> {
     let mut keys: Vec<(u64, u32)> = (0..count).into_par_iter().map(|i| (scrambled(i), i as u32)).collect();
     keys.par_sort_unstable();
     keys
 }
 
-/// What is sorted, in groups that come at random; the last, which may be smaller, stays last, and behind it the strays.
+/// Shuffles sorted keys in groups of [`GROUP_POINTS`]. The last group, which may be smaller, stays last, and the strays
+/// follow it.
 fn shuffled_groups(sorted: Vec<(u64, u32)>) -> Vec<(u64, u32)> {
     let num_near = sorted.partition_point(|key| key.0 < FAR);
     let (whole, rest) = sorted.split_at(num_near / GROUP_POINTS * GROUP_POINTS);
@@ -196,24 +198,25 @@ fn shuffled_groups(sorted: Vec<(u64, u32)>) -> Vec<(u64, u32)> {
     all
 }
 
-/// How ordered points are cut into batches: those of the scene, then, from the next load on, the strays.
+/// How ordered points are cut into batches: the scene's come first, the strays' begin at the next multiple of
+/// [`POINTS_PER_LOAD`].
 #[derive(Clone, Copy)]
-struct Cut {
+struct BatchCut {
     /// Points of a batch.
     size: usize,
     num_near: usize,
     num_points: usize,
 }
 
-/// A batch's points: the first in the order, its place in the planes, how many.
-struct Piece {
+/// A batch's points: the number of the first in the order, its place in the planes, and their count.
+struct BatchRange {
     first: usize,
     first_point: usize,
     count: usize,
 }
 
-impl Cut {
-    /// Where strays begin in the planes.
+impl BatchCut {
+    /// Place in the planes at which the strays begin.
     fn far(self) -> usize {
         self.num_near.next_multiple_of(POINTS_PER_LOAD as usize)
     }
@@ -223,30 +226,31 @@ impl Cut {
         self.far() + (self.num_points - self.num_near).next_multiple_of(POINTS_PER_LOAD as usize)
     }
 
-    /// A plane's parts, a batch each.
+    /// Cuts a plane into one slice a batch.
     fn batches(self, plane: &mut [u32]) -> impl IndexedParallelIterator<Item = &mut [u32]> {
         let (near, far) = plane.split_at_mut(self.far());
         near.par_chunks_mut(self.size).chain(far.par_chunks_mut(self.size))
     }
 
-    fn piece(self, number: usize) -> Piece {
+    fn range(self, number: usize) -> BatchRange {
         let num_near_batches = self.num_near.div_ceil(self.size);
         if number < num_near_batches {
             let first = number * self.size;
-            return Piece { first, first_point: first, count: self.size.min(self.num_near - first) };
+            return BatchRange { first, first_point: first, count: self.size.min(self.num_near - first) };
         }
         let within = (number - num_near_batches) * self.size;
         let first = self.num_near + within;
-        Piece { first, first_point: self.far() + within, count: self.size.min(self.num_points - first) }
+        BatchRange { first, first_point: self.far() + within, count: self.size.min(self.num_points - first) }
     }
 }
 
-/// Added to the codes of strays, which have a grid of their own: so they do not cost the scene its precision.
+/// Bit that is added to the codes of strays. They have a grid of their own, so that they do not cost the scene its
+/// precision.
 pub(super) const FAR: u64 = 1 << (3 * morton::BITS);
 
-/// (Morton code, point) in ascending order, strays last; equal codes keep the files' order.
+/// Pairs (Morton code, point) in ascending order, strays last; equal codes keep the files' order.
 pub(super) fn sort(index: &Index, bounds: &Bounds, scene: &Bounds) -> Vec<(u64, u32)> {
-    let (near, far) = (morton::Grid::new(scene), morton::Grid::new(bounds));
+    let (near, far) = (morton::MortonGrid::new(scene), morton::MortonGrid::new(bounds));
     let code = |p| if scene.contains(p) { near.code(p) } else { FAR | far.code(p) };
     let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
         .into_par_iter()

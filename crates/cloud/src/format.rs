@@ -1,4 +1,5 @@
-//! How points lie in memory: what the builders write and the shaders read. `render` hands these constants to the shaders.
+//! How points lie in memory: what the builders write and the shaders read. `render` hands these constants to the
+//! shaders.
 
 /// Threads of a workgroup of the geometry stages [2022 §3.2].
 pub const WORKGROUP_SIZE: u32 = 128;
@@ -6,17 +7,18 @@ pub const WORKGROUP_SIZE: u32 = 128;
 pub const BATCH_POINTS: u32 = 10_240;
 /// Points a thread loads at once, as one 128-bit load [2022 §3.4].
 pub const POINTS_PER_LOAD: u32 = 4;
-/// Points of a page of the pool: an octree's node has pages of its own, so that it can come and go. Its last one is half empty
-/// on average: some 0.3 % of a node.
+/// Points of a page of the pool: an octree's node has pages of its own, so that it can come and go. Its last page is
+/// half empty on average, which wastes some 0.3 % of a node.
 pub const PAGE_POINTS: u32 = 128;
 /// Bits of a quantised coordinate; three planes of [`PLANE_BITS`].
 pub const COORDINATE_BITS: u32 = 30;
 /// Bits an axis in one plane.
 pub const PLANE_BITS: u32 = 10;
-/// From this bit on a word of the coarse plane says in two bits how far apart a point's neighbors lie: as far as its octant's
-/// spacing says, times its node's `spacing_step` to the power of these bits. 0 in flat clouds.
+/// Place of the spacing exponent in a word of the coarse plane: two bits that tell how far apart a point's neighbors
+/// lie. The distance is the octant's spacing times the node's `spacing_step` to the power of the exponent, which is 0
+/// in flat clouds.
 pub const SPACING_EXPONENT_SHIFT: u32 = 3 * PLANE_BITS;
-/// Bits of an f32 below a step of a sequential point tree's lengths; see [`crate::spt::Scale`].
+/// Bits of an f32 that a sequential point tree's lengths drop to become steps; see [`crate::spt::StepScale`].
 pub const STEP_SHIFT: u32 = 20;
 /// The step above every tolerance.
 pub const ENDLESS_STEP: u32 = 255;
@@ -31,15 +33,16 @@ pub const Z_SHIFT: u32 = 2 * PLANE_BITS;
 pub const COARSE_SHIFT: u32 = 2 * PLANE_BITS;
 /// The place of the middle plane's bits in a coordinate.
 pub const MIDDLE_SHIFT: u32 = PLANE_BITS;
-/// A coordinate's bits from the coarse plane, and the two above.
+/// The bits of a coordinate's word that the coarse plane has, and the two above.
 pub const COARSE_MASK: u32 = u32::MAX << COARSE_SHIFT;
-/// A coordinate's bits from the coarse and the middle plane, and the two above.
+/// The bits of a coordinate's word that the coarse and the middle plane have, and the two above.
 pub const MIDDLE_MASK: u32 = u32::MAX << MIDDLE_SHIFT;
-/// The middle of what the coarse plane leaves open of a coordinate.
+/// Half of the range that the coarse plane leaves open of a coordinate.
 pub const COARSE_CENTER: u32 = 1 << (COARSE_SHIFT - 1);
-/// The middle of what the coarse and the middle plane leave open of a coordinate.
+/// Half of the range that the coarse and the middle plane leave open of a coordinate.
 pub const MIDDLE_CENTER: u32 = 1 << (MIDDLE_SHIFT - 1);
-/// The place of a coordinate's highest bit, by which points of a node are in one of its octants.
+/// The place of a coordinate's highest bit; the three axes' highest bits tell the octant of its node that a point is
+/// in.
 pub const OCTANT_SHIFT: u32 = COORDINATE_BITS - 1;
 /// Cells that a box edge has.
 pub const CELLS: f32 = (1u32 << COORDINATE_BITS) as f32;
@@ -59,7 +62,8 @@ pub const OPAQUE: u32 = CHANNEL_MASK << ALPHA_SHIFT;
 
 /// A step's bits in words of discs and triangles.
 pub const STEP_MASK: u32 = 255;
-/// A disc's word: the place of the step that it is drawn until, above the one from which on; a batch's interval has the same.
+/// A disc's word: the place of the step below which it is drawn; the step from which on it is drawn has the lowest
+/// bits. A batch's interval is laid out in the same way.
 pub const UNTIL_SHIFT: u32 = 8;
 /// A disc's word: the place of its diameter's step.
 pub const DIAMETER_SHIFT: u32 = 16;

@@ -23,13 +23,13 @@ impl<'a> Index<'a> {
         Self { scan, starts: starts.collect(), num_points }
     }
 
-    /// File and number within it.
+    /// File of a point, and the point's number within that file.
     fn locate(&self, i: usize) -> (usize, usize) {
         let file = self.starts.partition_point(|&start| start <= i) - 1;
         (file, i - self.starts[file])
     }
 
-    /// The normal that its file has of a point, as it is there.
+    /// A point's normal as its file stores it.
     pub(super) fn normal(&self, i: usize) -> Option<[f32; 3]> {
         let (file, i) = self.locate(i);
         self.scan.files[file].points.normals.get(i).copied()

@@ -54,9 +54,9 @@ pub struct Cloud {
     pub split: Split,
     /// True box of the points, world space.
     pub bounds: Bounds,
-    /// The scan's.
+    /// The scan's scene.
     pub scene: Scene,
-    /// In plane order.
+    /// Batches in the order of their points in the planes.
     pub batches: Vec<Batch>,
     /// Coordinate planes: bits 20–29, 10–19, 0–9; each x | y≪10 | z≪20. Gaps between batches (to keep
     /// 128-bit loads aligned) hold zeros.

@@ -8,12 +8,12 @@ pub const BITS: u32 = 21;
 
 /// World positions to codes within one cubic grid.
 #[derive(Clone, Copy, Debug)]
-pub struct Grid {
+pub struct MortonGrid {
     min: DVec3,
     cells_per_unit: f64,
 }
 
-impl Grid {
+impl MortonGrid {
     /// The grid over `bounds`: cubic cells, the longest edge is 2²¹ of them.
     #[must_use]
     pub fn new(bounds: &Bounds) -> Self {
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Bit by bit, as the definition says.
+    /// Moves the bits one by one, as the definition says.
     fn spread_by_definition(v: u64) -> u64 {
         (0..BITS).map(|i| (v >> i & 1) << (3 * i)).sum()
     }
@@ -82,7 +82,7 @@ mod tests {
 
         #[test]
         fn codes_order_octants_before_cells(a in 0.0f64..1.0, b in 0.0f64..1.0, c in 0.0f64..1.0) {
-            let grid = Grid::new(&Bounds { min: DVec3::ZERO, max: DVec3::ONE });
+            let grid = MortonGrid::new(&Bounds { min: DVec3::ZERO, max: DVec3::ONE });
             let code = grid.code(DVec3::new(a, b, c));
             let octant = u64::from(a >= 0.5) | u64::from(b >= 0.5) << 1 | u64::from(c >= 0.5) << 2;
             prop_assert_eq!(code >> 60, octant);
@@ -91,10 +91,10 @@ mod tests {
 
     #[test]
     fn faces_and_flat_clouds_stay_inside() {
-        let grid = Grid::new(&Bounds { min: DVec3::ZERO, max: DVec3::new(4.0, 0.0, 2.0) });
+        let grid = MortonGrid::new(&Bounds { min: DVec3::ZERO, max: DVec3::new(4.0, 0.0, 2.0) });
         let far = grid.code(DVec3::new(4.0, 0.0, 2.0));
         assert_eq!(far, spread((1 << BITS) - 1) | spread(1 << (BITS - 1)) << 2);
-        let point = Grid::new(&Bounds { min: DVec3::ONE, max: DVec3::ONE });
+        let point = MortonGrid::new(&Bounds { min: DVec3::ONE, max: DVec3::ONE });
         assert_eq!(point.code(DVec3::ONE), 0);
         assert_eq!(grid.code(DVec3::splat(-1.0)), 0);
     }

@@ -1,8 +1,8 @@
 //! Coordinates to 30-bit cells of their batch's box, split into three planes of 10 bits [2022 §3.3].
 //!
-//! `X30 = min(⌊(x − min) / cell⌋, 2³⁰ − 1)`. The paper divides the box into 2³⁰ cells; here the cell's edge is
-//! rounded up to 12 bits of mantissa (the box grows by at most 0.05 %), so that the product of a cell edge and a
-//! coarse cell number is exact in f32: see [`crate::format::VisibleBatch`].
+//! `X30 = min(⌊(x − min) / cell⌋, 2³⁰ − 1)`. The paper divides the box into 2³⁰ cells; here the cell's edge is rounded
+//! up to 12 bits of mantissa (the box grows by at most 0.05 %), so that the product of a cell edge and a coarse cell
+//! number is exact in f32, as the renderer's `VisibleBatch` needs it.
 
 use crate::format::{COORDINATE_BITS, PLANE_BITS};
 use base::space::Bounds;
@@ -54,7 +54,7 @@ impl Cells {
     }
 }
 
-/// `edge / 2³⁰`, rounded up to [`CELL_BITS`] bits of mantissa; 0 where an edge is as good as none.
+/// `edge / 2³⁰`, rounded up to [`CELL_BITS`] bits of mantissa; 0 if the edge is shorter than [`MIN_EDGE`].
 pub(super) fn cell_edge(edge: f64) -> f32 {
     if edge < MIN_EDGE {
         return 0.0;
@@ -103,7 +103,7 @@ mod tests {
             let cells = Cells::covering(&bounds);
             let p = bounds.min + (bounds.max - bounds.min) * part;
             let back = cells.center(cells.quantize(p));
-            // Half a cell, and what f64 itself loses at this distance from the origin.
+            // The bound is half a cell, and what f64 itself loses at this distance from the origin.
             let bound = 0.5000001 * f64::from(cells.cell[0]) + 4.0 * f64::EPSILON * (min.abs() + edge);
             prop_assert!((back - p).abs().max_element() <= bound);
         }

@@ -12,12 +12,12 @@ use std::ptr;
 /// A depth image as a layer wants it.
 pub struct DepthInfo<'a> {
     raw: xr::sys::CompositionLayerDepthInfoKHR,
-    /// The swapchain's life.
+    /// Keeps the borrow of the swapchain.
     _image: PhantomData<&'a xr::Swapchain<xr::Vulkan>>,
 }
 
 impl<'a> DepthInfo<'a> {
-    /// Of an image that holds `near_m` ÷ w.
+    /// The depth of an image that holds `near_m` ÷ w.
     #[must_use]
     pub fn new(image: xr::SwapchainSubImage<'a, xr::Vulkan>, near_m: f32) -> Self {
         let raw = xr::sys::CompositionLayerDepthInfoKHR {

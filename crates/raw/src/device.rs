@@ -118,9 +118,9 @@ pub struct Wrapped {
 
 /// What the device is asked for.
 pub struct Wanted<'a> {
-    /// Of wgpu's instance.
+    /// Flags of wgpu's instance.
     pub flags: wgpu::InstanceFlags,
-    /// From the GPU's name, features and limits to the features that are enabled, or what it lacks.
+    /// Tells from the GPU's name, features and limits which features are enabled, or what it lacks.
     pub features: &'a dyn Fn(&str, wgpu::Features, &wgpu::Limits) -> Result<wgpu::Features, String>,
 }
 
@@ -242,7 +242,7 @@ fn create_instance(
     system: xr::SystemId,
     flags: wgpu::InstanceFlags,
 ) -> Result<Arc<RuntimeInstance>, DeviceError> {
-    // Mandatory before xrCreateVulkanInstanceKHR.
+    // This call is mandatory before xrCreateVulkanInstanceKHR.
     let needed = xr
         .graphics_requirements::<xr::Vulkan>(system)
         .map_err(DeviceError::runtime("xrGetVulkanGraphicsRequirements2KHR"))?

@@ -10,16 +10,16 @@ pub struct ImageKind {
     pub size_px: [u32; 2],
     /// The Vulkan format that the swapchain has, by wgpu's name.
     pub format: wgpu::TextureFormat,
-    /// As the swapchain's usage flags say.
+    /// Uses that the swapchain's usage flags name.
     pub uses: wgpu::TextureUses,
-    /// The same for wgpu's users.
+    /// Usages that wgpu's users have for these uses.
     pub usages: wgpu::TextureUsages,
-    /// In which layout the runtime hands images out, and expects them back.
+    /// Layout in which the runtime hands images out, and expects them back.
     pub handover: wgpu::TextureUses,
 }
 
-/// The images of a swapchain of a session on `device`, whose swapchain outlives their use: who drops it waits for the GPU
-/// first.
+/// The images of a swapchain of a session on `device`. The swapchain must outlive their use: whoever drops it waits for
+/// the GPU first.
 ///
 /// # Errors
 /// What the runtime says.

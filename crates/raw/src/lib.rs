@@ -1,4 +1,5 @@
-//! All code of scanwalk that the compiler cannot check: each block says why it is sound. All other rooms forbid `unsafe`.
+//! All code of scanwalk that the compiler cannot check: each block says why it is sound. All other rooms forbid
+//! `unsafe`.
 
 pub mod environment;
 pub mod trusted;

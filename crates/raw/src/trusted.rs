@@ -1,5 +1,5 @@
-//! Shaders that go to the driver without wgpu's own checks of every index: ours, whose bounds the host keeps. wgpu still
-//! bounds loops and looks at divisors, and what the driver checks, it still checks.
+//! Shaders that go to the driver without wgpu's own checks of every index: ours, whose bounds the host keeps. wgpu
+//! still bounds loops and looks at divisors, and what the driver checks, it still checks.
 
 /// Compiles WGSL text of ours without checks. The caller hands in texts of `shaders/` only.
 pub fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {

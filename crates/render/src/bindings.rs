@@ -1,26 +1,27 @@
-//! The one table of what shaders bind: sets of resources, by the names that the shaders have for them. A field's name is
-//! the shader's. Host code fills a set as a struct, so that what it leaves out is a build error; that every shader finds
-//! all of its names in its set is a test, for every variant (`tests/gpu/shaders/bindings.rs`). Techniques bind things of their
-//! own besides, by name too. A name that ends in [`AGAIN`] is the resource without it, bound a second time as another type.
+//! The one table of the resources that shaders bind: sets of them, by the names that the shaders have for them. A field
+//! has the shader's name. Host code fills a set as a struct, so that a resource left out is a build error; a test
+//! checks for every variant that each shader finds all of its names in its set (`tests/gpu/shaders/bindings.rs`).
+//! Techniques bind resources of their own besides, by name too. A name that ends in [`AGAIN`] is the resource of the
+//! name without it, bound a second time as another type.
 
 use wgpu::BindingResource;
 
-/// At the end of a name: the same resource, bound a second time.
+/// End of a name for the same resource, bound a second time.
 pub const AGAIN: &str = "_again";
 
-/// What shaders of one kind may bind. They need not bind all of it.
+/// A set of resources that shaders of one kind may bind. A shader need not bind all of them.
 pub trait Set {
     /// The resources.
     type Resources<'a>;
 
-    /// Their names, in order.
+    /// Names of the resources, in order.
     fn names() -> Vec<&'static str>;
 
     /// The resources in the order of their names.
     fn list(resources: Self::Resources<'_>) -> Vec<BindingResource<'_>>;
 }
 
-/// Both.
+/// Two sets as one.
 impl<A: Set, B: Set> Set for (A, B) {
     type Resources<'a> = (A::Resources<'a>, B::Resources<'a>);
 
@@ -47,7 +48,7 @@ macro_rules! sets {
             }
 
             impl<'a> $of<'a> {
-                /// Of whatever has these names.
+                /// Fills the set with what `resource` has for each name.
                 pub fn by_name(mut resource: impl FnMut(&'static str) -> BindingResource<'a>) -> Self {
                     Self { $($name: resource(stringify!($name)),)+ }
                 }
@@ -71,11 +72,11 @@ macro_rules! sets {
 sets! {
     /// A pair of targets to clear.
     Clear, OfClear {
-        /// What it is cleared to.
+        /// Value that the targets are cleared to.
         clear,
-        /// The left eye's.
+        /// The left eye's target.
         left,
-        /// The right eye's.
+        /// The right eye's target.
         right,
         /// Every chunk's counters.
         counters,
@@ -84,64 +85,64 @@ sets! {
     Cloud, OfCloud {
         /// Eyes and detail.
         view,
-        /// Its nodes.
+        /// The cloud's nodes.
         nodes,
-        /// Their states.
+        /// States of the nodes.
         states,
         /// Nodes that `cull` has counted.
         counted,
     }
     /// A chunk of the point pool.
     Chunk, OfChunk {
-        /// Where it lies in the pool.
+        /// Place of the chunk in the pool.
         chunk,
-        /// Its batches.
+        /// The chunk's batches.
         batches,
-        /// Those that are drawn.
+        /// The chunk's batches that are drawn.
         visible,
-        /// Its counters.
+        /// The chunk's counters.
         counters,
         /// The coarse bits of coordinates.
         plane_hi,
-        /// The middle bits.
+        /// The middle bits of coordinates.
         plane_mid,
-        /// The fine bits.
+        /// The fine bits of coordinates.
         plane_lo,
         /// The points' own colors.
         colors,
-        /// Colors of what samples stand for.
+        /// The points' filtered colors.
         filtered_colors,
     }
-    /// Both eyes' pixels. One buffer has several names, as qualities see it.
+    /// Both eyes' pixels. A buffer has several names, as each quality sees it.
     Pixels, OfPixels {
-        /// Depth and id.
+        /// The left eye's depths and ids.
         keys_left,
-        /// The right eye's.
+        /// The right eye's depths and ids.
         keys_right,
-        /// Sums in one u64.
+        /// The left eye's sums in one u64.
         sums_left,
-        /// The right eye's.
+        /// The right eye's sums in one u64.
         sums_right,
-        /// Ids where they do not fit one atomic with depths.
+        /// The left eye's ids, if they do not fit one atomic with depths.
         ids_left,
-        /// The right eye's.
+        /// The right eye's ids, if they do not fit one atomic with depths.
         ids_right,
-        /// Nearest depths.
+        /// The left eye's nearest depths.
         depth_left,
-        /// The right eye's.
+        /// The right eye's nearest depths.
         depth_right,
-        /// Sums in four u32.
+        /// The left eye's sums in four u32.
         wide_left,
-        /// The right eye's.
+        /// The right eye's sums in four u32.
         wide_right,
     }
     /// One eye, from points to its finished pixels.
     Eye, OfEye {
-        /// The image.
+        /// Size and background of the image.
         resolve,
         /// Tiles to work on.
         tiles,
-        /// What lenses hide.
+        /// Mask of the pixels that lenses hide.
         hidden,
         /// The eye's number, and how far dilation reaches.
         dilate,
@@ -164,7 +165,7 @@ sets! {
         /// Finished depths.
         image_depth,
     }
-    /// What overlays know beside the cloud, of one eye and one chunk.
+    /// Resources of overlays beside the cloud, of one eye and one chunk.
     Overlay, OfOverlay {
         /// The eye's number.
         dilate,
@@ -181,5 +182,5 @@ sets! {
     }
 }
 
-/// What the geometry stages bind.
+/// The resources that the geometry stages bind.
 pub type Geometry = (Cloud, (Chunk, Pixels));

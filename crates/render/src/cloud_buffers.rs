@@ -22,20 +22,20 @@ pub struct CloudBuffers {
     pub num_points: u64,
     /// Bytes in all buffers.
     pub bytes: u64,
-    /// A pixel may get more points than the packed sums hold; see [`crate::layout::Sums`].
+    /// True if a pixel may get more points than the packed sums hold; see [`crate::layout::Sums`].
     pub(super) is_crowded: bool,
-    /// Its nodes are cubes of [`crate::layout::Node`]; else records of a technique.
+    /// True if its nodes are cubes, [`crate::layout::Node`]; else they are records of a technique.
     pub(super) has_cubes: bool,
-    /// What shaders of a technique bind of it, by name.
+    /// Buffers of it that shaders of a technique bind, by name.
     pub(super) besides: Vec<(&'static str, wgpu::Buffer)>,
-    /// It is no flat cloud.
+    /// True if it is no flat cloud.
     pub(super) has_detail: bool,
-    /// Points that have come.
+    /// Points that are resident.
     pub(super) num_resident: Arc<AtomicU64>,
     pub(super) num_nodes: u32,
     pub(super) nodes: wgpu::Buffer,
     pub(super) states: wgpu::Buffer,
-    /// One a node, while a frame's visible nodes are counted.
+    /// A word a node, used while a frame's visible nodes are counted.
     pub(super) counted: wgpu::Buffer,
     pub(super) chunks: Vec<Chunk>,
 }
@@ -57,7 +57,7 @@ pub(super) struct Chunk {
 impl Chunk {
     /// Batches and slices that its list of visible ones holds at most.
     pub(super) fn num_slots(&self) -> u32 {
-        // No more than workgroups of a dispatch.
+        // The list has no more entries than a dispatch has workgroups.
         (self.visible.size() / size_of::<VisibleBatch>() as u64) as u32
     }
 
@@ -121,13 +121,13 @@ impl CloudBuffers {
         self.chunks.len()
     }
 
-    /// What a technique's shaders bind of it by this name; see [`Whole::besides`].
+    /// The buffer of it that a technique's shaders bind by this name; see [`Whole::besides`].
     #[must_use]
     pub fn besides(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.besides.iter().find(|(own, _)| *own == name).map(|(_, buffer)| buffer)
     }
 
-    /// Points that have come.
+    /// Points that are resident.
     #[must_use]
     pub fn num_resident(&self) -> u64 {
         self.num_resident.load(Ordering::Relaxed)
@@ -137,18 +137,18 @@ impl CloudBuffers {
 /// The column of an octree beside its colors.
 pub(super) const FILTERED_COLORS: &str = "filtered_colors";
 
-/// Room for slices of batches, which have some only where points may be wide: in trees.
+/// Entries for slices of batches. Batches have slices only in trees, where points may be wide.
 pub(super) fn num_extra_slices(column: Option<&str>) -> usize {
     if column.is_some() { MAX_EXTRA_SLICES as usize } else { 0 }
 }
 
 /// Makes buffers and counts their bytes.
-pub(super) struct Room<'a> {
+pub(super) struct Allocator<'a> {
     pub gpu: &'a Gpu,
     pub bytes: u64,
 }
 
-impl Room<'_> {
+impl Allocator<'_> {
     pub fn take(&mut self, label: &'static str, usage: wgpu::BufferUsages, size: usize) -> wgpu::Buffer {
         self.bytes += size as u64;
         self.gpu.buffer(label, size as u64, usage)

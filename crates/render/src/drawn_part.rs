@@ -1,5 +1,5 @@
-//! What the stages are told of the eyes' drawn part: sizes, tiles, hidden pixels. These buffers are made anew when
-//! that changes, and never with the cloud: a cloud takes another's place without a new buffer.
+//! Buffers that tell the stages of the eyes' drawn part: sizes, tiles, hidden pixels. They are made anew when one of
+//! these changes, and never with the cloud: a cloud takes another's place without a new buffer.
 
 use super::targets::Targets;
 use crate::gpu::Gpu;
@@ -12,21 +12,21 @@ use wgpu::util::DeviceExt;
 /// Both eyes' drawn part, as the shaders know it.
 #[derive(Debug)]
 pub(super) struct DrawnPart {
-    /// Pairs of targets of 8 bytes a pixel, in which nothing is near.
+    /// For targets of 8 bytes a pixel: no point is near.
     pub no_keys: Clearing,
-    /// Of 4 bytes, the same.
+    /// For targets of 4 bytes a pixel: no point is near.
     pub no_depth: Clearing,
-    /// Of 8 bytes, in which nothing is added up.
+    /// For targets of 8 bytes a pixel: nothing is added up.
     pub no_sums: Clearing,
-    /// Of 16 bytes, the same.
+    /// For targets of 16 bytes a pixel: nothing is added up.
     pub no_wide: Clearing,
-    /// Of any, which stay as they are: for the counters.
+    /// For any targets, which stay as they are while the counters are cleared.
     pub as_it_is: Clearing,
-    /// Finished colors where nothing is.
+    /// For finished colors: the background.
     pub no_colors: Clearing,
-    /// Finished depths, the same.
+    /// For finished depths: no point is near.
     pub no_depths: Clearing,
-    /// Of each eye.
+    /// Each eye's drawn part.
     pub eyes: Vec<EyePart>,
 }
 
@@ -44,9 +44,9 @@ pub(super) struct Clearing {
 pub(super) struct EyePart {
     /// Tiles that somebody sees, or whose pixels dilation takes.
     pub num_tiles: u32,
-    /// They; see [`tiles`].
+    /// Words of these tiles; see [`tiles`].
     pub tiles: wgpu::Buffer,
-    /// A bit a pixel; see [`mask_words_per_row`].
+    /// Mask of the hidden pixels, a bit a pixel; see [`mask_words_per_row`].
     pub hidden: wgpu::Buffer,
     /// A [`ResolveUniform`].
     pub resolve: wgpu::Buffer,
@@ -55,9 +55,9 @@ pub(super) struct EyePart {
 }
 
 impl DrawnPart {
-    /// Of the part that `targets` says is drawn; `hidden` has the bits of the pixels that the lenses hide, an eye
-    /// each, and counts where it fits. `background` is the color of a pixel without points, as images of this `format` hold
-    /// it.
+    /// Makes the buffers of the part that `targets` says is drawn. `hidden` has the bits of the pixels that the lenses
+    /// hide, an entry an eye, and an entry of the wrong size does not count. `background` is the color of a pixel
+    /// without points, which is brought into the order of images of this `format`.
     pub fn new(
         gpu: &Gpu,
         targets: &Targets,
@@ -93,7 +93,7 @@ impl Make<'_> {
         self.clearing_words([0, 1].map(|eye| self.targets.num_words(eye, bytes_per_px)), value)
     }
 
-    /// Of finished pixels.
+    /// Value that a pair of finished images begins with.
     fn clearing_images(&self, value: u32) -> Clearing {
         self.clearing_words([0, 1].map(|eye| self.targets.num_image_words(eye)), value)
     }
@@ -110,7 +110,7 @@ impl Make<'_> {
         let tiles = tiles(size_px, hidden);
         EyePart {
             num_tiles: tiles.len() as u32,
-            // There are no empty bindings.
+            // A binding cannot be empty.
             tiles: self.storage("tiles", if tiles.is_empty() { &[0] } else { &tiles }),
             hidden: self.storage("hidden", hidden),
             resolve: self
@@ -143,16 +143,16 @@ fn swapped(color: u32) -> u32 {
     kept | color >> BLUE_SHIFT & CHANNEL_MASK | (color & CHANNEL_MASK) << BLUE_SHIFT
 }
 
-/// Tiles, x | y≪16, of an image of this size with its guard band, in which or so near to which that dilation reaches it
-/// a pixel of the image is not hidden; with [`TILE_HIDES`] where a pixel of the tile itself is. `hidden` has a bit a pixel of
-/// the image, in rows of [`mask_words_per_row`].
+/// Tiles, x | y≪16, of an image of this size with its guard band. A tile is listed if a pixel that is not hidden lies
+/// in it or so near to it that dilation reaches it; it has [`TILE_HIDES`] if a pixel of the tile itself is hidden.
+/// `hidden` has a bit a pixel of the image, in rows of [`mask_words_per_row`].
 #[must_use]
 pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
     let [across, down] = TILE_PX;
     let words = mask_words_per_row(width);
     let is_hidden =
         |x: u32, y: u32| hidden[(y * words + x / MASK_WORD_PX) as usize] >> (x % MASK_WORD_PX) & 1 == 1;
-    // The image's pixels that a tile of this number and size has, and so many round it, along an axis.
+    // Pixels of the image along an axis that a tile of this number and size has, with `reach_px` more to each side.
     let around = |tile: u32, tile_px: u32, size_px: u32, reach_px: u32| {
         let first = (tile * tile_px).saturating_sub(GUARD_PX + reach_px);
         first..((tile + 1) * tile_px + reach_px).saturating_sub(GUARD_PX).min(size_px)
@@ -175,7 +175,7 @@ pub fn tiles([width, height]: [u32; 2], hidden: &[u32]) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    /// Where the tiles are.
+    /// The tiles' words without [`TILE_HIDES`].
     fn places(size: [u32; 2], hidden: &[u32]) -> Vec<u32> {
         tiles(size, hidden).into_iter().map(|tile| tile & !TILE_HIDES).collect()
     }
@@ -194,11 +194,12 @@ mod tests {
 
     #[test]
     fn a_tile_is_left_out_only_when_all_that_it_reaches_is_hidden() {
-        // With the guard band 86 × 26.
+        // The image has 86 × 26 pixels with its guard band.
         let size = [80, 20];
         let none = vec![0; num_mask_words(size)];
         assert_eq!(places(size, &none), [0, 1, 2, 1 << 16, 1 | 1 << 16, 2 | 1 << 16]);
-        // The left 32 columns of all rows, but for one pixel: the tile ends at the image's column 29.
+        // The left 32 columns of all rows are hidden, first all, then all except one pixel: the tile ends at the
+        // image's column 29.
         let mut left = none.clone();
         left.iter_mut().step_by(3).for_each(|word| *word = u32::MAX);
         assert_eq!(places(size, &left), [1, 2, 1 | 1 << 16, 2 | 1 << 16]);
@@ -214,7 +215,8 @@ mod tests {
 
     #[test]
     fn tiles_of_the_guard_band_alone_are_there_for_dilation() {
-        // Rows 26 to 31 of the second row of tiles are beyond the guard band; a mask hides all but the corner.
+        // Rows 26 to 31 of the second row of tiles are beyond the guard band; a mask hides all pixels except the
+        // corner.
         let size = [26, 20];
         let mut hidden = vec![u32::MAX; num_mask_words(size)];
         assert!(places(size, &hidden).is_empty());

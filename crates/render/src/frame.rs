@@ -13,44 +13,49 @@ use crate::options::Quality;
 use base::space::View;
 use timing::{STAGES, StageMs};
 
-/// Where each stage's times stand in [`STAGES`].
+/// Place of `clear` in [`STAGES`], and of its times.
 const CLEAR: usize = 0;
+/// Place of `lod` in [`STAGES`], and of its times.
 const LOD: usize = 1;
+/// Place of `cull` in [`STAGES`], and of its times.
 const CULL: usize = 2;
+/// Place of `depth` in [`STAGES`], and of its times.
 pub(super) const DEPTH: usize = 3;
+/// Place of `color` in [`STAGES`], and of its times.
 const COLOR: usize = 4;
+/// Place of `resolve` in [`STAGES`], and of its times.
 const RESOLVE: usize = 5;
 
-// The finished pixels' rows begin where copies want them.
+// Rows of finished pixels begin where copies need them to.
 const _: () = assert!(4 * IMAGE_PITCH_PX == wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
 
-/// What the GPU tells of a frame, some frames late.
+/// Times and counts of a frame, which the GPU tells some frames late.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameTimes {
     /// The frame's number.
     pub frame: u64,
     /// GPU time of each stage.
     pub stage_ms: StageMs,
-    /// GPU time of them all.
+    /// GPU time of all stages.
     pub gpu_ms: f32,
     /// Nodes of which `depth` drew something: an octree's cubes, a point tree's runs; a flat cloud is one.
     pub visible_nodes: u32,
-    /// Their batches that it drew.
+    /// Batches that `depth` drew.
     pub visible_batches: u32,
-    /// Points in them.
+    /// Points in the batches that `depth` drew.
     pub points_read: u64,
 }
 
-/// What an eye's image must allow.
+/// Usages that an eye's image must have.
 pub const IMAGE_USAGES: wgpu::TextureUsages =
     wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::COPY_DST);
 
 /// An eye's image to draw to.
 #[derive(Clone, Copy, Debug)]
 pub struct EyeImage<'a> {
-    /// Where the colors go: drawn to while there is no cloud, copied to else.
+    /// Image for the colors: drawn to while there is no cloud, else copied to.
     pub color: &'a wgpu::TextureView,
-    /// Where [`View::near`] / w goes, 0 where nothing is; given if [`super::Setup::depth_format`] is.
+    /// Image for [`View::near`] / w, or 0 without a point; given if [`super::Setup::depth_format`] is.
     pub depth: Option<&'a wgpu::TextureView>,
 }
 
@@ -160,7 +165,7 @@ impl Renderer {
                     self.dispatch_visible(&mut pass, ids, &self.groups.ids);
                 }
             }
-            // Then there is another way to the nearest points.
+            // The technique's own way to the nearest points was taken above.
             (Quality::Closest, None) => {}
             (Quality::Hqs, _) => {
                 let depth = &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth;
@@ -176,7 +181,7 @@ impl Renderer {
         self.dispatch_visible(&mut pass, color, &self.groups.color);
     }
 
-    /// One dispatch a chunk, a workgroup a visible batch.
+    /// Records one dispatch a chunk, with a workgroup a visible batch.
     fn dispatch_visible(&self, pass: &mut wgpu::ComputePass, stage: &Compiled, groups: &[wgpu::BindGroup]) {
         for (number, group) in groups.iter().enumerate() {
             let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
@@ -211,7 +216,7 @@ impl Renderer {
         });
     }
 
-    /// From points to finished pixels.
+    /// Records the steps from keys or sums to finished pixels.
     fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
         let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
         let Look { quality, dilate, .. } = self.look;
@@ -235,7 +240,7 @@ impl Renderer {
         }
     }
 
-    /// Finished pixels hold what an sRGB image does, so that nothing has to be decoded for it to encode.
+    /// Copies finished colors into an eye's image. Both hold sRGB, so that nothing is decoded and encoded again.
     fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, eye: usize, image: &EyeImage) {
         let [width, height] = self.targets.drawn_px[eye];
         let layout = wgpu::TexelCopyBufferLayout {
@@ -289,7 +294,7 @@ impl Renderer {
             ..Default::default()
         });
         self.draw_to_drawn_part(&mut pass, eye);
-        self.waiting.draw(&mut pass, eye);
+        self.loading_bar.draw(&mut pass, eye);
     }
 
     fn draw_to_drawn_part(&self, pass: &mut wgpu::RenderPass, eye: usize) {
@@ -306,7 +311,7 @@ impl Renderer {
     }
 }
 
-/// A depth image to draw into, with nothing in it.
+/// Attaches a depth image that begins infinitely far everywhere.
 fn infinitely_far(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops: Some(ops), stencil_ops: None }

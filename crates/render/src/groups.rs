@@ -1,4 +1,4 @@
-//! Bind groups: of the cloud's chunks and the targets at hand. Made anew when either changes; no buffer is.
+//! Bind groups of the cloud's chunks and the targets at hand. They are made anew when either changes; buffers are not.
 
 use super::cloud_buffers::{Chunk, CloudBuffers, FILTERED_COLORS};
 use super::drawn_part::{Clearing, DrawnPart};
@@ -15,14 +15,14 @@ use crate::technique::Technique;
 /// What bind groups are made from.
 #[derive(Clone, Copy)]
 pub struct Parts<'a> {
-    /// Where they are.
+    /// The GPU that they are on.
     pub gpu: &'a Gpu,
-    /// What is drawn into.
+    /// Buffers that are drawn into.
     pub targets: &'a Targets,
     pub(super) pipelines: &'a Pipelines,
     pub(super) drawn: &'a DrawnPart,
     pub(super) technique: &'a dyn Technique,
-    /// What the technique's own way to the nearest points has cleared.
+    /// Which keys are cleared for the technique's own way to the nearest points.
     pub(super) clears: Option<Clears>,
     pub(super) cloud: Option<&'a CloudBuffers>,
     pub(super) view: &'a wgpu::Buffer,
@@ -36,17 +36,17 @@ pub struct Parts<'a> {
 pub(super) struct Groups {
     /// One for each pair of targets to clear, with the number of its 16-byte words.
     pub clear: Vec<(wgpu::BindGroup, u32)>,
-    /// The same where `resolve` has cleared the targets of the frame before.
+    /// Clears the counters alone, for a frame whose targets `resolve` has cleared in the frame before.
     pub clear_counters: Option<(wgpu::BindGroup, u32)>,
     pub lod: Option<wgpu::BindGroup>,
-    /// One a chunk, and so are the next three.
+    /// One a chunk, as those of `depth`, `ids` and `color`.
     pub cull: Vec<wgpu::BindGroup>,
     pub depth: Vec<wgpu::BindGroup>,
     pub ids: Vec<wgpu::BindGroup>,
     pub color: Vec<wgpu::BindGroup>,
-    /// Of each eye.
+    /// Bind groups of each eye.
     pub eyes: Vec<EyeGroups>,
-    /// Finished colors and depths to where nothing is, before the first frame that resolves these tiles.
+    /// Clear finished colors and depths, before the first frame that resolves these tiles.
     pub clear_images: Vec<(wgpu::BindGroup, u32)>,
 }
 
@@ -55,15 +55,15 @@ pub(super) struct Groups {
 pub(super) struct EyeGroups {
     /// Tiles that somebody sees, or whose pixels dilation takes.
     pub num_tiles: u32,
-    /// `shade`, one a chunk; or `blend`, one, where gaps stay open.
+    /// One of `shade` a chunk; or one of `blend`, if gaps stay open.
     pub surface: Vec<wgpu::BindGroup>,
-    /// `dilate`, `blend-dilate`, or `show`.
+    /// One of `dilate`, `blend-dilate`, or `show`.
     pub image: Option<wgpu::BindGroup>,
-    /// Where there are depth images.
+    /// One of the depth image's pass, if there are depth images.
     pub depth: Option<wgpu::BindGroup>,
 }
 
-/// What the geometry stages bind.
+/// The resources that the geometry stages bind.
 type OfGeometry<'a> = (OfCloud<'a>, (OfChunk<'a>, OfPixels<'a>));
 
 impl<'a> Parts<'a> {
@@ -123,7 +123,7 @@ impl<'a> Parts<'a> {
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
             Quality::Closest if self.clears == Some(Clears::Nothing) => vec![(keys, as_it_is)],
             Quality::Closest if self.pipelines.has_keys() => vec![(keys, no_keys)],
-            // The keys' buffers hold ids, half as large.
+            // The keys' buffers hold ids here, which are half as large.
             Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
             Quality::Hqs => match self.hqs().sums {
                 Sums::Packed => vec![(depth, no_depth), (keys, no_sums)],
@@ -134,7 +134,7 @@ impl<'a> Parts<'a> {
         pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
     }
 
-    /// For a frame whose targets the one before has cleared.
+    /// Clears the counters alone, for a frame whose targets the one before has cleared.
     fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
         let clears_itself = self.clears == Some(Clears::Once) && self.quality == Quality::Closest;
         clears_itself.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
@@ -199,7 +199,7 @@ impl<'a> Parts<'a> {
         (self.of_cloud(cloud), (self.of_chunk(chunk, number), pixels))
     }
 
-    /// What the steps of `resolve` may bind of an eye.
+    /// The resources of an eye that the steps of `resolve` may bind.
     #[must_use]
     pub fn of_eye(&self, eye: usize) -> OfEye<'a> {
         let (targets, part) = (self.targets, &self.drawn.eyes[eye]);
@@ -225,7 +225,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// The first step of `resolve` in `closest` quality.
+    /// Bind groups of the first step of `resolve` in `closest` quality, one a chunk.
     fn shade(&self, eye: usize) -> Vec<wgpu::BindGroup> {
         let Some(Closest { shade, .. }) = &self.pipelines.closest else { return vec![] };
         let bind = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
@@ -235,7 +235,7 @@ impl<'a> Parts<'a> {
         self.chunks().map(bind).collect()
     }
 
-    /// What of a chunk or the technique has this name.
+    /// The resource of a chunk, its cloud or the technique that has this name.
     fn besides(
         &self,
         cloud: &'a CloudBuffers,
@@ -246,7 +246,7 @@ impl<'a> Parts<'a> {
         buffer.map(|buffer| buffer.as_entire_binding()).or_else(|| self.technique.resource(name))
     }
 
-    /// Of each chunk: a bind group of a geometry stage.
+    /// Bind groups of a geometry stage, one a chunk.
     #[must_use]
     pub fn bind_geometry(&self, stage: &Stage<Geometry>) -> Vec<wgpu::BindGroup> {
         let bind = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
@@ -256,7 +256,7 @@ impl<'a> Parts<'a> {
         self.chunks().map(bind).collect()
     }
 
-    /// Of each chunk: what a pass over its visible batches may bind, to be bound by `bind`.
+    /// Has `bind` bind, chunk by chunk, the resources that a pass over visible batches may use.
     pub fn each_chunk(
         &self,
         mut bind: impl FnMut((OfCloud<'a>, OfChunk<'a>), &Besides<'_, 'a>) -> wgpu::BindGroup,
@@ -268,7 +268,7 @@ impl<'a> Parts<'a> {
         self.chunks().map(group).collect()
     }
 
-    /// What of an eye a step of `resolve` may bind, chunk by chunk.
+    /// Has `bind` bind, chunk by chunk, the resources of an eye that a step of `resolve` may use.
     pub fn each_chunk_of_eye(
         &self,
         eye: usize,

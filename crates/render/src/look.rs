@@ -5,21 +5,21 @@ use crate::options::{Dilate, Quality};
 
 /// [`Detail::fill_reach_px`] beside dilation: the kernels' widths.
 pub const RINGS_REACH_PX: [f32; 3] = [3.0, 5.0, 7.0];
-/// The same without dilation.
+/// [`Detail::fill_reach_px`] without dilation: a pixel's own width.
 pub const NO_REACH_PX: [f32; 3] = [1.0; 3];
 
 /// How shaders reach memory. The picture is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Access {
-    /// Shaders check every index.
+    /// True if shaders check every index.
     pub checked: bool,
-    /// All threads of a workgroup draw wide points together. `None`: unless the device is software, which runs them in
-    /// turns and pays dearly for their waiting for each other.
+    /// True if all threads of a workgroup draw wide points together. `None`: true unless the device is software, which
+    /// runs threads in turns and pays dearly for their waiting for each other.
     pub together: Option<bool>,
 }
 
 impl Default for Access {
-    /// Checks in debug builds, and so in tests.
+    /// Indices are checked in debug builds, and so in tests.
     fn default() -> Self {
         Self { checked: cfg!(debug_assertions), together: None }
     }
@@ -36,7 +36,7 @@ pub struct Look {
     pub background: [u8; 3],
     /// How much of the cloud is drawn.
     pub detail: Detail,
-    /// How shaders reach memory: of this the picture does not depend.
+    /// How shaders reach memory, on which the picture does not depend.
     pub access: Access,
 }
 

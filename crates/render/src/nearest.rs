@@ -1,5 +1,5 @@
-//! Other ways to the nearest points of `closest` quality than the frame's stages: what they are asked for, and what they
-//! are told while a frame is recorded.
+//! Other ways to the nearest points of `closest` quality than the frame's stages: what they are asked for, and what
+//! they are told while a frame is recorded.
 
 use crate::cloud_buffers::CloudBuffers;
 use crate::frame::DEPTH;
@@ -11,21 +11,21 @@ use crate::targets::Targets;
 use std::fmt;
 use timing::STAGES;
 
-/// What of the keys the frame clears before `depth`.
+/// Which keys the frame clears before `depth`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clears {
-    /// Nothing: they are not used.
+    /// No keys: they are not used.
     Nothing,
-    /// All of them, in the first frame after a change; then whoever shades leaves them clear.
+    /// All keys, in the first frame after a change; afterwards the shading step leaves them clear.
     Once,
 }
 
 /// Finds each pixel's nearest point, and its color.
 pub trait Nearest: fmt::Debug + Send {
-    /// What the frame does for it.
+    /// Which keys the frame clears for it.
     fn clears(&self) -> Clears;
 
-    /// Makes bind groups anew: the cloud, the targets or their sizes have changed.
+    /// Makes bind groups anew after a change of the cloud, the targets or their sizes.
     fn bind(&mut self, parts: &Parts<'_>);
 
     /// Records `depth`.
@@ -35,14 +35,14 @@ pub trait Nearest: fmt::Debug + Send {
     fn record_shade(&self, pass: &mut wgpu::ComputePass<'_>, eye: usize, num_tiles: u32);
 }
 
-/// What is known while a frame is recorded.
+/// Parts of the renderer that recording a frame needs.
 #[derive(Debug)]
 pub struct Recording<'a> {
     pub(super) timer: &'a Timer,
     pub(super) cloud: Option<&'a CloudBuffers>,
     /// Counters of each chunk, [`COUNTERS_STRIDE`] bytes apart.
     pub counters: &'a wgpu::Buffer,
-    /// What is drawn into.
+    /// Buffers that are drawn into.
     pub targets: &'a Targets,
 }
 

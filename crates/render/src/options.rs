@@ -1,4 +1,4 @@
-//! What a frame is drawn by, each choice a type. Names are those of the settings, the frame log and the names of screenshots.
+//! Choices that a frame is drawn by, each a type. Their names are those of the settings, the frame log and screenshots.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub enum Quality {
 }
 
 impl Quality {
-    /// As the configuration and the frame log write it.
+    /// Name in the configuration and the frame log.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -81,11 +81,11 @@ pub enum Overlay {
 }
 
 impl Overlay {
-    /// All, in the order that the user steps through them.
+    /// All overlays, in the order that the user steps through them.
     pub const ALL: [Self; 6] =
         [Self::None, Self::Rings, Self::Nodes, Self::Overdraw, Self::Depth, Self::Precision];
 
-    /// As the configuration and the names of screenshots write it.
+    /// Name in the configuration and in the names of screenshots.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -98,7 +98,7 @@ impl Overlay {
         }
     }
 
-    /// The one after it; after the last comes the first.
+    /// The next overlay; the first comes after the last.
     #[must_use]
     pub fn next(self) -> Self {
         let at = Self::ALL.iter().position(|&overlay| overlay == self).unwrap_or(0);

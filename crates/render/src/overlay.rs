@@ -5,7 +5,7 @@
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::groups;
 use super::renderer::Renderer;
-use super::shaders::{self, Of};
+use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{self, Cloud, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
@@ -23,22 +23,22 @@ const BOX_VERTICES: u32 = 72;
 pub struct Overlays {
     rings: Pass,
     depth: Pass,
-    /// Of each form of sums that the GPU can do.
+    /// A pass for each form of sums that the GPU can do.
     overdraw: Vec<(Sums, Pass)>,
     nodes: Pass,
     batches: Pass,
-    /// Says which eye it is, as `dilate` in the shaders.
+    /// Uniforms with each eye's number, as `dilate` in the shaders.
     eyes: [wgpu::Buffer; 2],
     bound: Option<Bound>,
 }
 
-/// What an overlay draws, until the renderer's buffers or the overlay change.
+/// Draws of an overlay, valid until the renderer's buffers or the overlay change.
 #[derive(Debug)]
 struct Bound {
     overlay: Overlay,
     /// [`Renderer::binding`] that it goes with.
     binding: u64,
-    /// Of each eye.
+    /// Draws of each eye.
     draws: [Vec<Draw>; 2],
 }
 
@@ -53,11 +53,11 @@ struct Pass {
 type Draw = (wgpu::BindGroup, u32);
 
 impl Overlays {
-    /// For copies of the images that `renderer` draws.
+    /// Overlays for copies of the images that `renderer` draws.
     #[must_use]
     pub fn new(renderer: &Renderer) -> Self {
         let (gpu, format) = (&*renderer.gpu, renderer.setup.color_format);
-        let pass = |shader: Of<_>, sums, entries| {
+        let pass = |shader: ShaderOfSet<_>, sums, entries| {
             let wgsl = shader.source(Variant { sums, ..Variant::eyes(2) });
             Pass::new(gpu, shader.name(), &wgsl, entries, format)
         };
@@ -89,7 +89,8 @@ impl Overlays {
     }
 
     /// Draws an overlay of the frame that `renderer` has just recorded over copies of its images, one an eye.
-    /// `overdraw` needs the quality `hqs`: else, and without a cloud, nothing is drawn. The time that it takes comes after the frame's stages and is in none of their times.
+    /// `overdraw` needs the quality `hqs`: without it, and without a cloud, nothing is drawn. The time that it takes
+    /// comes after the frame's stages and is in none of their times.
     pub fn record(
         &mut self,
         renderer: &Renderer,
@@ -141,7 +142,7 @@ impl Overlays {
     fn bind(&self, renderer: &Renderer, overlay: Overlay) -> Option<Bound> {
         let cloud = renderer.cloud.as_ref()?;
         let pass = self.pass(renderer, overlay)?;
-        // Chunks to draw, and the instances of each.
+        // Instances to draw of each chunk.
         let instances: Vec<u32> = match overlay {
             Overlay::Nodes => vec![if cloud.has_cubes { cloud.num_nodes } else { 0 }],
             Overlay::Precision => cloud.chunks.iter().map(Chunk::num_slots).collect(),
@@ -154,7 +155,7 @@ impl Overlays {
         Some(Bound { overlay, binding: renderer.binding(), draws })
     }
 
-    /// The pass for the sums that the frame adds up, if it does.
+    /// The pass for the form of sums that the frame adds up, if it adds up any.
     fn overdraw(&self, renderer: &Renderer) -> Option<&Pass> {
         if renderer.look.quality != Quality::Hqs {
             return None;

@@ -1,6 +1,6 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
-use super::shaders::{self, Of};
+use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, Set};
 use crate::gpu::drawing::Drawing;
 use crate::gpu::stage::{Bindings, Stage, nothing_besides};
@@ -16,15 +16,15 @@ pub(super) struct Pipelines {
     pub clear: Stage<Clear>,
     pub lod: Stage<Cloud>,
     pub cull: Stage<(Cloud, Chunk)>,
-    /// None where the technique finds the nearest points otherwise.
+    /// `None` if the technique finds the nearest points in another way.
     pub closest: Option<Closest>,
-    /// Of each form of sums that the GPU can do.
+    /// Stages for each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
-    /// `closest` quality, where gaps are closed.
+    /// Makes finished pixels in `closest` quality, if gaps are closed.
     pub dilate: Stage<Eye>,
-    /// The surface to the image, where gaps stay open.
+    /// Makes finished pixels from the surface, if gaps stay open.
     pub show: Stage<Eye>,
-    /// Where there are depth images.
+    /// Writes depth images, if there are any.
     pub depth_image: Option<DepthImage>,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Pipelines {
 #[derive(Debug)]
 pub(super) struct Closest {
     pub depth: Stage<Geometry>,
-    /// Where depth and id do not fit one atomic.
+    /// Finds ids, if depth and id do not fit one atomic.
     pub ids: Option<Stage<Geometry>>,
     pub shade: Stage<(Chunk, Eye)>,
 }
@@ -43,9 +43,9 @@ pub(super) struct Hqs {
     pub sums: Sums,
     pub depth: Stage<Geometry>,
     pub color: Stage<Geometry>,
-    /// Where gaps stay open.
+    /// Makes the surface, if gaps stay open.
     pub blend: Stage<Eye>,
-    /// `blend` and `dilate` in one, where they are closed.
+    /// `blend` and `dilate` in one step, if gaps are closed.
     pub blend_dilate: Stage<Eye>,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct DepthImage {
 
 /// What the pipelines are made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct For {
+pub(super) struct PipelineOptions {
     pub num_eyes: u32,
     pub fill: bool,
     pub atomics: Atomics,
@@ -67,9 +67,13 @@ pub(super) struct For {
 }
 
 impl Pipelines {
-    /// With the technique's other way to the nearest points, if it has one.
-    pub fn new(gpu: &Gpu, technique: &dyn Technique, what: For) -> (Self, Option<Box<dyn Nearest>>) {
-        let For { num_eyes, fill, atomics, access, depth_format } = what;
+    /// Compiles the pipelines, with the technique's other way to the nearest points, if it has one.
+    pub fn new(
+        gpu: &Gpu,
+        technique: &dyn Technique,
+        options: PipelineOptions,
+    ) -> (Self, Option<Box<dyn Nearest>>) {
+        let PipelineOptions { num_eyes, fill, atomics, access, depth_format } = options;
         let keys = atomics >= Atomics::Int64Minmax;
         let together = access.together.unwrap_or(!gpu.is_software());
         let variant = Variant { fill, keys, together, texts: technique.texts(), ..Variant::eyes(num_eyes) };
@@ -127,8 +131,8 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// One of them.
-    fn stage<S: Set>(self, shader: Of<S>, variant: Variant) -> Stage<S> {
+    /// Compiles a stage.
+    fn stage<S: Set>(self, shader: ShaderOfSet<S>, variant: Variant) -> Stage<S> {
         Stage::of(self.gpu, shader, variant, self.access)
     }
 }

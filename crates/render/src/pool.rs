@@ -5,27 +5,27 @@ use std::ops::Range;
 
 /// Where a batch's points begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
-    /// The chunk.
+pub(super) struct BatchPlace {
+    /// Number of the chunk.
     pub chunk: usize,
-    /// First point in it.
+    /// First point, counted in the chunk.
     pub first_point: u32,
 }
 
 /// The places of all batches of a cloud, in their order.
 #[derive(Debug, Default)]
-pub(super) struct Places {
-    /// A batch each.
-    pub places: Vec<Place>,
-    /// A chunk each: where its points stand in the pool.
+pub(super) struct BatchPlaces {
+    /// Place of each batch.
+    pub places: Vec<BatchPlace>,
+    /// Place of each chunk's points in the pool.
     pub chunks: Vec<ChunkUniform>,
-    /// A chunk each: its batches.
+    /// Batches of each chunk.
     pub batches: Vec<Range<usize>>,
 }
 
-impl Places {
-    /// For batches that begin at these points of the pool, which ends at `end`, in chunks whose planes fit `limit` bytes and
-    /// one dispatch.
+impl BatchPlaces {
+    /// Places of batches that begin at these points of the pool, which ends at `end`, in chunks whose planes fit
+    /// `limit` bytes and whose batches fit one dispatch.
     pub fn new(starts: &[u32], end: u32, limit: u64, max_batches: usize) -> Self {
         // At least one batch fits: no adapter binds less than 128 MiB, and a lower wish is raised to a batch.
         let max_points = (limit / 4).max(u64::from(BATCH_POINTS));
@@ -41,7 +41,7 @@ impl Places {
             }
             let chunk = all.chunks.len() - 1;
             let uniform = &mut all.chunks[chunk];
-            all.places.push(Place { chunk, first_point: start - uniform.first_index });
+            all.places.push(BatchPlace { chunk, first_point: start - uniform.first_index });
             uniform.num_points = end - uniform.first_index;
             all.batches[chunk].end = number + 1;
         }
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn batches_lie_one_after_the_other_in_chunks_that_fit() {
         let starts = [0, 384, 512, 640, 10_880];
-        let places = Places::new(&starts, 10_888, 0, usize::MAX);
+        let places = BatchPlaces::new(&starts, 10_888, 0, usize::MAX);
         let firsts: Vec<_> = places.places.iter().map(|place| (place.chunk, place.first_point)).collect();
         // A chunk holds 10 240 points.
         assert_eq!(firsts, [(0, 0), (0, 384), (0, 512), (1, 0), (2, 0)]);
@@ -69,8 +69,8 @@ mod tests {
         let uniforms: Vec<_> = places.chunks.iter().map(|c| (c.first_index, c.num_points)).collect();
         assert_eq!(uniforms, [(0, 640), (640, 10_240), (10_880, 8)]);
         assert_eq!((places.slot(2), places.slot(4)), (2, 0));
-        // A dispatch holds so many batches.
-        let few = Places::new(&[0, 8, 12, 16], 20, u64::MAX, 3);
+        // A dispatch holds three batches.
+        let few = BatchPlaces::new(&[0, 8, 12, 16], 20, u64::MAX, 3);
         assert_eq!(few.batches, [0..3, 3..4]);
         assert_eq!(few.chunks[1].first_index, 16);
     }

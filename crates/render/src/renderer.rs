@@ -1,11 +1,11 @@
-//! The renderer: what the frame needs from one to the next, and what may change in between.
+//! The renderer: its state from one frame to the next, and how that may change in between.
 
 use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::drawn_part::DrawnPart;
 use super::groups::{self, Groups, Parts};
-use super::pipelines::{For, Pipelines};
+use super::pipelines::{PipelineOptions, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
-use super::waiting::Waiting;
+use super::waiting::LoadingBar;
 use crate::gpu::timer::Timer;
 use crate::gpu::{Atomics, Gpu, QueueGuard, readback};
 use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform, of_image};
@@ -52,12 +52,12 @@ pub struct Renderer {
     pub(super) nearest: Option<Box<dyn Nearest>>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
-    pub(super) waiting: Waiting,
+    pub(super) loading_bar: LoadingBar,
     drawn: DrawnPart,
     pub(super) groups: Groups,
-    /// The frame before has cleared its targets, and nothing has changed since.
+    /// True if the frame before has cleared its targets and nothing has changed since.
     pub(super) targets_are_clear: bool,
-    /// The finished pixels are of another drawn part or cloud than the next frame's.
+    /// True if the finished pixels are of another drawn part or cloud than the next frame's.
     pub(super) images_are_new: bool,
     /// See [`Self::binding`].
     binding: u64,
@@ -73,7 +73,7 @@ impl Renderer {
         Self::with_technique(gpu, setup, look, Box::new(Own))
     }
 
-    /// One that draws by another technique than the frame's own.
+    /// A renderer that draws by another technique than the frame's own.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -83,7 +83,7 @@ impl Renderer {
         look: Look,
         technique: Box<dyn Technique>,
     ) -> Result<Self, TargetTooLarge> {
-        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, what(&setup, &look));
+        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, pipeline_options(&setup, &look));
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, look.quality);
@@ -91,7 +91,7 @@ impl Renderer {
         let drawn = DrawnPart::new(gpu, &targets, &[], (look.background_word(), setup.color_format));
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
-        let waiting = Waiting::new(gpu, &setup);
+        let loading_bar = LoadingBar::new(gpu, &setup);
         let mut renderer = Self {
             gpu: Arc::clone(gpu),
             setup,
@@ -105,7 +105,7 @@ impl Renderer {
             nearest,
             targets,
             hidden: vec![],
-            waiting,
+            loading_bar,
             drawn,
             groups: Groups::default(),
             targets_are_clear: false,
@@ -117,8 +117,9 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// While there is no cloud: how much of the work until then is done, 0 to 1, as a bar and a number that stand at
-    /// `world_from_bar`, metres across. `None`: nothing. Shown from the frame on that is recorded next.
+    /// Sets what is shown while there is no cloud: the part of the work until then that is done, 0 to 1, as a bar and a
+    /// number that stand at `world_from_bar`, in metres. `None` shows nothing. It is shown from the frame on that is
+    /// recorded next.
     pub fn set_waiting(
         &mut self,
         queue: &QueueGuard,
@@ -127,11 +128,11 @@ impl Renderer {
         world_from_bar: &Pose,
         fraction: Option<f64>,
     ) {
-        self.waiting.set(queue, eyes, near, world_from_bar, fraction);
+        self.loading_bar.set(queue, eyes, near, world_from_bar, fraction);
     }
 
-    /// Shows this cloud from the next frame on, and gives back the one before, for [`CloudBuffers::free`]. Takes
-    /// no longer for a large cloud than for a small one: nothing but bind groups is made, and nothing is freed.
+    /// Shows this cloud from the next frame on, and gives back the one before. It takes no longer for a large cloud
+    /// than for a small one: nothing except bind groups is made, and nothing is freed.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
@@ -139,7 +140,7 @@ impl Renderer {
         self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
         let num_chunks = cloud.chunks.len() as u64;
         if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
-            // More than it needs: the same scan's octree may have another chunk.
+            // There are more counters than it needs: the same scan's octree may have another chunk.
             self.counters = counters_buffer(&self.gpu, 2 * num_chunks);
             // Frames under way go without times.
             self.timer = Timer::new(&self.gpu, STAGES.len(), self.counters.size());
@@ -156,7 +157,7 @@ impl Renderer {
         cloud
     }
 
-    /// New image sizes, one an eye.
+    /// Sets new image sizes, one an eye.
     ///
     /// # Errors
     /// If they do not fit the device.
@@ -178,7 +179,7 @@ impl Renderer {
         }
     }
 
-    /// Pixels of each eye's drawn part that nobody sees: a bit a pixel, in rows of
+    /// Sets which pixels of each eye's drawn part nobody sees: a bit a pixel, in rows of
     /// [`crate::layout::mask_words_per_row`].
     pub fn set_hidden(&mut self, hidden: Vec<Vec<u32>>) {
         self.hidden = hidden;
@@ -186,16 +187,16 @@ impl Renderer {
         self.rebind();
     }
 
-    /// How frames look from the next one on. A change of [`crate::layout::Detail::fill_reach_px`] from or to `None`
-    /// compiles pipelines; all else is quick.
+    /// Sets how frames look from the next one on. A change of [`crate::layout::Detail::fill_reach_px`] from or to
+    /// `None` compiles pipelines; all else is quick.
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
     pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
         self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
-        if what(&self.setup, &look) != what(&self.setup, &self.look) {
+        if pipeline_options(&self.setup, &look) != pipeline_options(&self.setup, &self.look) {
             (self.pipelines, self.nearest) =
-                Pipelines::new(&self.gpu, &*self.technique, what(&self.setup, &look));
+                Pipelines::new(&self.gpu, &*self.technique, pipeline_options(&self.setup, &look));
         }
         let is_same_background = look.background == self.look.background;
         self.look = look;
@@ -206,7 +207,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What a pixel shows from the next frame on.
+    /// Sets what a pixel shows from the next frame on.
     ///
     /// # Errors
     /// See [`Self::set_look`].
@@ -230,7 +231,7 @@ impl Renderer {
         &self.look
     }
 
-    /// Factor on the thresholds of level of detail, 1 or more.
+    /// Sets the factor on the thresholds of level of detail, 1 or more.
     pub fn set_lod_scale(&mut self, scale: f32) {
         self.lod_scale = scale;
     }
@@ -259,8 +260,8 @@ impl Renderer {
         &self.targets
     }
 
-    /// The finished pixels of an eye's drawn part, row by row: bits of the depth, and the color as the image holds it, the
-    /// background where nothing is. For pictures and tests: waits for the GPU.
+    /// The finished pixels of an eye's drawn part, row by row: bits of the depth, and the color as the image holds it,
+    /// the background where nothing is. For pictures and tests: waits for the GPU.
     ///
     /// # Errors
     /// If the device is lost.
@@ -321,7 +322,8 @@ impl Renderer {
         self.rebound();
     }
 
-    /// The technique's other way to the nearest points, if it has one and this quality asks for it; and what it is told.
+    /// The technique's other way to the nearest points, if it has one and this quality asks for it, with what it is
+    /// told.
     pub(super) fn nearest(&self) -> Option<(&dyn Nearest, Recording<'_>)> {
         let nearest = self.nearest.as_deref().filter(|_| self.look.quality == Quality::Closest)?;
         let recording = Recording {
@@ -333,7 +335,7 @@ impl Renderer {
         Some((nearest, recording))
     }
 
-    /// Another number whenever bind groups of this renderer's buffers are out of date.
+    /// A number that changes whenever bind groups of this renderer's buffers are out of date.
     pub(super) fn binding(&self) -> u64 {
         self.binding
     }
@@ -343,8 +345,8 @@ impl Renderer {
     }
 }
 
-fn what(setup: &Setup, look: &Look) -> For {
-    For {
+fn pipeline_options(setup: &Setup, look: &Look) -> PipelineOptions {
+    PipelineOptions {
         num_eyes: setup.sizes_px.len() as u32,
         fill: look.detail.fill_reach_px.is_some(),
         atomics: setup.atomics,

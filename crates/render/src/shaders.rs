@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 /// Structs shared with the host.
 const LAYOUT: &str = include_str!("../../../shaders/layout.inc.wgsl");
 
-/// What several shaders have in common, in a variant of theirs.
-pub type Shared = fn(Variant) -> Pieces;
+/// A text that several shaders share, in a variant of theirs.
+pub type SharedText = fn(Variant) -> Pieces;
 
 macro_rules! shared {
     ($($file:literal),+) => {
@@ -17,99 +17,100 @@ macro_rules! shared {
     };
 }
 
-/// What a technique's texts need besides.
-const BESIDES: Shared = |variant| variant.texts.besides;
+/// Declarations that a technique's texts need besides.
+const BESIDES: SharedText = |variant| variant.texts.besides;
 /// Points, read and projected.
-const POINTS: Shared = shared!("points.inc");
-/// What a thread reads at a time.
-const TURN: Shared = |variant| variant.texts.turn;
-/// How it puts that into pixels.
-const PUT: Shared = |variant| variant.texts.put;
+const POINTS: SharedText = shared!("points.inc");
+/// Points that a thread reads at a time.
+const TURN: SharedText = |variant| variant.texts.turn;
+/// How a thread puts its points into pixels.
+const PUT: SharedText = |variant| variant.texts.put;
 /// Which points are drawn, and how large.
-const CHOICE: Shared = |variant| variant.texts.choice;
-/// How large what lies in a box is drawn.
-const SIZES: Shared = shared!("sizes.inc");
+const CHOICE: SharedText = |variant| variant.texts.choice;
+/// Projected sizes of boxes.
+const SIZES: SharedText = shared!("sizes.inc");
 /// The rings round the gaze.
-const RINGS: Shared = shared!("rings.inc");
-/// The geometry stages' loop over them.
-const LOOP: Shared = shared!("loop.inc");
-/// Points wider than a pixel, where there may be some.
-const WIDE: Shared = |variant| (variant.texts.wide)(variant);
+const RINGS: SharedText = shared!("rings.inc");
+/// The geometry stages' loop over points.
+const LOOP: SharedText = shared!("loop.inc");
+/// Points wider than a pixel, if there may be any.
+const WIDE: SharedText = |variant| (variant.texts.wide)(variant);
 /// Where the geometry stages begin.
-const MAIN: Shared = |variant| variant.texts.main;
+const MAIN: SharedText = |variant| variant.texts.main;
 /// What the geometry stages count.
-const COUNTS: Shared = |variant| variant.texts.counts;
+const COUNTS: SharedText = |variant| variant.texts.counts;
 /// The tiles that the steps of `resolve` work on.
-const TILES: Shared = shared!("tiles.inc");
+const TILES: SharedText = shared!("tiles.inc");
 /// Which points count for a pixel's color.
-const SUMS: Shared = shared!("sums.inc");
-/// Their sums in four u32.
-const WIDE_SUMS: Shared = shared!("wide_sums.inc");
+const SUMS: SharedText = shared!("sums.inc");
+/// Sums of colors in four u32.
+const WIDE_SUMS: SharedText = shared!("wide_sums.inc");
 /// The points' colors.
-const COLORS: Shared = |variant| variant.texts.colors;
+const COLORS: SharedText = |variant| variant.texts.colors;
 /// How far points reach.
-const FILL: Shared = shared!("fill.inc");
+const FILL: SharedText = shared!("fill.inc");
 /// Frustum, precision and the list of visible batches.
-const CULLING: Shared = shared!("cull.inc");
+const CULLING: SharedText = shared!("cull.inc");
 /// Which boxes an eye sees.
-const IN_SIGHT: Shared = |variant| variant.texts.seen;
+const IN_SIGHT: SharedText = |variant| variant.texts.seen;
 /// The walk over the pixels of a tile.
-const SURFACE: Shared = shared!("surface.inc");
+const SURFACE: SharedText = shared!("surface.inc");
 /// Ids to colors.
-const CHUNK_COLORS: Shared = shared!("chunk_colors.inc");
+const CHUNK_COLORS: SharedText = shared!("chunk_colors.inc");
 /// The rule of dilation.
-const DILATION: Shared = shared!("dilation.inc");
-/// A pixel's depth and color before gaps are closed: as `shade` left them, or from the sums of `hqs` quality.
-const KEPT_SURFACE: Shared = shared!("kept_surface.inc");
-const BLENDED_SURFACE: Shared = shared!("blended_surface.inc");
+const DILATION: SharedText = shared!("dilation.inc");
+/// A pixel's depth and color before gaps are closed, as `shade` left them.
+const KEPT_SURFACE: SharedText = shared!("kept_surface.inc");
+/// A pixel's depth and color before gaps are closed, from the sums of `hqs` quality.
+const BLENDED_SURFACE: SharedText = shared!("blended_surface.inc");
 /// Finished pixels.
-const IMAGE: Shared = shared!("image.inc");
+const IMAGE: SharedText = shared!("image.inc");
 /// Means of color channels.
-const MEAN: Shared = shared!("mean.inc");
+const MEAN: SharedText = shared!("mean.inc");
 /// Stored colors to linear light.
-const SRGB: Shared = shared!("srgb.inc");
+const SRGB: SharedText = shared!("srgb.inc");
 /// What overlays share.
-const OVERLAYS: Shared = shared!("overlay.inc");
+const OVERLAYS: SharedText = shared!("overlay.inc");
 
 /// What all geometry stages share.
-const GEOMETRY: &[Shared] = &[BESIDES, POINTS, TURN, CHOICE, RINGS, FILL, LOOP, PUT, WIDE, MAIN, COUNTS];
+const GEOMETRY: &[SharedText] = &[BESIDES, POINTS, TURN, CHOICE, RINGS, FILL, LOOP, PUT, WIDE, MAIN, COUNTS];
 
 /// A shader's text.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// Its name, as the file's.
+    /// Name, as the file's.
     pub name: &'static str,
     /// Names of the resources that it may bind.
     pub names: fn() -> Vec<&'static str>,
-    /// What it shares with others, group by group.
-    shared: &'static [&'static [Shared]],
+    /// Texts that it shares with others, group by group.
+    shared: &'static [&'static [SharedText]],
     /// Its own text.
-    text: Shared,
+    text: SharedText,
 }
 
 /// A shader that binds resources of a set.
 #[derive(Debug)]
-pub struct Of<S> {
+pub struct ShaderOfSet<S> {
     shader: Shader,
     set: PhantomData<S>,
 }
 
-impl<S> Clone for Of<S> {
+impl<S> Clone for ShaderOfSet<S> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S> Copy for Of<S> {}
+impl<S> Copy for ShaderOfSet<S> {}
 
-impl<S: Set> Of<S> {
+impl<S: Set> ShaderOfSet<S> {
     /// A shader of other techniques: `shared` comes before its own text.
     #[must_use]
-    pub const fn new(name: &'static str, shared: &'static [&'static [Shared]], text: Shared) -> Self {
+    pub const fn new(name: &'static str, shared: &'static [&'static [SharedText]], text: SharedText) -> Self {
         Self { shader: Shader { name, names: S::names, shared, text }, set: PhantomData }
     }
 
-    /// The shader, whatever it binds.
+    /// The shader as a type that does not tell what it binds.
     #[must_use]
     pub const fn shader(self) -> Shader {
         self.shader
@@ -142,7 +143,7 @@ macro_rules! shaders {
     ($($(#[$about:meta])* $shader:ident: $set:ty = $name:literal, $shared:expr, $text:expr;)+) => {
         $(
             #[doc = concat!("The shader `", $name, "`.")]
-            pub const $shader: Of<$set> = Of::new($name, $shared, $text);
+            pub const $shader: ShaderOfSet<$set> = ShaderOfSet::new($name, $shared, $text);
         )+
 
         /// Every shader of the frame, in its order; then the overlays'.
@@ -170,20 +171,20 @@ shaders! {
     BOXES: (Cloud, Overlay) = "boxes", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("boxes");
 }
 
-/// What techniques share with the frame's shaders, for shaders of their own.
+/// Texts that techniques share with the frame's shaders, for shaders of their own.
 pub mod parts {
-    use super::Shared;
+    use super::SharedText;
 
     /// Points, read and projected, a turn at a time, as the texts choose; with what the texts need besides.
-    pub const POINTS: &[Shared] = &[super::BESIDES, super::POINTS, super::TURN, super::CHOICE];
-    /// All of the geometry stages but what is done with a point in a pixel.
-    pub const GEOMETRY: &[Shared] = super::GEOMETRY;
+    pub const POINTS: &[SharedText] = &[super::BESIDES, super::POINTS, super::TURN, super::CHOICE];
+    /// All of the geometry stages except what is done with a point in a pixel.
+    pub const GEOMETRY: &[SharedText] = super::GEOMETRY;
     /// The points' colors, as the texts choose.
-    pub const COLORS: &[Shared] = &[super::COLORS];
+    pub const COLORS: &[SharedText] = &[super::COLORS];
     /// The walk over the pixels of tiles, which `finish` ends.
-    pub const SURFACE: &[Shared] = &[super::TILES, super::SURFACE];
+    pub const SURFACE: &[SharedText] = &[super::TILES, super::SURFACE];
     /// Ids to colors, a chunk at a time.
-    pub const CHUNK_COLORS: &[Shared] = &[super::CHUNK_COLORS];
+    pub const CHUNK_COLORS: &[SharedText] = &[super::CHUNK_COLORS];
 }
 
 /// The WGSL of shader `name`, as the driver gets it: for tests. The program has the shaders themselves.

@@ -1,4 +1,4 @@
-//! What the stages draw into, an eye's buffers each, row by row of the image's drawn part with its guard band; and the
+//! Buffers that the stages draw into, some for each eye, in rows of the image's drawn part with its guard band; and the
 //! finished pixels, without it.
 
 use crate::gpu::Gpu;
@@ -11,17 +11,17 @@ pub struct Targets {
     pub sizes_px: Vec<[u32; 2]>,
     /// Width, height of the part that is drawn, from the top left corner.
     pub drawn_px: Vec<[u32; 2]>,
-    /// 8 bytes a pixel: `closest`: depth ≪ 32 | id. `hqs`: sums.
+    /// 8 bytes a pixel: depth ≪ 32 | id in `closest` quality, sums in `hqs` quality.
     pub keys: [wgpu::Buffer; 2],
     /// 4 bytes a pixel: the nearest depth, where it is not part of a key.
     pub depth: [wgpu::Buffer; 2],
-    /// 16 bytes a pixel: sums in four u32, where the packed ones do not do; else next to nothing.
+    /// 16 bytes a pixel: sums in four u32, if packed ones are not enough; else next to nothing.
     pub wide: [wgpu::Buffer; 2],
     /// 8 bytes a pixel, (depth, color), before gaps are filled, where that is a step of its own.
     pub surface: [wgpu::Buffer; 2],
     /// 4 bytes a pixel: the finished colors, as the image holds them, in rows of [`image_pitch_px`].
     pub image_color: [wgpu::Buffer; 2],
-    /// 4 bytes a pixel: their depths, in such rows.
+    /// 4 bytes a pixel: the finished depths, in rows of [`image_pitch_px`].
     pub image_depth: [wgpu::Buffer; 2],
 }
 
@@ -83,7 +83,7 @@ impl Targets {
         self.wide[0].size() == bytes_of(self.sizes_px[0], 16)
     }
 
-    /// 16-byte words that an eye's drawn part takes in a target of so many bytes a pixel.
+    /// 16-byte words that an eye's drawn part takes in a target of `bytes_per_px` bytes a pixel.
     #[must_use]
     pub(super) fn num_words(&self, eye: usize, bytes_per_px: u64) -> u32 {
         (bytes_of(self.drawn_px.get(eye).copied().unwrap_or([1, 1]), bytes_per_px) / 16) as u32

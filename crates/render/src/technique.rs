@@ -1,6 +1,6 @@
 //! The one seam between the frame and other ways to draw, of which the laboratory has many: a technique hands in shader
-//! texts that stand in place of the frame's, what they bind besides, and, if need be, another way to the nearest points.
-//! The frame's own technique is [`Own`], which hands in nothing.
+//! texts that stand in place of the frame's, what they bind besides, and, if need be, another way to the nearest
+//! points. The frame's own technique is [`Own`], which hands in nothing.
 
 use crate::cloud_buffers::CloudBuffers;
 use crate::gpu::{Gpu, QueueGuard};
@@ -27,12 +27,13 @@ pub trait Technique: fmt::Debug + Send {
         None
     }
 
-    /// What its shaders bind by this name, which is in none of [`crate::bindings`]' sets and of no column of the cloud.
+    /// The resource that its shaders bind by this name, which is in none of [`crate::bindings`]' sets and of no column
+    /// of the cloud.
     fn resource(&self, _name: &str) -> Option<wgpu::BindingResource<'_>> {
         None
     }
 
-    /// Told of each frame's view before the frame is submitted. `detail` is the look's, with thresholds already
+    /// Is told of each frame's view before the frame is submitted. `detail` is the look's, with thresholds already
     /// multiplied by `lod_scale`.
     fn set_view(
         &self,
@@ -57,11 +58,11 @@ pub type Pieces = &'static [&'static str];
 /// The texts of the stages that techniques may exchange; each says what is asked of it in its own first lines.
 #[derive(Clone, Copy)]
 pub struct Texts {
-    /// Names the whole.
+    /// Name of these texts.
     pub name: &'static str,
     /// Structs, constants and bindings that the others need besides.
     pub besides: Pieces,
-    /// `lod`, but for what all shaders share.
+    /// `lod`, except what all shaders share.
     pub lod: Pieces,
     /// `cull`, behind `cull.inc.wgsl`.
     pub cull: Pieces,
@@ -69,7 +70,7 @@ pub struct Texts {
     pub seen: Pieces,
     /// What a thread of a geometry stage reads at a time.
     pub turn: Pieces,
-    /// How it puts that into pixels.
+    /// How a thread of a geometry stage puts its points into pixels.
     pub put: Pieces,
     /// Which points of a turn an eye sees, and how far they lie apart.
     pub choice: Pieces,
@@ -77,11 +78,11 @@ pub struct Texts {
     pub wide: fn(Variant) -> Pieces,
     /// Where the geometry stages begin.
     pub main: Pieces,
-    /// What is counted.
+    /// What the geometry stages count.
     pub counts: Pieces,
     /// `depth` of `closest` quality: what is done with a point in a pixel.
     pub depth: fn(Variant) -> Pieces,
-    /// The same of `hqs` quality, in which a pixel has a depth alone.
+    /// `depth` of `hqs` quality, in which a pixel has a depth alone.
     pub hqs_depth: fn(Variant) -> Pieces,
     /// The colors of points.
     pub colors: Pieces,
@@ -102,7 +103,8 @@ macro_rules! text {
 }
 
 impl Texts {
-    /// Of the frame: nodes of an octree, or all points, four a thread at a time, each nearest by an atomic minimum.
+    /// Texts of the frame: nodes of an octree, or all points, four a thread at a time, each nearest by an atomic
+    /// minimum.
     pub const FRAME: Self = Self {
         name: "frame",
         besides: &[],
@@ -121,7 +123,7 @@ impl Texts {
         color32: &[text!("wide_sums.inc"), text!("color32")],
     };
 
-    /// Points wider than a pixel, where there may be some.
+    /// Points wider than a pixel, if there may be any.
     #[must_use]
     pub fn wide(variant: Variant) -> Pieces {
         match (variant.fill, variant.together) {

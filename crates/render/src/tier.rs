@@ -3,15 +3,15 @@
 use crate::gpu::{Atomics, Gpu};
 use crate::options::Tier;
 
-/// What the settings ask for is more than the GPU has.
+/// The error that the settings ask for more than the GPU has.
 #[derive(Debug, thiserror::Error)]
 #[error("gpu.tier: the GPU '{name}' has no {wanted}; its best is {best}, and \"auto\" takes that")]
 pub struct NoSuchTier {
     /// The GPU.
     name: String,
-    /// Asked for.
+    /// Name of the tier that was asked for.
     wanted: &'static str,
-    /// What there is.
+    /// Name of the GPU's best tier.
     best: &'static str,
 }
 

@@ -1,10 +1,10 @@
-//! A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come. A node is
-//! drawn from the first frame on that is submitted after all of its points were.
+//! A cloud on its way to the GPU: room for all of it is taken first, then its points are written as they come. A node
+//! is drawn from the first frame on that is submitted after all of its points were.
 
-use crate::cloud_buffers::{CloudBuffers, FILTERED_COLORS, Room, num_extra_slices};
+use crate::cloud_buffers::{Allocator, CloudBuffers, FILTERED_COLORS, num_extra_slices};
 use crate::gpu::Gpu;
 use crate::layout::{Batch, CHILD_ABSENT, ChunkUniform, NO_CHILD, NODE_RESIDENT, Node};
-use crate::pool::Places;
+use crate::pool::BatchPlaces;
 use base::space::Split;
 use base::task::{Cancelled, Progress};
 use bytemuck::Pod;
@@ -21,7 +21,7 @@ const PENDING_BYTES: usize = 64 << 20;
 /// Why a cloud is not on the GPU.
 #[derive(Debug, thiserror::Error)]
 pub enum UploadError {
-    /// It does not fit.
+    /// The cloud does not fit.
     #[error("the GPU has no room for the scan's {points} points ({bytes} bytes): {source}")]
     OutOfMemory {
         /// Points of the scan.
@@ -39,20 +39,20 @@ pub enum UploadError {
     Cancelled(#[from] Cancelled),
 }
 
-/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its nodes (`N`) and batches
-/// (`B`) that a technique's shaders read.
+/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its nodes (`N`) and
+/// batches (`B`) that a technique's shaders read.
 pub struct Whole<'a, N, B> {
     /// Its points and batches.
     pub cloud: &'a Cloud,
-    /// Points that it has for people.
+    /// Number of points to tell people.
     pub num_points: u64,
     /// Its nodes.
     pub nodes: &'a [N],
-    /// The record of batch number …, whose points begin at … of its chunk.
+    /// Makes the record of a batch from its number and the place of its first point in its chunk.
     pub batch: &'a dyn Fn(usize, u32) -> B,
     /// A column beside the colors, by the name that shaders have for it.
     pub column: (&'static str, &'a [u32]),
-    /// What shaders bind besides, by name.
+    /// Buffers that shaders bind besides, by name.
     pub besides: Vec<(&'static str, wgpu::Buffer)>,
 }
 
@@ -75,12 +75,12 @@ pub struct CloudUpload<'a> {
     gpu: &'a Gpu,
     progress: &'a Progress,
     cloud: CloudBuffers,
-    places: Places,
-    /// Of an octree: its nodes as the GPU has them, or will have.
+    places: BatchPlaces,
+    /// Nodes of an octree, as the GPU has them or will have them.
     nodes: Vec<Node>,
-    /// Of an octree: the node of each batch.
+    /// The node of each batch of an octree.
     node_of: Vec<u32>,
-    /// Bytes since the GPU was last waited for.
+    /// Bytes sent since the GPU was last waited for.
     pending: usize,
 }
 
@@ -111,7 +111,7 @@ impl<'a> CloudUpload<'a> {
         })
     }
 
-    /// What can be drawn: the nodes that have come, and those that will.
+    /// The cloud to draw: its nodes that have come, and those that will.
     #[must_use]
     pub fn buffers(&self) -> CloudBuffers {
         self.cloud.clone()
@@ -226,20 +226,21 @@ impl<'a> CloudUpload<'a> {
         let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         let max_batches = max_groups - num_extra_slices(column);
         let starts: Vec<u32> = batches.iter().map(|batch| batch.first_point).collect();
-        // Ids of 32 bits: the builders make no more.
-        let places = Places::new(&starts, num_words as u32, limit, max_batches);
+        // Numbers of words fit 32 bits: the builders make no more.
+        let places = BatchPlaces::new(&starts, num_words as u32, limit, max_batches);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let mut room = Room { gpu, bytes: 0 };
+        let mut allocator = Allocator { gpu, bytes: 0 };
         let storage = wgpu::BufferUsages::STORAGE;
-        let nodes_buffer = room.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
-        let states = room.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
-        let counted = room.take("counted", storage, 4 * nodes.len());
+        let nodes_buffer =
+            allocator.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
+        let states = allocator.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
+        let counted = allocator.take("counted", storage, 4 * nodes.len());
         let chunks = places.chunks.iter().zip(&places.batches);
         let chunk = |(uniform, batches): (&ChunkUniform, &Range<usize>)| {
-            room.chunk(*uniform, (batches.len(), batch_bytes), column)
+            allocator.chunk(*uniform, (batches.len(), batch_bytes), column)
         };
         let chunks = chunks.map(chunk).collect();
-        let bytes = room.bytes;
+        let bytes = allocator.bytes;
         // Vulkan reports at once: the scope's future is ready.
         if let Some(source) = crate::gpu::block_on(scope.pop()) {
             return Err(UploadError::OutOfMemory { points: num_points, bytes, source });
@@ -301,7 +302,7 @@ impl<'a> CloudUpload<'a> {
     ) -> Result<(), UploadError> {
         let Some(last) = run.clone().next_back() else { return Ok(()) };
         let of_run = nodes[run.start].batches.start as usize..nodes[last].batches.end as usize;
-        // What lies together in a chunk goes together.
+        // Batches that lie in the same chunk are sent together.
         let mut from = of_run.start;
         while from < of_run.end {
             let number = self.places.places[from].chunk;
@@ -324,7 +325,7 @@ impl<'a> CloudUpload<'a> {
         self.show(nodes, batches, run, of_run)
     }
 
-    /// Has nodes drawn whose points have been sent: from one frame to the next, with all their batches.
+    /// Has nodes drawn whose points have been sent. All their batches appear in the same frame.
     fn show(
         &mut self,
         nodes: &[octree::Node],

@@ -1,5 +1,5 @@
-//! What the eyes see while there is no scan: a bar that fills, and below it how many hundredths are done. Rectangles that
-//! stand in the room: no text and no window is needed for them.
+//! The picture while there is no scan: a bar that fills, and below it how many hundredths are done. They are rectangles
+//! that stand in the room, which need no text and no window.
 
 use super::Setup;
 use crate::gpu::drawing::Drawing;
@@ -10,17 +10,17 @@ use glam::DVec3;
 /// A rectangle from its lower left to its upper right corner, in metres from the bar's middle, and its brightness.
 type Rectangle = ([f64; 4], f32);
 /// A corner in clip coordinates, and its brightness.
-type Corner = [f32; 5];
+type Vertex = [f32; 5];
 
 /// The bar, metres.
 const BAR: [f64; 4] = [-0.4, -0.02, 0.4, 0.02];
-/// How bright what is done and what is not are, in linear light.
+/// Brightness of the part that is done and of the part that is not, in linear light.
 const BRIGHTNESS: [f32; 2] = [0.6, 0.04];
 /// A digit's width and height, how thick its strokes are, and how far apart digits are: metres.
 const DIGIT: [f64; 4] = [0.05, 0.1, 0.012, 0.075];
 /// Upper edge of the digits.
 const DIGITS_TOP: f64 = -0.07;
-/// The bar's two parts, and three digits of seven strokes.
+/// Rectangles at most: the bar's two parts, and three digits of seven strokes.
 const MOST_RECTANGLES: usize = 2 + 3 * 7;
 const CORNERS_EACH: usize = 6;
 const MOST_CORNERS: usize = MOST_RECTANGLES * CORNERS_EACH;
@@ -29,16 +29,16 @@ const STROKES: [u8; 10] = [0x3f, 0x06, 0x5b, 0x4f, 0x66, 0x6d, 0x7d, 0x07, 0x7f,
 
 /// The bar's corners, made anew for each frame.
 #[derive(Debug)]
-pub(super) struct Waiting {
+pub(super) struct LoadingBar {
     pipeline: wgpu::RenderPipeline,
     corners: wgpu::Buffer,
     is_shown: bool,
 }
 
-impl Waiting {
+impl LoadingBar {
     pub(super) fn new(gpu: &Gpu, setup: &Setup) -> Self {
         let corners = wgpu::VertexBufferLayout {
-            array_stride: size_of::<Corner>() as u64,
+            array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32],
         };
@@ -51,13 +51,13 @@ impl Waiting {
             depth_format: setup.depth_format,
         }
         .pipeline(gpu);
-        let num_bytes = setup.sizes_px.len() * MOST_CORNERS * size_of::<Corner>();
+        let num_bytes = setup.sizes_px.len() * MOST_CORNERS * size_of::<Vertex>();
         let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
         Self { pipeline, corners: gpu.buffer("waiting", num_bytes as u64, usage), is_shown: false }
     }
 
-    /// What frames show from the one on that is submitted next through the same guard: this part of the work done.
-    /// `None`: nothing. Frames recorded before are not changed in whether they show anything.
+    /// Sets what frames show from the one on that is submitted next through the same guard: the part of the work that
+    /// is done. `None` shows nothing. Whether frames recorded before show anything stays as it was.
     pub(super) fn set(
         &mut self,
         queue: &QueueGuard,
@@ -71,7 +71,7 @@ impl Waiting {
         let mut rectangles = [([0.0; 4], 0.0); MOST_RECTANGLES];
         let num = lay(fraction, &mut rectangles);
         for (number, eye) in eyes.iter().enumerate() {
-            let mut corners: [Corner; MOST_CORNERS] = [[0.0; 5]; MOST_CORNERS];
+            let mut corners: [Vertex; MOST_CORNERS] = [[0.0; 5]; MOST_CORNERS];
             for (rectangle, corners) in rectangles[..num].iter().zip(corners.chunks_exact_mut(CORNERS_EACH)) {
                 let ([left, bottom, right, top], brightness) = *rectangle;
                 let places = [
@@ -96,7 +96,7 @@ impl Waiting {
     /// Draws an eye's part into its image.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass, eye: usize) {
         if self.is_shown {
-            // What is not used lies in one point.
+            // Unused corners all lie in one point and draw nothing.
             let first = (eye * MOST_CORNERS) as u32;
             pass.set_pipeline(&self.pipeline);
             pass.set_vertex_buffer(0, self.corners.slice(..));
@@ -105,7 +105,7 @@ impl Waiting {
     }
 }
 
-/// The rectangles of a part done; how many there are.
+/// Lays out the rectangles for a part done, and returns their number.
 fn lay(fraction: f64, rectangles: &mut [Rectangle; MOST_RECTANGLES]) -> usize {
     let fraction = fraction.clamp(0.0, 1.0);
     let [left, bottom, right, top] = BAR;
@@ -122,7 +122,7 @@ fn lay(fraction: f64, rectangles: &mut [Rectangle; MOST_RECTANGLES]) -> usize {
     let [width, height, thick, apart] = DIGIT;
     let mut rest = percent;
     for place in 0..num_digits {
-        // From the last digit on, round the middle.
+        // Digits are laid from the last one on, round the middle.
         let x = (0.5 * num_digits as f64 - place as f64 - 1.0) * apart + 0.5 * (apart - width);
         let (x1, y1) = (x + width, DIGITS_TOP);
         let (y, half) = (y1 - height, y1 - 0.5 * height);

@@ -16,7 +16,7 @@ pub const STAGES: [&str; 6] = ["clear", "lod", "cull", "depth", "color", "resolv
 /// GPU milliseconds of each of [`STAGES`]; NaN where the device gave no time.
 pub type StageMs = [f32; STAGES.len()];
 
-/// What a frame showed: only those of the walk tell how fast a walk is.
+/// What a frame showed: only frames of the walk tell how fast a walk is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
     /// No scan is shown yet.
@@ -29,10 +29,10 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// In the order in which a walk goes through them.
+    /// All phases, in the order in which a walk goes through them.
     pub const ALL: [Self; 3] = [Self::Waiting, Self::Arriving, Self::Walking];
 
-    /// As the log and reports write it.
+    /// Name in the log and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl Phase {
 /// Everything the log says of one frame. Small and `Copy`: it crosses threads by value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameRow {
-    /// Counts from 0.
+    /// Number of the frame, counted from 0.
     pub frame: u64,
     /// Start of the frame on the CPU, seconds since the log began.
     pub time_s: f64,
@@ -68,7 +68,7 @@ pub struct FrameRow {
     pub missed_periods: u32,
     /// Nodes of which `depth` drew something.
     pub visible_nodes: u32,
-    /// Points in the batches that it drew of them.
+    /// Points in the batches that `depth` drew.
     pub points_read: u64,
     /// Points on the GPU.
     pub points_resident: u64,
@@ -82,7 +82,7 @@ pub struct FrameRow {
     pub upload_bytes: u64,
     /// Where the head was and looked, as a pose path has it; `None` while no scan is shown.
     pub world_from_head: Option<Pose>,
-    /// What it showed.
+    /// What the frame showed.
     pub phase: Phase,
     /// Batches that `depth` drew.
     pub visible_batches: u32,
@@ -103,7 +103,7 @@ pub struct RunFacts {
     pub scan: String,
     /// GPU name.
     pub device: String,
-    /// Its driver and version.
+    /// Driver of the GPU, and its version.
     pub driver: String,
     /// OpenXR runtime, or "simulated".
     pub runtime: String,

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// Rows that wait for the disk at most: half a minute at 120 Hz.
 const QUEUE_ROWS: usize = 4096;
-/// What is on the disk is never older than this.
+/// Longest time between two flushes: the log on the disk is never older than this.
 const FLUSH_EVERY: Duration = Duration::from_secs(1);
 
 /// Why no log could be started.
@@ -42,14 +42,14 @@ pub struct LogSummary {
     pub error: Option<String>,
 }
 
-/// A frame log being written. Dropped before [`FrameLog::finish`], it ends with the rows so far; if none of them is of a
-/// scan, nothing is left of it.
+/// A frame log being written. If it is dropped before [`FrameLog::finish`], it ends with the rows so far; if none of
+/// them is of a scan, nothing is left of it.
 #[derive(Debug)]
 pub struct FrameLog {
     /// `None` once finished: the writer ends when the queue has no sender.
     rows: Option<SyncSender<FrameRow>>,
     num_dropped: Arc<AtomicU64>,
-    /// The log is to stay even if no scan was shown.
+    /// True if the log is to stay even if no scan was shown.
     finished: Arc<AtomicBool>,
     writer: Option<JoinHandle<LogSummary>>,
 }
@@ -80,7 +80,7 @@ impl FrameLog {
         Ok(Self { rows: Some(rows), num_dropped, finished, writer: Some(writer) })
     }
 
-    /// Hands a row to the writer: never waits, allocates nothing. If the queue is full the row is counted as
+    /// Hands a row to the writer; never waits, and allocates nothing. If the queue is full the row is counted as
     /// dropped.
     pub fn push(&self, row: FrameRow) {
         let sent = self.rows.as_ref().is_some_and(|rows| rows.try_send(row).is_ok());
@@ -178,7 +178,7 @@ impl Writer {
         // The disk or pipe is gone, and perhaps stderr with it: nothing is left to say it to.
         let _ = writeln!(io::stderr(), "scanwalk: {sentence}; the walk goes on");
         self.summary.error = Some(sentence);
-        // Into parts, not dropped: dropping would try the write once more.
+        // The writer is taken into parts and not dropped: dropping would try the write once more.
         if let Some(out) = self.out.take() {
             drop(out.into_parts());
         }

@@ -17,28 +17,28 @@ const JUMP_S: f64 = 1e-6;
 /// Why a path could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum PosePathError {
-    /// The file.
+    /// The file cannot be read.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's words.
         source: std::io::Error,
     },
-    /// A line in it.
+    /// A line of the file is no pose.
     #[error("{}, line {line}: {what}; a line is time_s,x,y,z,qx,qy,qz,qw", path.display())]
     Line {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Counted from 1.
+        /// Number of the line, counted from 1.
         line: usize,
         /// What is wrong.
         what: &'static str,
     },
-    /// No pose at all.
+    /// The file holds no pose at all.
     #[error("{}: holds no pose; a line is time_s,x,y,z,qx,qy,qz,qw", path.display())]
     Empty {
-        /// Which file.
+        /// The file.
         path: PathBuf,
     },
 }
@@ -96,7 +96,7 @@ impl PosePath {
         (!poses.is_empty()).then_some(Self { poses })
     }
 
-    /// `world_from_head` at a time in seconds; before the first pose the first, after the last the last.
+    /// `world_from_head` at a time in seconds: the first pose before its time, the last one after its time.
     #[must_use]
     pub fn at(&self, time_s: f64) -> Pose {
         let after = self.poses.partition_point(|(t, _)| *t <= time_s);

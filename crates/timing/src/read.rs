@@ -10,16 +10,17 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// Longer lines are in no frame log.
+/// Bytes of a line at most: no frame log has longer ones.
 const MAX_LINE_BYTES: u64 = 64 << 10;
-/// More than a day at 90 Hz, and about 3 GB in memory; a pipe that never ends is no frame log.
+/// Frames of a log at most: more than a day at 90 Hz, and about 3 GB in memory; a pipe that never ends is no frame log.
 const MAX_FRAMES: usize = 8_000_000;
-/// There are two; another version may have a few more.
+/// Qualities of a log at most: there are two, and another version may have a few more.
 const MAX_QUALITIES: usize = 16;
-/// A header has six facts, a frame six stages; another version may have more.
+/// Facts of a header at most: there are six, and another version may have more.
 const MAX_FACTS: usize = 64;
+/// Stages of a frame at most: there are six, and another version may have more.
 const MAX_STAGES: usize = 64;
-/// No time, factor or coordinate is larger: sums stay finite.
+/// Largest time, factor or coordinate that is taken, so that sums stay finite.
 const MAX_NUMBER: f64 = 1e12;
 
 /// Why a file is no frame log.
@@ -38,9 +39,9 @@ pub enum ReadError {
     Format {
         /// The file.
         path: PathBuf,
-        /// Counted from 1.
+        /// Number of the line, counted from 1.
         line: usize,
-        /// What is wrong there.
+        /// What is wrong in that line.
         problem: String,
     },
 }
@@ -48,7 +49,7 @@ pub enum ReadError {
 /// What a report needs of one row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoggedFrame {
-    /// Counts from 0.
+    /// Number of the frame, counted from 0.
     pub frame: u64,
     /// Seconds since the log began.
     pub time_s: f64,
@@ -60,7 +61,7 @@ pub struct LoggedFrame {
     pub gpu_ms: f64,
     /// The frame's budget.
     pub budget_ms: f64,
-    /// The GPU took longer than the budget.
+    /// True if the GPU took longer than the budget.
     pub over_budget: bool,
     /// Display periods without a new image.
     pub missed_periods: u64,
@@ -68,11 +69,12 @@ pub struct LoggedFrame {
     pub lod_scale: f64,
     /// The governor's factor on the image's edge; NaN where the log has none.
     pub resolution_scale: f64,
-    /// Which of [`FrameLogFile::qualities`]; `None` where the log has none.
+    /// Place of its quality in [`FrameLogFile::qualities`]; `None` where the log has none.
     pub quality: Option<u8>,
     /// The head in scan coordinates; `None` where the log has none, and while no scan was shown.
     pub world_from_head: Option<Pose>,
-    /// What it showed. A log without that column, of an older version, tells frames without a scan by their empty head.
+    /// What the frame showed. A log without that column, of an older version, tells frames without a scan by their
+    /// empty head.
     pub phase: Phase,
 }
 
@@ -85,16 +87,17 @@ pub struct FrameLogFile {
     pub stages: Vec<String>,
     /// Names of the qualities that frames were drawn in, in the order in which they first appear.
     pub qualities: Vec<String>,
-    /// Rows.
+    /// The rows.
     pub frames: Vec<LoggedFrame>,
     /// Rows that the writer had no room for.
     pub num_dropped: u64,
-    /// The last line was cut off, and left out.
+    /// True if the last line was cut off, and left out.
     pub cut_off: bool,
 }
 
 impl FrameLogFile {
-    /// What figures are of: the walk; in a log that ends before it begins, what comes last before it.
+    /// The phase whose frames figures are made of: the walk, or in a log that ends before it begins, the last phase
+    /// before it.
     #[must_use]
     pub fn counted_phase(&self) -> Phase {
         let has = |phase: &&Phase| self.frames.iter().any(|frame| frame.phase == **phase);
@@ -114,7 +117,7 @@ impl FrameLogFile {
 /// An unreadable file, or one that is no frame log: with the line.
 pub fn read(path: &Path) -> Result<FrameLogFile, ReadError> {
     let file = File::open(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
-    let mut reading = Reading { path, line: 0, columns: None, log: FrameLogFile::default() };
+    let mut reader = LogReader { path, line: 0, columns: None, log: FrameLogFile::default() };
     let mut lines = BufReader::new(file);
     let mut bytes = Vec::new();
     loop {
@@ -122,25 +125,25 @@ pub fn read(path: &Path) -> Result<FrameLogFile, ReadError> {
         let read = (&mut lines).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes);
         let num_bytes = read.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         if num_bytes == 0 {
-            return reading.finish();
+            return reader.finish();
         }
-        reading.line += 1;
+        reader.line += 1;
         if bytes.pop() != Some(b'\n') {
-            if num_bytes as u64 == MAX_LINE_BYTES || reading.columns.is_none() {
-                return Err(reading.no_frame_log());
+            if num_bytes as u64 == MAX_LINE_BYTES || reader.columns.is_none() {
+                return Err(reader.no_frame_log());
             }
-            reading.log.cut_off = true;
-            return reading.finish();
+            reader.log.cut_off = true;
+            return reader.finish();
         }
         match std::str::from_utf8(&bytes) {
-            Ok(line) => reading.take(line.trim_end_matches('\r'))?,
-            Err(_) => return Err(reading.no_frame_log()),
+            Ok(line) => reader.take(line.trim_end_matches('\r'))?,
+            Err(_) => return Err(reader.no_frame_log()),
         }
     }
 }
 
-/// The state between two lines.
-struct Reading<'a> {
+/// State of the reader between two lines.
+struct LogReader<'a> {
     path: &'a Path,
     line: usize,
     columns: Option<Columns>,
@@ -165,7 +168,7 @@ struct Columns {
     phase: Option<usize>,
 }
 
-impl Reading<'_> {
+impl LogReader<'_> {
     fn error(&self, problem: String) -> ReadError {
         ReadError::Format { path: self.path.to_owned(), line: self.line, problem }
     }
@@ -283,7 +286,7 @@ impl Columns {
     }
 }
 
-/// A number that is not beyond all measure.
+/// A number that is at most [`MAX_NUMBER`] from 0.
 fn number(cell: &str) -> Result<f64, String> {
     let value = cell.parse().ok().filter(|value: &f64| value.abs() <= MAX_NUMBER);
     value.ok_or_else(|| not_a("number", cell))

@@ -11,13 +11,13 @@ pub(super) const EYE_HEIGHT_M: f32 = 1.6;
 
 /// The views that the next layer is submitted with, left then right.
 ///
-/// Kept as the runtime gave them (f32, angles): the layer must repeat them exactly, or the runtime would
+/// They are kept as the runtime gave them (f32, angles): the layer must repeat them exactly, or the runtime would
 /// reproject by the difference.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Eyes([xr::View; 2]);
 
 impl Eyes {
-    /// Before anything is located: standing at the origin, eyes 64 mm apart, 90° of view.
+    /// The eyes before anything is located: standing at the origin, eyes 64 mm apart, 90° of view.
     pub fn standing() -> Self {
         Self([-0.032, 0.032].map(|x| {
             let quarter = std::f32::consts::FRAC_PI_4;
@@ -59,14 +59,15 @@ impl Eyes {
         }
     }
 
-    /// As OpenXR wants them for the layer.
+    /// The views as OpenXR wants them for the layer.
     pub fn views(&self) -> &[xr::View; 2] {
         &self.0
     }
 
-    /// As the walk wants them, in the space that they were located in, looking in a direction of that space.
+    /// The eyes as the walk wants them, in the space that they were located in, with the direction of the gaze in that
+    /// space.
     ///
-    /// Both look the same way: what they lack in convergence is small against the fovea's rings.
+    /// Both eyes look the same way: what they lack in convergence is small against the fovea's rings.
     pub fn in_stage(&self, gaze_in_stage: Option<DVec3>) -> [StageEye; 2] {
         self.0.map(|view| {
             let (q, p, fov) = (view.pose.orientation, view.pose.position, view.fov);
@@ -123,7 +124,7 @@ mod tests {
         eyes.update(tracked(), &[turned(), Eyes::standing().0[1]]);
         let [left, right] = eyes.in_stage(None);
         assert_eq!(left.stage_from_view.position, DVec3::new(1.0, 2.0, 3.0));
-        // Turned left about y: looking along −x.
+        // An eye turned left about y looks along −x.
         let forward = left.stage_from_view.orientation * DVec3::NEG_Z;
         assert!((forward - DVec3::NEG_X).length() < 1e-6, "{forward}");
         assert!((left.fov.left - f64::from(-0.9_f32).tan()).abs() < 1e-12);
@@ -135,7 +136,7 @@ mod tests {
     fn the_gaze_turns_with_the_eye() {
         let mut eyes = Eyes::standing();
         eyes.update(tracked(), &[turned(), Eyes::standing().0[1]]);
-        // Where the left eye's view points, and to the left of the right eye's.
+        // The gaze goes where the left eye's view points, which is to the left of the right eye's view.
         let [left, right] = eyes.in_stage(Some(DVec3::NEG_X)).map(|eye| eye.gaze_in_view.unwrap());
         assert!((left - DVec3::NEG_Z).length() < 1e-6, "{left}");
         assert!((right - DVec3::NEG_X).length() < 1e-6, "{right}");
@@ -146,7 +147,7 @@ mod tests {
         let mut eyes = Eyes::standing();
         eyes.update(tracked(), &[turned(), turned()]);
         let before = eyes;
-        // Tracking lost: openxr hands out zeros; an all-zero field of view comes with it.
+        // Tracking is lost: openxr hands out zeros, and an all-zero field of view comes with them.
         let lost = xr::View {
             pose: xr::Posef::default(),
             fov: xr::Fovf { angle_left: 0.0, angle_right: 0.0, angle_up: 0.0, angle_down: 0.0 },

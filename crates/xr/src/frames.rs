@@ -8,13 +8,13 @@ use raw::depth_layer::DepthInfo;
 use render::gpu::QueueGuard;
 
 /// xrWaitFrame, xrBeginFrame, xrEndFrame; the openxr objects do not leave this struct.
-pub(super) struct Frames {
+pub(super) struct FrameCalls {
     waiter: xr::FrameWaiter,
     stream: xr::FrameStream<xr::Vulkan>,
     blend_mode: xr::EnvironmentBlendMode,
 }
 
-impl Frames {
+impl FrameCalls {
     pub fn new(
         waiter: xr::FrameWaiter,
         stream: xr::FrameStream<xr::Vulkan>,
@@ -28,18 +28,18 @@ impl Frames {
         self.waiter.wait()
     }
 
-    /// The frame's GPU work begins.
+    /// Begins the frame's GPU work.
     pub fn begin(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<()> {
         self.stream.begin()
     }
 
-    /// The frame is finished and shows nothing.
+    /// Ends the frame, which shows nothing.
     pub fn end_empty(&mut self, _queue: &QueueGuard<'_>, display_time: xr::Time) -> xr::Result<()> {
         self.stream.end(display_time, self.blend_mode, &[])
     }
 
-    /// The frame is finished and shows the images last released, drawn for `eyes` in `stage`; depth images, if
-    /// there are any, hold `near_m` ÷ w.
+    /// Ends the frame, which shows the images last released, drawn for `eyes` in `stage`; depth images, if there are
+    /// any, hold `near_m` ÷ w.
     pub fn end(
         &mut self,
         _queue: &QueueGuard<'_>,

@@ -48,7 +48,7 @@ impl Gaze {
     }
 }
 
-/// The −z axis; `None` if it is no rotation.
+/// The −z axis of a rotation; `None` if `q` is no rotation.
 fn forward(q: xr::Quaternionf) -> Option<DVec3> {
     let q = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into());
     // The specification demands unit length within 1%.

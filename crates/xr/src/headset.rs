@@ -15,7 +15,7 @@ pub enum FrameState {
         predicted_display_ns: i64,
         /// Nanoseconds between two displays.
         period_ns: i64,
-        /// False: nobody would see it.
+        /// False if nobody would see the frame.
         should_render: bool,
     },
     /// No session runs just now; ask again.
@@ -29,9 +29,9 @@ pub enum FrameState {
 pub struct StageEye {
     /// Pose of the eye in the stage.
     pub stage_from_view: Pose,
-    /// Its field of view.
+    /// Field of view of the eye.
     pub fov: Fov,
-    /// Where it looks, in view space, unit length; `None`: nobody tracks it.
+    /// Direction of the gaze in view space, unit length; `None` if nobody tracks it.
     pub gaze_in_view: Option<DVec3>,
 }
 
@@ -40,7 +40,7 @@ pub struct StageEye {
 pub struct ControllerInput {
     /// Left stick, x right, y forward, each −1 to 1.
     pub left_stick: [f32; 2],
-    /// Right stick, same.
+    /// Right stick, x right, y forward, each −1 to 1.
     pub right_stick: [f32; 2],
     /// Reset pressed in this frame (an edge, not a level).
     pub reset: bool,
@@ -51,16 +51,17 @@ pub struct ControllerInput {
 pub struct EyeImages {
     /// What the eyes see.
     pub color: [wgpu::Texture; 2],
-    /// How far away it is, where the headset takes that: as large as `color`, to be rendered to. A pixel holds
-    /// near ÷ depth, where depth is the linear one (w) and near that of the settings (`frame.near_m`), both in
-    /// one unit: 1 at the near plane, 0 infinitely far away and where nothing is.
+    /// Depth images, if the headset takes them: as large as `color`, to be rendered to. A pixel holds near ÷ depth,
+    /// where depth is the linear one (w) and near that of the settings (`frame.near_m`), both in one unit: 1 at the
+    /// near plane, 0 infinitely far away and where nothing is.
     pub depth: Option<[wgpu::Texture; 2]>,
 }
 
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
 ///
-/// Calls fail with a [`Fault`], which says what was lost; whether the walk goes on without it is for the caller to decide.
+/// Calls fail with a [`Fault`], which says what was lost; whether the walk goes on without it is for the caller to
+/// decide.
 pub trait Headset: Send {
     /// For the log: "Monado(XRT) 25.0.0", "simulated".
     fn runtime(&self) -> String;
@@ -74,8 +75,8 @@ pub trait Headset: Send {
     fn depth_format(&self) -> Option<wgpu::TextureFormat> {
         None
     }
-    /// What the lenses hide, left then right, when that is new: with the first frame, and after a change. `None`
-    /// for ever if the headset does not tell, or is not to be asked.
+    /// What the lenses hide, left then right, when that is new: with the first frame, and after a change. It is always
+    /// `None` if the headset does not tell, or is not to be asked.
     fn hidden_area(&mut self) -> Option<[HiddenArea; 2]> {
         None
     }
@@ -84,12 +85,12 @@ pub trait Headset: Send {
     fn is_simulated(&self) -> bool {
         false
     }
-    /// From the next `submit` on, only so many pixels of each image are drawn, from the top left corner, and the
-    /// display stretches them over the whole view. At first it is all of them.
+    /// Sets how many pixels of each image are drawn from the next `submit` on, from the top left corner; the display
+    /// stretches them over the whole view. At first all pixels are drawn.
     fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
     /// Handles events, then blocks until the next frame should begin.
     fn wait(&mut self) -> Result<FrameState, Fault>;
-    /// Controllers, as of now.
+    /// Input of the controllers as of now.
     fn input(&mut self) -> Result<ControllerInput, Fault>;
     /// The eyes' images to draw into; valid until `submit`.
     fn acquire(&mut self) -> Result<EyeImages, Fault>;

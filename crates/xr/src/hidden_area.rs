@@ -1,8 +1,7 @@
 //! The part of an eye's image that the lenses hide, from the runtime's triangles to one bit a pixel.
 //!
-//! The triangles come in tangents, so they fit any field of view and resolution; the frame wants pixels. A
-//! pixel is hidden only if hidden triangles cover its whole square: at the border a pixel too many is drawn, and
-//! none is missing.
+//! The triangles come in tangents, so they fit any field of view and resolution; the frame wants pixels. A pixel is
+//! hidden only if hidden triangles cover its whole square: at the border too many pixels are drawn rather than too few.
 
 use base::space::Fov;
 use glam::DVec2;
@@ -38,8 +37,11 @@ impl HiddenArea {
     /// [`mask_words_per_row`] words each. Bits beyond the width are 0.
     #[must_use]
     pub fn rasterize(&self, fov: &Fov, size_px: [u32; 2]) -> Vec<u32> {
-        let triangles: Vec<Triangle> =
-            self.triangles.iter().filter_map(|corners| Triangle::in_pixels(corners, fov, size_px)).collect();
+        let triangles: Vec<PixelTriangle> = self
+            .triangles
+            .iter()
+            .filter_map(|corners| PixelTriangle::in_pixels(corners, fov, size_px))
+            .collect();
         let mut mask = Mask::new(size_px);
         // Columns of the row that a triangle covers in part, with that triangle.
         let mut partly = Vec::new();
@@ -64,7 +66,7 @@ impl HiddenArea {
     }
 }
 
-/// Bits of an image.
+/// A bit for each pixel of an image.
 struct Mask {
     words: Vec<u32>,
     words_per_row: usize,
@@ -122,13 +124,13 @@ impl HalfPlane {
     }
 }
 
-/// A triangle in pixels: what lies inside all of its sides.
-struct Triangle {
+/// A triangle in pixels: the area inside all of its sides.
+struct PixelTriangle {
     corners: [DVec2; 3],
     sides: [HalfPlane; 3],
 }
 
-impl Triangle {
+impl PixelTriangle {
     /// `None` if it has no area, or a corner that is no number or too far away.
     fn in_pixels(corners: &[[f32; 2]; 3], fov: &Fov, size_px: [u32; 2]) -> Option<Self> {
         let [width, height] = size_px.map(f64::from);
@@ -149,7 +151,7 @@ impl Triangle {
         is_one.then(|| Self { corners, sides: [0, 1, 2].map(side) })
     }
 
-    /// Whether it reaches into row `y`.
+    /// True if it reaches into row `y`.
     fn meets(&self, y: u32) -> bool {
         let (low, high) = self.reach(|corner| corner.y);
         low < f64::from(y + 1) && high > f64::from(y)
@@ -188,9 +190,9 @@ fn pixels(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
     (from as u32).min(size)..(to as u32).min(size)
 }
 
-/// Whether the triangles together cover the pixel: cuts each out of its square and sees what is left.
-fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: u32) -> bool {
-    let mut left = vec![Piece::square(f64::from(x), f64::from(y))];
+/// True if the triangles together cover the pixel. Each one is cut out of the pixel's square, until nothing is left.
+fn cover_together<'a>(triangles: impl Iterator<Item = &'a PixelTriangle>, x: u32, y: u32) -> bool {
+    let mut left = vec![ConvexPolygon::square(f64::from(x), f64::from(y))];
     for triangle in triangles {
         let mut outside = Vec::new();
         for mut piece in left {
@@ -198,7 +200,7 @@ fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: 
                 if piece.is_inside(side) {
                     continue;
                 }
-                // Too intricate a pixel is drawn.
+                // A pixel whose pieces get too many corners is drawn.
                 let Some([within, without]) = piece.split(side) else { return false };
                 if without.area() > SLIVER {
                     outside.push(without);
@@ -211,17 +213,17 @@ fn cover_together<'a>(triangles: impl Iterator<Item = &'a Triangle>, x: u32, y: 
     left.is_empty()
 }
 
-/// Corners that a [`Piece`] can have.
+/// Corners that a [`ConvexPolygon`] can have.
 const MAX_CORNERS: usize = 12;
 
 /// A convex part of a pixel.
 #[derive(Clone, Copy)]
-struct Piece {
+struct ConvexPolygon {
     corners: [DVec2; MAX_CORNERS],
     num_corners: usize,
 }
 
-impl Piece {
+impl ConvexPolygon {
     const EMPTY: Self = Self { corners: [DVec2::ZERO; MAX_CORNERS], num_corners: 0 };
 
     fn square(x: f64, y: f64) -> Self {

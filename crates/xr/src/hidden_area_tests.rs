@@ -3,9 +3,9 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Asymmetric, as headsets are.
+/// A field of view that is asymmetric, as those of headsets are.
 const FOV: Fov = Fov { left: -1.2, right: 0.9, up: 1.0, down: -1.1 };
-/// No multiple of a word.
+/// An image whose width is no multiple of a word.
 const SIZE_PX: [u32; 2] = [45, 37];
 
 fn is_set(words: &[u32], x: u32, y: u32) -> bool {
@@ -100,11 +100,11 @@ fn both_counts_can_fail() {
     assert!(num_missed(&area, &vec![0; words.len()]) > 700);
 }
 
-/// What a test of corners and centre alone would hide.
+/// A test of corners and centre alone would hide this pixel.
 #[test]
 fn a_hole_between_corners_keeps_its_pixel() {
     let fov = Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 };
-    // Everything but a strip through the only pixel, between its centre and its corners.
+    // Everything is hidden except a strip through the only pixel, between its centre and its corners.
     let (below, above) = ([[-9.0, -9.0], [9.0, -9.0]], [[-9.0, 9.0], [9.0, 9.0]]);
     let band = |[a, b]: [[f32; 2]; 2], y: f32| [[a, b, [9.0, y]], [a, [9.0, y], [-9.0, y]]];
     let strip = |from, to| HiddenArea { triangles: [band(below, from), band(above, to)].concat() };
@@ -131,7 +131,7 @@ fn up_is_up_and_left_is_left() {
     let fov = Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 };
     let top_left = HiddenArea { triangles: vec![[[-1.0, 1.0], [1.0, 1.0], [-1.0, -1.0]]] };
     assert_eq!(top_left.rasterize(&fov, [4, 4]), [0b0111, 0b0011, 0b0001, 0]);
-    // The same corners the other way round.
+    // These are the same corners the other way round.
     let reversed = HiddenArea { triangles: vec![[[-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]] };
     assert_eq!(reversed.rasterize(&fov, [4, 4]), [0b0111, 0b0011, 0b0001, 0]);
 }

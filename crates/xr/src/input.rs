@@ -5,7 +5,7 @@ use crate::ControllerInput;
 use glam::DVec3;
 use openxr as xr;
 
-/// Bindings of one kind of controller. Empty: it has nothing of the kind.
+/// Bindings of one kind of controller. A list is empty if the controller has nothing of the kind.
 struct Profile {
     name: &'static str,
     left_stick: &'static [&'static str],
@@ -114,7 +114,7 @@ impl Input {
         without_on_failure(located)?
     }
 
-    /// Reads the controllers as of now; at rest while the session is not in focus or a hand is away.
+    /// Reads the controllers as of now; they are at rest while the session is not in focus or a hand is away.
     ///
     /// # Errors
     /// What the runtime says.

@@ -42,11 +42,11 @@ const DRAIN_TIME: Duration = Duration::from_secs(5);
 pub struct XrOptions {
     /// Factor on the width and height that the runtime recommends.
     pub resolution_scale: f64,
-    /// Hand depth to the runtime where it takes it, for its reprojection.
+    /// True to hand depth to the runtime for its reprojection, if it takes depth.
     pub depth_layer: bool,
-    /// Ask the runtime what the lenses hide, where it tells.
+    /// True to ask the runtime what the lenses hide, if it tells.
     pub visibility_mask: bool,
-    /// What depth images are relative to: the frame's near plane, metres.
+    /// The frame's near plane, which depth images are relative to, metres.
     pub near_m: f64,
 }
 
@@ -108,7 +108,7 @@ impl XrHeadset {
         self.session().life.state()
     }
 
-    /// Whether the session has been in focus at any time.
+    /// True if the session has been in focus at any time.
     #[must_use]
     pub fn reached_focus(&self) -> bool {
         self.session().life.reached_focus()
@@ -127,12 +127,12 @@ impl XrHeadset {
     }
 
     fn session(&self) -> &XrSession {
-        // Only `drop` takes it.
+        // Only `drop` takes the session.
         self.session.as_ref().expect("the session is there until the headset is dropped")
     }
 
     fn session_mut(&mut self) -> &mut XrSession {
-        // Only `drop` takes it.
+        // Only `drop` takes the session.
         self.session.as_mut().expect("the session is there until the headset is dropped")
     }
 }

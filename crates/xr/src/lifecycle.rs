@@ -1,5 +1,5 @@
-//! The session's state machine: what the runtime's events ask of us. Knows no OpenXR object, so it is tested
-//! without a runtime.
+//! The session's state machine: what the runtime's events ask of us. It knows no OpenXR object, so it is tested without
+//! a runtime.
 //!
 //! ```text
 //! IDLE ─▶ READY ─begin▶ SYNCHRONIZED ⇄ VISIBLE ⇄ FOCUSED
@@ -45,12 +45,12 @@ impl Lifecycle {
         }
     }
 
-    /// The runtime's latest word.
+    /// The state that the runtime last announced.
     pub fn state(&self) -> SessionState {
         self.state
     }
 
-    /// Whether the user ever had it in focus.
+    /// True if the user ever had the session in focus.
     pub fn reached_focus(&self) -> bool {
         self.reached_focus
     }
@@ -60,12 +60,12 @@ impl Lifecycle {
         self.running && self.ended.is_none()
     }
 
-    /// The reason once it is over.
+    /// Why the session is over, once it is.
     pub fn ended(&self) -> Option<End> {
         self.ended
     }
 
-    /// The runtime announced a state.
+    /// Takes in a state that the runtime announced.
     pub fn enter(&mut self, state: SessionState) -> Option<Duty> {
         self.state = state;
         match state {
@@ -87,13 +87,13 @@ impl Lifecycle {
         None
     }
 
-    /// It is over. The first reason is the one that is told.
+    /// Ends the session. The first reason is the one that is told.
     pub fn end(&mut self, reason: End) {
         self.ended.get_or_insert(reason);
         self.running = false;
     }
 
-    /// A call's result. A loss ends the session and yields `None`; other failures are errors.
+    /// Takes in a call's result. A loss ends the session and yields `None`; other failures are errors.
     pub fn survive<T>(&mut self, call: &'static str, result: xr::Result<T>) -> Result<Option<T>, Fault> {
         match result {
             Ok(value) => Ok(Some(value)),
@@ -109,7 +109,8 @@ impl Lifecycle {
         }
     }
 
-    /// The user asked to leave at `now`. True: tell the runtime; false: there is no running session to end.
+    /// Takes in that the user asked to leave at `now`. True if the runtime is to be told; false if it has been, or if
+    /// there is no running session to end.
     pub fn ask_exit(&mut self, now: Instant) -> bool {
         if !self.running() {
             self.end(End::ByUser);

@@ -4,7 +4,7 @@ use super::runtime::STEREO;
 use crate::hidden_area::HiddenArea;
 use openxr as xr;
 
-/// When to ask.
+/// Tells when to ask for the mask.
 pub(super) struct VisibilityMask {
     is_new: bool,
 }
@@ -16,13 +16,13 @@ impl Default for VisibilityMask {
 }
 
 impl VisibilityMask {
-    /// The runtime has another mask; it says so once an eye.
+    /// Takes in that the runtime has another mask, which it says once an eye.
     pub fn changed(&mut self) {
         self.is_new = true;
     }
 
-    /// Both eyes' masks, if they are new. A runtime that fails here hides nothing: the frame is as good, only
-    /// dearer.
+    /// Both eyes' masks, if they are new. If the runtime fails here, nothing is hidden: the frame looks the same and
+    /// takes longer.
     pub fn take_new(&mut self, session: &xr::Session<xr::Vulkan>) -> Option<[HiddenArea; 2]> {
         if !std::mem::take(&mut self.is_new) {
             return None;

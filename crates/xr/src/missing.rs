@@ -47,7 +47,7 @@ pub enum XrMissing {
         /// Name and version of the runtime.
         runtime: String,
     },
-    /// What is connected does not show one image an eye.
+    /// The connected device does not show one image an eye.
     #[error("'{headset}' is not a stereo headset: scanwalk needs one image for each of two eyes")]
     NotStereo {
         /// Name of the device, as the runtime gives it.
@@ -77,7 +77,7 @@ pub enum XrMissing {
         /// Its result.
         result: openxr::sys::Result,
     },
-    /// No 8-bit sRGB image format.
+    /// The runtime has no 8-bit sRGB image format.
     #[error("the OpenXR runtime '{runtime}' offers no 8-bit sRGB image format: update it or choose another")]
     NoImageFormat {
         /// Name and version of the runtime.
@@ -101,7 +101,8 @@ impl From<DeviceError> for XrMissing {
     }
 }
 
-/// What the GPU lacks that every frame needs. [`GpuError::Lacking`] advises `--adapter`, which does not choose a headset's GPU.
+/// What the GPU lacks that every frame needs. [`GpuError::Lacking`] advises `--adapter`, which does not choose a
+/// headset's GPU.
 pub(super) fn lacking(error: GpuError) -> String {
     match error {
         GpuError::Lacking { missing, .. } => format!("it lacks {missing}"),

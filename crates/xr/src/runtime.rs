@@ -10,15 +10,15 @@ pub(super) const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::
 /// What the runtime offers beyond the needs of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offers {
-    /// Takes depth images beside the color images, for better reprojection.
+    /// True if it takes depth images beside the color images, for better reprojection.
     pub depth_layer: bool,
-    /// Tells which pixels the lenses hide.
+    /// True if it tells which pixels the lenses hide.
     pub visibility_mask: bool,
-    /// Knows eye trackers; whether one is there shows only in use.
+    /// True if it knows eye trackers; whether one is there shows only in use.
     pub eye_gaze: bool,
-    /// Tells the display's refresh rate.
+    /// True if it tells the display's refresh rate.
     pub refresh_rate: bool,
-    /// Has a reference space at the user's place with its floor at 0.
+    /// True if it has a reference space at the user's place with its floor at 0.
     pub local_floor: bool,
 }
 
@@ -26,7 +26,7 @@ pub struct Offers {
 pub(super) struct Runtime {
     pub xr: xr::Instance,
     pub system: xr::SystemId,
-    /// "Monado(XRT) 25.0.0".
+    /// Name and version: "Monado(XRT) 25.0.0".
     pub name: String,
     /// The headset, as the runtime calls it.
     pub headset: String,
@@ -62,7 +62,7 @@ impl Runtime {
             application_version: 1,
             engine_name: "scanwalk",
             engine_version: 1,
-            // Nothing here is newer, and every runtime has it.
+            // Nothing that is used here is newer, and every runtime has this version.
             api_version: xr::Version::new(1, 0, 0),
         };
         let xr =
@@ -122,7 +122,7 @@ impl Runtime {
 /// For `map_err` of the first calls: no runtime at all, or one that fails.
 fn no_runtime(call: &'static str) -> impl FnOnce(xr::sys::Result) -> XrMissing {
     move |result| match result {
-        // A manifest that does not exist or cannot be read.
+        // The runtime's manifest does not exist or cannot be read.
         xr::sys::Result::ERROR_RUNTIME_UNAVAILABLE | xr::sys::Result::ERROR_FILE_ACCESS_ERROR => {
             XrMissing::NoRuntime
         }

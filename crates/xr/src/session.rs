@@ -2,7 +2,7 @@
 
 use super::eyes::{EYE_HEIGHT_M, Eyes};
 use super::fault::{End, Fault};
-use super::frames::{Frames, locate};
+use super::frames::{FrameCalls, locate};
 use super::input::Input;
 use super::lifecycle::{Duty, Lifecycle};
 use super::mask::VisibilityMask;
@@ -17,7 +17,7 @@ use render::gpu::Gpu;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Assumed until the runtime has told its display's rate.
+/// Refresh rate that is assumed until the runtime has told its display's.
 const DEFAULT_REFRESH_HZ: f64 = 90.0;
 
 /// A frame between `wait` and `submit`.
@@ -32,7 +32,7 @@ pub(super) struct XrSession {
     stage: xr::Space,
     stage_kind: xr::ReferenceSpaceType,
     input: Input,
-    frames: Frames,
+    frames: FrameCalls,
     session: xr::Session<xr::Vulkan>,
     xr: xr::Instance,
     gpu: Arc<Gpu>,
@@ -40,7 +40,7 @@ pub(super) struct XrSession {
     pub refresh_hz: f64,
     pub life: Lifecycle,
     mask: Option<VisibilityMask>,
-    /// What depth images are relative to.
+    /// The near plane that depth images are relative to, metres.
     near_m: f32,
     eyes: Eyes,
     frame: Option<OpenFrame>,
@@ -85,7 +85,7 @@ impl XrSession {
             stage,
             stage_kind,
             input,
-            frames: Frames::new(waiter, stream, blend_mode),
+            frames: FrameCalls::new(waiter, stream, blend_mode),
             session,
             xr: runtime.xr.clone(),
             gpu: Arc::clone(gpu),
@@ -103,7 +103,7 @@ impl XrSession {
         self.images.sizes_px()
     }
 
-    /// The part of each eye's image that the next layers show.
+    /// Sets the part of each eye's image that the next layers show.
     pub fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
         self.images.set_drawn_px(drawn_px);
     }
@@ -157,8 +157,8 @@ impl XrSession {
                 xr::Event::SessionStateChanged(event) => self.enter(event.state())?,
                 xr::Event::InstanceLossPending(_) => self.life.end(End::RuntimeLost),
                 xr::Event::ReferenceSpaceChangePending(event) => {
-                    // Recentred by the user. The runtime moves the space under us at the change time; all
-                    // that we remember in it is the last good pose, which the next `locate` replaces.
+                    // The user has recentred the space. The runtime moves it under us at the change time; all that we
+                    // remember in it is the last good pose, which the next `locate` replaces.
                     let ours = event.reference_space_type() == self.stage_kind;
                     tracing::info!(
                         "the headset's {:?} space moves (in use: {ours})",
@@ -194,7 +194,7 @@ impl XrSession {
         Ok(())
     }
 
-    /// Controllers; at rest after a loss.
+    /// Input of the controllers; at rest after a loss.
     pub fn input(&mut self) -> Result<ControllerInput, Fault> {
         let read = self.input.read(&self.session);
         Ok(self.life.survive("xrSyncActions", read)?.unwrap_or_default())
@@ -257,7 +257,7 @@ impl XrSession {
     }
 }
 
-/// Depth images, where the runtime has a format that fits; without them all goes on as well.
+/// Adds depth images, if the runtime has a format that fits; without them all goes on as well.
 fn add_depth(images: &mut EyeSwapchains, session: &xr::Session<xr::Vulkan>, gpu: &Gpu, offered: &[u32]) {
     match ImageFormat::depth(offered).map(|format| images.add_depth(session, gpu, format)) {
         Some(Ok(())) => {

@@ -54,7 +54,7 @@ impl ImageFormat {
         self.wgpu.has_depth_aspect()
     }
 
-    /// As the swapchain is created.
+    /// The kind of image that the swapchain is created with.
     fn image_kind(self, size_px: [u32; 2]) -> ImageKind {
         let (uses, usages) = if self.is_depth() {
             (
@@ -73,7 +73,7 @@ impl ImageFormat {
         ImageKind { size_px, format: self.wgpu, uses, usages, handover: self.handover() }
     }
 
-    /// What runtimes hand images out for, and expect them back in: COLOR_ATTACHMENT_OPTIMAL or
+    /// The use in whose layout runtimes hand images out and expect them back: COLOR_ATTACHMENT_OPTIMAL or
     /// DEPTH_STENCIL_ATTACHMENT_OPTIMAL.
     fn handover(self) -> wgpu::TextureUses {
         if self.is_depth() { wgpu::TextureUses::DEPTH_STENCIL_WRITE } else { wgpu::TextureUses::COLOR_TARGET }
@@ -88,7 +88,7 @@ pub(super) struct EyeSwapchains {
 
 /// One eye's swapchain of one kind.
 struct EyeSwapchain {
-    /// Declared, and so dropped, before the swapchain that owns their memory.
+    /// Images, declared and so dropped before the swapchain that owns their memory.
     images: Vec<wgpu::Texture>,
     swapchain: xr::Swapchain<xr::Vulkan>,
     format: ImageFormat,
@@ -103,7 +103,7 @@ struct EyeSwapchain {
 pub(super) struct ClosedFrame(wgpu::CommandBuffer);
 
 impl EyeSwapchains {
-    /// Creates both, at `sizes_px`, without depth.
+    /// Creates both eyes' swapchains, at `sizes_px`, without depth.
     ///
     /// # Errors
     /// What the runtime says.
@@ -140,10 +140,10 @@ impl EyeSwapchains {
         [self.color[0].size_px, self.color[1].size_px]
     }
 
-    /// Layers show only so many pixels of each image from now on, from the top left corner.
+    /// Has layers show only this many pixels of each image from now on, from the top left corner.
     pub fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
         for (eye, drawn_px) in self.all_mut().zip([drawn_px, drawn_px].concat()) {
-            // Beyond the image, runtimes refuse the frame.
+            // Runtimes refuse a frame that reaches beyond the image.
             eye.drawn_px = [0, 1].map(|axis: usize| drawn_px[axis].clamp(1, eye.size_px[axis]));
         }
     }
@@ -171,14 +171,14 @@ impl EyeSwapchains {
         let indices: Vec<usize> = self.all_mut().map(|eye| eye.acquire(&guard)).collect::<xr::Result<_>>()?;
         drop(guard);
         for (eye, index) in self.all_mut().zip(indices) {
-            // Not a shorter time: the openxr crate takes an expired one for success.
+            // A shorter time will not do: the openxr crate takes an expired one for success.
             eye.swapchain.wait_image(xr::Duration::INFINITE)?;
             eye.acquired = Some(index);
         }
         Ok(())
     }
 
-    /// The images to draw into: those acquired.
+    /// The acquired images, to draw into.
     pub fn images(&self) -> EyeImages {
         let of = |eyes: &[EyeSwapchain; 2]| eyes.each_ref().map(|eye| eye.image().clone());
         EyeImages { color: of(&self.color), depth: self.depth.as_ref().map(of) }
@@ -246,7 +246,7 @@ impl EyeSwapchain {
             array_size: 1,
             mip_count: 1,
         })?;
-        // Only a help for debuggers: a runtime that refuses it is none the worse.
+        // The name only helps debuggers: a runtime that refuses it is none the worse.
         let _ = swapchain.set_name(name);
         let images = raw::image::textures(&gpu.device, &swapchain, format.image_kind(size_px), name)?;
         Ok(Self { images, swapchain, format, size_px, drawn_px: size_px, acquired: None })
@@ -256,7 +256,7 @@ impl EyeSwapchain {
         Ok(self.swapchain.acquire_image()? as usize)
     }
 
-    /// The image acquired, or any: after a loss the walk may still finish the frame that nobody will see.
+    /// The acquired image, or any: after a loss the walk may still finish the frame that nobody will see.
     fn image(&self) -> &wgpu::Texture {
         &self.images[self.acquired.unwrap_or(0)]
     }

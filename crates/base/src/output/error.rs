@@ -7,64 +7,64 @@ use std::path::{Path, PathBuf};
 /// What is wrong with an output.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The ending says that it is something else.
+    /// The name's ending says that the output is something else.
     #[error("{option} {}: {} needs a name that ends in {}{}", path.display(), kind.name(), endings(*kind), pattern_hint(path))]
     Ending {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
-        /// What was to be written.
+        /// The kind of output.
         kind: OutputKind,
     },
-    /// Writing it would destroy something that is read.
+    /// Writing the output would destroy something that is read.
     #[error("{option} {} would be written over {}, which is read as {what}; name another file", path.display(), read.display())]
     IsRead {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
         /// The same file, as it is read.
         read: PathBuf,
-        /// "a scan".
+        /// What the file is read as, such as "a scan".
         what: &'static str,
     },
-    /// What has its name is not such a file, or is a scan: it may be all that the user has.
+    /// The file that has the name is not of the output's kind, or is a scan, which may be all that the user has.
     #[error("{option} {}: {}; name another file, or add --force to replace it", path.display(), exists(*kind))]
     Exists {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
-        /// What was to be written.
+        /// The kind of output.
         kind: OutputKind,
     },
-    /// What is printed goes into a file that is read.
+    /// Stdout, on which the command prints, goes into a file that is read.
     #[error("stdout goes into {}, which is read as {what}; send it to another file", read.display())]
     StdoutIsRead {
-        /// The file.
+        /// The file that is read.
         read: PathBuf,
-        /// "a scan".
+        /// What the file is read as, such as "a scan".
         what: &'static str,
     },
     /// Two outputs are one file.
     #[error("{option} {} and {other_option} {} are the same file; name another for one of them", path.display(), other.display())]
     Twice {
-        /// "--depth".
+        /// The option of one, such as "--depth".
         option: &'static str,
-        /// As written.
+        /// The path of one, as the user wrote it.
         path: PathBuf,
-        /// "-o".
+        /// The option of the other, such as "-o".
         other_option: &'static str,
-        /// As written.
+        /// The path of the other, as the user wrote it.
         other: PathBuf,
     },
-    /// It cannot be stdout, or this pipe or device.
+    /// The output cannot go to stdout, or to this pipe or device.
     #[error("{option} {}: {problem}", path.display())]
     Stream {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
         /// What is wrong and what to do.
         problem: &'static str,
@@ -72,27 +72,27 @@ pub enum OutputError {
     /// A folder has the name.
     #[error("{option} {}: is a folder; name a file in it", path.display())]
     IsFolder {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
     },
     /// There is no folder to write into.
     #[error("{option} {}: cannot be written: there is no folder {}; make it, or name another file", path.display(), folder.display())]
     NoFolder {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
-        /// What is missing.
+        /// The folder that is missing.
         folder: PathBuf,
     },
     /// The folder, or the file that has the name, may not be written.
     #[error("{option} {}: cannot be written: {source}; check that you may write to its folder and to what has that name, or name another file", path.display())]
     Locked {
-        /// "-o".
+        /// The option, such as "-o".
         option: &'static str,
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
         /// The system's words.
         source: io::Error,
@@ -100,7 +100,7 @@ pub enum OutputError {
     /// Writing failed: a full disk, a pipe that nobody reads.
     #[error("{}: cannot be written, and nothing was kept of it: {source}; check the free space", path.display())]
     Write {
-        /// As written.
+        /// The output's path, as the user wrote it.
         path: PathBuf,
         /// The system's words.
         source: io::Error,
@@ -123,7 +123,7 @@ impl OutputError {
     }
 }
 
-/// ".html or .htm".
+/// The endings of a kind: ".html or .htm".
 fn endings(kind: OutputKind) -> String {
     kind.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ")
 }
@@ -136,7 +136,7 @@ fn exists(kind: OutputKind) -> String {
     }
 }
 
-/// `-o *.las` is what the shell makes `-o first.las second.las …` of.
+/// A hint about `-o *.las`, which the shell makes `-o first.las second.las …` of.
 fn pattern_hint(path: &Path) -> &'static str {
     // A device is no match of a pattern.
     if path.is_file() {

@@ -1,6 +1,6 @@
 //! All that a command reads and writes, checked before it begins.
 
-use super::place::{Identity, NoPlace, Place};
+use super::place::{FileIdentity, NoOutputPlace, OutputPlace};
 use super::{Output, OutputError, OutputKind, Partials};
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -30,33 +30,34 @@ impl Files {
         self.prints = true;
     }
 
-    /// Declares that outputs may take the place of whatever has their names, but of nothing that is read.
+    /// Declares that outputs may take the place of whatever has their names, except of files that are read.
     pub fn force(&mut self) {
         self.forced = true;
     }
 
-    /// Looks at all of them; nothing is created or changed. Files that `partials` knows of are removed when it says so.
+    /// Checks all declared files; nothing is created or changed. Files that `partials` knows of are removed when it
+    /// says so.
     ///
     /// # Errors
-    /// An output with a wrong ending; one that is read, or written twice; one whose name a file of another kind has, or any
-    /// scan; a place where nothing can be written.
+    /// An output with a wrong ending; one that is read, or written twice; one whose name a file of another kind has, or
+    /// any scan; a place where nothing can be written.
     pub fn check(self, partials: &Partials) -> Result<Outputs, OutputError> {
-        let reads: Vec<(&str, &PathBuf, Identity)> =
-            self.reads.iter().map(|(what, path)| (*what, path, Identity::of_read(path))).collect();
-        let find = |identity: &Identity| reads.iter().find(|(_, _, read)| read.is(identity));
-        if let Some((what, read, _)) = find(&Identity::of_written(&Place::Stdout)) {
+        let reads: Vec<(&str, &PathBuf, FileIdentity)> =
+            self.reads.iter().map(|(what, path)| (*what, path, FileIdentity::of_read(path))).collect();
+        let find = |identity: &FileIdentity| reads.iter().find(|(_, _, read)| read.is(identity));
+        if let Some((what, read, _)) = find(&FileIdentity::of_written(&OutputPlace::Stdout)) {
             return Err(OutputError::StdoutIsRead { read: read.to_path_buf(), what });
         }
-        let mut written: Vec<(&'static str, &PathBuf, Identity)> = Vec::new();
+        let mut written: Vec<(&'static str, &PathBuf, FileIdentity)> = Vec::new();
         let mut outputs = Outputs::default();
         for (option, path, kind) in &self.writes {
-            let place = Place::of(path).map_err(|problem| no_place(option, path, problem))?;
-            let identity = Identity::of_written(&place);
+            let place = OutputPlace::of(path).map_err(|problem| no_place(option, path, problem))?;
+            let identity = FileIdentity::of_written(&place);
             if let Some((what, read, _)) = find(&identity) {
                 let (path, read) = (path.clone(), read.to_path_buf());
                 return Err(OutputError::IsRead { option, path, read, what });
             }
-            let ends_anyhow = kind != &OutputKind::Scan && !matches!(place, Place::File { .. });
+            let ends_anyhow = kind != &OutputKind::Scan && !matches!(place, OutputPlace::File { .. });
             if !ends_anyhow && !kind.may_be_named(path) {
                 return Err(OutputError::Ending { option, path: path.clone(), kind: *kind });
             }
@@ -65,7 +66,7 @@ impl Files {
             }
             let before = written.iter().find(|(_, other, identity_of_other)| {
                 identity_of_other.may_be(&identity)
-                    || place == Place::Stdout && Place::of(other).is_ok_and(|p| p == place)
+                    || place == OutputPlace::Stdout && OutputPlace::of(other).is_ok_and(|p| p == place)
             });
             if let Some((other_option, other, _)) = before {
                 let (path, other) = (path.clone(), other.to_path_buf());
@@ -83,7 +84,7 @@ impl Files {
             let output = Output { path: path.clone(), place, partials: partials.clone(), fresh: false };
             outputs.0.push((*kind, output));
         }
-        // Last: it touches the disk, if only to see that it could be written.
+        // This comes last because it touches the disk, if only to see that it can be written.
         for ((_, output), (option, path, _)) in outputs.0.iter().zip(&self.writes) {
             output.place.try_it().map_err(|source| OutputError::Locked {
                 option,
@@ -94,42 +95,44 @@ impl Files {
         Ok(outputs)
     }
 
-    /// What speaks against writing a kind of output to a pipe, a device or stdout.
-    fn stream_problem(&self, place: &Place, kind: OutputKind) -> Option<&'static str> {
+    /// The problem with writing a kind of output to a pipe, a device or stdout, if there is one.
+    fn stream_problem(&self, place: &OutputPlace, kind: OutputKind) -> Option<&'static str> {
         match place {
-            Place::File { .. } => None,
-            Place::Stdout if self.prints => Some("what the command prints goes to stdout; name a file"),
-            Place::Stdout | Place::Stream(_) if kind == OutputKind::Scan && !can_go_back(place) => {
+            OutputPlace::File { .. } => None,
+            OutputPlace::Stdout if self.prints => Some("what the command prints goes to stdout; name a file"),
+            OutputPlace::Stdout | OutputPlace::Stream(_)
+                if kind == OutputKind::Scan && !can_go_back(place) =>
+            {
                 Some("a scan's header is written last, so it needs a file; name one")
             }
-            Place::Stdout if kind.is_binary() && io::stdout().is_terminal() => {
+            OutputPlace::Stdout if kind.is_binary() && io::stdout().is_terminal() => {
                 Some("stdout is a terminal; send it to a file or a program, or name a file")
             }
-            Place::Stdout | Place::Stream(_) => None,
+            OutputPlace::Stdout | OutputPlace::Stream(_) => None,
         }
     }
 }
 
 /// True for devices such as `/dev/null`.
-fn can_go_back(place: &Place) -> bool {
+fn can_go_back(place: &OutputPlace) -> bool {
     #[cfg(unix)]
-    if let Place::Stream(path) = place {
+    if let OutputPlace::Stream(path) = place {
         use std::os::unix::fs::FileTypeExt;
         return std::fs::metadata(path).is_ok_and(|found| found.file_type().is_char_device());
     }
-    matches!(place, Place::File { .. })
+    matches!(place, OutputPlace::File { .. })
 }
 
-fn no_place(option: &'static str, path: &Path, problem: NoPlace) -> OutputError {
+fn no_place(option: &'static str, path: &Path, problem: NoOutputPlace) -> OutputError {
     let path = path.to_owned();
     match problem {
-        NoPlace::IsFolder => OutputError::IsFolder { option, path },
-        NoPlace::NoFolder(folder) => OutputError::NoFolder { option, path, folder },
-        NoPlace::Disk => {
+        NoOutputPlace::IsFolder => OutputError::IsFolder { option, path },
+        NoOutputPlace::NoFolder(folder) => OutputError::NoFolder { option, path, folder },
+        NoOutputPlace::Disk => {
             let problem = "is a whole disk, and all that is on it would be lost; name a file";
             OutputError::Stream { option, path, problem }
         }
-        NoPlace::Io(source) => OutputError::Locked { option, path, source },
+        NoOutputPlace::Io(source) => OutputError::Locked { option, path, source },
     }
 }
 
@@ -138,12 +141,12 @@ fn no_place(option: &'static str, path: &Path, problem: NoPlace) -> OutputError 
 pub struct Outputs(Vec<(OutputKind, Output)>);
 
 impl Outputs {
-    /// Takes out those of a kind.
+    /// Takes out the outputs of a kind.
     pub fn take(&mut self, kind: OutputKind) -> Vec<Output> {
         self.0.extract_if(.., |(of, _)| *of == kind).map(|(_, output)| output).collect()
     }
 
-    /// Takes out the first of a kind, if one was declared.
+    /// Takes out the first output of a kind, if one was declared.
     pub fn take_one(&mut self, kind: OutputKind) -> Option<Output> {
         let at = self.0.iter().position(|(of, _)| *of == kind)?;
         Some(self.0.remove(at).1)

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// So many bytes of a file tell what it is.
+/// Bytes at the start of a file that tell what it is.
 const HEAD_BYTES: u64 = 1024;
 
 /// What an output is.
@@ -30,7 +30,7 @@ impl OutputKind {
     const ALL: [Self; 7] =
         [Self::Picture, Self::Depth, Self::Metrics, Self::FrameLog, Self::Page, Self::Poses, Self::Scan];
 
-    /// In words.
+    /// The kind in words.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Picture => "a picture",
@@ -43,7 +43,7 @@ impl OutputKind {
         }
     }
 
-    /// How its name may end.
+    /// Endings that its name may have.
     pub(super) fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Picture => &["png"],
@@ -56,12 +56,12 @@ impl OutputKind {
         }
     }
 
-    /// The ending says what is written. Others may end in anything that does not say something else.
+    /// True if the ending must say what is written. Other kinds may end in anything that does not say something else.
     fn needs_ending(self) -> bool {
         matches!(self, Self::Picture | Self::Page | Self::Scan)
     }
 
-    /// True if `path` may be the name of one.
+    /// True if `path` may be the name of an output of this kind.
     pub(super) fn may_be_named(self, path: &Path) -> bool {
         let ending = ending(path);
         let is_one_of = |endings: &[&str]| ending.as_deref().is_some_and(|e| endings.contains(&e));
@@ -70,7 +70,8 @@ impl OutputKind {
         is_one_of(self.endings()) || !self.needs_ending() && !says_something_else
     }
 
-    /// What an older one has among its first bytes. Scans have nothing: whoever made one, it is taken for the user's.
+    /// Bytes that an older output of this kind has near its start. Scans have none: a scan is taken for the user's,
+    /// whoever made it.
     fn marks(self) -> &'static [&'static [u8]] {
         match self {
             Self::Picture => &[b"\x89PNG\r\n\x1a\n"],
@@ -83,7 +84,8 @@ impl OutputKind {
         }
     }
 
-    /// True if one may take the place of what is at `path`: nothing, an empty file, or an older one of its kind.
+    /// True if an output of this kind may replace what is at `path`: nothing, an empty file, or an older one of its
+    /// kind.
     pub(super) fn may_replace(self, path: &Path) -> bool {
         let mut head = Vec::new();
         match File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)) {
@@ -92,7 +94,7 @@ impl OutputKind {
         }
     }
 
-    /// Would fill a terminal with what nobody can read.
+    /// True if it would fill a terminal with what nobody can read.
     pub(super) fn is_binary(self) -> bool {
         matches!(self, Self::Picture | Self::Depth | Self::Scan)
     }
@@ -102,7 +104,7 @@ fn has(head: &[u8], mark: &[u8]) -> bool {
     head.windows(mark.len()).any(|bytes| bytes == mark)
 }
 
-/// What stands behind the last dot, in lower case.
+/// The ending behind the last dot, in lower case.
 fn ending(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }

@@ -1,8 +1,10 @@
-//! The files that scanwalk writes for a user. No other module creates, renames or removes one (`tests/program/house.rs`).
+//! The files that scanwalk writes for a user. No other module creates, renames or removes one
+//! (`tests/program/house.rs`).
 //!
 //! A command declares all that it reads and all that it writes ([`Files`]) before it does either. [`Files::check`]
 //! refuses what would destroy something that is read, or a file that is none of the kind that is written, tells of a
-//! folder that is missing or cannot be written, and only then gives out [`Output`]s; nothing can be written without one.
+//! folder that is missing or cannot be written, and only then gives out [`Output`]s; nothing can be written without
+//! one.
 //!
 //! An output is written under another name in its folder and gets its own when it is whole ([`OutputFile`]), so that
 //! at any moment there is the old file or the new one. A name that is a link keeps being one: what it leads to is
@@ -23,22 +25,22 @@ pub use kind::OutputKind;
 pub use partial::Partials;
 pub use write::OutputFile;
 
-use place::Place;
+use place::OutputPlace;
 use std::path::{Path, PathBuf};
 
 /// A file that may be written.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// As the user wrote it.
+    /// The path, as the user wrote it.
     path: PathBuf,
-    place: Place,
+    place: OutputPlace,
     partials: Partials,
-    /// What has the name already stays, and writing fails.
+    /// True if a file that has the name already stays, and writing fails.
     fresh: bool,
 }
 
 impl Output {
-    /// A file that is written beside no other, and nothing is read.
+    /// The only output of a program that reads nothing.
     ///
     /// # Errors
     /// A wrong ending, a folder or another kind of file of that name, a folder that is missing or cannot be written.
@@ -54,7 +56,7 @@ impl Output {
     /// A file whose name the program chose: it never takes the place of another.
     ///
     /// # Errors
-    /// As [`Output::new`].
+    /// Those of [`Output::new`].
     pub fn fresh(path: impl Into<PathBuf>, kind: OutputKind) -> Result<Self, OutputError> {
         Ok(Self { fresh: true, ..Self::new(path, kind)? })
     }
@@ -91,7 +93,7 @@ impl Output {
         file.keep().map_err(|source| self.failed(source))
     }
 
-    /// For `map_err` of what is written into the file.
+    /// Turns an error of writing into the file into one that names it, for `map_err`.
     pub fn failed(&self, source: std::io::Error) -> OutputError {
         OutputError::Write { path: self.path.clone(), source }
     }

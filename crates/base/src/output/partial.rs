@@ -1,4 +1,4 @@
-//! Files that are not whole yet: known, so that a program that is ended at once leaves none behind.
+//! The partial files of a program, which are known so that one that is ended at once leaves none behind.
 
 use std::fs::File;
 use std::io;
@@ -12,12 +12,13 @@ pub struct Partials(Arc<Mutex<State>>);
 #[derive(Debug, Default)]
 struct State {
     paths: Vec<PathBuf>,
-    /// The program ends: nothing is begun any more, and nothing gets its name.
+    /// True once the program ends: no file is begun any more, and none gets its name.
     ended: bool,
 }
 
 impl Partials {
-    /// Removes all of them, for good: to be called right before the program ends without unwinding.
+    /// Removes all partial files and lets none begin any more: to be called right before the program ends without
+    /// unwinding.
     pub fn discard(&self) {
         let mut state = self.lock();
         state.ended = true;
@@ -27,7 +28,7 @@ impl Partials {
         }
     }
 
-    /// Creates a file that has no other's name, as a plain create would: the system's mask decides who may read it.
+    /// Creates a file whose name no other has, as a plain create would: the system's mask decides who may read it.
     pub(super) fn create(&self, path: &Path) -> io::Result<File> {
         let mut state = self.alive()?;
         let file = File::options().read(true).write(true).create_new(true).open(path)?;
@@ -43,7 +44,7 @@ impl Partials {
         Ok(finished)
     }
 
-    /// A file that has been removed.
+    /// Forgets a file that has been removed.
     pub(super) fn forget(&self, path: &Path) {
         self.lock().paths.retain(|partial| partial != path);
     }

@@ -5,37 +5,37 @@ use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// So many links are followed; the system gives up at as many.
+/// Links that are followed at most; the system gives up at as many.
 const MAX_LINKS: usize = 40;
 
 /// Where the bytes go.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum OutputPlace {
     /// The program's own output.
     Stdout,
     /// A pipe, a device, or a file that somebody else has opened: written as it is.
     Stream(PathBuf),
     /// A name in a folder that exists; links are followed.
     File {
-        /// Without links.
+        /// The folder, without links.
         folder: PathBuf,
-        /// In it.
+        /// The file's name in the folder.
         name: OsString,
     },
 }
 
-/// Why there is no such place.
+/// Why a path is no place to write to.
 #[derive(Debug)]
-pub(super) enum NoPlace {
+pub(super) enum NoOutputPlace {
     IsFolder,
     NoFolder(PathBuf),
     Disk,
     Io(io::Error),
 }
 
-impl Place {
-    /// Follows links, `.` and `..`; creates nothing.
-    pub fn of(path: &Path) -> Result<Self, NoPlace> {
+impl OutputPlace {
+    /// Finds the place of a path: follows links, `.` and `..`, and creates nothing.
+    pub fn of(path: &Path) -> Result<Self, NoOutputPlace> {
         let mut at = path.to_path_buf();
         for _ in 0..MAX_LINKS {
             if is_stdout(&at) {
@@ -47,11 +47,11 @@ impl Place {
                 .last()
                 .is_some_and(|byte| std::path::is_separator((*byte).into()))
             {
-                return Err(NoPlace::IsFolder);
+                return Err(NoOutputPlace::IsFolder);
             }
             match fs::metadata(&at) {
-                Ok(found) if found.is_dir() => return Err(NoPlace::IsFolder),
-                Ok(found) if is_disk(&found) => return Err(NoPlace::Disk),
+                Ok(found) if found.is_dir() => return Err(NoOutputPlace::IsFolder),
+                Ok(found) if is_disk(&found) => return Err(NoOutputPlace::Disk),
                 Ok(found) if !found.is_file() || is_open_already(&at) => return Ok(Self::Stream(at)),
                 _ => {}
             }
@@ -61,19 +61,19 @@ impl Place {
                 Err(_) => return Self::in_folder(&at),
             }
         }
-        Err(NoPlace::Io(io::Error::other("the link leads to itself")))
+        Err(NoOutputPlace::Io(io::Error::other("the link leads to itself")))
     }
 
-    fn in_folder(path: &Path) -> Result<Self, NoPlace> {
-        let Some(name) = path.file_name() else { return Err(NoPlace::IsFolder) };
+    fn in_folder(path: &Path) -> Result<Self, NoOutputPlace> {
+        let Some(name) = path.file_name() else { return Err(NoOutputPlace::IsFolder) };
         let folder = parent(path);
         match fs::canonicalize(folder) {
             Ok(folder) if folder.is_dir() => Ok(Self::File { folder, name: name.to_owned() }),
-            Ok(_) => Err(NoPlace::NoFolder(folder.to_owned())),
+            Ok(_) => Err(NoOutputPlace::NoFolder(folder.to_owned())),
             Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
-                Err(NoPlace::NoFolder(folder.to_owned()))
+                Err(NoOutputPlace::NoFolder(folder.to_owned()))
             }
-            Err(error) => Err(NoPlace::Io(error)),
+            Err(error) => Err(NoOutputPlace::Io(error)),
         }
     }
 
@@ -85,10 +85,10 @@ impl Place {
         }
     }
 
-    /// Whether it could be written, as far as can be told without writing.
+    /// Tells whether it could be written, as far as that is possible without writing.
     pub fn try_it(&self) -> io::Result<()> {
         let Self::File { folder, .. } = self else { return Ok(()) };
-        // It has no name, or loses it at once.
+        // The temporary file has no name, or loses it at once.
         tempfile::tempfile_in(folder)?;
         // A file that its owner protects is not replaced, though its folder would allow it.
         match self.goal().filter(|goal| goal.exists()) {
@@ -107,7 +107,7 @@ fn is_stdout(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path.as_os_str() == *name)
 }
 
-/// The shell has opened it for us (`3> file`): it is to be written, not replaced.
+/// True if the shell has opened the file for us (`3> file`): then it is written, not replaced.
 fn is_open_already(path: &Path) -> bool {
     ["/dev/fd", "/proc/self/fd"].iter().any(|folder| path.parent() == Some(Path::new(folder)))
         || path == Path::new("/dev/stderr")
@@ -125,26 +125,26 @@ fn is_disk(_: &Metadata) -> bool {
 
 /// What tells one file from another, however it is named.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Identity {
+pub(super) struct FileIdentity {
     /// Device and inode, where the system has them: hard links share them.
     node: Option<(u64, u64)>,
-    /// Where it is, or would be, without links.
+    /// The path where it is, or would be, without links.
     place: Option<PathBuf>,
 }
 
-impl Identity {
-    /// Of a file that is read.
+impl FileIdentity {
+    /// The identity of a file that is read.
     pub fn of_read(path: &Path) -> Self {
-        let place = fs::canonicalize(path).ok().or_else(|| Place::of(path).ok()?.goal());
+        let place = fs::canonicalize(path).ok().or_else(|| OutputPlace::of(path).ok()?.goal());
         Self { node: node(path), place: place.filter(|_| !is_endless(path)) }
     }
 
-    /// Of a place to write to.
-    pub fn of_written(place: &Place) -> Self {
+    /// The identity of a place to write to.
+    pub fn of_written(place: &OutputPlace) -> Self {
         match place {
-            Place::Stdout => Self { node: node(Path::new("/dev/stdout")), place: None },
-            Place::Stream(path) => Self { node: node(path), place: None },
-            Place::File { .. } => {
+            OutputPlace::Stdout => Self { node: node(Path::new("/dev/stdout")), place: None },
+            OutputPlace::Stream(path) => Self { node: node(path), place: None },
+            OutputPlace::File { .. } => {
                 let goal = place.goal();
                 Self { node: goal.as_deref().and_then(node), place: goal }
             }
@@ -156,7 +156,8 @@ impl Identity {
         self.node.is_some() && self.node == other.node || self.place.as_ref().is_some_and(is_same)
     }
 
-    /// Names that differ in upper and lower case only are one file on some disks, and nobody means two by them.
+    /// True if both may be one file. Names that differ in upper and lower case only are one on some disks, and nobody
+    /// means two by them.
     pub fn may_be(&self, other: &Self) -> bool {
         let lower = |place: &PathBuf| place.to_string_lossy().to_lowercase();
         self.is(other)

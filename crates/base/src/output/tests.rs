@@ -1,10 +1,10 @@
-//! Whatever a file is called, it is known again; whatever goes wrong, what was there stays.
+//! Tests that a file is known again by any name, and that what was there stays whatever goes wrong.
 
 use super::*;
 use std::fs;
 use std::io::Write;
 
-/// Metrics of an earlier run, as much as tells them.
+/// The part of an earlier run's metrics by which they are known.
 const OLD: &str = r#"{"gpu_bytes": 7}"#;
 
 /// A folder with a scan, `a.las`.
@@ -89,7 +89,7 @@ fn what_is_read_is_known_through_links() {
         let sentence = refusal.to_string();
         assert!(sentence.contains(name) && sentence.contains("a.las, which is read as a scan"), "{sentence}");
     }
-    // A link that is read, and what it leads to written.
+    // Here a link is read, and the file that it leads to is written.
     let mut files = Files::default();
     files.reads("the settings", &lab.path("link.png"));
     files.writes("-o", &lab.path("a.las"), OutputKind::Scan);
@@ -285,7 +285,7 @@ fn a_program_that_is_ended_leaves_nothing_behind() {
     assert_eq!((lab.text("x.json").as_str(), lab.names().len()), (OLD, 2));
     assert!(output.keep(file).is_err() && output.begin().is_err(), "nothing after the end");
     assert_eq!((lab.text("x.json").as_str(), lab.names().len()), (OLD, 2));
-    // What has its name is no longer partial.
+    // A file that has its name is no longer partial.
     let partials = Partials::default();
     let mut files = Files::default();
     files.writes("--metrics", &lab.path("x.json"), OutputKind::Metrics);
@@ -336,7 +336,7 @@ fn devices_and_pipes_are_written_as_they_are() {
     written(&null, "gone").unwrap();
     use std::os::unix::fs::FileTypeExt;
     assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device(), "it is still there");
-    // Twice the same is no loss.
+    // Writing to it twice loses nothing.
     assert!(lab.refusal(&[]).is_none());
     let mut files = Files::default();
     files.reads("a scan", Path::new("/dev/null"));
@@ -353,7 +353,7 @@ fn devices_and_pipes_are_written_as_they_are() {
     let output = Output::new(&by_number, OutputKind::Metrics).unwrap();
     written(&output, "through").unwrap();
     assert_eq!((lab.text("opened").as_str(), opened.metadata().unwrap().len()), ("through", 7));
-    // But not if it is read.
+    // A file that is read is not written, even if the shell opened it.
     let scan = fs::File::options().append(true).open(lab.path("a.las")).unwrap();
     let by_number = PathBuf::from(format!("/proc/self/fd/{}", scan.as_raw_fd()));
     let mut files = Files::default();

@@ -1,13 +1,14 @@
 //! A file while it is written: under another name in its folder until it is whole.
 
-use super::place::Place;
+use super::place::OutputPlace;
 use super::{Output, Partials};
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Stdout, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// An output being written. Dropped before [`Output::keep`], nothing is left of it, and what had its name stays.
+/// An output being written. If it is dropped before [`Output::keep`], nothing is left of it, and the file that had its
+/// name stays.
 #[derive(Debug)]
 pub struct OutputFile(Sink);
 
@@ -34,15 +35,15 @@ struct Partial {
 impl OutputFile {
     pub(super) fn begin(output: &Output) -> io::Result<Self> {
         Ok(Self(match &output.place {
-            Place::Stdout => Sink::Stdout(io::stdout()),
-            Place::Stream(path) => Sink::Open(File::options().write(true).open(path)?),
-            Place::File { folder, name } => {
+            OutputPlace::Stdout => Sink::Stdout(io::stdout()),
+            OutputPlace::Stream(path) => Sink::Open(File::options().write(true).open(path)?),
+            OutputPlace::File { folder, name } => {
                 Sink::Partial(Box::new(Partial::begin(folder, folder.join(name), output)?))
             }
         }))
     }
 
-    /// Gives the file its name now, in place of what had it; what is written further goes into it as it comes. For
+    /// Gives the file its name now, in place of the file that had it; later bytes go into it as they come. This is for
     /// files that are worth reading before they are whole.
     ///
     /// # Errors
@@ -54,11 +55,11 @@ impl OutputFile {
         Ok(())
     }
 
-    /// The whole file, safe on the disk, gets its name.
+    /// Gives the whole file its name, once it is safe on the disk.
     pub(super) fn keep(mut self) -> io::Result<()> {
         self.flush()?;
         if let Sink::Partial(partial) = &self.0 {
-            // Else a loss of power could leave the new name without its bytes.
+            // Without this, a loss of power could leave the new name without its bytes.
             partial.file()?.sync_data()?;
         }
         self.publish()
@@ -67,7 +68,7 @@ impl OutputFile {
     /// Bytes so far; 0 for what has no size.
     ///
     /// # Errors
-    /// The system's.
+    /// The system's error.
     pub fn num_bytes(&self) -> io::Result<u64> {
         match &self.0 {
             Sink::Stdout(_) => Ok(0),
@@ -116,13 +117,13 @@ impl Partial {
         let path = file.path().to_owned();
         let partial = Self { file: Some(file), path, goal, fresh: output.fresh, partials };
         if let Ok(before) = std::fs::metadata(&partial.goal) {
-            // As if the old file were written over: who may read it, still may.
+            // The old file's permissions are kept, as if it were written over.
             partial.file()?.set_permissions(before.permissions())?;
         }
         Ok(partial)
     }
 
-    /// The file, under its own name.
+    /// Gives the file its own name, and returns it.
     fn publish(&mut self) -> io::Result<File> {
         let file = self.file.take().ok_or_else(gone)?;
         let (goal, fresh) = (&self.goal, self.fresh);
@@ -132,7 +133,7 @@ impl Partial {
         })
     }
 
-    /// Fails after `publish` did: the file is gone then.
+    /// The file; fails after `publish` did, since the file is gone then.
     fn file(&self) -> io::Result<&File> {
         self.file.as_ref().map(NamedTempFile::as_file).ok_or_else(gone)
     }
@@ -148,7 +149,7 @@ fn gone() -> io::Error {
 
 impl Drop for Partial {
     fn drop(&mut self) {
-        // Removed first, then forgotten: in between, the end of the program would remove it too.
+        // The file is removed first and then forgotten: in between, the end of the program would remove it too.
         self.file = None;
         self.partials.forget(&self.path);
     }

@@ -1,7 +1,8 @@
-//! Long work, seen from outside: what it is told to stop by, what it counts, and who looks at that.
+//! Long work as seen from outside: what cancels it, what it counts, and who looks at the count.
 //!
 //! Whoever starts work makes a [`Task`]: it can be cancelled, and observers look at it (a terminal, a window, later a
-//! headset). Who does the work begins a piece of it, counts ([`Progress::add`]) and knows nobody who looks.
+//! headset). The code that does the work begins a piece of it, counts ([`Progress::add`]), and knows none of the
+//! observers.
 
 mod terminal;
 
@@ -9,7 +10,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Set when the user asked to stop (Ctrl-C, window closed); long work looks at it often.
+/// A flag that is set when the user asked to stop (Ctrl-C, window closed); long work looks at it often.
 #[derive(Clone, Debug, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
@@ -19,7 +20,7 @@ impl CancelToken {
         self.0.store(true, Ordering::Release);
     }
 
-    /// True once asked.
+    /// True once somebody asked to end.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Acquire)
@@ -31,8 +32,8 @@ impl CancelToken {
 #[error("stopped before the end")]
 pub struct Cancelled;
 
-/// Is told of each piece of work as it begins, may look at its count from then on, and is told of its end by the drop of what it
-/// gives.
+/// Is called with the count of each piece of work as it begins, and may look at it from then on. What it returns is
+/// dropped when the piece ends.
 type Observer = Arc<dyn Fn(&Arc<Count>) -> Option<Box<dyn Watch>> + Send + Sync>;
 
 /// What an observer keeps while a piece of work goes on.
@@ -71,13 +72,13 @@ impl Task {
         self
     }
 
-    /// What cancels it.
+    /// The token that cancels the work.
     #[must_use]
     pub fn cancel_token(&self) -> &CancelToken {
         &self.cancel
     }
 
-    /// Begins a piece of it: `what` in a word or two ("reading"), `unit` of the count ("points", "bytes").
+    /// Begins a piece of the work: `what` in a word or two ("reading"), `unit` of the count ("points", "bytes").
     #[must_use]
     pub fn begin(&self, what: &'static str, unit: &'static str, total: u64) -> Progress {
         let count = Arc::new(Count { what, unit, done: AtomicU64::new(0), total });
@@ -86,7 +87,7 @@ impl Task {
     }
 }
 
-/// Nobody looks at it.
+/// A task that nobody looks at.
 impl From<&CancelToken> for Task {
     fn from(cancel: &CancelToken) -> Self {
         Self::new(cancel)
@@ -116,7 +117,7 @@ pub struct Count {
 }
 
 impl Count {
-    /// As it is now.
+    /// The count as it is now.
     #[must_use]
     pub fn now(&self) -> Done {
         let Self { what, unit, total, .. } = *self;
@@ -127,13 +128,13 @@ impl Count {
 /// How far a piece of work was at some moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Done {
-    /// In a word or two: "reading".
+    /// Name of the work in a word or two: "reading".
     pub what: &'static str,
     /// What is counted: "points", "bytes".
     pub unit: &'static str,
     /// How many are done.
     pub done: u64,
-    /// Of how many, as far as was known before; 0: nobody counts.
+    /// How many there are in all, as far as was known before; 0: unknown.
     pub total: u64,
 }
 
@@ -145,29 +146,30 @@ impl Done {
     }
 }
 
-/// The worker's side of a piece of work: counts, and asks whether to go on. Shared by worker threads; cheap to call often.
+/// The worker's side of a piece of work: counts, and asks whether to go on. Shared by worker threads; cheap to call
+/// often.
 #[derive(Debug)]
 pub struct Progress {
     count: Arc<Count>,
     cancel: CancelToken,
-    /// They look at the count until the work is done.
+    /// Observers' values, kept until the work is done.
     _watches: Vec<Box<dyn Watch>>,
 }
 
 impl Progress {
-    /// One that nobody looks at and nobody cancels; for tests and short work.
+    /// A progress that nobody looks at and nobody cancels; for tests and short work.
     #[must_use]
     pub fn hidden() -> Self {
         Self::silent(&CancelToken::default())
     }
 
-    /// One that nobody looks at; for work whose progress another shows.
+    /// A progress that nobody looks at; for work whose progress another shows.
     #[must_use]
     pub fn silent(cancel: &CancelToken) -> Self {
         Task::new(cancel).begin("", "", u64::MAX)
     }
 
-    /// `count` more are done.
+    /// Counts `count` more as done.
     pub fn add(&self, count: u64) {
         self.count.done.fetch_add(count, Ordering::Relaxed);
     }
@@ -190,10 +192,10 @@ impl Progress {
         self.cancel.is_cancelled()
     }
 
-    /// To go on, or not.
+    /// Tells whether to go on.
     ///
     /// # Errors
-    /// Once the user asked to stop; the work then returns early.
+    /// If the user asked to stop; the work then returns early.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
@@ -214,7 +216,7 @@ mod tests {
         let count = Arc::clone(&seen.lock().unwrap()[0]);
         assert_eq!(count.now(), Done { what: "reading", unit: "points", done: 50, total: 200 });
         assert_eq!((count.now().fraction(), reading.fraction()), (0.25, 0.25));
-        // A header that claims too little, or nothing.
+        // A header may claim too few points, or none.
         reading.add(1000);
         assert_eq!(count.now().fraction(), 1.0);
         drop(task.begin("sorting", "points", 0));

@@ -9,21 +9,21 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Between two looks of a bar.
+/// Time between two looks of a bar.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
-/// Between two lines in a log.
+/// Time between two lines in a log.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
 /// Shows a count until it is dropped.
 #[derive(Debug)]
 pub(super) struct Terminal {
-    /// Dropped to end the thread.
+    /// Sender that is dropped to end the thread.
     end: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Terminal {
-    /// `None` if the system has no thread for it: the work goes on unseen.
+    /// Begins to show a count. `None` if the system has no thread for it: the work goes on unseen.
     pub(super) fn show(count: Arc<Count>) -> Option<Self> {
         let (end, ended) = channel::<()>();
         let looking = move || {
@@ -49,7 +49,8 @@ impl Watch for Terminal {}
 impl Drop for Terminal {
     fn drop(&mut self) {
         self.end = None;
-        // A panic there has been told; what comes next on stderr is to come after the bar is gone.
+        // A panic of the thread has been told. The join makes sure that the bar is gone before anything else is on
+        // stderr.
         let _ = self.thread.take().map(JoinHandle::join);
     }
 }
@@ -64,7 +65,7 @@ fn bar(now: &Done) -> ProgressBar {
     bar.with_prefix(now.what)
 }
 
-/// "reading: 40 %, 400,000 of 1,000,000 points".
+/// A line such as "reading: 40 %, 400,000 of 1,000,000 points".
 fn line(now: &Done) -> String {
     let Done { what, unit, done, total } = *now;
     let percent = (100.0 * now.fraction()) as u64;

@@ -13,30 +13,30 @@ use points::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Points that are put in place before they are handed over, about.
+/// Number of points, about, that are put in place before they are handed over.
 const RUN_POINTS: usize = 1 << 20;
-/// Keys looked through at once for those of a level.
+/// Keys of a block: blocks without a key of the wanted level are passed over.
 const BLOCK_KEYS: usize = 64;
 
-/// Where the points come from.
-pub(super) struct Source<'a> {
+/// Sorted keys and the points that they stand for.
+pub(super) struct PlacedKeys<'a> {
     pub index: &'a Index<'a>,
-    /// Sorted, with filtered colors.
+    /// Keys in sorted order, with filtered colors.
     pub keys: &'a [Placed],
     /// Level of the node that owns each key.
     pub levels: &'a [u8],
 }
 
 /// A hierarchy and where the points of its nodes come from.
-pub(super) struct Plan {
+pub(super) struct NodeLayout {
     pub hierarchy: Hierarchy,
     /// Keys and cells of each node.
     origins: Vec<(Range<usize>, Cells)>,
-    /// Of all leaves, in the keys' order.
+    /// Octants of all leaves, in the keys' order.
     octants: Vec<Octant>,
 }
 
-impl Plan {
+impl NodeLayout {
     /// Lays the nodes out breadth first.
     pub fn new(root: &Root, bounds: Bounds, scene: Scene, draft: Draft) -> Result<Self, BuildError> {
         let num_points = draft.keys.len();
@@ -48,29 +48,29 @@ impl Plan {
             batches: Vec::new(),
             num_points: num_points as u64,
         };
-        let mut plan = Self { hierarchy, origins: Vec::new(), octants: Vec::new() };
+        let mut layout = Self { hierarchy, origins: Vec::new(), octants: Vec::new() };
         let mut end = 0u64;
         let mut generation = vec![(None, draft)];
         while !generation.is_empty() {
-            let first_child = plan.origins.len() + generation.len();
+            let first_child = layout.origins.len() + generation.len();
             let mut next = Vec::new();
             for (parent, draft) in generation {
-                let number = plan.origins.len() as u32;
+                let number = layout.origins.len() as u32;
                 let children = first_child + next.len()..first_child + next.len() + draft.children.len();
                 let node = node(root, &draft, parent, children, end as u32);
                 end += u64::from(draft.num_points.next_multiple_of(PAGE_POINTS));
                 if end > u64::from(u32::MAX / 2) {
                     return Err(BuildError::TooMany(num_points));
                 }
-                plan.push(node, draft.cube, draft.keys.clone(), root);
-                plan.octants.extend(draft.octants);
+                layout.push(node, draft.cube, draft.keys.clone(), root);
+                layout.octants.extend(draft.octants);
                 next.extend(draft.children.into_iter().map(|child| (Some(number), child)));
             }
             generation = next;
         }
-        plan.octants.sort_unstable_by_key(|octant| octant.keys.start);
-        debug_assert!(follow(&plan.octants, num_points), "every key is in one octant");
-        Ok(plan)
+        layout.octants.sort_unstable_by_key(|octant| octant.keys.start);
+        debug_assert!(follow(&layout.octants, num_points), "every key is in one octant");
+        Ok(layout)
     }
 
     /// Adds a node and its batches, all of about the same size.
@@ -116,18 +116,18 @@ fn node(root: &Root, draft: &Draft, parent: Option<u32>, children: Range<usize>,
 
 /// Hands over the points of all nodes, run after run, in the order of the nodes.
 pub(super) fn fill<E: From<BuildError>>(
-    source: &Source,
-    plan: Plan,
+    placed: &PlacedKeys,
+    layout: NodeLayout,
     progress: &Progress,
     take: TakeNodes<E>,
 ) -> Result<Hierarchy, E> {
-    let Plan { hierarchy, origins, octants } = plan;
+    let NodeLayout { hierarchy, origins, octants } = layout;
     for run in runs(&hierarchy.nodes) {
         let block = |number: usize| {
             let (node, (keys, cells)) = (&hierarchy.nodes[number], &origins[number]);
             let mut block = NodeBlock::empty(number, node.num_points as usize);
             if !progress.is_cancelled() {
-                block.fill(source, &octants, node, keys.clone(), cells);
+                block.fill(placed, &octants, node, keys.clone(), cells);
                 progress.add(u64::from(node.num_points));
             }
             block
@@ -141,7 +141,7 @@ pub(super) fn fill<E: From<BuildError>>(
     Ok(hierarchy)
 }
 
-/// True if octants have all keys, one after the other.
+/// True if the octants cover all keys, one after the other, without a gap.
 fn follow(octants: &[Octant], num_keys: usize) -> bool {
     let starts = octants.iter().map(|octant| octant.keys.start).chain([num_keys]);
     let ends = [0].into_iter().chain(octants.iter().map(|octant| octant.keys.end));
@@ -163,30 +163,37 @@ fn runs(nodes: &[Node]) -> Vec<Range<usize>> {
 }
 
 impl NodeBlock {
-    /// Room for so many points.
+    /// A block with room for `num_points` points.
     fn empty(node: usize, num_points: usize) -> Self {
         let column = || vec![0; num_points];
         Self { node, planes: [column(), column(), column()], colors: column(), filtered_colors: column() }
     }
 
-    /// `octants`: of all leaves.
-    fn fill(&mut self, source: &Source, octants: &[Octant], node: &Node, keys: Range<usize>, cells: &Cells) {
+    /// Fills in a node's points. `octants` are those of all leaves.
+    fn fill(
+        &mut self,
+        placed: &PlacedKeys,
+        octants: &[Octant],
+        node: &Node,
+        keys: Range<usize>,
+        cells: &Cells,
+    ) {
         let Self { planes: [hi, mid, lo], colors, filtered_colors, .. } = self;
         // An inner node that has taken every point below has no children either: its points stand for themselves.
         let is_own = node.children.is_empty();
         let bounds = node.exponent_bounds();
         let mut octants = &octants[octants.partition_point(|octant| octant.keys.end <= keys.start)..];
-        for (at, number) in owned(source.levels, keys, node.level as u8).enumerate() {
-            let key = &source.keys[number];
+        for (at, number) in owned(placed.levels, keys, node.level as u8).enumerate() {
+            let key = &placed.keys[number];
             let point = key.point as usize;
-            let cells = cells.quantize(source.index.position(point));
+            let cells = cells.quantize(placed.index.position(point));
             [hi[at], mid[at], lo[at]] = planes(cells);
             if node.spacing_step > 1.0 {
                 octants = &octants[octants.iter().take_while(|octant| octant.keys.end <= number).count()..];
                 let spacing = octants.first().map_or(0.0, |octant| octant.spacing);
                 hi[at] |= node.spacing_exponent(bounds, octant(cells), spacing) << SPACING_EXPONENT_SHIFT;
             }
-            colors[at] = if is_own { key.color } else { source.index.color(point) };
+            colors[at] = if is_own { key.color } else { placed.index.color(point) };
             filtered_colors[at] = key.color;
         }
     }

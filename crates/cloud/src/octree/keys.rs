@@ -2,7 +2,7 @@
 
 use crate::format::COORDINATE_BITS;
 use crate::index::Index;
-use crate::morton::{self, Grid};
+use crate::morton::{self, MortonGrid};
 use crate::quantize::{Cells, cell_edge};
 use base::space::Bounds;
 use glam::DVec3;
@@ -19,8 +19,8 @@ pub(super) struct Key {
     pub color: u32,
 }
 
-/// A key once its place is known, in half the memory. As aligned as a key, so that a list of keys becomes one of these where it
-/// is.
+/// A key whose place is known, in half the memory. It is aligned as a key is, so that a list of keys can be converted
+/// in place.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(8))]
 pub(super) struct Placed {
@@ -36,7 +36,7 @@ impl From<Key> for Placed {
     }
 }
 
-/// The root's cube: all others are halves of halves of it.
+/// The root's cube, from which all others come by halving.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     min: DVec3,
@@ -80,7 +80,7 @@ impl Root {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     cube: Cube,
-    grid: Grid,
+    grid: MortonGrid,
 }
 
 impl Frame {
@@ -89,7 +89,7 @@ impl Frame {
     pub const LEVELS: u32 = morton::BITS - super::GRID_BITS - 4;
 
     pub fn new(root: &Root, cube: Cube) -> Self {
-        Self { cube, grid: Grid::of_cube(root.min(cube), root.edge(cube.level)) }
+        Self { cube, grid: MortonGrid::of_cube(root.min(cube), root.edge(cube.level)) }
     }
 
     pub fn code(&self, p_in_world: DVec3) -> u64 {

@@ -8,18 +8,18 @@
 //!                              filtered colors, level of each key
 //! ```
 //!
-//! Instead of hash tables: once the points are sorted by Morton code, each cube of the octree is a run of
-//! neighbors, found by bisection, and so is each cell of a node's sampling grid. A node samples the samples of
-//! its children (of leaves: all their points), takes them out of the children, and hands them on to its parent;
-//! the work shrinks by a factor from level to level. The result does not depend on the number of threads.
+//! No hash tables are needed: once the points are sorted by Morton code, each cube of the octree is a run of neighbors,
+//! found by bisection, and so is each cell of a node's sampling grid. A node samples the samples of its children (all
+//! points of a leaf), takes them out of the children, and hands them on to its parent; the work shrinks by a factor
+//! from level to level. The result does not depend on the number of threads.
 //!
 //! What an inner node guarantees:
 //! - **Spread**: no two of its points share a cell of its grid of 128³, and no two are closer than half a cell,
-//!   [`Node::cell`] / 2. In a cell, the point nearest to the centre is taken. Where that makes more than
-//!   [`MAX_NODE_POINTS`], some go, evenly.
-//! - **Filter**: its points' filtered colors average all points of its cube, each counted once: a cell's points
-//!   count for the cell's sample, and where that one is dropped for closeness, for the nearest that was kept, or
-//!   dropped for number, for the one before it on the curve.
+//!   [`Node::cell`] / 2. In a cell, the point nearest to the centre is taken. If that makes more than
+//!   [`MAX_NODE_POINTS`], some are dropped, evenly.
+//! - **Filter**: its points' filtered colors average all points of its cube, each counted once. A cell's points count
+//!   for the cell's sample. If that sample is dropped because another is too close, they count for the nearest that was
+//!   kept; if it is dropped because there are too many, for the one before it on the curve.
 //!
 //! Leaves keep whatever is left, at most [`LEAF_POINTS`], and at most [`MAX_CROWD`] in a cell of a grid of 128³,
 //! unless the points cannot be told apart by [`MAX_LEVEL`] halvings (duplicates): then as many batches as are needed.
@@ -69,26 +69,27 @@ pub struct Node {
     /// The node that it is a part of; `None` for the root. A cube between them, in which one point would have
     /// stood for all, is left out, so the parent may be more than one level up.
     pub parent: Option<u32>,
-    /// Its parts in Morton order, as a range of nodes; empty for a leaf.
+    /// Its children in Morton order, as a range of nodes; empty for a leaf.
     pub children: Range<u32>,
     /// Its points, as a range of batches.
     pub batches: Range<u32>,
-    /// First of its points in the planes, a multiple of [`crate::format::PAGE_POINTS`]; they follow one another without gaps.
+    /// First of its points in the planes, a multiple of [`crate::format::PAGE_POINTS`]; they follow one another without
+    /// gaps.
     pub first_point: u32,
     /// Points of its own.
     pub num_points: u32,
     /// Points of the cloud in its cube: its own, those of all nodes below, and those that nodes above took.
     pub num_points_within: u32,
-    /// Distance of neighbors among all points in each octant of its cube, estimated, as a share of `edge`: of an inner node
-    /// where they lie closest. 0 where no points are. Octant number: x | y≪1 | z≪2.
+    /// Estimated distance of neighbors among all points in each octant of its cube, as a share of `edge`; in an inner
+    /// node, the distance where they lie closest. 0 in an octant without points. Octant number: x | y≪1 | z≪2.
     pub octant_spacing: [f32; 8],
     /// A sample's neighbors lie `spacing_step`ⁿ times as far apart as its octant's spacing says, 0 ≤ n ≤ 3: see
-    /// [`crate::format::SPACING_EXPONENT_SHIFT`]. 1 of a leaf.
+    /// [`crate::format::SPACING_EXPONENT_SHIFT`]. 1 for a leaf.
     pub spacing_step: f32,
-    /// Most of its points that share a cell of a grid of 128³; 1 if inner.
+    /// Largest number of its points that share a cell of a grid of 128³; 1 for an inner node.
     pub crowd: u32,
     /// How far apart its samples lie on a surface, together with those that nodes above took of its cube, as a share of
-    /// `edge`: 1 / 128, more where some went for their number. 0 if a leaf.
+    /// `edge`: 1 / 128, or more if some were dropped because there were too many. 0 for a leaf.
     pub sample_spacing: f32,
 }
 
@@ -99,9 +100,9 @@ impl Node {
         self.edge / f64::from(1u32 << GRID_BITS)
     }
 
-    /// How many times as far apart as in its octant a point's neighbors must lie for its exponent to be 1, 2 and 3. Between
-    /// two steps the upper one is taken from 0.3 of the way on: a point drawn too small leaves gaps, one drawn too large
-    /// only blurs.
+    /// Distances of neighbors, in multiples of the octant's spacing, from which on a point's exponent is 1, 2 and 3.
+    /// Between two steps the upper one is taken from 0.3 of the way on: a point drawn too small leaves gaps, one drawn
+    /// too large only blurs.
     fn exponent_bounds(&self) -> [f64; 3] {
         let step = f64::from(self.spacing_step);
         [0, 1, 2].map(|exponent| step.powf(0.3) * step.powi(exponent))
@@ -133,12 +134,12 @@ pub struct Hierarchy {
     pub split: Split,
     /// True box of the points, world space.
     pub bounds: Bounds,
-    /// The scan's.
+    /// The scan's scene.
     pub scene: Scene,
     /// Breadth first: the root, its children, their children; siblings follow one another in Morton order.
     /// Parents stand before children, so that any prefix of the nodes can be drawn.
     pub nodes: Vec<Node>,
-    /// Of all nodes, one after the other; their box is the node's cube.
+    /// Batches of all nodes, one node after the other; a batch's box is its node's cube.
     pub batches: Vec<Batch>,
     /// Points in all nodes.
     pub num_points: u64,
@@ -158,15 +159,15 @@ impl Hierarchy {
 pub struct NodeBlock {
     /// The node's number.
     pub node: usize,
-    /// Coarse to fine, as [`Cloud::planes`].
+    /// Coordinate planes, coarse to fine, as in [`Cloud::planes`].
     pub planes: [Vec<u32>; 3],
     /// The points' own colors.
     pub colors: Vec<u32>,
-    /// As [`Octree::filtered_colors`].
+    /// The points' filtered colors, as in [`Octree::filtered_colors`].
     pub filtered_colors: Vec<u32>,
 }
 
-/// Takes a run of nodes as they come.
+/// Takes each run of nodes as it comes.
 pub type TakeNodes<'a, E> = &'a mut dyn FnMut(&Hierarchy, Vec<NodeBlock>) -> Result<(), E>;
 
 /// A layered point cloud, whole in memory.
@@ -178,7 +179,7 @@ pub struct Octree {
     /// Beside `cloud.colors`: the average of what a point stands for while nothing below its node is drawn.
     /// Equal to the own color in leaves.
     pub filtered_colors: Vec<u32>,
-    /// As [`Hierarchy::nodes`].
+    /// Nodes as in [`Hierarchy::nodes`].
     pub nodes: Vec<Node>,
 }
 
@@ -189,7 +190,7 @@ impl Octree {
         is_crowded(&self.nodes)
     }
 
-    /// Room for all points of a hierarchy.
+    /// An octree with room for all points of a hierarchy.
     fn empty(hierarchy: &Hierarchy) -> Self {
         let Hierarchy { split, bounds, scene, nodes, batches, num_points } = hierarchy.clone();
         let size = num_words(&nodes);
@@ -217,7 +218,7 @@ impl Octree {
     }
 }
 
-/// Words of a plane of all of these nodes.
+/// Words of a plane that holds all of these nodes.
 #[must_use]
 pub fn num_words(nodes: &[Node]) -> usize {
     nodes.last().map_or(0, |n| (n.first_point + n.num_points).next_multiple_of(PAGE_POINTS)) as usize
@@ -232,8 +233,8 @@ pub fn is_crowded(nodes: &[Node]) -> bool {
 /// Builds the octree of a scan, on all cores, and hands its points over node by node, the root first.
 ///
 /// `progress` counts each point twice: once sorted into the tree, once put in its place. `take` gets runs of nodes in
-/// the hierarchy's order, the first of them the root alone. It is called on this thread, between two runs: hand the work
-/// on if it takes long.
+/// the hierarchy's order, the first of them the root alone. It is called on this thread, between two runs: hand the
+/// work on if it takes long.
 ///
 /// Peak memory above the scan: 17 B a point for the keys while the tree is built; then 9, and the blocks of a run.
 ///
@@ -256,14 +257,14 @@ pub fn build_nodes<E: From<BuildError>>(
     if progress.is_cancelled() {
         return Err(BuildError::from(Cancelled).into());
     }
-    // Codes have done their work: their half of the memory goes back.
+    // Codes are not needed any more: their half of the memory is freed.
     let mut keys: Vec<keys::Placed> = keys.into_iter().map(keys::Placed::from).collect();
     keys.shrink_to_fit();
-    let source = fill::Source { index: &index, keys: &keys, levels: &levels };
-    fill::fill(&source, fill::Plan::new(&root, bounds, scene, draft)?, progress, take)
+    let placed = fill::PlacedKeys { index: &index, keys: &keys, levels: &levels };
+    fill::fill(&placed, fill::NodeLayout::new(&root, bounds, scene, draft)?, progress, take)
 }
 
-/// Builds the octree of a scan and keeps all of it in memory: see [`build_nodes`]. 20 B a point more.
+/// Builds the octree of a scan as [`build_nodes`] does and keeps all of it in memory, 20 B a point more.
 ///
 /// # Errors
 /// See [`BuildError`].

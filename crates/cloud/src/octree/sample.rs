@@ -1,13 +1,13 @@
 //! Sampling: which points of its children a node takes, and which colors they then stand for.
 //!
-//! Candidates come in Morton order, so the candidates of a grid cell follow one another: of each run the one
-//! nearest to the cell's centre is proposed. It is kept unless one already kept in a neighboring cell is closer
-//! than half a cell. Which cells are taken is a bitmap in Morton order; since cells come in that order too, the
-//! number of a cell's sample is the count of bits before its own, and no hash table is needed.
+//! Candidates come in Morton order, so the candidates of a grid cell follow one another: the one nearest to the cell's
+//! centre in each run is proposed. It is kept unless one already kept in a neighboring cell is closer than half a cell.
+//! Which cells are taken is a bitmap in Morton order; since cells come in that order too, the number of a cell's sample
+//! is the count of bits before its own, and no hash table is needed.
 //!
-//! Where more are kept than a node may have, every so many-th of them goes, evenly along the Morton curve, which is
-//! evenly over the surface. A coarser grid would not do: a node of 64³ cells below one of 128³ has the same cells, so
-//! its parent would take every sample, and a level would be missing.
+//! If more are kept than a node may have, some are dropped at regular steps along the Morton curve, which is evenly
+//! over the surface. A coarser grid would not do: a node of 64³ cells below one of 128³ has the same cells, so its
+//! parent would take every sample, and a level would be missing.
 //!
 //! Distances are taken between code cells, of which at least 2⁴ make a grid cell: the gap between two code cells
 //! is what their points are apart at least, so the guarantee holds for the points themselves.
@@ -19,7 +19,7 @@ use crate::morton::{compact, spread};
 /// A point that stands for others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sample {
-    /// Morton code in the frame of who samples it.
+    /// Morton code in the frame of the node that samples it.
     pub code: u64,
     /// Its key, counted over all keys.
     pub key: u32,
@@ -52,26 +52,27 @@ impl Sample {
     }
 }
 
-/// What a node takes.
+/// The points that a node takes.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Sampled {
-    /// In Morton order.
+    /// Samples in Morton order.
     pub samples: Vec<Sample>,
     /// How many of them came from each child.
     pub num_taken: [u32; 8],
-    /// How many were kept before some went for their number.
+    /// How many were kept before [`Self::thin`] dropped some.
     pub num_spread: usize,
 }
 
 impl Sampled {
-    /// Keeps `limit` of them. Those that go are stood for by the one before: on the curve, a neighbor.
+    /// Keeps at most `limit` samples. The one before a dropped sample, its neighbor on the curve, stands for it.
     fn thin(&mut self, limit: usize) {
         let num_samples = self.samples.len();
         self.num_spread = num_samples;
         if num_samples <= limit {
             return;
         }
-        // The share of `limit` that is reached at a sample grows by less than one from each to the next.
+        // The quotient grows by less than one from each sample to the next and so takes each value below `limit`:
+        // `limit` are kept.
         let reached = |number: usize| number * limit / num_samples;
         let (mut kept, mut next) = (0, 0);
         for num_taken in &mut self.num_taken {
@@ -91,35 +92,35 @@ impl Sampled {
     }
 }
 
-/// Cells that the bitmap of the grid has in a word.
+/// Cells in a word of the grid's bitmap.
 const WORD_CELLS: u64 = 64;
 
 /// Memory of a thread for sampling, used again for node after node.
 #[derive(Debug)]
 pub(super) struct Sampler {
-    /// Which grid cells have a sample.
+    /// Bitmap of the grid cells that have a sample.
     taken: Vec<u64>,
-    /// Samples before a word's first.
+    /// Number of samples before the first cell of each word.
     before: Vec<u32>,
     /// Code cells of the samples, relative to the node.
     places: Vec<[u64; 3]>,
     sampled: Sampled,
-    /// The run of candidates in work: its best so far, standing for all, that one's child, and how near to the
-    /// cell's centre it is.
+    /// The current run of candidates: its best so far, which stands for all of them, the child that this one comes
+    /// from, and how near to the cell's centre it is.
     run: Option<(Sample, usize, u64)>,
-    grid: Grid,
+    grid: SamplingGrid,
 }
 
 /// How codes fall into a node's grid.
 #[derive(Clone, Copy, Debug, Default)]
-struct Grid {
+struct SamplingGrid {
     /// Bits of a code below the node's cube.
     node_bits: u32,
     /// Bits an axis below a grid cell.
     cell_bits: u32,
 }
 
-impl Grid {
+impl SamplingGrid {
     fn inside(&self, code: u64) -> u64 {
         code & ((1 << self.node_bits) - 1)
     }
@@ -163,19 +164,19 @@ impl Sampler {
             places: Vec::new(),
             sampled: Sampled::default(),
             run: None,
-            grid: Grid::default(),
+            grid: SamplingGrid::default(),
         }
     }
 
-    /// Samples a node whose cube has `node_bits` bits of a code below it, at most `limit` of them, which is at
-    /// least 1. `feed` gives all candidates, in Morton order, with the child that they come from.
+    /// Takes at most `limit` samples, which is at least 1, for a node whose cube has `node_bits` bits of a code below
+    /// it. `feed` gives all candidates, in Morton order, with the child that they come from.
     pub fn sample(
         &mut self,
         node_bits: u32,
         limit: usize,
         feed: impl FnOnce(&mut dyn FnMut(usize, &Sample)),
     ) -> Sampled {
-        self.grid = Grid { node_bits, cell_bits: node_bits / 3 - super::GRID_BITS };
+        self.grid = SamplingGrid { node_bits, cell_bits: node_bits / 3 - super::GRID_BITS };
         feed(&mut |child, candidate| self.offer(child, candidate));
         self.end_run();
         let mut sampled = self.finish();
@@ -218,13 +219,14 @@ impl Sampler {
         self.sampled.num_taken[child] += 1;
     }
 
-    /// The nearest of the samples that are closer than the smallest distance; of equals the first.
+    /// The nearest of the samples that are closer than the smallest distance; the first if several are equally near.
     fn too_near(&self, place: [u64; 3]) -> Option<usize> {
         let grid = &self.grid;
-        // Gaps are a code cell less than the difference of the numbers.
+        // The gap between two code cells is one cell less than the difference of their numbers.
         let reach = grid.min_distance() + 1;
         let end = grid.size() - 1;
-        // Morton parts of the cells in reach along an axis: from the middle of a cell both neighbors are.
+        // Spread numbers of the grid cells in reach along an axis: both neighbors are in reach from the middle of a
+        // cell.
         let side = |v: u64| {
             let first = v.saturating_sub(reach) >> grid.cell_bits;
             let last = end.min((v + reach) >> grid.cell_bits);
@@ -243,7 +245,7 @@ impl Sampler {
                 }
             }
         }
-        // One at exactly the smallest distance is far enough.
+        // A sample at exactly the smallest distance is far enough.
         (nearest.0 < grid.min_distance().pow(2)).then_some(nearest.1)
     }
 
@@ -261,7 +263,7 @@ impl Sampler {
         axis_sq(0) + axis_sq(1) + axis_sq(2)
     }
 
-    /// Hands over what was sampled and leaves everything empty.
+    /// Hands over the samples and leaves the sampler empty.
     fn finish(&mut self) -> Sampled {
         for sample in &self.sampled.samples {
             self.taken[(self.grid.cell(sample.code) / WORD_CELLS) as usize] = 0;

@@ -10,18 +10,18 @@ const POINTS_PER_CELL: usize = 4;
 /// Cells that a surface meets, on average over its directions, for each cell face of its area.
 const CELLS_PER_FACE: f64 = 1.5;
 
-/// What the sorted codes of a leaf tell.
+/// How close the points of a leaf lie, as their sorted codes tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spacing {
     /// Mean distance of neighbors, taking the points for a surface, as a share of the cube's edge.
     pub share: f64,
-    /// Most points in one cell of the sampling grid.
+    /// Largest number of points in one cell of the sampling grid.
     pub crowd: u32,
 }
 
-/// From the codes of a cube's points, in order, whose lowest `bits` tell the place in the cube.
+/// Estimates the spacing from the sorted codes of a cube's points, whose lowest `bits` tell the place in the cube.
 pub(super) fn spacing(keys: &[Key], bits: u32) -> Spacing {
-    // Neighbors in order that lie in different cells from a depth on begin a new filled cell there.
+    // Two successive keys that lie in different cells from a depth on begin a new filled cell at that depth.
     let mut begun = [0usize; MAX_DEPTH + 1];
     let (mut crowd, mut run) = (1u32, 1u32);
     for pair in keys.windows(2) {
@@ -48,11 +48,11 @@ pub(super) fn spacing(keys: &[Key], bits: u32) -> Spacing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::morton::Grid;
+    use crate::morton::MortonGrid;
     use glam::DVec3;
 
     fn keys(points: impl Iterator<Item = DVec3>) -> Vec<Key> {
-        let grid = Grid::of_cube(DVec3::ZERO, 1.0);
+        let grid = MortonGrid::of_cube(DVec3::ZERO, 1.0);
         let mut keys: Vec<Key> =
             points.enumerate().map(|(i, p)| Key { code: grid.code(p), point: i as u32, color: 0 }).collect();
         keys.sort_by_key(|key| key.code);

@@ -1,4 +1,4 @@
-//! What only the inside shows: that every point counts once for the samples, and that samples keep apart.
+//! Tests of what does not show outside: that every point counts once for the samples, and that samples keep apart.
 
 use super::keys::{Cube, Frame, Key, Root, sorted};
 use super::sample::{Sample, Sampled, Sampler};
@@ -15,7 +15,7 @@ fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
     ScanBuilder::new(grid, xyz).rgb(rgb).scan()
 }
 
-/// Keys in the root's frame, every point its own candidate.
+/// The root, and each point of the scan as a candidate in the root's frame.
 fn candidates(scan: &Scan) -> (Root, Vec<Sample>) {
     let root = Root::new(&scan.bounds());
     let keys = sorted(&Index::new(scan), &root);
@@ -105,7 +105,7 @@ fn the_roots_filtered_colors_average_the_cloud() {
     let draft = Builder { index: &index, root, progress: &Progress::hidden() }.build(&mut keys, &mut levels);
     assert!(draft.children.iter().any(|child| !child.children.is_empty()), "two inner levels at least");
 
-    // The same samples again, from the tree's own leaves up, with their weights.
+    // The root's samples are computed once more, from the tree's own leaves up, with their weights.
     let samples = resampled(&Frame::new(&root, Cube::ROOT), &index, &draft, &keys);
     assert_eq!(totals(&samples), truth, "every point counts once through all levels");
     assert_eq!(samples.len(), draft.num_points as usize);
@@ -123,7 +123,7 @@ fn the_roots_filtered_colors_average_the_cloud() {
     }
 }
 
-/// What a subtree's root takes, computed without threads and without taking anything away.
+/// Samples that a subtree's root takes, computed without threads and without taking anything away.
 fn resampled(frame: &Frame, index: &Index, draft: &Draft, keys: &[Key]) -> Vec<Sample> {
     let own = |number: usize| {
         Sample::of(&Key { color: index.color(keys[number].point as usize), ..keys[number] }, number)

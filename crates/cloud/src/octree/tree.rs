@@ -16,7 +16,7 @@ const PARALLEL_POINTS: usize = 1 << 16;
 
 /// Points that an octant of a leaf needs before their spacing means anything.
 const MIN_SURFACE_POINTS: usize = 16;
-/// How many times as far apart points lie at most in one part of an octant as in another, as far as is told.
+/// Largest ratio that is told of the spacings within an octant: beyond it, the least spacing counts as larger.
 const MAX_SPACING_RATIO: f64 = 64.0;
 
 thread_local! {
@@ -31,23 +31,23 @@ pub(super) struct Draft {
     pub keys: Range<usize>,
     /// Points of its own.
     pub num_points: u32,
-    /// The least distance of neighbors in each octant, world units; 0 of a leaf's where there are few points.
+    /// The least distance of neighbors in each octant, world units; 0 for an octant of a leaf that has few points.
     pub octant_spacing: [f64; 8],
     /// See [`super::Node::spacing_step`].
     pub spacing_step: f64,
     /// How far apart all points in the cube lie.
     apart: Apart,
-    /// Octants of leaves: its own, or those of parts that are no nodes, since all their points were taken.
+    /// Octants of leaves: its own, or those of children that are no nodes since all their points were taken.
     pub octants: Vec<Octant>,
-    /// Most of its points in a cell of its grid.
+    /// Largest number of its points in a cell of its grid.
     pub crowd: u32,
-    /// Spacing of its samples in cells of its grid, 1 or more; 0 of a leaf.
+    /// Spacing of its samples in cells of its grid, 1 or more; 0 for a leaf.
     pub sample_cells: f64,
-    /// In Morton order.
+    /// Children in Morton order.
     pub children: Vec<Draft>,
 }
 
-/// What a subtree offers to its parent.
+/// Candidates that a subtree offers to its parent.
 #[derive(Debug)]
 enum Offer {
     /// Every point of a leaf.
@@ -57,24 +57,24 @@ enum Offer {
 }
 
 /// The keys of a subtree and the levels of the nodes that own them.
-struct Part<'k> {
+struct SubtreeKeys<'k> {
     /// Number of its first key.
     first: usize,
     keys: &'k mut [Key],
     levels: &'k mut [u8],
 }
 
-impl<'k> Part<'k> {
-    fn reborrow(&mut self) -> Part<'_> {
-        Part { first: self.first, keys: self.keys, levels: self.levels }
+impl<'k> SubtreeKeys<'k> {
+    fn reborrow(&mut self) -> SubtreeKeys<'_> {
+        SubtreeKeys { first: self.first, keys: self.keys, levels: self.levels }
     }
 
     fn range(&self) -> Range<usize> {
         self.first..self.first + self.keys.len()
     }
 
-    /// Runs of keys that agree in all but the lowest `bits` of their codes.
-    fn split(self, bits: u32) -> Vec<Part<'k>> {
+    /// Splits the keys into runs whose codes agree above the lowest `bits`.
+    fn split(self, bits: u32) -> Vec<SubtreeKeys<'k>> {
         let mut parts = Vec::with_capacity(8);
         let mut rest = self;
         while let Some(first) = rest.keys.first() {
@@ -82,20 +82,20 @@ impl<'k> Part<'k> {
             let count = rest.keys.partition_point(|key| key.code >> bits == cube);
             let (keys, later_keys) = rest.keys.split_at_mut(count);
             let (levels, later_levels) = rest.levels.split_at_mut(count);
-            parts.push(Part { first: rest.first, keys, levels });
-            rest = Part { first: rest.first + count, keys: later_keys, levels: later_levels };
+            parts.push(SubtreeKeys { first: rest.first, keys, levels });
+            rest = SubtreeKeys { first: rest.first + count, keys: later_keys, levels: later_levels };
         }
         parts
     }
 
-    /// All keys as samples of themselves.
+    /// The keys of a range, each as a sample of itself.
     fn each(&self, range: &Range<usize>) -> impl Iterator<Item = Sample> {
         let keys = &self.keys[range.start - self.first..range.end - self.first];
         keys.iter().zip(range.clone()).map(|(key, number)| Sample::of(key, number))
     }
 }
 
-/// What does not change while a tree is built.
+/// Everything that stays the same while a tree is built.
 pub(super) struct Builder<'a> {
     pub index: &'a Index<'a>,
     pub root: Root,
@@ -103,18 +103,18 @@ pub(super) struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// The tree over sorted keys, at least one. Afterwards `levels` says of each key which of the nodes on its
-    /// path owns it, and its color is the filtered one. Worthless if `progress` says stop.
+    /// The tree over sorted keys, at least one. Afterwards `levels` says of each key which of the nodes on its path
+    /// owns it, and its color is the filtered one. The result is worthless if `progress` is cancelled.
     pub fn build(&self, keys: &mut [Key], levels: &mut [u8]) -> Draft {
         let frame = Frame::new(&self.root, Cube::ROOT);
-        let part = Part { first: 0, keys, levels };
+        let part = SubtreeKeys { first: 0, keys, levels };
         if self.root.edge(0) == 0.0 {
             return self.leaf(&frame, 0, part).0;
         }
         self.subtree(&frame, 0, part).0
     }
 
-    fn subtree(&self, frame: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
+    fn subtree(&self, frame: &Frame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
         if level == MAX_LEVEL || self.progress.is_cancelled() {
             return self.leaf(frame, level, part);
         }
@@ -131,11 +131,11 @@ impl Builder<'_> {
             // One sample would stand for all: the node would show nothing that its parent does not.
             return self.subtree(frame, level + 1, part);
         }
-        // Afterwards the codes may be those of a frame further down.
+        // The cube is read now: building the children may leave the codes of a frame further down.
         let cube = frame.cube(part.keys[0].code, level);
         let is_small = part.keys.len() < PARALLEL_POINTS;
         let parts = part.reborrow().split(frame.bits_below(level + 1));
-        let below = |part: Part| self.subtree(frame, level + 1, part);
+        let below = |part: SubtreeKeys| self.subtree(frame, level + 1, part);
         let below: Vec<(Draft, Offer)> = if is_small {
             parts.into_iter().map(below).collect()
         } else {
@@ -144,7 +144,7 @@ impl Builder<'_> {
         self.inner(frame, cube, part, below)
     }
 
-    fn leaf(&self, frame: &Frame, level: u32, part: Part) -> (Draft, Offer) {
+    fn leaf(&self, frame: &Frame, level: u32, part: SubtreeKeys) -> (Draft, Offer) {
         self.progress.add(part.keys.len() as u64);
         part.levels.fill(level as u8);
         let bits = frame.bits_below(level);
@@ -171,8 +171,8 @@ impl Builder<'_> {
         (draft, Offer::All)
     }
 
-    /// A subtree that its frame's codes are too short for: built in a frame of its own.
-    fn reframed(&self, outer: &Frame, level: u32, mut part: Part) -> (Draft, Offer) {
+    /// Builds a subtree that its frame's codes are too short for, in a frame of its own.
+    fn reframed(&self, outer: &Frame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
         let cube = outer.cube(part.keys[0].code, level);
         let frame = Frame::new(&self.root, cube);
         recode(part.keys, self.index, &frame);
@@ -188,8 +188,14 @@ impl Builder<'_> {
         (draft, Offer::Samples(samples))
     }
 
-    /// A node over its children: takes its samples from them.
-    fn inner(&self, frame: &Frame, cube: Cube, part: Part, below: Vec<(Draft, Offer)>) -> (Draft, Offer) {
+    /// Makes a node over its children and takes its samples from them.
+    fn inner(
+        &self,
+        frame: &Frame,
+        cube: Cube,
+        part: SubtreeKeys,
+        below: Vec<(Draft, Offer)>,
+    ) -> (Draft, Offer) {
         let level = cube.level;
         let feed = |offer: &mut dyn FnMut(usize, &Sample)| {
             for (number, (child, offered)) in below.iter().enumerate() {
@@ -212,7 +218,7 @@ impl Builder<'_> {
         for (child, taken) in children.iter_mut().zip(sampled.num_taken) {
             child.num_points -= taken;
         }
-        // What was taken whole and has nothing below is no node any more.
+        // A child whose points were all taken and that has no children is no node any more.
         let is_node = |child: &Draft| child.num_points > 0 || !child.children.is_empty();
         let (children, taken): (Vec<Draft>, Vec<Draft>) = children.into_iter().partition(is_node);
         // On a surface, half as many points lie √2 times as far apart.
@@ -245,9 +251,9 @@ pub(super) struct Octant {
 /// How far apart the points of a cube lie, world units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Apart {
-    /// In the octants of leaves that tell of a surface, from the least to the most; `None` where none does.
+    /// Least and most spacing in those octants of leaves that tell of a surface; `None` if there are none.
     surfaces: Option<(f64, f64)>,
-    /// The mean of all points.
+    /// Mean spacing of all points.
     mean: f64,
 }
 
@@ -257,7 +263,7 @@ impl Apart {
         Self { surfaces: surfaces.map(|spacing| (spacing, spacing)).reduce(hull), mean }
     }
 
-    /// Of parts and their numbers of points.
+    /// Joins the spacings of parts, given with their numbers of points.
     fn of(parts: impl Iterator<Item = (usize, Self)>) -> Self {
         let (mut surfaces, mut sum, mut num) = (None, 0.0, 0);
         for (part_num, part) in parts {
@@ -269,14 +275,14 @@ impl Apart {
     }
 }
 
-/// From the lesser least to the greater most.
+/// The smallest range that covers both ranges.
 fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
 /// The octants of a leaf that have points, and their numbers, from the codes of its points, in order.
 fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octant)> {
-    // All in one place.
+    // The points are all in one place, or codes have no bits left for octants.
     if bits < 3 || edge == 0.0 {
         return vec![(0, Octant { keys: first..first + keys.len(), spacing: 0.0 })];
     }
@@ -294,8 +300,8 @@ fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octa
     parts.map(octant).collect()
 }
 
-/// Of an inner node: the least distance of neighbors in each octant, and the step from there to the most in any; a node at
-/// `level` has at most one part in each octant.
+/// The least distance of neighbors in each octant of an inner node, and its spacing step, which is the cube root of the
+/// largest ratio within an octant. A node at `level` has at most one part in each octant.
 fn spacing_below(level: u32, below: &[(Draft, Offer)]) -> ([f64; 8], f64) {
     let (mut octants, mut ratio) = ([0.0; 8], 1.0f64);
     for (part, _) in below {

@@ -4,8 +4,8 @@
 use super::clusters::{Cone, cone_of};
 use super::meshlets::{Meshlet, meshlets};
 use super::parts::MAX_DISCS;
-use super::sequence::{MAX_SPREAD, Part, Sequence, Shape};
-use super::steps::Scale;
+use super::sequence::{DiscShape, ListPart, MAX_SPREAD, Sequence};
+use super::steps::StepScale;
 use super::tree::PointTree;
 use crate::format::{BATCH_POINTS, POINTS_PER_LOAD};
 use crate::quantize::{Cells, planes};
@@ -22,12 +22,14 @@ const _: () = assert!(MAX_DISCS <= BATCH_POINTS as usize);
 pub struct SequentialCloud {
     /// The discs: their centres and mean colors. After them the triangles' corners.
     pub cloud: Cloud,
-    /// Beside `cloud.colors`: [`Shape::word`], and in a batch of triangles one of these: corner | corner≪8 |
-    /// corner≪16 | step≪24, drawn below that step. Gaps hold zeros, which no tolerance draws.
+    /// One word beside each of `cloud.colors`: [`DiscShape::word`] for a disc; in a batch of triangles corner |
+    /// corner≪8 | corner≪16 | step≪24, a triangle that is drawn below that step. Gaps hold zeros, which no tolerance
+    /// draws.
     pub shapes: Vec<u32>,
     /// What the steps in `shapes` and `intervals` mean.
-    pub scale: Scale,
-    /// Of each batch: the smallest `min` and the largest `max` of its discs; of triangles, 0 and the largest step.
+    pub scale: StepScale,
+    /// Interval of each batch: the smallest `min` and the largest `max` of its discs, or 0 and the largest step of its
+    /// triangles.
     pub intervals: Vec<[u8; 2]>,
     /// Batches whose discs face the same way; the last run is of triangles, if there are any.
     pub runs: Vec<BatchRun>,
@@ -40,26 +42,26 @@ pub struct SequentialCloud {
 pub struct BatchRun {
     /// Its batches.
     pub batches: Range<u32>,
-    /// Their box, world space.
+    /// Box of its batches, world space.
     pub bounds: Bounds,
     /// The directions that lead away from all of its discs' fronts; `None` for discs that are seen from any side,
     /// as triangles are.
     pub behind: Option<Cone>,
-    /// Its batches are of triangles.
+    /// True if its batches are of triangles.
     pub has_triangles: bool,
 }
 
-/// What a batch is made of.
-struct Plan<'a> {
+/// Entries of a batch before they are quantised.
+struct BatchEntries<'a> {
     /// Nodes of its entries.
     nodes: &'a [u32],
     beside: Beside<'a>,
     first_point: u32,
 }
 
-/// What stands beside the entries of a batch.
+/// Words that stand beside the entries of a batch.
 enum Beside<'a> {
-    Discs(&'a [Shape]),
+    Discs(&'a [DiscShape]),
     Triangles(&'a Meshlet),
 }
 
@@ -84,15 +86,15 @@ impl Beside<'_> {
 
 /// Batches one after the other.
 #[derive(Default)]
-struct Plans<'a> {
-    plans: Vec<Plan<'a>>,
-    /// Words that their columns take.
+struct AllEntries<'a> {
+    batches: Vec<BatchEntries<'a>>,
+    /// Words of a column that holds all batches.
     size: u64,
 }
 
-impl<'a> Plans<'a> {
+impl<'a> AllEntries<'a> {
     fn push(&mut self, nodes: &'a [u32], beside: Beside<'a>) {
-        self.plans.push(Plan { nodes, beside, first_point: self.size as u32 });
+        self.batches.push(BatchEntries { nodes, beside, first_point: self.size as u32 });
         self.size += (nodes.len() as u64).next_multiple_of(u64::from(POINTS_PER_LOAD));
     }
 }
@@ -106,13 +108,13 @@ impl SequentialCloud {
     /// See [`BuildError`].
     pub fn new(tree: &PointTree, sequence: &Sequence, progress: &Progress) -> Result<Self, BuildError> {
         let meshlets = meshlets(tree, &sequence.scale);
-        let mut plans = Plans::default();
+        let mut all = AllEntries::default();
         for part in &sequence.parts {
             let entries = part.entries.clone();
-            plans.push(&sequence.nodes[entries.clone()], Beside::Discs(&sequence.shapes[entries]));
+            all.push(&sequence.nodes[entries.clone()], Beside::Discs(&sequence.shapes[entries]));
         }
-        meshlets.iter().for_each(|meshlet| plans.push(&meshlet.nodes, Beside::Triangles(meshlet)));
-        let Plans { plans, size } = plans;
+        meshlets.iter().for_each(|meshlet| all.push(&meshlet.nodes, Beside::Triangles(meshlet)));
+        let AllEntries { batches: of_batches, size } = all;
         let num_points = tree.nodes.last().map_or(0, |root| root.num_points);
         if size > u64::from(u32::MAX / 2) {
             let num_points = num_points as usize;
@@ -122,7 +124,7 @@ impl SequentialCloud {
             });
         }
         let mut columns = [(); 5].map(|()| vec![0u32; size as usize]);
-        let filled = fill(tree, &plans, &mut columns, progress);
+        let filled = fill(tree, &of_batches, &mut columns, progress);
         if progress.is_cancelled() {
             return Err(Cancelled.into());
         }
@@ -130,7 +132,7 @@ impl SequentialCloud {
             let of_run = &filled[batches.start as usize..batches.end as usize];
             of_run.iter().fold(Bounds::EMPTY, |b, (_, bounds)| b.union(*bounds))
         };
-        let of_cluster = |end: &mut u32, parts: &[Part]| {
+        let of_cluster = |end: &mut u32, parts: &[ListPart]| {
             let batches = *end..*end + parts.len() as u32;
             *end = batches.end;
             let behind = parts[0].cluster.and_then(|cluster| cone_of(cluster).behind(f64::from(MAX_SPREAD)));
@@ -138,7 +140,7 @@ impl SequentialCloud {
         };
         let clusters = sequence.parts.chunk_by(|a, b| a.cluster == b.cluster);
         let of_discs = clusters.scan(0, of_cluster);
-        let batches = plans.len() as u32 - meshlets.len() as u32..plans.len() as u32;
+        let batches = of_batches.len() as u32 - meshlets.len() as u32..of_batches.len() as u32;
         let of_triangles = (!batches.is_empty()).then(|| BatchRun {
             bounds: bounds_of(&batches),
             batches,
@@ -147,7 +149,7 @@ impl SequentialCloud {
         });
         let runs = of_discs.chain(of_triangles).collect();
         let [hi, mid, lo, colors, shapes] = columns;
-        let intervals = plans.iter().map(|plan| plan.beside.interval()).collect();
+        let intervals = of_batches.iter().map(|entries| entries.beside.interval()).collect();
         let cloud = Cloud {
             split: Split::of(&tree.scene.bounds, &tree.bounds),
             bounds: tree.bounds,
@@ -155,31 +157,31 @@ impl SequentialCloud {
             batches: filled.into_iter().map(|(batch, _)| batch).collect(),
             planes: [hi, mid, lo],
             colors,
-            num_points: plans.iter().map(|plan| plan.nodes.len() as u64).sum(),
+            num_points: of_batches.iter().map(|entries| entries.nodes.len() as u64).sum(),
         };
         Ok(Self { cloud, shapes, scale: sequence.scale, intervals, runs, num_points: u64::from(num_points) })
     }
 }
 
-/// Fills the planes, the colors and the shapes, and tells each batch with its true box.
+/// Fills the planes, the colors and the shapes, and returns each batch with its true box.
 fn fill(
     tree: &PointTree,
-    plans: &[Plan],
+    of_batches: &[BatchEntries],
     columns: &mut [Vec<u32>; 5],
     progress: &Progress,
 ) -> Vec<(Batch, Bounds)> {
     let mut rest = columns.each_mut().map(|column| &mut column[..]);
-    let mut slots = Vec::with_capacity(plans.len());
-    for plan in plans {
-        let count = plan.nodes.len().next_multiple_of(POINTS_PER_LOAD as usize);
+    let mut slots = Vec::with_capacity(of_batches.len());
+    for entries in of_batches {
+        let count = entries.nodes.len().next_multiple_of(POINTS_PER_LOAD as usize);
         slots.push(rest.each_mut().map(|column| {
             let (own, later) = std::mem::take(column).split_at_mut(count);
             *column = later;
             own
         }));
     }
-    let of_batch = |(plan, [hi, mid, lo, colors, shapes]): (&Plan, [&mut [u32]; 5])| {
-        let nodes = plan.nodes;
+    let of_batch = |(entries, [hi, mid, lo, colors, shapes]): (&BatchEntries, [&mut [u32]; 5])| {
+        let nodes = entries.nodes;
         let positions = || nodes.iter().map(|&node| tree.position(node as usize));
         let bounds = positions().fold(Bounds::EMPTY, Bounds::with);
         let cells = Cells::covering(&bounds);
@@ -187,12 +189,12 @@ fn fill(
             for (i, (p, &node)) in positions().zip(nodes).enumerate() {
                 [hi[i], mid[i], lo[i]] = planes(cells.quantize(p));
                 colors[i] = tree.nodes[node as usize].color;
-                shapes[i] = plan.beside.word(i);
+                shapes[i] = entries.beside.word(i);
             }
             progress.add(nodes.len() as u64);
         }
-        let (first_point, num_points) = (plan.first_point, nodes.len() as u32);
+        let (first_point, num_points) = (entries.first_point, nodes.len() as u32);
         (Batch { first_point, num_points, min: cells.min, cell: cells.cell }, bounds)
     };
-    plans.par_iter().zip(slots).map(of_batch).collect()
+    of_batches.par_iter().zip(slots).map(of_batch).collect()
 }

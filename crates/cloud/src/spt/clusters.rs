@@ -8,7 +8,7 @@ use base::space::Bounds;
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Triangles.
+/// Number of clusters: one for each triangle.
 pub const NUM_CLUSTERS: usize = 128;
 /// Halvings of an octahedron's edge.
 const HALVINGS: u32 = 2;
@@ -16,7 +16,7 @@ const HALVINGS: u32 = 2;
 /// Directions round an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Unit length.
+    /// Middle of the directions, unit length.
     pub axis: DVec3,
     /// Largest angle to the axis, radians.
     pub angle: f64,
@@ -27,7 +27,7 @@ pub struct Cone {
 pub fn cluster_of(normal: u32) -> u8 {
     let n = unpack(normal);
     let octant = u8::from(n.x < 0.0) | u8::from(n.y < 0.0) << 1 | u8::from(n.z < 0.0) << 2;
-    // In a face, the triangle by its corner: of four, that which is nearest, or the one between them.
+    // A face is halved into four triangles: one at each corner, with the numbers 0 to 2, and the one between them, 3.
     let mut corners = face(octant);
     let mut number = octant;
     for _ in 0..HALVINGS {
@@ -79,9 +79,9 @@ fn is_inside(n: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
 }
 
 impl Cone {
-    /// The directions of view that no disc shows its front to whose normal lies in this cone, or within `spread` of
-    /// it; `None` if there are none. A disc faces away if its normal and the direction to it lie less than a right
-    /// angle apart.
+    /// The directions of view in which no disc shows its front whose normal lies in this cone or within `spread` of it;
+    /// `None` if there are none. A disc faces away if its normal and the direction to it lie less than a right angle
+    /// apart.
     #[must_use]
     pub fn behind(&self, spread: f64) -> Option<Self> {
         let angle = std::f64::consts::FRAC_PI_2 - self.angle - spread;
@@ -94,7 +94,7 @@ impl Cone {
         let to_center = bounds.center() - eye_in_world;
         let along = to_center.dot(self.axis);
         let across = (to_center.length_squared() - along * along).max(0.0).sqrt();
-        // How far the centre lies within the cone; a sphere round the box must too.
+        // The left side is how far the centre lies within the cone; a sphere round the box must lie within it too.
         along * libm::sin(self.angle) - across * libm::cos(self.angle) >= 0.5 * bounds.size().length()
     }
 }
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn there_are_128_clusters_of_about_one_size() {
         let mut counts = [0; NUM_CLUSTERS];
-        // A Fibonacci spiral spreads evenly.
+        // Points of a Fibonacci spiral lie evenly on a sphere.
         let num_points = 128_000;
         for i in 0..num_points {
             let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(num_points);

@@ -8,7 +8,7 @@ use glam::DVec3;
 pub struct Disc {
     /// Centre.
     pub center: DVec3,
-    /// Unit length; its sign does not matter here.
+    /// Normal of unit length; its sign does not matter here.
     pub normal: DVec3,
     /// Radius of the disc, and of the sphere round everything that it stands for.
     pub radius: f64,
@@ -112,7 +112,7 @@ mod tests {
         assert!((radius - 8f64.sqrt()).abs() < 1e-12);
         let parent = disc([0.0; 3], DVec3::Z, radius);
         assert!(perpendicular(&parent, &children) < 1e-12);
-        // Along an axis: 2 from centre to centre and a radius at either end.
+        // The width along an axis is 2 from centre to centre and a radius at either end.
         let want = 2.0 * radius - (2.0 + 2.0 * 2f64.sqrt());
         assert!((tangential(&parent, &children) - want).abs() < 1e-12);
         assert!(geometric(&parent, &children) < 0.2 * 2.0 * radius, "small against the diameter");
@@ -124,7 +124,7 @@ mod tests {
         let mut children = quarters(DVec3::Z);
         children[0].center.z = 0.5;
         assert!((perpendicular(&parent, &children) - 0.5).abs() < 1e-12);
-        // Discs on edge: as high as they are wide, wherever their normals point to.
+        // Discs that stand on edge are as high as they are wide, wherever their normals point to.
         let upright = perpendicular(&parent, &quarters(DVec3::X));
         assert!((upright - 8f64.sqrt()).abs() < 1e-12);
         assert_eq!(upright, perpendicular(&parent, &quarters(-DVec3::X)));

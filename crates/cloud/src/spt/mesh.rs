@@ -10,15 +10,15 @@
 //! for.
 
 use super::neighbors::OVERLAP;
-use super::steps::Scale;
+use super::steps::StepScale;
 use super::tree::{Leaf, NO_SIDE, PointTree, rounded_up};
-use super::{Sorted, normals};
+use super::{SortedPoints, normals};
 use glam::{DVec3, Vec3};
 use points::{Scan, ScanFile};
 
-/// Discs at corners reach over the triangles there, but over none that is longer than the smallest by this factor:
-/// where the smallest has just vanished, that would be many pixels. Of longer triangles, a gap as wide as the error
-/// allowed may show between their corners, once they are as small as that.
+/// A disc at a corner reaches over the triangles there, up to this many times the longest side of the smallest one: a
+/// wider disc would be many pixels large where that one has just vanished. Between the corners of longer triangles a
+/// gap as wide as the allowed error may show, once they are as small as that.
 const MAX_SIDE_RATIO: f32 = 2.0;
 
 /// A triangle of a mesh, not degenerate.
@@ -30,22 +30,22 @@ pub struct Triangle {
     pub side: f32,
 }
 
-/// What a file says of a triangle.
+/// A triangle as its file has it.
 struct Face {
     /// Running numbers of points, as in [`super::Index`].
     corners: [u32; 3],
-    /// As long as twice its area.
+    /// Normal whose length is twice the triangle's area.
     normal: DVec3,
     /// Longest side, world units.
     side: f32,
 }
 
-/// What the triangles at a point tell of it.
+/// Normals and sizes of the triangles at a point.
 #[derive(Clone, Copy)]
 struct Corner {
     /// Sum of their normals, each as long as twice the area.
     normal: DVec3,
-    /// Longest sides of the smallest and of the largest.
+    /// Longest side of the smallest triangle, and of the largest.
     sides: [f32; 2],
 }
 
@@ -66,8 +66,8 @@ fn faces(scan: &Scan) -> impl Iterator<Item = Face> + '_ {
     })
 }
 
-/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line. The grid
-/// tells exactly.
+/// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line, which the grid's
+/// whole numbers tell exactly.
 fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
     let xyz = |corner: u32| file.points.xyz.get(corner as usize).map(|p| p.map(i64::from));
     let (a, b, c) = (xyz(corners[0])?, xyz(corners[1])?, xyz(corners[2])?);
@@ -83,7 +83,7 @@ fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
 
 /// Puts into the leaves what files know better than neighbors tell: normals, sides if `with_sides`, and how far
 /// the triangles at a point reach.
-pub(super) fn inform(leaves: &mut [Leaf], sorted: &Sorted, scan: &Scan, with_sides: bool) {
+pub(super) fn inform(leaves: &mut [Leaf], sorted: &SortedPoints, scan: &Scan, with_sides: bool) {
     let corners = corners(scan);
     for (leaf, key) in leaves.iter_mut().zip(&sorted.keys) {
         let corner = corners.get(key.1 as usize);
@@ -102,7 +102,7 @@ pub(super) fn inform(leaves: &mut [Leaf], sorted: &Sorted, scan: &Scan, with_sid
     }
 }
 
-/// Of each point; empty if there is no triangle. Memory: 32 B a point.
+/// The triangles at each point; empty if there is no triangle. Memory: 32 B a point.
 fn corners(scan: &Scan) -> Vec<Corner> {
     if !is_mesh(scan) {
         return Vec::new();
@@ -120,7 +120,7 @@ fn corners(scan: &Scan) -> Vec<Corner> {
 }
 
 /// The triangles between a tree's leaves, in the files' order. Memory: 4 B a point meanwhile, 16 B a triangle.
-pub(super) fn triangles(scan: &Scan, sorted: &Sorted, tree: &PointTree) -> Vec<Triangle> {
+pub(super) fn triangles(scan: &Scan, sorted: &SortedPoints, tree: &PointTree) -> Vec<Triangle> {
     if !is_mesh(scan) {
         return Vec::new();
     }
@@ -137,7 +137,7 @@ pub(super) fn triangles(scan: &Scan, sorted: &Sorted, tree: &PointTree) -> Vec<T
 
 /// The floor of each node as a step, 0 for those with a point below that no triangle stands for; empty if there is no
 /// triangle.
-pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
+pub(super) fn floors(tree: &PointTree, scale: &StepScale) -> Vec<u8> {
     if tree.triangles.is_empty() {
         return Vec::new();
     }
@@ -162,14 +162,14 @@ pub(super) fn floors(tree: &PointTree, scale: &Scale) -> Vec<u8> {
 }
 
 /// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
-/// grow on the way from the disc's centre to any of its points, which are within `radius`. And a step less: GPUs find
-/// corners and discs where different grids of cells put them.
-pub(super) fn first_step(scale: &Scale, floor: u8, radius: f64, max_slope: f64) -> u8 {
+/// grow on the way from the disc's centre to any of its points, which are within `radius`. It is one step less because
+/// the GPU has corners and discs on different grids of cells.
+pub(super) fn first_step(scale: &StepScale, floor: u8, radius: f64, max_slope: f64) -> u8 {
     let length = f64::from(scale.length(floor)) - max_slope * radius;
     scale.step_below(length.max(0.0) as f32).saturating_sub(1)
 }
 
-/// A file's normal; `None` if it is none, NaN or 0 say.
+/// A file's normal at unit length; `None` if it has no direction, as NaN and 0 have none.
 fn direction(normal: [f32; 3]) -> Option<DVec3> {
     Vec3::from_array(normal).as_dvec3().try_normalize()
 }

@@ -6,8 +6,8 @@ use super::*;
 use glam::DVec3;
 use proptest::prelude::*;
 
-/// A sheet of triangles, coarse at one side and fine at the other, and some triangles between any of its points, and
-/// some that are none; last, points of no triangle.
+/// A sheet of triangles, coarse at one side and fine at the other; some triangles between any of its points; some
+/// degenerate ones; last, points of no triangle.
 fn mesh(edge: i32, num_loose: usize, seed: u32) -> Scan {
     let mut noise = noise(seed);
     let at = |i: i32| i * i * 60;
@@ -35,8 +35,8 @@ fn tree_of(scan: &Scan) -> PointTree {
     build_point_tree(scan, false, &Progress::hidden()).expect("a tree")
 }
 
-/// Of each triangle: is it drawn, where the tolerance at a place is that?
-fn are_drawn(tree: &PointTree, scale: &Scale, tolerance: &dyn Fn(usize) -> f32) -> Vec<bool> {
+/// Tells of each triangle whether it is drawn, where `tolerance` gives a node's tolerance.
+fn are_drawn(tree: &PointTree, scale: &StepScale, tolerance: &dyn Fn(usize) -> f32) -> Vec<bool> {
     let is_drawn = |triangle: &Triangle| {
         let nearest = triangle.corners.map(|corner| tolerance(corner as usize)).into_iter().reduce(f32::min);
         scale.step_below(nearest.unwrap_or(0.0)) < scale.step(triangle.side)
@@ -44,11 +44,12 @@ fn are_drawn(tree: &PointTree, scale: &Scale, tolerance: &dyn Fn(usize) -> f32) 
     tree.triangles.iter().map(is_drawn).collect()
 }
 
-/// Corners of triangles that are not drawn, and points of none, over which no disc is drawn either.
+/// Number of lost leaves: corners of triangles that are not drawn, and points of no triangle, that have no drawn disc
+/// either.
 fn num_lost(
     tree: &PointTree,
     sequence: &Sequence,
-    shapes: &[Shape],
+    shapes: &[DiscShape],
     tolerance: &dyn Fn(usize) -> f32,
 ) -> usize {
     let is_chosen = |node: usize| shapes[node].is_drawn(sequence.scale.step_below(tolerance(node)));
@@ -91,7 +92,7 @@ proptest! {
         prop_assert_eq!(num_lost(&tree, &sequence, &shapes, &tolerance), 0);
     }
 
-    /// Discs that are suppressed are so for triangles: all that are at any of its points are drawn.
+    /// A disc is suppressed only if all triangles at any of its points are drawn.
     #[test]
     fn discs_give_way_to_triangles_only(
         edge in 2i32..10,
@@ -144,7 +145,7 @@ proptest! {
     }
 }
 
-/// Discs that begin where their floors end leave holes: what the property looks for can happen.
+/// Discs that begin where their floors end leave holes, so the property above can fail.
 #[test]
 fn floors_need_their_overlap() {
     let tree = tree_of(&mesh(13, 0, 5));
@@ -168,7 +169,7 @@ fn floors_need_their_overlap() {
 #[test]
 fn a_degenerate_triangle_is_none_and_its_points_stay() {
     let mut scan = scan_of(vec![[0, 0, 0], [1000, 0, 0], [2000, 0, 0], [0, 700, 0], [500, 500, 500]], motley);
-    // On a line, twice the same corner, beyond the points, and one that is true.
+    // One triangle is on a line, one has the same corner twice, one has a corner beyond the points, and one is valid.
     scan.files[0].triangles = vec![[0, 1, 2], [3, 3, 4], [0, 1, 99], [0, 3, 4]];
     let tree = tree_of(&scan);
     assert_eq!(tree.triangles.len(), 1);
@@ -186,7 +187,7 @@ fn a_degenerate_triangle_is_none_and_its_points_stay() {
 fn what_a_file_knows_best_is_a_points_normal() {
     let up = DVec3::Z;
     let mut scan = scan_of((0..400).map(|i| [i % 20 * 10, i / 20 * 10, 0]).collect(), motley);
-    // Seen from below, and large where it leans.
+    // Both triangles face down.
     scan.files[0].triangles = vec![[0, 20, 1], [0, 20, 1]];
     let mut normals = vec![[f32::NAN; 3]; 400];
     (normals[0], normals[399]) = ([0.6, 0.0, 0.8], [0.0; 3]);
@@ -202,7 +203,7 @@ fn what_a_file_knows_best_is_a_points_normal() {
     assert_eq!(has(-up, 0.0), 2, "its triangles'");
     assert_eq!(has(up, std::f32::consts::PI), 397, "estimated: no side");
     assert!(tree.nodes.last().is_some_and(|root| root.spread == std::f32::consts::PI));
-    // Sides that are not wanted are axes.
+    // Normals are axes if sides are not wanted.
     let tree = tree_of(&scan);
     assert!(tree.nodes.iter().all(|node| node.spread == std::f32::consts::PI));
 }

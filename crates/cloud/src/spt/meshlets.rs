@@ -5,33 +5,33 @@
 
 use super::mesh::Triangle;
 use super::sequence::octave;
-use super::steps::Scale;
+use super::steps::StepScale;
 use super::tree::PointTree;
 use crate::format::{SECOND_CORNER_SHIFT, SIDE_SHIFT, THIRD_CORNER_SHIFT, WORKGROUP_SIZE};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Triangles of a batch: one a thread.
+/// Triangles of a batch at most: one a thread.
 const MAX_TRIANGLES: usize = WORKGROUP_SIZE as usize;
 /// A batch ends with its octave, unless it has fewer triangles than this.
 const MIN_TRIANGLES: usize = MAX_TRIANGLES / 2;
-/// Corners of a batch: their numbers have 8 bits.
+/// Corners of a batch at most: their numbers have 8 bits.
 const MAX_CORNERS: usize = 256;
 
 /// A batch of triangles.
 #[derive(Debug, Default)]
 pub(super) struct Meshlet {
-    /// Nodes of the corners; where triangles are more, the last corner again and again.
+    /// Nodes of the corners; the last one is repeated if there are more triangles than corners.
     pub nodes: Vec<u32>,
-    /// Of each triangle: corners, 8 bits each, and the step of its longest side ≪ 24. As many as nodes; those
-    /// beyond the triangles are 0, a size that no tolerance is below.
+    /// A word for each triangle: corners, 8 bits each, and the step of its longest side ≪ 24. There are as many words
+    /// as nodes; those beyond the triangles are 0, a size that no tolerance is below.
     pub words: Vec<u32>,
-    /// The largest of the steps.
+    /// The largest step of the triangles.
     pub max: u8,
 }
 
 /// The triangles of a tree by falling octave of their sizes, and in Morton order of a corner inside of each.
-pub(super) fn meshlets(tree: &PointTree, scale: &Scale) -> Vec<Meshlet> {
+pub(super) fn meshlets(tree: &PointTree, scale: &StepScale) -> Vec<Meshlet> {
     let key = |(number, triangle): (usize, &Triangle)| {
         let falling = u8::MAX - octave(scale.step(triangle.side));
         let [a, b, c] = triangle.corners;
@@ -82,7 +82,7 @@ impl Open {
         self.meshlet.max = self.meshlet.max.max(step);
     }
 
-    /// The batch, which has a triangle; the next one is empty.
+    /// Closes the batch, which has a triangle, and begins an empty one.
     fn close(&mut self) -> Meshlet {
         self.places.clear();
         let mut meshlet = std::mem::take(&mut self.meshlet);

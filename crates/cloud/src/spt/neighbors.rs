@@ -1,11 +1,11 @@
 //! The leaves' normals and diameters, from each point's neighbors.
 //!
-//! Points are taken by cubes of a few; the cubes round one of them, found by bisection among the codes, hold the
-//! neighbors of all its points. Nothing depends on threads or on chance.
+//! Points are taken in cubes of a few; the cubes round one of them, found by bisection among the codes, hold the
+//! neighbors of all its points. The result depends on neither threads nor chance.
 
 use super::cubes::Cube;
 use super::tree::{Leaf, NO_SIDE};
-use super::{Key, Sorted, normals};
+use super::{Key, SortedPoints, normals};
 use crate::build::FAR;
 use crate::morton::{BITS, compact, spread};
 use base::task::Progress;
@@ -17,23 +17,24 @@ use std::ops::Range;
 const TASK_POINTS: usize = 1 << 14;
 /// Points of a cube that is not cut further.
 const CUBE_POINTS: usize = 16;
-/// Points looked at in a cube: where a cube beside holds more, evenly spread ones.
+/// Points of a cube that are looked at; if it holds more, evenly spread ones.
 const MAX_CANDIDATES: usize = 64;
-/// Neighbors that make a normal.
+/// Neighbors that a normal is estimated from.
 const NORMAL_NEIGHBORS: usize = 12;
 /// Which neighbor tells how far apart points lie: on a square grid, the four nearest are equally far.
 const SPACING_NEIGHBOR: usize = 4;
-/// How much wider than that a leaf's disc is: it must reach over the diagonal, and points lie irregularly.
+/// Diameter of a leaf's disc in multiples of its spacing: it must reach over the diagonal, and points lie
+/// irregularly.
 pub(super) const OVERLAP: f32 = 1.5;
-/// Points that lie further from their neighbors than these do from theirs, by this factor, are no surface but
-/// strays, which would be drawn as large discs.
+/// Largest diameter of a leaf in multiples of its nearest neighbor's. A point that lies further from its neighbors is a
+/// stray and no part of a surface, and would be drawn as a large disc.
 const STRAY: f32 = 1.5;
-/// Share of points whose diameters are taken as they are: the others, at the rims of what the scanner saw and in
-/// loose ends, get the widest of these.
+/// Share of points whose diameters are taken as they are. The others, at the rims of what the scanner saw and in loose
+/// ends, get the widest of these.
 const HONEST: f64 = 0.99;
 
-/// A normal and a diameter for each of the sorted points. Worthless if `progress` says stop.
-pub(super) fn leaves(sorted: &Sorted, progress: &Progress) -> Vec<Leaf> {
+/// A normal and a diameter for each of the sorted points. The result is worthless if `progress` is cancelled.
+pub(super) fn leaves(sorted: &SortedPoints, progress: &Progress) -> Vec<Leaf> {
     let mut tasks = Vec::new();
     Cube::root(&sorted.keys).cut(&sorted.keys, TASK_POINTS, &mut |cube| tasks.push(cube));
     let of_task = |task: &Cube| {
@@ -68,12 +69,12 @@ fn limit(leaves: &mut [Leaf]) {
     }
 }
 
-/// What a thread needs to find neighbors.
+/// Buffers of a thread to find neighbors with.
 struct Search<'a> {
-    sorted: &'a Sorted<'a>,
+    sorted: &'a SortedPoints<'a>,
     /// Points of a cube and those round it: number of the key, and position relative to the cube's first point.
     candidates: Vec<(usize, Vec3)>,
-    /// Squared distance and number among the candidates.
+    /// Nearest candidates of a point: squared distance, and number among the candidates.
     nearest: Vec<(f32, u32)>,
 }
 
@@ -94,12 +95,12 @@ impl Search<'_> {
         }
     }
 
-    /// A point's leaf and the key of its nearest neighbor; its own if it has none.
+    /// A point's leaf and the key of its nearest neighbor; its own key if it has none.
     fn leaf(&mut self, number: usize, p: Vec3) -> (Leaf, u32) {
         self.nearest.clear();
         let others = self.candidates.iter().enumerate().filter(|(_, (other, _))| *other != number);
         self.nearest.extend(others.map(|(i, (_, q))| (q.distance_squared(p), i as u32)));
-        // Equal distances: the smaller key.
+        // If distances are equal, the earlier candidate comes first.
         let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         if self.nearest.len() > NORMAL_NEIGHBORS {
             self.nearest.select_nth_unstable_by(NORMAL_NEIGHBORS, order);
@@ -124,10 +125,10 @@ impl Search<'_> {
 fn around(keys: &[Key], cube: &Cube, each: &mut dyn FnMut(Range<usize>)) {
     each(cube.keys.clone());
     if cube.bits > 3 * BITS {
-        // All there is.
+        // The cube holds all keys.
         return;
     }
-    // Strays have neighbors among strays.
+    // A stray has neighbors among strays only.
     let first = keys[cube.keys.start].0;
     let (prefix, far) = ((first & !FAR) >> cube.bits, (first & FAR) >> cube.bits);
     let cell = [0, 1, 2].map(|axis| compact(prefix >> axis) as i64);

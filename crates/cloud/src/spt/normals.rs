@@ -2,11 +2,11 @@
 
 use glam::{DMat3, DVec3};
 
-/// Rotations are repeated until nothing is left; a symmetric 3 × 3 matrix needs four or five rounds.
+/// Rounds of rotations at most; a symmetric 3 × 3 matrix needs four or five until nothing is left off its diagonal.
 const MAX_ROUNDS: u32 = 12;
 
-/// Direction of least spread of some points, unit length: a surface's normal, without a side. Points that do not
-/// tell a plane, three or fewer say, give some direction in which they do not spread.
+/// Direction of least spread of some points, unit length: a surface's normal, without a side. Points that do not tell a
+/// plane, on a line say, give some direction in which they do not spread.
 #[must_use]
 pub fn least_spread(points: &[DVec3]) -> DVec3 {
     let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
@@ -16,13 +16,13 @@ pub fn least_spread(points: &[DVec3]) -> DVec3 {
         spread += DMat3::from_cols(d * d.x, d * d.y, d * d.z);
     }
     let (values, vectors) = eigen(spread);
-    // Of equals the last: what does not spread at all lies flat.
+    // The last of equals is taken: points that do not spread at all have a normal that points up.
     let least = (0..3).rev().min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(2);
     upward(vectors.col(least))
 }
 
-/// Eigenvalues and eigenvectors, as columns, of a symmetric matrix, by Jacobi's rotations. Only square roots and
-/// divisions: the same on every machine, which trigonometric formulas are not.
+/// Eigenvalues and eigenvectors, as columns, of a symmetric matrix, by Jacobi's rotations. Square roots and divisions
+/// are the same on every machine, which trigonometric formulas are not.
 fn eigen(mut a: DMat3) -> (DVec3, DMat3) {
     let mut vectors = DMat3::IDENTITY;
     let size = a.to_cols_array().iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -54,7 +54,8 @@ fn upward(axis: DVec3) -> DVec3 {
     if axis.z < 0.0 { -axis } else { axis }
 }
 
-/// A direction in a word: on an octahedron, unfolded into a square of 65535². Zero gives some direction.
+/// Packs a direction into a word: its place on an octahedron, unfolded into a square of 65535². Zero gives some
+/// direction.
 #[must_use]
 pub fn pack(normal: DVec3) -> u32 {
     let length = normal.abs().element_sum();
@@ -73,7 +74,7 @@ pub fn unpack(word: u32) -> DVec3 {
     DVec3::new(x, y, z).normalize()
 }
 
-/// The octahedron's lower half, turned outwards round the upper one's edges, and back.
+/// Turns the octahedron's lower half outwards round the upper one's edges, and back.
 fn fold(x: f64, y: f64) -> (f64, f64) {
     let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
     ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y))
@@ -84,7 +85,7 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Any.
+    /// Any unit vector.
     pub fn direction() -> impl Strategy<Value = DVec3> {
         [-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0]
             .prop_map(DVec3::from_array)

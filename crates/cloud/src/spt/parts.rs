@@ -1,37 +1,39 @@
-//! The list cut into parts, the batches: discs that a tolerance draws together and that lie near each other; then
-//! those of a part taken asunder that are not needed together.
+//! Cuts the list into parts, the batches: discs that a tolerance draws together and that lie near each other. Then
+//! splits those discs off a part that are not needed together.
 //!
-//! Taking a part asunder never costs a read: what is left of it has a box and an interval within the whole part's, so
-//! wherever it is read, the whole would have been. It costs workgroups, so nothing is set apart that would be too few
-//! for one.
+//! Splitting a part never costs a read: each piece has a box and an interval within the whole part's, so wherever it is
+//! read, the whole would have been. It costs workgroups, so no piece is split off that is too small for one.
 //!
-//! - Discs that are drawn however near the eye is, which points are, and others: else these are read close up, where
-//!   there are as many of them as of points and none is drawn.
-//! - Discs whose normals are of one cluster: they face away together [SPT §3.10]. Far away a few parts hold what is
-//!   drawn, with normals of all clusters, and stay whole.
+//! - Discs that are drawn at any nearness, as points are, are split from others: else the others are read close up,
+//!   where there are as many of them as of points and none is drawn.
+//! - Discs whose normals are of one cluster are split off: they face away together [SPT §3.10]. A few parts hold the
+//!   discs that are drawn far away, with normals of all clusters, and stay whole.
 
-use super::sequence::{NO_CLUSTER, Part, Shape, octave};
+use super::sequence::{DiscShape, ListPart, NO_CLUSTER, octave};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// A part ends with its octave, unless it is smaller than this or an eighth of the list: within an octave, discs that
 /// follow each other are neighbors.
 const MIN_DISCS: usize = 2048;
-/// What a part has at least, however short the list: a few discs a thread.
+/// Discs of a part at least, however short the list: a few a thread.
 const MIN_DISCS_OF_FEW: usize = 256;
-/// Discs of a part. Fewer than the GPU allows, for smaller boxes: a batch is all that is culled.
+/// Discs of a part at most. The GPU allows more; fewer have smaller boxes, and only a whole batch can be culled.
 pub(super) const MAX_DISCS: usize = 4096;
-/// As many as this, at least, are set apart from others: one a thread.
+/// Discs that are split off at least: one a thread.
 pub(super) const MIN_APART: usize = 128;
 
 /// A node's number, and its disc's interval and size.
-pub(super) type Entry = (u32, Shape);
+pub(super) type Entry = (u32, DiscShape);
 
 /// Entries, and the cluster and the size of each group of them.
 type Grouped = (Vec<Entry>, Vec<(u8, usize)>);
 
 /// Cuts a list that is sorted by falling octaves of `max`, and puts the entries of each part next to each other.
-pub(super) fn parts(entries: Vec<Entry>, cluster: &(impl Fn(u32) -> u8 + Sync)) -> (Vec<Entry>, Vec<Part>) {
+pub(super) fn parts(
+    entries: Vec<Entry>,
+    cluster: &(impl Fn(u32) -> u8 + Sync),
+) -> (Vec<Entry>, Vec<ListPart>) {
     let apart = |range: &Range<usize>| asunder(entries[range.clone()].to_vec(), cluster);
     let pieces: Vec<Grouped> = cut(&entries).par_iter().map(apart).collect();
     drop(entries);
@@ -39,18 +41,19 @@ pub(super) fn parts(entries: Vec<Entry>, cluster: &(impl Fn(u32) -> u8 + Sync)) 
     let mut parts = Vec::new();
     for (entries, sizes) in pieces {
         for (cluster, size) in sizes {
-            let end = parts.last().map_or(0, |(_, part): &(_, Part)| part.entries.end);
-            let part = Part { cluster: (cluster != NO_CLUSTER).then_some(cluster), entries: end..end + size };
+            let end = parts.last().map_or(0, |(_, part): &(_, ListPart)| part.entries.end);
+            let part =
+                ListPart { cluster: (cluster != NO_CLUSTER).then_some(cluster), entries: end..end + size };
             parts.push((cluster, part));
         }
         ordered.extend(entries);
     }
-    let largest = |part: &Part| ordered[part.entries.clone()].iter().map(|(_, shape)| shape.max).max();
+    let largest = |part: &ListPart| ordered[part.entries.clone()].iter().map(|(_, shape)| shape.max).max();
     parts.sort_by_cached_key(|(cluster, part)| (*cluster, u8::MAX - largest(part).map_or(0, octave)));
     (ordered, parts.into_iter().map(|(_, part)| part).collect())
 }
 
-/// Where parts begin and end.
+/// Ranges of entries that become parts.
 fn cut(entries: &[Entry]) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let mut start = 0;
@@ -66,7 +69,8 @@ fn cut(entries: &[Entry]) -> Vec<Range<usize>> {
     parts
 }
 
-/// The entries of a part, those next to each other that belong together; and these groups' clusters and sizes.
+/// Orders the entries of a part so that those that belong together are next to each other; returns the groups' clusters
+/// and sizes too.
 fn asunder(entries: Vec<Entry>, cluster: &impl Fn(u32) -> u8) -> Grouped {
     let is_for_afar = |(_, shape): &Entry| shape.min > 0;
     let num_for_afar = entries.iter().filter(|entry| is_for_afar(entry)).count();
@@ -82,7 +86,7 @@ fn asunder(entries: Vec<Entry>, cluster: &impl Fn(u32) -> u8) -> Grouped {
             *cluster = NO_CLUSTER;
         }
     }
-    // Stable: in a group, Morton order stays.
+    // The sort is stable: entries of a group stay in Morton order.
     grouped.sort_by_key(|(afar, cluster, _)| (*afar, *cluster));
     let groups = grouped.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
     let sizes = groups.map(|group| (group[0].1, group.len())).collect();

@@ -1,7 +1,7 @@
 //! The tree as a list: an interval of tolerance for each disc, sorted [SPT §3.6, 3.7].
 
 use super::clusters::{NUM_CLUSTERS, cluster_of};
-use super::steps::{ENDLESS, Scale};
+use super::steps::{ENDLESS, StepScale};
 use super::tree::PointTree;
 use super::{mesh, parts};
 use rayon::prelude::*;
@@ -9,23 +9,23 @@ use std::ops::Range;
 
 /// When a disc is drawn, and how large: everything that the GPU's test needs beside the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
-    /// Drawn from this step of tolerance on: the disc's own error, and its floor; see [`super::mesh`].
+pub struct DiscShape {
+    /// Step of tolerance from which on it is drawn: the disc's own error, and its floor; see [`super::mesh`].
     pub min: u8,
-    /// Drawn below this step: the error of its parent and the overlap; [`ENDLESS`] for the root.
+    /// Step below which it is drawn: the error of its parent and the overlap; [`ENDLESS`] for the root.
     pub max: u8,
     /// The disc's diameter, as a step.
     pub diameter: u8,
 }
 
-impl Shape {
-    /// True if the disc is drawn where the tolerance is at `step` ([`Scale::step_below`]).
+impl DiscShape {
+    /// True if the disc is drawn where the tolerance is at `step` ([`StepScale::step_below`]).
     #[must_use]
     pub fn is_drawn(self, step: u8) -> bool {
         self.min <= step && step < self.max
     }
 
-    /// As the GPU has it: min | max≪8 | diameter≪16.
+    /// The GPU's word: min | max≪8 | diameter≪16.
     #[must_use]
     pub fn word(self) -> u32 {
         u32::from_le_bytes([self.min, self.max, self.diameter, 0])
@@ -34,8 +34,8 @@ impl Shape {
 
 /// A batch of the list: discs that are culled together.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// The directions that its discs' normals have; `None` for discs that may be seen from any side.
+pub struct ListPart {
+    /// Cluster of its discs' normals; `None` for discs that may be seen from any side.
     pub cluster: Option<u8>,
     /// Its entries in the list.
     pub entries: Range<usize>,
@@ -45,20 +45,20 @@ pub struct Part {
 #[derive(Clone, Debug)]
 pub struct Sequence {
     /// What the shapes' steps mean.
-    pub scale: Scale,
+    pub scale: StepScale,
     /// Number of each entry's node. Nodes that no tolerance draws have none.
     pub nodes: Vec<u32>,
-    /// Of each entry.
-    pub shapes: Vec<Shape>,
-    /// All entries, each in one; sorted by cluster, those without the last, then by the octave of the largest `max`,
-    /// falling.
-    pub parts: Vec<Part>,
+    /// When each entry is drawn, and how large.
+    pub shapes: Vec<DiscShape>,
+    /// Parts, which have each entry once. They are sorted by cluster, those without one last, then by the octave of the
+    /// largest `max`, falling.
+    pub parts: Vec<ListPart>,
 }
 
 /// Discs whose points' normals lie further apart than this, in radians, have no side. The more is allowed, the fewer
 /// clusters face away.
 pub const MAX_SPREAD: f32 = 0.15;
-/// Order of the discs without side.
+/// Cluster number of discs without a side: they come last.
 pub(super) const NO_CLUSTER: u8 = NUM_CLUSTERS as u8;
 
 impl Sequence {
@@ -70,43 +70,43 @@ impl Sequence {
     #[must_use]
     pub fn new(tree: &PointTree, max_slope: f64) -> Self {
         let largest = tree.nodes.last().map_or(0.0, |root| root.diameter);
-        let scale = Scale::up_to(largest);
+        let scale = StepScale::up_to(largest);
         let floors = mesh::floors(tree, &scale);
         let shape = |number: usize| {
             let shape = shape(tree, &scale, max_slope, number);
             let floor = floors.get(number).copied().unwrap_or(0);
             let radius = 0.5 * f64::from(tree.nodes[number].diameter);
-            Shape { min: shape.min.max(mesh::first_step(&scale, floor, radius, max_slope)), ..shape }
+            DiscShape { min: shape.min.max(mesh::first_step(&scale, floor, radius, max_slope)), ..shape }
         };
         let cluster = |node: u32| {
             let node = &tree.nodes[node as usize];
             if node.spread <= MAX_SPREAD { cluster_of(node.normal) } else { NO_CLUSTER }
         };
-        // Octaves from the largest on, then Morton order.
+        // Entries are sorted by octave, the largest first, then in Morton order.
         let key = |number: usize| {
-            let Shape { min, max, .. } = shape(number);
+            let DiscShape { min, max, .. } = shape(number);
             (min < max).then(|| u64::from(u8::MAX - octave(max)) << 32 | number as u64)
         };
         let mut keys: Vec<u64> = (0..tree.nodes.len()).into_par_iter().filter_map(key).collect();
         keys.par_sort_unstable();
         let nodes: Vec<u32> = keys.into_par_iter().map(|key| key as u32).collect();
-        let shapes: Vec<Shape> = nodes.par_iter().map(|&node| shape(node as usize)).collect();
-        let entries: Vec<(u32, Shape)> = nodes.into_iter().zip(shapes).collect();
+        let shapes: Vec<DiscShape> = nodes.par_iter().map(|&node| shape(node as usize)).collect();
+        let entries: Vec<(u32, DiscShape)> = nodes.into_iter().zip(shapes).collect();
         let (entries, parts) = parts::parts(entries, &cluster);
         let (nodes, shapes) = entries.into_iter().unzip();
         Self { scale, nodes, shapes, parts }
     }
 }
 
-/// What entries are sorted by: eight steps are an octave.
+/// Octave of a step, which entries are sorted by: eight steps are an octave.
 pub(super) fn octave(step: u8) -> u8 {
     step >> 3
 }
 
-/// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow
-/// on the way from the parent's centre to the node's: a parent that is just too near to be drawn then never leaves a
-/// hole [SPT §3.6].
-fn shape(tree: &PointTree, scale: &Scale, max_slope: f64, number: usize) -> Shape {
+/// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow on
+/// the way from the parent's centre to the node's: so a parent that is just too near to be drawn never leaves a hole
+/// [SPT §3.6].
+fn shape(tree: &PointTree, scale: &StepScale, max_slope: f64, number: usize) -> DiscShape {
     let node = &tree.nodes[number];
     let max = tree.parent(number).map_or(ENDLESS, |parent| {
         let begin = scale.length(scale.step(tree.nodes[parent].error));
@@ -114,5 +114,5 @@ fn shape(tree: &PointTree, scale: &Scale, max_slope: f64, number: usize) -> Shap
         let overlap = max_slope * distance;
         scale.step(if overlap > 0.0 { (f64::from(begin) + overlap) as f32 } else { begin })
     });
-    Shape { min: scale.step(node.error), max, diameter: scale.step(node.diameter) }
+    DiscShape { min: scale.step(node.error), max, diameter: scale.step(node.diameter) }
 }

@@ -58,29 +58,29 @@ pub(super) fn leaves(tree: &PointTree) -> impl Iterator<Item = usize> {
     (0..tree.nodes.len()).filter(|&number| tree.nodes[number].num_points == 1)
 }
 
-/// Shapes by node; those that have no entry are never drawn.
-pub(super) fn shapes(tree: &PointTree, sequence: &Sequence) -> Vec<Shape> {
-    let mut shapes = vec![Shape { min: 255, max: 0, diameter: 0 }; tree.nodes.len()];
+/// Shapes by node; nodes without an entry are never drawn.
+pub(super) fn shapes(tree: &PointTree, sequence: &Sequence) -> Vec<DiscShape> {
+    let mut shapes = vec![DiscShape { min: 255, max: 0, diameter: 0 }; tree.nodes.len()];
     for (&node, &shape) in sequence.nodes.iter().zip(&sequence.shapes) {
         shapes[node as usize] = shape;
     }
     shapes
 }
 
-/// On each path from a leaf to the root, how many nodes are drawn when the tolerance of node n is `step(n)`.
-fn drawn_on_paths(tree: &PointTree, shapes: &[Shape], step: impl Fn(usize) -> u8) -> (usize, usize) {
+/// The least and the most nodes drawn on a path from a leaf to the root, if the tolerance of node n is `step(n)`.
+fn drawn_on_paths(tree: &PointTree, shapes: &[DiscShape], step: impl Fn(usize) -> u8) -> (usize, usize) {
     let is_drawn: Vec<bool> = shapes.iter().enumerate().map(|(n, shape)| shape.is_drawn(step(n))).collect();
     let counts = leaves(tree).map(|leaf| path(tree, leaf).filter(|&n| is_drawn[n]).count());
     counts.fold((usize::MAX, 0), |(least, most), count| (least.min(count), most.max(count)))
 }
 
-/// Every leaf's sphere lies in the spheres of all above it.
+/// Checks that every leaf's sphere lies in the spheres of all nodes above it.
 fn check_spheres(tree: &PointTree) -> Result<(), String> {
     for leaf in leaves(tree) {
         for above in path(tree, leaf) {
             let reach = (tree.position(leaf) - tree.position(above)).length()
                 + 0.5 * f64::from(tree.nodes[leaf].diameter);
-            // Rounding of f64 coordinates of millions.
+            // The slack is for the rounding of f64 coordinates of millions.
             if reach > 0.5 * f64::from(tree.nodes[above].diameter) + 1e-8 {
                 return Err(format!("leaf {leaf} sticks out of {above} by {reach}"));
             }
@@ -89,7 +89,7 @@ fn check_spheres(tree: &PointTree) -> Result<(), String> {
     Ok(())
 }
 
-/// Positions and colors are the leaves' means, and points are counted.
+/// Checks that positions and colors are the leaves' means, and that points are counted.
 fn check_means(tree: &PointTree) -> Result<(), String> {
     let mut sums = vec![(0u32, DVec3::ZERO, [0u64; 3]); tree.nodes.len()];
     for leaf in leaves(tree) {
@@ -108,7 +108,8 @@ fn check_means(tree: &PointTree) -> Result<(), String> {
             let mean = rgb[channel] as f64 / f64::from(count);
             (f64::from(node.color >> (8 * channel) & 255) - mean).abs() > 0.5
         });
-        // A step of rounding for the leaves, one for the mean; and that of f64 coordinates of millions.
+        // The bound is a step of rounding for the leaves, one for the mean, and the rounding of f64 coordinates of
+        // millions.
         if count != node.num_points || off > 2.0 * tree.step + 1e-8 || wrong_color {
             return Err(format!("node {number}: {node:?} stands for {count} points, {off} away"));
         }
@@ -116,7 +117,7 @@ fn check_means(tree: &PointTree) -> Result<(), String> {
     Ok(())
 }
 
-/// Children stand before their parents and err no more.
+/// Checks that children stand before their parents and err no more.
 fn check_errors(tree: &PointTree) -> Result<(), String> {
     for (number, node) in tree.nodes.iter().enumerate() {
         // Duplicates have no extent, and a disc over them is exact.
@@ -133,14 +134,14 @@ fn check_errors(tree: &PointTree) -> Result<(), String> {
     Ok(())
 }
 
-/// Parts of a cluster are sorted, and none beyond a prefix is ever drawn at that step or a farther one; all entries are in
-/// one part.
+/// Checks that parts of a cluster are sorted, that none beyond a prefix is drawn at its step or a larger one, and that
+/// each entry is in one part.
 fn check_prefixes(sequence: &Sequence) -> Result<(), String> {
-    let shapes = |part: &Part| &sequence.shapes[part.entries.clone()];
-    let largest = |part: &Part| shapes(part).iter().map(|shape| sequence::octave(shape.max)).max();
+    let shapes = |part: &ListPart| &sequence.shapes[part.entries.clone()];
+    let largest = |part: &ListPart| shapes(part).iter().map(|shape| sequence::octave(shape.max)).max();
     for parts in sequence.parts.chunk_by(|a, b| a.cluster == b.cluster) {
         for step in 0..255u8 {
-            let reaches = |part: &Part| largest(part) >= Some(sequence::octave(step + 1));
+            let reaches = |part: &ListPart| largest(part) >= Some(sequence::octave(step + 1));
             let prefix = parts.iter().take_while(|part| reaches(part)).count();
             let mut beyond = parts[prefix..].iter().flat_map(shapes);
             if let Some(shape) = beyond.find(|shape| (step..255).any(|step| shape.is_drawn(step))) {
@@ -158,8 +159,8 @@ fn check_prefixes(sequence: &Sequence) -> Result<(), String> {
     }
 }
 
-/// Discs that are drawn however near the eye is share no part with so many others that a workgroup could have been
-/// spared, and parts with a cluster hold nothing else.
+/// Checks that discs that are drawn at any nearness share no part with others that would have filled a workgroup, and
+/// that parts with a cluster hold no discs of others.
 fn check_parts(tree: &PointTree, sequence: &Sequence) -> Result<(), String> {
     for part in &sequence.parts {
         let shapes = &sequence.shapes[part.entries.clone()];
@@ -221,7 +222,7 @@ proptest! {
     }
 }
 
-/// Without overlap, distances that differ within a tree do leave holes: what the test above looks for can happen.
+/// Without overlap, distances that differ within a tree leave holes, so the test above can fail.
 #[test]
 fn without_overlap_there_are_holes() {
     let tree = tree_of(&sheet(2000, 5));
@@ -271,11 +272,11 @@ fn every_check_can_fail() {
     assert!(check_prefixes(&lost).is_err());
     let mut mixed = Sequence::new(&tree_of(&sheet(9000, 3)), 0.0);
     assert_eq!(check_parts(&tree_of(&sheet(9000, 3)), &mixed), Ok(()));
-    mixed.parts = vec![Part { cluster: None, entries: 0..mixed.shapes.len() }];
+    mixed.parts = vec![ListPart { cluster: None, entries: 0..mixed.shapes.len() }];
     assert!(check_parts(&tree_of(&sheet(9000, 3)), &mixed).is_err());
 }
 
-/// A square grid on a plane that leans, a centimetre apart.
+/// A square grid of points a centimetre apart, on a plane that leans.
 fn plane(color: impl Fn(usize) -> [u16; 3]) -> Scan {
     scan_of((0..64 * 64).map(|i| [i % 64 * 10, i / 64 * 10, i % 64 * 10]).collect(), color)
 }
@@ -290,7 +291,7 @@ fn a_plane_is_soon_drawn_by_few_large_discs() {
         assert_eq!(node.spread, std::f32::consts::PI, "nobody knows its side");
     }
     let mut inner = tree.nodes.iter().filter(|n| n.num_points >= 64);
-    // Errors are those of the plane alone: the rim of the disc.
+    // The only error of a plane is the rim of the disc.
     assert!(inner.all(|n| n.error < 0.45 * n.diameter), "flat: {:?}", tree.nodes.last());
     let mut leaves: Vec<f32> = leaves(&tree).map(|leaf| tree.nodes[leaf].diameter).collect();
     leaves.sort_by(f32::total_cmp);

@@ -3,7 +3,7 @@
 use super::cubes::Cube;
 use super::error::{self, Disc};
 use super::mesh::Triangle;
-use super::{Sorted, normals};
+use super::{SortedPoints, normals};
 use crate::format::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, OPAQUE};
 use base::space::Bounds;
 use base::task::Progress;
@@ -11,7 +11,7 @@ use glam::DVec3;
 use points::Scene;
 use rayon::prelude::*;
 
-/// Subtrees with at most as many points are built by one thread.
+/// Subtrees with at most this many points are built by one thread.
 const PART_POINTS: usize = 1 << 14;
 /// Grid steps along the longest edge of the cloud.
 const GRID_STEPS: f64 = u32::MAX as f64;
@@ -19,18 +19,18 @@ const GRID_STEPS: f64 = u32::MAX as f64;
 /// Spread of a normal without a side, which may as well point the other way, radians.
 pub(super) const NO_SIDE: f32 = std::f32::consts::PI;
 
-/// What is known of a point beside its place and color.
+/// Normal and diameter of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leaf {
-    /// [`normals::pack`]ed.
+    /// Normal, packed ([`normals::pack`]).
     pub normal: u32,
-    /// Of its disc, world units.
+    /// Diameter of its disc, world units.
     pub diameter: f32,
-    /// 0, or [`NO_SIDE`].
+    /// Spread of its normal: 0, or [`NO_SIDE`].
     pub spread: f32,
 }
 
-/// A disc: a point, or what stands for several from afar.
+/// A node of the tree, drawn as a disc: a point, or the mean of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// Mean of its points' positions, on the tree's grid; see [`PointTree::position`].
@@ -39,11 +39,11 @@ pub struct Node {
     pub normal: u32,
     /// Mean of its points' colors: r | g≪8 | b≪16 | 255≪24.
     pub color: u32,
-    /// Of the disc, and of a sphere round its centre that holds the children's spheres, world units.
+    /// Diameter of the disc, and of a sphere round its centre that holds the children's spheres, world units.
     pub diameter: f32,
     /// How far the disc is from what it stands for, world units: 0 for a point, else not less than any child's.
     pub error: f32,
-    /// Largest angle between its normal and those of its points, at most, radians; π if one of these has no side.
+    /// Upper bound of the angle between its normal and those of its points, radians; π if one of these has no side.
     pub spread: f32,
     /// Points that it stands for; 1 for a leaf.
     pub num_points: u32,
@@ -58,12 +58,12 @@ pub struct PointTree {
     pub nodes: Vec<Node>,
     /// True box of the points, world space.
     pub bounds: Bounds,
-    /// The scan's.
+    /// The scan's scene.
     pub scene: Scene,
-    /// A step of the grid that positions lie on, world units: the longest edge, 2³² times cut, which is finer
-    /// than any batch's cells.
+    /// A step of the grid that positions lie on, world units: the longest edge, cut into 2³² steps, which is finer than
+    /// any batch's cells.
     pub step: f64,
-    /// Of meshes, those that are not degenerate.
+    /// Triangles of meshes, without degenerate ones.
     pub triangles: Vec<Triangle>,
 }
 
@@ -94,44 +94,44 @@ impl PointTree {
     }
 }
 
-/// What parents must know exactly of a subtree.
+/// Sums over the points of a subtree, which parents must know exactly.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// Of positions, relative to the box's smallest corner.
+struct SubtreeSums {
+    /// Sum of positions, relative to the box's smallest corner.
     position: DVec3,
     rgb: [u64; 3],
 }
 
 /// A subtree whose place in the list is still open.
-struct Part {
+struct Subtree {
     nodes: Vec<Node>,
-    sums: Sums,
+    sums: SubtreeSums,
 }
 
-/// The tree over sorted points, at least one. Worthless if `progress` says stop.
+/// The tree over sorted points, at least one. The result is worthless if `progress` is cancelled.
 pub(super) fn build(
-    sorted: &Sorted,
+    sorted: &SortedPoints,
     leaves: &[Leaf],
     bounds: Bounds,
     scene: Scene,
     progress: &Progress,
 ) -> PointTree {
     let step = bounds.size().max_element() / GRID_STEPS;
-    // The scene comes last: each part begins as a copy of this.
+    // The scene is put in last, since each part begins as a copy of this tree.
     let tree = PointTree { nodes: Vec::new(), bounds, scene: Scene::default(), step, triangles: Vec::new() };
     let mut cubes = Vec::new();
     let root = Cube::root(&sorted.keys);
     small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
     let of_cube = |cube: &Cube| {
         if progress.is_cancelled() {
-            return Part { nodes: Vec::new(), sums: Sums::default() };
+            return Subtree { nodes: Vec::new(), sums: SubtreeSums::default() };
         }
         let mut builder = Builder { sorted, leaves, tree: PointTree { ..tree.clone() }, parts: None };
         let sums = builder.subtree(cube);
         progress.add(cube.keys.len() as u64);
-        Part { nodes: builder.tree.nodes, sums }
+        Subtree { nodes: builder.tree.nodes, sums }
     };
-    let parts: Vec<Part> = cubes.par_iter().map(of_cube).collect();
+    let parts: Vec<Subtree> = cubes.par_iter().map(of_cube).collect();
     if progress.is_cancelled() {
         return tree;
     }
@@ -143,8 +143,8 @@ pub(super) fn build(
     builder.tree
 }
 
-/// The largest subtrees of at most [`PART_POINTS`], in order; also such as nothing divides.
-fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
+/// The largest subtrees of at most [`PART_POINTS`], in order; larger ones only if nothing divides their points.
+fn small_cubes(sorted: &SortedPoints, cube: &Cube, each: &mut dyn FnMut(Cube)) {
     let octants = if cube.keys.len() <= PART_POINTS { Vec::new() } else { cube.octants(&sorted.keys) };
     if octants.is_empty() {
         return each(cube.clone());
@@ -152,39 +152,39 @@ fn small_cubes(sorted: &Sorted, cube: &Cube, each: &mut dyn FnMut(Cube)) {
     octants.iter().for_each(|octant| small_cubes(sorted, octant, each));
 }
 
-/// The next f32, so that a sphere still holds all that it held.
+/// Rounds up to f32, so that a sphere still holds all that it held.
 pub(super) fn rounded_up(length: f64) -> f32 {
     let rounded = length as f32;
     if f64::from(rounded) < length { rounded.next_up() } else { rounded }
 }
 
 struct Builder<'a> {
-    sorted: &'a Sorted<'a>,
+    sorted: &'a SortedPoints<'a>,
     leaves: &'a [Leaf],
     tree: PointTree,
     /// The small subtrees, if these are built already.
-    parts: Option<std::vec::IntoIter<Part>>,
+    parts: Option<std::vec::IntoIter<Subtree>>,
 }
 
 impl Builder<'_> {
     /// Appends the nodes of a subtree, its root last.
-    fn subtree(&mut self, cube: &Cube) -> Sums {
+    fn subtree(&mut self, cube: &Cube) -> SubtreeSums {
         let keys = &self.sorted.keys;
         let octants = cube.octants(keys);
         if (cube.keys.len() <= PART_POINTS || octants.is_empty())
             && let Some(parts) = &mut self.parts
         {
-            // As many as `small_cubes` counted, in its order.
-            let part = parts.next().unwrap_or(Part { nodes: Vec::new(), sums: Sums::default() });
+            // There are as many parts as `small_cubes` found cubes, in its order.
+            let part = parts.next().unwrap_or(Subtree { nodes: Vec::new(), sums: SubtreeSums::default() });
             self.tree.nodes.extend_from_slice(&part.nodes);
             return part.sums;
         }
         if cube.keys.len() == 1 {
             return self.leaf(cube.keys.start);
         }
-        let mut sums = Sums::default();
+        let mut sums = SubtreeSums::default();
         let mut children = Vec::with_capacity(8);
-        let mut add = |builder: &mut Self, of_child: Sums| {
+        let mut add = |builder: &mut Self, of_child: SubtreeSums| {
             children.push(builder.tree.nodes.len() - 1);
             sums.position += of_child.position;
             sums.rgb = std::array::from_fn(|c| sums.rgb[c] + of_child.rgb[c]);
@@ -204,21 +204,21 @@ impl Builder<'_> {
         sums
     }
 
-    fn leaf(&mut self, key: usize) -> Sums {
+    fn leaf(&mut self, key: usize) -> SubtreeSums {
         let (p_in_world, color) = self.sorted.index.point(self.sorted.keys[key].1 as usize);
         let Leaf { normal, diameter, spread } = self.leaves[key];
         let offset = p_in_world - self.tree.bounds.min;
         let position = self.on_grid(offset);
         let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
         self.tree.nodes.push(node);
-        Sums {
+        SubtreeSums {
             position: offset,
             rgb: [0, GREEN_SHIFT, BLUE_SHIFT].map(|shift| u64::from(color >> shift & CHANNEL_MASK)),
         }
     }
 
-    /// Appends the node that stands for all these.
-    fn inner(&mut self, children: &[usize], sums: &Sums, num_points: usize) {
+    /// Appends the node that stands for these children.
+    fn inner(&mut self, children: &[usize], sums: &SubtreeSums, num_points: usize) {
         let position = self.on_grid(sums.position / num_points as f64);
         let (normal, spread) = self.mean_normal(children);
         let count = num_points as u64;
@@ -254,7 +254,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Those
+    /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Normals
     /// without a side are first turned into the hemisphere of those before them.
     fn mean_normal(&self, children: &[usize]) -> (DVec3, f32) {
         let turned = |normal: DVec3, node: &Node, to: DVec3| {
@@ -271,7 +271,7 @@ impl Builder<'_> {
             sum += f64::from(node.num_points) * turned(normal, node, sum);
         }
         let Some(mean) = sum.try_normalize() else {
-            // They cancel out: no direction is better than another, and none is far enough from the opposite.
+            // The normals cancel out: no direction is better than another, and no side is known.
             return (DVec3::Z, NO_SIDE);
         };
         let angle = |(normal, node): (DVec3, &Node)| {
@@ -282,7 +282,7 @@ impl Builder<'_> {
     }
 
     fn on_grid(&self, offset: DVec3) -> [u32; 3] {
-        // Casts from float saturate; without extent there is one place.
+        // Casts from float saturate; a tree without extent has one position.
         let axis = |v: f64| if self.tree.step > 0.0 { (v / self.tree.step).round() as u32 } else { 0 };
         offset.to_array().map(axis)
     }

@@ -8,7 +8,7 @@ use render::bindings::{Eye, Geometry};
 use render::gpu::Gpu;
 use render::gpu::stage::{Stage, nothing_besides};
 use render::layout::{EMPTY_KEY, Variant};
-use render::shaders::{self, Of, parts};
+use render::shaders::{self, ShaderOfSet, parts};
 use render::technique::{Clears, Nearest, Pieces, Recording};
 use std::sync::LazyLock;
 
@@ -78,7 +78,7 @@ pub(super) fn depth(is_tree: bool) -> fn(Variant) -> Pieces {
 }
 
 /// The step of `resolve` that makes colors of keys, and clears them.
-pub const SHADE40: Of<Eye> = Of::new("shade40", &[parts::SURFACE], |_| &*SHADE);
+pub const SHADE40: ShaderOfSet<Eye> = ShaderOfSet::new("shade40", &[parts::SURFACE], |_| &*SHADE);
 
 /// The method's stages.
 #[derive(Debug)]

@@ -8,16 +8,18 @@ use render::bindings::{Chunk, Cloud, Eye};
 use render::gpu::Gpu;
 use render::gpu::stage::{Bindings, Stage, shader_module};
 use render::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
-use render::shaders::{Of, parts};
+use render::shaders::{ShaderOfSet, parts};
 use render::technique::{Clears, Nearest, Recording};
 use render::{Access, Parts, Targets};
 
 /// The pass that draws points.
-pub const POINT_LIST: Of<(Cloud, Chunk)> =
-    Of::new("point-list", &[parts::POINTS], |_| &[text!("methods/point_list")]);
+pub const POINT_LIST: ShaderOfSet<(Cloud, Chunk)> =
+    ShaderOfSet::new("point-list", &[parts::POINTS], |_| &[text!("methods/point_list")]);
 /// The step of `resolve` that takes them from where they were drawn.
-pub const SHADE_POINTS: Of<(Chunk, Eye)> =
-    Of::new("shade-points", &[parts::SURFACE, parts::CHUNK_COLORS], |_| &[text!("methods/shade_points")]);
+pub const SHADE_POINTS: ShaderOfSet<(Chunk, Eye)> =
+    ShaderOfSet::new("shade-points", &[parts::SURFACE, parts::CHUNK_COLORS], |_| {
+        &[text!("methods/shade_points")]
+    });
 
 /// As the shader of the second names what the first drew into.
 pub(super) const POINTS_NAME: &str = "points";

@@ -6,22 +6,22 @@ use super::stage::shader_module;
 /// What a pipeline draws with, and into.
 #[derive(Debug)]
 pub struct Drawing<'a> {
-    /// For debuggers.
+    /// Name that debuggers show.
     pub name: &'static str,
     /// The whole text, prelude included.
     pub wgsl: &'a str,
     /// Entry points of the vertices and of the fragments.
     pub entries: [&'a str; 2],
-    /// What vertices are read from, if anything is.
+    /// Layouts of the buffers that vertices are read from.
     pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     /// The image, if colors are drawn.
     pub target: Option<wgpu::ColorTargetState>,
-    /// Format of the depth image, if there is one: whatever is in it, it takes what is drawn.
+    /// Format of the depth image, if there is one. It takes all that is drawn, whatever is in it.
     pub depth_format: Option<wgpu::TextureFormat>,
 }
 
 impl Drawing<'_> {
-    /// Compiles it.
+    /// Compiles the pipeline.
     #[must_use]
     pub fn pipeline(&self, gpu: &Gpu) -> wgpu::RenderPipeline {
         let module = shader_module(&gpu.device, self.name, self.wgsl);

@@ -1,4 +1,4 @@
-//! wgpu, thinly: the device, its one queue, shaders, stages, timers, readback. Knows no cloud, no eye and
+//! A thin layer over wgpu: the device, its one queue, shaders, stages, timers, readback. It knows no cloud, no eye and
 //! no configuration.
 
 pub mod drawing;
@@ -28,7 +28,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Of wgpu's objects, whose device is watched from now on: see [`Self::lost`].
+    /// Takes in wgpu's objects, whose device is watched from now on: see [`Self::lost`].
     #[must_use]
     pub fn new(
         instance: wgpu::Instance,
@@ -44,19 +44,19 @@ impl Gpu {
         });
         let watched = Arc::clone(&lost);
         device.on_uncaptured_error(Arc::new(move |error| {
-            // Of a device that is lost, all objects are invalid: the loss is told, what follows from it is not.
+            // All objects of a lost device are invalid: the loss is reported, errors that follow from it are not.
             assert!(watched.get().is_some(), "a mistake in the use of the GPU: {error}");
         }));
         Self { instance, adapter, device, queue: Queue::new(queue), lost }
     }
 
-    /// Why the device is lost, once it is: nothing more comes of what is submitted.
+    /// Why the device is lost, if it is: nothing more comes of submitted work then.
     #[must_use]
     pub fn lost(&self) -> Option<&str> {
         self.lost.get().map(String::as_str)
     }
 
-    /// "NAME (driver VERSION)" for logs and people.
+    /// The adapter's name, for logs and people.
     #[must_use]
     pub fn name(&self) -> String {
         self.adapter.get_info().name

@@ -5,7 +5,7 @@ use super::Gpu;
 /// Why no GPU could be opened; each sentence says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// No Vulkan driver at all.
+    /// There is no Vulkan driver at all.
     #[error(
         "no Vulkan driver found: install one (on Debian and Ubuntu: `apt install mesa-vulkan-drivers`) or run scripts/demo, which does"
     )]
@@ -13,7 +13,7 @@ pub enum GpuError {
     /// `--adapter` matched nothing.
     #[error("no GPU is called like '{wanted}'; there is: {found}")]
     NoSuchAdapter {
-        /// What was asked for.
+        /// Name that was asked for.
         wanted: String,
         /// Names of those that exist.
         found: String,
@@ -43,19 +43,19 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS)
     .union(wgpu::Features::SUBGROUP)
     .union(wgpu::Features::SHADER_F64);
-/// Storage buffers that the largest stage binds.
+/// Storage buffers that the largest stage binds without 64-bit addition.
 const NUM_STORAGE_BUFFERS: u32 = 10;
-/// And with 64-bit addition.
+/// Storage buffers that the largest stage binds with 64-bit addition.
 const NUM_STORAGE_BUFFERS_INT64: u32 = 12;
 
-/// What a GPU's atomics can do, from the least.
+/// What a GPU's atomics can do, in rising order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Atomics {
     /// 32-bit minimum and addition.
     Int32,
-    /// 64-bit minimum besides.
+    /// 64-bit minimum, and 32-bit addition.
     Int64Minmax,
-    /// 64-bit addition besides.
+    /// 64-bit minimum and addition.
     Int64,
 }
 
@@ -101,20 +101,20 @@ pub fn required_features(
     Ok(WANTED & offered)
 }
 
-/// Nothing between us and the driver, unless `WGPU_VALIDATION=1` asks for the validation layer.
+/// Flags that put nothing between us and the driver, unless `WGPU_VALIDATION=1` asks for the validation layer.
 #[must_use]
 pub fn instance_flags() -> wgpu::InstanceFlags {
     wgpu::InstanceFlags::empty().with_env()
 }
 
 impl Gpu {
-    /// True if a program on the CPU draws.
+    /// True if a program on the CPU draws in place of a GPU.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// True if shaders can count in f64.
+    /// True if shaders can compute in f64.
     #[must_use]
     pub fn has_f64(&self) -> bool {
         self.device.features().contains(wgpu::Features::SHADER_F64)

@@ -1,4 +1,5 @@
-//! GPU to CPU, waiting: for pictures and tests. The frame loop reads back through [`super::timer`] instead.
+//! Copies from the GPU to the CPU that wait, for pictures and tests. The frame loop reads back through [`super::timer`]
+//! instead.
 
 use super::Gpu;
 

@@ -4,14 +4,14 @@ use super::Gpu;
 use crate::bindings::{AGAIN, Set};
 use crate::layout::Variant;
 use crate::look::Access;
-use crate::shaders::Of;
+use crate::shaders::ShaderOfSet;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// Workgroups of a dispatch along one dimension: Vulkan promises as many.
+/// Workgroups of a dispatch along one dimension that Vulkan promises.
 const MAX_ROW: u32 = 65_535;
 
 /// A compiled compute stage whose shader binds resources of a set.
@@ -27,7 +27,7 @@ pub struct Compiled {
     pipeline: wgpu::ComputePipeline,
 }
 
-/// What a shader uses of a set of resources, and besides, in group 0: which, and the number that it has there.
+/// The resources that a shader uses in group 0, of a set and besides, each with its binding number.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Bindings<S: Set> {
     name: String,
@@ -38,13 +38,13 @@ pub struct Bindings<S: Set> {
 /// A resource that a shader uses.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Used {
-    /// By its place in the set.
+    /// A resource of the set, by its place there.
     OfSet(usize),
-    /// By its name.
+    /// A resource besides, by its name.
     Besides(String),
 }
 
-/// Gives resources by name that are of no set.
+/// Gives resources that are of no set, by name.
 pub type Besides<'f, 'a> = dyn Fn(&str) -> Option<wgpu::BindingResource<'a>> + 'f;
 
 impl<S: Set> fmt::Debug for Bindings<S> {
@@ -93,7 +93,7 @@ impl<S: Set> Bindings<S> {
         Self { name: name.to_owned(), used: used.into_iter().map(by_name).collect(), set: PhantomData }
     }
 
-    /// What both use: the halves of a pass.
+    /// The resources that either shader of a pass uses.
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
         self.used.extend(other.used);
@@ -102,7 +102,7 @@ impl<S: Set> Bindings<S> {
         self
     }
 
-    /// A bind group of these resources, of which the shader takes what it uses, and of what it uses besides.
+    /// A bind group of the resources that the shader uses, of its set and besides.
     ///
     /// # Panics
     /// If `besides` lacks something: a test looks at what each shader uses.
@@ -130,7 +130,7 @@ impl<S: Set> Bindings<S> {
     }
 }
 
-/// Of nothing besides.
+/// Gives no resource besides the set's.
 #[must_use]
 pub fn nothing_besides<'a>(_name: &str) -> Option<wgpu::BindingResource<'a>> {
     None
@@ -139,7 +139,7 @@ pub fn nothing_besides<'a>(_name: &str) -> Option<wgpu::BindingResource<'a>> {
 impl<S: Set> Stage<S> {
     /// Compiles a variant of a shader.
     #[must_use]
-    pub fn of(gpu: &Gpu, shader: Of<S>, variant: Variant, access: Access) -> Self {
+    pub fn of(gpu: &Gpu, shader: ShaderOfSet<S>, variant: Variant, access: Access) -> Self {
         let compile = if access.checked { Self::new } else { Self::trusted };
         compile(gpu, shader.name(), &shader.source(variant))
     }
@@ -150,7 +150,7 @@ impl<S: Set> Stage<S> {
         Self::of_module(gpu, name, wgsl, &shader_module(&gpu.device, name, wgsl))
     }
 
-    /// The same without a check of every index: for texts of `shaders/`, with resources as large as the frame's.
+    /// Compiles `wgsl` without a check of every index: for texts of `shaders/`, with resources as large as the frame's.
     #[must_use]
     pub fn trusted(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
         Self::of_module(gpu, name, wgsl, &raw::trusted::shader_module(&gpu.device, name, wgsl))
@@ -181,7 +181,7 @@ impl<S: Set> Stage<S> {
     }
 }
 
-/// Stages record as their shaders do, whatever they bind.
+/// A stage records dispatches as its shader does, whatever it binds.
 impl<S: Set> Deref for Stage<S> {
     type Target = Compiled;
 
@@ -191,8 +191,8 @@ impl<S: Set> Deref for Stage<S> {
 }
 
 impl Compiled {
-    /// Records a dispatch of `num_groups` workgroups; in several rows, and up to a row more than asked for, where
-    /// they are more than every GPU takes in one.
+    /// Records a dispatch of `num_groups` workgroups. If they are more than every GPU takes in one row, there are
+    /// several rows, and up to one workgroup a row more than asked for.
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, num_groups: u32) {
         let num_rows = num_groups.div_ceil(MAX_ROW).max(1);
         self.dispatch_2d(pass, group, [num_groups.div_ceil(num_rows), num_rows]);

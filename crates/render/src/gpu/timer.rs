@@ -11,10 +11,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// Frames that may be under way at once; a frame beyond that goes without times.
 const NUM_SLOTS: usize = 8;
 
-/// State of a slot's readback buffer.
+/// State of a slot's readback buffer: free for a frame.
 const IDLE: u8 = 0;
+/// State of a slot's readback buffer: asked for, and not there yet.
 const WAITING: u8 = 1;
+/// State of a slot's readback buffer: there to be read.
 const MAPPED: u8 = 2;
+/// State of a slot's readback buffer: lost.
 const FAILED: u8 = 3;
 
 /// A ring of query sets and readback buffers.
@@ -33,28 +36,28 @@ pub struct Timer {
 #[derive(Debug)]
 struct Slot {
     frame: u64,
-    /// None where the device cannot time.
+    /// `None` if the device cannot time.
     queries: Option<wgpu::QuerySet>,
     resolved: wgpu::Buffer,
     readback: wgpu::Buffer,
     state: Arc<AtomicU8>,
 }
 
-/// What came back of a frame.
+/// Times and bytes that came back of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times<'a> {
-    /// As given to [`Timer::begin`].
+    /// The frame's number, as given to [`Timer::begin`].
     pub frame: u64,
     /// Milliseconds of each stage; NaN where the device gave none.
     pub stage_ms: &'a [f32],
-    /// From the first stage's start to the last stage's end.
+    /// Milliseconds from the first stage's start to the last stage's end.
     pub total_ms: f32,
     /// The bytes copied by [`Timer::end`]; empty if they were lost.
     pub extra: &'a [u8],
 }
 
 impl Timer {
-    /// For frames of `num_stages` stages, with `extra_bytes` read back besides.
+    /// A timer for frames of `num_stages` stages, with `extra_bytes` read back besides.
     #[must_use]
     pub fn new(gpu: &Gpu, num_stages: usize, extra_bytes: u64) -> Self {
         let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
@@ -97,7 +100,7 @@ impl Timer {
         let Some(slot) = self.current.map(|i| &mut self.slots[i]) else { return };
         slot.frame = frame;
         if let Some(query_set) = &slot.queries {
-            // An empty pass: its end is the first stage's beginning.
+            // The end of this empty pass is the first stage's beginning.
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("begin"),
                 timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
@@ -136,7 +139,7 @@ impl Timer {
         })
     }
 
-    /// The same for a render pass.
+    /// Timestamps for a render pass, as [`Self::compute`] gives them for a compute pass.
     #[must_use]
     pub fn render(
         &self,
@@ -163,7 +166,7 @@ impl Timer {
         encoder.copy_buffer_to_buffer(extra, 0, &slot.readback, query_bytes, self.extra_bytes);
     }
 
-    /// After the submit: asks for the readback, to be found by a later [`Timer::collect`].
+    /// To be called after the submit: asks for the readback, which a later [`Timer::collect`] finds.
     pub fn submitted(&mut self) {
         let Some(slot) = self.current.take().map(|i| &self.slots[i]) else { return };
         slot.state.store(WAITING, Ordering::Release);
@@ -173,8 +176,8 @@ impl Timer {
         });
     }
 
-    /// Hands the oldest frame that has come back, if any, to `read`. Never waits, allocates nothing; call it until
-    /// it gives none.
+    /// Hands the oldest frame that has come back, if any, to `read`. It never waits and allocates nothing; call it
+    /// until it gives `None`.
     pub fn collect<R>(&mut self, gpu: &Gpu, read: impl FnOnce(Times) -> R) -> Option<R> {
         // A lost device shows at the next submit; here it only means that nothing comes back.
         let _ = gpu.device.poll(wgpu::PollType::Poll);

@@ -11,11 +11,11 @@ pub const LOD_SMOOTH: u32 = 2;
 pub const NODE_WHOLE: u32 = 1;
 /// [`Node::flags`]: drawn always, though with fewer points when it is small.
 pub const NODE_ROOT: u32 = 2;
-/// [`Node::flags`]: its points are there. Nothing is drawn of another.
+/// [`Node::flags`]: its points are on the GPU. A node without this is not drawn.
 pub const NODE_RESIDENT: u32 = 4;
 /// [`VisibleBatch::flags`]: planes to read, 1 to 3.
 pub const VISIBLE_PLANES: u32 = 3;
-/// [`VisibleBatch::flags`]: seen by the left eye; moved up by one, by the right.
+/// [`VisibleBatch::flags`]: seen by the left eye. The bit above: seen by the right eye.
 pub const VISIBLE_BY_EYE: u32 = 16;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.
 pub const VISIBLE_FILL: u32 = 64;

@@ -13,8 +13,8 @@ pub fn guarded(size_px: [u32; 2]) -> [u32; 2] {
     size_px.map(|size| size + 2 * GUARD_PX)
 }
 
-/// An image's own pixels, row by row, of those of an image of `size_px` with its guard band; what comes after them in
-/// `pixels` is left out.
+/// The pixels of an image of `size_px`, row by row, from `pixels` that have its guard band too; what comes after them
+/// in `pixels` is left out.
 ///
 /// # Panics
 /// If there are fewer pixels.
@@ -25,8 +25,8 @@ pub fn without_guard<T: Clone>(pixels: &[T], size_px: [u32; 2]) -> Vec<T> {
     (guard..guard + height).flat_map(|y| &pixels[y * stride + guard..][..width]).cloned().collect()
 }
 
-/// Pixels, of which a row of a finished image takes a multiple: copies into textures want rows to begin at multiples of
-/// 256 bytes.
+/// A row of a finished image takes a multiple of this many pixels: copies into textures want rows to begin at multiples
+/// of 256 bytes.
 pub const IMAGE_PITCH_PX: u32 = 64;
 
 /// Pixels from a row of a finished image to the next.
@@ -35,8 +35,8 @@ pub fn image_pitch_px(width: u32) -> u32 {
     width.next_multiple_of(IMAGE_PITCH_PX)
 }
 
-/// The pixels of an image of `size_px`, row by row, of those of a buffer of finished ones, in rows of
-/// [`image_pitch_px`]; what comes after them is left out.
+/// The pixels of an image of `size_px`, row by row, from a buffer of finished pixels in rows of [`image_pitch_px`];
+/// what comes after them is left out.
 ///
 /// # Panics
 /// If there are fewer pixels.

@@ -34,7 +34,7 @@ use cloud::octree;
 
 /// A batch whose longest side projects to fewer pixels than this is read at 10 bits [2022 §3.3].
 pub const PRECISION_THRESHOLD_PX: f32 = 500.0;
-/// At fewer than this, 1024 times as many, it is read at 20 bits.
+/// A batch whose longest side projects to fewer pixels than this, 1024 times as many, is read at 20 bits, else at 30.
 pub const FINE_THRESHOLD_PX: f32 = PRECISION_THRESHOLD_PX * (1 << PLANE_BITS) as f32;
 /// Share of a plane's terms that rounding may cost in `cull`, which must never lose a point that `depth` would draw.
 pub const CULL_SLACK: f32 = 1e-5;
@@ -47,36 +47,38 @@ pub const HEAD_CELL_STEP: i32 = 1 << 18;
 pub const COUNTERS_STRIDE: u32 = 256;
 /// The high word of a pixel that no point has reached; depths are finite, so their bits are below.
 pub const EMPTY_DEPTH: u32 = u32::MAX;
-/// A node's state when all of its points are drawn; 0 when none are. Between them, a point is drawn if its
-/// number in the batch, bits reversed, is smaller: the first halves, then quarters, … of the Morton curve.
+/// A node's state if all of its points are drawn; it is 0 if none are. Between them, a point is drawn if its number in
+/// the batch, bits reversed, is smaller than the state: halves of the Morton curve come first, then quarters, …
 pub const DRAWN_WHOLE: u32 = u32::MAX;
 /// A node that was drawn stays until it is this much below its threshold.
 pub const HYSTERESIS: f32 = 0.95;
 /// Share of its threshold at which a node begins to fade in: 2^(−1/4).
 pub const FADE_BEGIN: f32 = 0.840_896_4;
-/// Share of its threshold from which a node is drawn whole: 2^(1/4). The mean is the threshold.
+/// Share of its threshold from which a node is drawn whole: 2^(1/4). The mean of both shares is the threshold.
 pub const FADE_END: f32 = 1.189_207_1;
 /// Two depths are of one surface if the farther is at most this many times the nearer [2021 §3.5].
 pub const SURFACE_TOLERANCE: f32 = 1.01;
 /// Pixels from a point's own to the edge of the splat that `fill` draws, at most.
 pub const MAX_FILL_RADIUS: u32 = 31;
-/// How far the splat of a point reaches that a thread draws alone; all threads of a workgroup draw larger ones together.
+/// Pixels that a splat reaches at most that a thread draws alone; all threads of a workgroup draw larger ones together.
 pub const OWN_FILL_RADIUS: u32 = 1;
-/// How much wider than the points' mean distance the splat is at most that `fill` draws: it must reach over the diagonal,
-/// and points lie irregularly.
+/// Largest width of a splat that `fill` draws, in multiples of the points' mean distance: it must reach over the
+/// diagonal, and points lie irregularly.
 pub const FILL_OVERLAP: f32 = 1.5;
-/// How much wider than the points' mean distance the square is to be that splat and dilation together cover: of points that
-/// lie at random, such a square has none once in eight thousand times, and the mean distance is an estimate.
+/// Width of the square that splat and dilation are to cover together, in multiples of the points' mean distance. Among
+/// points that lie at random, a square of this width is empty once in eight thousand times, and the mean distance is an
+/// estimate.
 pub const POINTS_COVER: f32 = 3.0;
-/// The same of a node's samples, which lie more evenly, as far as dilation alone can: less than 1 % of what level of detail
-/// leaves out lies further from the nearest sample than half of this (`tests/files/octree.rs`), which one sees at silhouettes.
+/// Width of the square that dilation alone is to cover, as far as it can, in multiples of the distance of a node's
+/// samples, which lie more evenly: less than 1 % of what level of detail leaves out lies further from the nearest
+/// sample than half of this (`tests/files/octree.rs`), which one sees at silhouettes.
 pub const SAMPLES_COVER: f32 = 2.24;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
-/// Pixels for which a batch of wide points gets a workgroup more: four times as many a thread as there are threads. With
-/// fewer, the list of slices is full in large frames, and whoever comes late is drawn by one workgroup
-/// (docs/bench/gpu/README.md: 20 ms for 6).
+/// A batch of wide points gets another workgroup for each of this many pixels: four times as many a thread as there are
+/// threads. With fewer, the list of slices is full in large frames, and a batch that comes late is drawn by one
+/// workgroup (docs/bench/gpu/README.md: 20 ms for 6).
 pub const WIDE_SLICE_PIXELS: u32 = 4 * WORKGROUP_SIZE * WORKGROUP_SIZE;
 /// Workgroups of a batch at most.
 pub const MAX_SLICES: u32 = 256;
@@ -84,13 +86,13 @@ pub const MAX_SLICES: u32 = 256;
 pub const MAX_EXTRA_SLICES: u32 = 16_384;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
-/// Pixels that a workgroup of `resolve` works on, across and down, four a thread. With what reaches into them they
-/// take 15.2 of the 16 KiB of workgroup memory that every Vulkan device has.
+/// Pixels that a workgroup of `resolve` works on, across and down, four a thread. With the pixels that reach into them
+/// they take 15.2 of the 16 KiB of workgroup memory that every Vulkan device has.
 pub const TILE_PX: [u32; 2] = [32, 16];
 /// Pixels that `dilate` reaches at most, to each side: 7×7.
 pub const DILATE_REACH_PX: u32 = 3;
-/// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0 where
-/// the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
+/// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0
+/// where the ring's kernel is enough. They are the last two: depths differ by 2⁻²² of themselves.
 pub const REACH_MASK: u32 = 3;
 /// A tile's word in the list of those that `resolve` works on: lenses hide some of its pixels.
 pub const TILE_HIDES: u32 = 1 << 31;
@@ -114,7 +116,7 @@ pub struct Batch {
     pub num_points: u32,
     /// Edge of a 30-bit cell an axis, world units, ≤ 12 bits of mantissa; 0 on a flat axis.
     pub cell: [f32; 3],
-    /// Its node in the cloud's list.
+    /// Number of its node in the cloud's list.
     pub node: u32,
     /// 1 / (cell · [`HEAD_CELL_STEP`]); 0 on a flat axis.
     pub steps_per_unit: [f32; 3],
@@ -161,9 +163,9 @@ pub struct Node {
     pub reserved: u32,
 }
 
-/// In a node's list of children: nothing is in that octant, or nothing below is left of it.
+/// In a node's list of children: that octant has no points, or none that nodes above have left.
 pub const NO_CHILD: u32 = u32::MAX;
-/// In a node's list of children: there is one, and it is not on the GPU.
+/// In a node's list of children: the child is not on the GPU.
 pub const CHILD_ABSENT: u32 = u32::MAX - 1;
 
 impl Node {
@@ -181,7 +183,7 @@ impl Node {
         reserved: 0,
     };
 
-    /// The GPU's form of node `number` of an octree, all of whose nodes are there.
+    /// The GPU's form of node `number` of an octree, if all nodes are on the GPU.
     #[must_use]
     pub fn new(split: &Split, nodes: &[octree::Node], number: usize) -> Self {
         let node = &nodes[number];
@@ -234,7 +236,7 @@ pub struct ClearUniform {
     pub value: u32,
     /// 16-byte words of the left eye that are in use.
     pub num_left: u32,
-    /// Of the right.
+    /// 16-byte words of the right eye that are in use.
     pub num_right: u32,
     /// Always 0.
     pub reserved: u32,
@@ -282,23 +284,23 @@ pub struct VisibleBatch {
     pub flags: u32,
     /// [`Node::spacing`].
     pub spacing: [u32; 4],
-    /// State of the child in each octant in [`OWN_BITS`], [`OWN_NONE`] where there is none: a point whose child is drawn has
-    /// its own color, else the filtered one, point by point as the child fades in.
+    /// State of the child in each octant in [`OWN_BITS`], [`OWN_NONE`] where there is none: a point whose child is
+    /// drawn has its own color, else the filtered one, point by point as the child fades in.
     pub own: [u32; 2],
     /// State of the node, not 0; see [`DRAWN_WHOLE`].
     pub drawn: u32,
-    /// The batch.
+    /// Number of the batch.
     pub batch: u32,
     /// Always 0.
     pub reserved: [u32; 2],
     /// [`Node::spacing_step`].
     pub spacing_step: f32,
-    /// [`Node::sample_spacing`]; of the root's samples that are drawn.
+    /// [`Node::sample_spacing`]; for the root, that of the samples that are drawn.
     pub sample_spacing: f32,
 }
 
 impl VisibleBatch {
-    /// True for one of the slices of a batch, and for a batch that has no others.
+    /// True for the first slice of a batch, or the only one.
     #[must_use]
     pub fn is_first_slice(&self) -> bool {
         self.flags >> SLICE_SHIFT & (MAX_SLICES - 1) == 0
@@ -317,7 +319,7 @@ pub struct CullCounters {
     pub workgroups_z: u32,
     /// Points in the visible batches.
     pub num_points: u32,
-    /// Nodes whose batches these are, but for those that an earlier chunk has counted.
+    /// Nodes whose batches these are, except those that an earlier chunk has counted.
     pub num_nodes: u32,
     /// Slices beyond the first that were asked for; [`MAX_EXTRA_SLICES`] are given.
     pub num_extra: u32,

@@ -1,6 +1,6 @@
 //! The shaders' prelude: every constant of the layout as WGSL text, and what differs between variants of a text.
 
-// Every constant, by its name.
+// The prelude has every constant of the layout, by its name.
 use super::*;
 use crate::technique::Texts;
 
@@ -29,20 +29,20 @@ pub enum Sums {
 pub struct Variant {
     /// Eyes of the frame, one or two.
     pub num_eyes: u32,
-    /// Points may be larger than a pixel.
+    /// True if points may be larger than a pixel.
     pub fill: bool,
-    /// All threads of a workgroup draw wide points together.
+    /// True if all threads of a workgroup draw wide points together.
     pub together: bool,
     /// How a pixel's colors are added up.
     pub sums: Sums,
-    /// Depth and id are the two words of one u64; else each has a buffer of its own.
+    /// True if depth and id are the two words of one u64; else each has a buffer of its own.
     pub keys: bool,
     /// The texts of the technique.
     pub texts: Texts,
 }
 
 impl Variant {
-    /// The plainest for so many eyes.
+    /// The plainest variant for this many eyes.
     #[must_use]
     pub fn eyes(num_eyes: u32) -> Self {
         Self { num_eyes, fill: false, together: true, sums: Sums::Packed, keys: true, texts: Texts::FRAME }
@@ -91,7 +91,7 @@ pub fn prelude(variant: Variant) -> String {
     )
 }
 
-/// Name, type and value of each.
+/// A line for each constant, from its name, type and value.
 fn concat_lines(constants: &[(&str, &str, String)]) -> String {
     constants.iter().map(|(name, of, value)| format!("const {name}: {of} = {value};\n")).collect()
 }

@@ -88,8 +88,8 @@ impl EyeUniform {
     }
 }
 
-/// [`EyeUniform::widest_cos`]: of the image's farthest corner or of [`WIDEST_RAD`], which is farther in all headsets, so
-/// that a part of a picture is judged like the whole.
+/// [`EyeUniform::widest_cos`]: of the image's farthest corner or of [`WIDEST_RAD`], which is farther in all headsets,
+/// so that a part of a picture is judged like the whole.
 fn widest_cos(fov: &Fov) -> f32 {
     let (x, y) = (fov.left.abs().max(fov.right.abs()), fov.up.abs().max(fov.down.abs()));
     (1.0 + x * x + y * y).sqrt().recip().min(WIDEST_RAD.cos()) as f32
@@ -104,12 +104,13 @@ pub struct Detail {
     pub threshold_px: [f32; 3],
     /// Angles from the gaze at which the inner and the middle ring end, radians.
     pub ring_rad: [f64; 2],
-    /// Thresholds grow from the first to the third between the rings' ends.
+    /// True if thresholds grow from the first to the third between the rings' ends.
     pub smooth: bool,
-    /// Points of a node appear one by one.
+    /// True if points of a node appear one by one.
     pub fade: bool,
-    /// Pixels, across, that the kernels of dilation close, which the inner, middle and outer ring have: points that are to
-    /// close more have a wider kernel, and what the widest leaves open a splat. `None`: all are drawn as one pixel, always.
+    /// Pixels across that the kernels of dilation close, in the inner, middle and outer ring. Points that are to close
+    /// more have a wider kernel, and a splat if the widest leaves gaps. `None`: every point is drawn as one pixel,
+    /// always.
     pub fill_reach_px: Option<[f32; 3]>,
 }
 
@@ -145,14 +146,14 @@ pub struct ViewUniform {
     pub flags: u32,
     /// Cosines of the angles from the gaze at which the inner and the middle ring end.
     pub ring_cos: [f32; 2],
-    /// Their sines.
+    /// Sines of the angles from the gaze at which the inner and the middle ring end.
     pub ring_sin: [f32; 2],
     /// [`Detail::fill_reach_px`].
     pub fill_reach_px: [f32; 3],
     /// Pixels outside an eye's image in which a point may still be large enough to be seen.
     pub margin_px: f32,
-    /// Pixels that the edge of the finest node has at most that is drawn whole: in the inner, middle and outer ring twice
-    /// the size from which a node is.
+    /// Pixels that the edge of the finest node has at most, in the inner, middle and outer ring, if that node is drawn
+    /// whole: twice the size from which on a node is.
     pub undivided_px: [f32; 3],
     /// Always 0.
     pub reserved: f32,
@@ -188,8 +189,8 @@ impl ViewUniform {
     }
 }
 
-/// [`ViewUniform::undivided_px`]. A node that reaches into an inner ring has that ring's threshold; where thresholds grow
-/// smoothly, they end the middle ring as the outer one's.
+/// [`ViewUniform::undivided_px`]. A node that reaches into an inner ring has that ring's threshold; where thresholds
+/// grow smoothly, they end the middle ring as the outer one's.
 fn undivided_px(detail: &Detail) -> [f32; 3] {
     let [inner, middle, outer] = detail.threshold_px;
     let middle = if detail.smooth { middle.max(outer) } else { middle };

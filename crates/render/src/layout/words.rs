@@ -5,7 +5,7 @@ use super::EMPTY_DEPTH;
 #[cfg(doc)]
 use super::{Sums, TILE_HIDES, VisibleBatch, mask_words_per_row};
 
-/// An id is twice a point's number, moved up by this, and [`ID_ODD`] or nothing.
+/// An id is a point's number, moved up by this, and [`ID_ODD`] or nothing.
 pub const ID_SHIFT: u32 = 1;
 /// In an id: the point's filtered color counts.
 pub const ID_ODD: u32 = 1;
@@ -16,17 +16,17 @@ pub const EMPTY_KEY: u64 = (EMPTY_DEPTH as u64) << KEY_DEPTH_SHIFT | EMPTY_DEPTH
 
 /// [`VisibleBatch::own`]: bits of a child's state.
 pub const OWN_BITS: u32 = 8;
-/// [`VisibleBatch::own`]: how far a node's state is moved down, to have so few bits.
+/// [`VisibleBatch::own`]: how far a node's state is moved down, to have [`OWN_BITS`].
 pub const OWN_SHIFT: u32 = 32 - OWN_BITS;
-/// [`VisibleBatch::own`]: there is no child. The bits of one, besides.
+/// [`VisibleBatch::own`]: there is no child. It is also the mask of one child's bits.
 pub const OWN_NONE: u32 = (1 << OWN_BITS) - 1;
 /// [`VisibleBatch::own`]: children in a word.
 pub const OWN_PER_WORD: u32 = 4;
 /// [`VisibleBatch::own`]: a word of no children at all.
 pub const OWN_NONE_WORD: u32 = u32::MAX;
-/// A node's state counts this many parts of its points, moved up by [`STATE_SHIFT`] …
+/// A node's state counts its drawn points in this many parts of all.
 pub const STATE_PARTS: u32 = 1 << 24;
-/// … above [`STATE_LOW`].
+/// A node's state: the place of the count of [`STATE_PARTS`], above [`STATE_LOW`].
 pub const STATE_SHIFT: u32 = 8;
 /// The low bits of a state that is not 0: they are set, so that one point is drawn at least.
 pub const STATE_LOW: u32 = (1 << STATE_SHIFT) - 1;

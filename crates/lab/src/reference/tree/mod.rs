@@ -6,7 +6,7 @@ pub mod triangles;
 
 use crate::technique::tree::{DiscBatch, Run, TreeUniform};
 use bytemuck::Zeroable;
-use cloud::spt::{Scale, SequentialCloud};
+use cloud::spt::{SequentialCloud, StepScale};
 use render::layout::ViewUniform;
 
 /// A sequential point tree as the stages see it, in one chunk.
@@ -37,8 +37,8 @@ impl<'a> Tree<'a> {
 
     /// Its lengths.
     #[must_use]
-    pub fn scale(&self) -> Scale {
-        Scale { base: self.uniform.step_base }
+    pub fn scale(&self) -> StepScale {
+        StepScale { base: self.uniform.step_base }
     }
 }
 
