@@ -9,7 +9,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Of a file, without the lines that begin with `#`.
+    /// Reads a file, without the lines that begin with `#`.
     pub fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(path).expect("a log");
         let cells = |line: &str| line.split(',').map(str::to_owned).collect();

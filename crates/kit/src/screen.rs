@@ -9,15 +9,15 @@ use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask,
 /// Red, green, blue, 0–255.
 pub type Pixel = [u8; 3];
 
-/// A screen of 1600 × 1000; gone when dropped.
+/// A screen of 1600 × 1000 pixels; it is gone when dropped.
 pub struct Screen {
     server: Child,
-    /// ":99"
+    /// Name of the display, such as ":99".
     pub display: String,
     folder: tempfile::TempDir,
 }
 
-/// A window on it, without decorations, since there is no window manager.
+/// Place and size of a window on the screen. It has no decorations, since there is no window manager.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Geometry {
     pub x: usize,
@@ -47,7 +47,7 @@ impl Picture {
         self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count()
     }
 
-    /// Kept for people if SCANWALK_TEST_PICTURES names a folder.
+    /// Keeps the picture for people if SCANWALK_TEST_PICTURES names a folder.
     pub fn keep(&self, name: &str) {
         let Some(folder) = std::env::var_os("SCANWALK_TEST_PICTURES") else { return };
         let file = std::fs::File::create(PathBuf::from(folder).join(format!("{name}.png"))).unwrap();
@@ -84,7 +84,7 @@ impl Screen {
         Self { server, display, folder }
     }
 
-    /// What xdotool prints; `None` if it fails (a window that is not there yet).
+    /// Runs xdotool and returns what it prints; `None` if it fails (as for a window that is not there yet).
     pub fn try_xdotool(&self, arguments: &[&str]) -> Option<String> {
         let output = Command::new("xdotool")
             .args(arguments)

@@ -1,6 +1,6 @@
-//! Hardware points as the papers draw them: vertices of 16 bytes, a depth buffer and a draw an eye, straight into the
-//! image. The same points in the same order as the compute frame gets. It is what `bench` compares with, rather than
-//! the frame's own method `point-list`, since it is faster: opponents are shown at their best.
+//! Hardware points as the papers draw them: vertices of 16 bytes, a depth buffer and one draw an eye, straight into the
+//! image. The points and their order are those of the compute frame. `bench` compares with this renderer rather than
+//! with the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
 use crate::hardware::{self, DEPTH_FORMAT, Points};
 use crate::reference::points::cells;
@@ -25,7 +25,7 @@ const PIECE_BATCHES: usize = 25;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 struct Vertex {
-    /// World axes, relative to the cloud's origin.
+    /// Position along the world axes, relative to the cloud's origin.
     p_in_cloud: [f32; 3],
     /// Red, green, blue, 255; sRGB as stored.
     color: [u8; 4],
@@ -37,16 +37,16 @@ pub struct PointList {
     split: Split,
     pipeline: wgpu::RenderPipeline,
     eyes: Vec<EyeTarget>,
-    /// Consecutive points, each with their number; one buffer unless the device's buffers are small.
+    /// Buffers of consecutive points, with their numbers of points; one buffer unless the device's buffers are small.
     points: Vec<(wgpu::Buffer, u32)>,
-    /// Points of a draw.
+    /// Points per draw call.
     draw_points: u32,
     timer: Timer,
 }
 
 #[derive(Debug)]
 struct EyeTarget {
-    /// `clip_from_cloud`.
+    /// Uniform that holds the matrix `clip_from_cloud`.
     matrix: wgpu::Buffer,
     group: wgpu::BindGroup,
     depth: wgpu::Texture,
@@ -65,7 +65,7 @@ impl PointList {
         Ok(Self { split: cloud.split, pipeline, eyes, points, draw_points: u32::MAX, timer })
     }
 
-    /// Draws so many points at a time from now on, as a node of an octree would be drawn; at least one.
+    /// Draws this many points per draw call from now on, as a node of an octree would be drawn; at least one.
     pub fn set_draw_points(&mut self, draw_points: u32) {
         self.draw_points = draw_points.max(1);
     }
@@ -117,7 +117,8 @@ impl PointList {
         }
     }
 
-    /// Draws frame number `frame` into `images` of [`FORMAT`], one an eye; does not wait for it. When it was sent off.
+    /// Draws frame number `frame` into `images` of [`FORMAT`], one an eye, without waiting for it. Returns the time
+    /// just before its submission.
     pub fn draw(&mut self, gpu: &Gpu, frame: u64, images: &[wgpu::TextureView], view: &View) -> Instant {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.record(&mut encoder, frame, images);
@@ -136,14 +137,14 @@ impl PointList {
         self.timer.collect(gpu, |times| times.total_ms)
     }
 
-    /// Linear depth of an eye's pixels; infinite where no point is.
+    /// Linear depth of an eye's pixels; infinite where there is no point.
     ///
     /// # Errors
     /// If the device is lost.
     pub fn depths(&self, gpu: &Gpu, eye: usize, near: f64) -> Result<Vec<f32>> {
         let bytes = readback::read_texture(gpu, &self.eyes[eye].depth)?;
         let stored: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        // near / 0 is the infinity that is wanted.
+        // A stored depth of 0 means no point, for which near / 0 is the infinity that is wanted.
         Ok(stored.iter().map(|depth| near as f32 / depth).collect())
     }
 }
@@ -201,8 +202,8 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
     )
 }
 
-/// From positions relative to `origin` to clip space: the pixel rows of the compute frame, with pixels
-/// turned to −1…1 and depth to near / w.
+/// Matrix from positions relative to `origin` to clip space: the pixel rows of the compute frame, with pixels scaled to
+/// −1…1 and near / w as depth.
 fn clip_from_cloud(eye: &Eye, origin: DVec3, near: f64) -> Mat4 {
     let [x, y, w] = eye.pixel_from_head(origin).map(DVec4::from_array);
     let [width, height] = eye.size_px.map(f64::from);

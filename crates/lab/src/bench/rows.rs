@@ -1,4 +1,4 @@
-//! From what was counted and timed to rows, beside what the papers say.
+//! Makes rows of counts and times, beside the papers' figures.
 
 use super::contestant::{Load, Sample};
 use super::papers::{self, Paper};
@@ -7,7 +7,7 @@ use crate::report::{BenchRow, BytesRead, GpuMs};
 use base::percentile::Sorted;
 use timing::STAGES;
 
-/// What rows have in common.
+/// Fields that the rows of one measurement have in common.
 #[derive(Clone, Copy)]
 pub struct Of<'a> {
     pub table: &'a str,
@@ -15,27 +15,27 @@ pub struct Of<'a> {
     pub subject: &'a Subject,
 }
 
-/// A row's frames.
+/// The frames that a row is made of.
 pub struct Timed {
     pub name: String,
     pub load: Load,
     pub samples: Vec<Sample>,
 }
 
-/// Hardware reads every point, 16 bytes each.
+/// Load of hardware points, which read every point, 16 bytes each.
 pub fn hardware_load(subject: &Subject, drawn: Load) -> Load {
     let points_read = subject.num_points();
     let bytes = BytesRead { planes: 16 * points_read, ..BytesRead::default() };
     Load { points_read, bytes, num_batches_drawn: drawn.num_batches, ..drawn }
 }
 
-/// What the stages take that read points; NaN for hardware points.
+/// Time of the stages that read points; NaN for hardware points.
 fn geometry_ms(sample: &Sample) -> f64 {
     let of_points = |(stage, _): &(&&str, &f64)| matches!(**stage, "depth" | "color");
     STAGES.iter().zip(&sample.stage_ms).filter(of_points).map(|(_, ms)| ms).sum()
 }
 
-/// Median and range.
+/// Median and range of the values.
 pub fn gpu_ms(values: impl Iterator<Item = f64>) -> GpuMs {
     let sorted = Sorted::new(values);
     let [min, max] = [0, 1000].map(|per_mille| sorted.percentile(per_mille).unwrap_or(0.0));
@@ -60,7 +60,7 @@ pub fn row_of_frames(of: Of, viewpoint: &str, timed: &Timed) -> BenchRow {
 /// A row whose median is that of some part of the frame.
 pub fn row(of: Of, viewpoint: &str, timed: &Timed, gpu_ms: GpuMs) -> BenchRow {
     let Of { table, order, subject } = of;
-    // Of somebody's scan, places are like the courtyard's.
+    // Places of a user's scan are like the courtyard's.
     let model = if subject.model == Model::Scan { Model::Courtyard } else { subject.model };
     let Paper { ms, says } = papers::figures(table, model, &timed.name, order, viewpoint);
     let mut papers = ms.into_iter();

@@ -1,28 +1,28 @@
-//! Many frames to few pixel columns, so that a page stays small and no spike is lost: a column keeps the first, the
-//! lowest, the highest and the last of its values, and a line through these four looks like one through all.
+//! Reduces many frames to few pixel columns, so that a page stays small and no spike is lost. A column keeps the first,
+//! the lowest, the highest and the last of its values, and a line through these four looks like one through all values.
 
-/// What the values of one pixel column were.
+/// Figures of the values in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Column {
-    /// The first in time.
+    /// First value in time.
     pub(super) first: f64,
-    /// The lowest.
+    /// Lowest value.
     pub(super) low: f64,
-    /// The highest.
+    /// Highest value.
     pub(super) high: f64,
-    /// The last in time.
+    /// Last value in time.
     pub(super) last: f64,
     sum: f64,
     num: usize,
 }
 
 impl Column {
-    /// Their mean.
+    /// Mean of the values.
     pub(super) fn mean(&self) -> f64 {
         self.sum / self.num as f64
     }
 
-    /// All of them together.
+    /// Sum of the values.
     pub(super) fn sum(&self) -> f64 {
         self.sum
     }
@@ -33,7 +33,7 @@ impl Column {
 pub(super) fn columns(values: impl Iterator<Item = (f64, f64)>, num: usize) -> Vec<Option<Column>> {
     let mut columns: Vec<Option<Column>> = vec![None; num];
     for (place, value) in values.filter(|(_, value)| !value.is_nan()) {
-        // The cast saturates: whatever the place, the column exists, if there is one at all.
+        // The cast saturates, so every place has a column, if there is one at all.
         let at = ((place * num as f64) as usize).min(num.saturating_sub(1));
         let Some(column) = columns.get_mut(at) else { continue };
         let Column { first, low, high, sum, num, .. } =
@@ -50,7 +50,7 @@ pub(super) fn columns(values: impl Iterator<Item = (f64, f64)>, num: usize) -> V
     columns
 }
 
-/// Fills columns without a value with the one before: a frame stays until the next.
+/// Fills columns without a value with the one before, since a frame stays until the next.
 pub(super) fn held(columns: Vec<Option<Column>>) -> Vec<Option<Column>> {
     let mut before = None;
     let hold = |column: Option<Column>| {

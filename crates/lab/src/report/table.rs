@@ -3,14 +3,14 @@
 use super::markup::Markup;
 use std::fmt::{self, Display};
 
-/// Columns with a name each; the first names the rows.
+/// Rows of text in columns; each column has a name, and the first column names the rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     head: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-/// Narrowest columns of the text: the first, the others.
+/// Least width of the first column and of the others, in characters.
 const MIN_CHARS: [usize; 2] = [12, 9];
 
 impl Table {
@@ -19,7 +19,7 @@ impl Table {
         Self { head: head.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
-    /// Adds a row. One whose name is indented is a part of the row above.
+    /// Adds a row; a row whose name is indented is a part of the row above.
     pub(super) fn row(&mut self, name: impl Into<String>, cells: impl IntoIterator<Item = String>) {
         self.rows.push(std::iter::once(name.into()).chain(cells).collect());
     }

@@ -9,19 +9,19 @@ use super::svg::{Path, Plot, RIGHT};
 use base::words::counted;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// Room beside every plot along the time, for marks: the plots' times then lie below each other.
+/// Room for marks beside every plot along the time, the same for all, so that their time axes line up.
 pub(super) const SIDES: [f64; 2] = [52.0, RIGHT];
 const HEIGHT: f64 = 240.0;
 /// How far marks of missed displays reach up from the time axis, in units.
 const MISSED_UNITS: f64 = 10.0;
 
-/// From the first frame to the last, whatever the order of the rows.
+/// Time axis from the first frame to the last, whatever the order of the rows.
 pub(super) fn time_axis(log: &FrameLogFile) -> Axis {
     let times = || log.frames.iter().map(|frame| frame.time_s);
     Axis::linear(times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// What each pixel column of a plot along the time has of a figure.
+/// A figure of the frames in each pixel column of a plot along the time.
 pub(super) fn along_time(
     plot: &Plot,
     frames: &[LoggedFrame],
@@ -47,7 +47,7 @@ pub(super) fn through(plot: &Plot, columns: &[Option<Column>]) -> Path {
     path
 }
 
-/// The figure.
+/// Figure of the GPU time of every frame.
 pub(super) fn timeline(log: &FrameLogFile, summary: &Summary) -> Markup {
     let top_ms = summary.plotted_ms();
     let mut plot = Plot::new(
@@ -87,7 +87,7 @@ fn caption(log: &FrameLogFile, top_ms: f64) -> String {
     }
 }
 
-/// From the budget up to the longest frame over it.
+/// Lines from the budget up to the longest frame over it, one a column.
 fn risen(plot: &Plot, over: &[Option<Column>], budgets: &[Option<Column>]) -> Path {
     let mut path = Path::default();
     for (at, (over, budget)) in over.iter().zip(budgets).enumerate() {

@@ -12,7 +12,7 @@ use super::worst::{HOLD_S, dearest_stage, worst, worst_poses};
 use glam::DVec3;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// The page of a log: HTML, whole.
+/// The whole page of a log, as HTML.
 #[must_use]
 pub fn walk_page(log: &FrameLogFile) -> String {
     let summary = Summary::of(log);
@@ -54,7 +54,7 @@ pub fn walk_page(log: &FrameLogFile) -> String {
     page.finish()
 }
 
-/// The worst frames, and their poses to be replayed.
+/// Adds the worst frames, and their poses to be replayed.
 fn add_worst(page: &mut Page, log: &FrameLogFile) {
     let worst = worst(log);
     if worst.is_empty() {

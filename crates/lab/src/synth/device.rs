@@ -1,4 +1,4 @@
-//! What a made-up measuring device is, seen from the file that stores its points.
+//! Interface between a made-up measuring device and the file that stores its points.
 
 use super::plan::Plan;
 use super::record::{Layout, Record};

@@ -13,15 +13,15 @@ use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
-/// Points that a block holds, about: large enough to keep a thread busy, small enough to hold many.
+/// Approximate number of points in a block: enough to keep a thread busy, few enough to hold many blocks.
 const BLOCK_POINTS: u64 = 16_384;
-/// Blocks made at once while those before are written; with their bytes about 10 MB.
+/// Blocks that are made at once while those before are written; with their bytes about 10 MB.
 const GROUP_BLOCKS: u64 = 16;
 
 /// Why no scan was made.
 #[derive(Debug, thiserror::Error)]
 pub enum SynthError {
-    /// Nothing to write.
+    /// No points were asked for.
     #[error("a scan needs at least one point; --points was 0")]
     NoPoints,
     /// LAS 1.2 counts points in 32 bits; a mesh is held in memory.
@@ -29,12 +29,12 @@ pub enum SynthError {
     TooManyPoints {
         /// The file.
         path: PathBuf,
-        /// Asked for.
+        /// Points asked for.
         points: u64,
-        /// Possible.
+        /// Points that are possible.
         most: u64,
     },
-    /// Nothing that can be written.
+    /// The name's ending is of no format that can be written.
     #[error("{path}: the name must end in .las, .laz or .ply; it says which of them is written")]
     Extension {
         /// The file.
@@ -56,7 +56,7 @@ pub enum SynthError {
         path: PathBuf,
         /// Size of all points, uncompressed, rounded up.
         needed_mb: u64,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// The header could not be made.
@@ -64,7 +64,7 @@ pub enum SynthError {
     Header {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the LAS library.
         source: las::Error,
     },
     /// The user asked to stop.
@@ -96,7 +96,7 @@ pub struct Target<'a> {
     form: Form,
 }
 
-/// What is written.
+/// Format of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
     Las,
@@ -105,11 +105,11 @@ enum Form {
     Ply,
 }
 
-/// Points of a mesh; what is held in memory meanwhile is about 150 bytes each.
+/// Most points of a mesh; each takes about 150 bytes of memory while the mesh is made.
 const MOST_MESH_POINTS: u64 = 100_000_000;
 
 impl<'a> Target<'a> {
-    /// Looks at the name and the number of points; touches nothing.
+    /// Checks the name and the number of points without touching the file.
     pub fn check(output: &'a Output, kind: Kind, points: u64) -> Result<Self, SynthError> {
         let path = output.path();
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -139,7 +139,7 @@ impl<'a> Target<'a> {
         self.form == Form::Ply
     }
 
-    /// Measures everything and writes it.
+    /// Measures all points and writes them.
     pub fn write(&self, device: &impl Device, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
         let path = || self.output.path().to_path_buf();
         let file = self.output.begin()?;
@@ -168,7 +168,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// What can fail while writing; gets the file's name further out.
+/// Errors while writing; the caller adds the file's name.
 #[derive(Debug, thiserror::Error)]
 enum WriteError {
     #[error(transparent)]
@@ -186,7 +186,7 @@ fn write_points(
     totals: &mut Totals,
 ) -> Result<bool, WriteError> {
     let plan = device.plan();
-    // Whole lines a block, the same whatever the machine.
+    // A block has whole lines, the same on every machine.
     let lines_per_block = (BLOCK_POINTS * plan.num_lines()).div_ceil(plan.points().max(1));
     let lines_per_block = lines_per_block.clamp(1, plan.num_lines());
     let num_blocks = plan.num_lines().div_ceil(lines_per_block);
@@ -213,7 +213,7 @@ fn write_points(
     Ok(!progress.is_cancelled())
 }
 
-/// Consecutive lines as bytes.
+/// Records of consecutive lines, as bytes.
 struct Block {
     bytes: Vec<u8>,
     totals: Totals,
@@ -242,7 +242,7 @@ impl Block {
     }
 }
 
-/// Where the points' bytes go.
+/// Writer of the points' bytes, plain or compressed.
 enum PointWriter {
     Plain(BufWriter<OutputFile>),
     Compressed(Box<ParLasZipCompressor<BufWriter<OutputFile>>>),
@@ -265,7 +265,7 @@ impl PointWriter {
         match self {
             Self::Plain(file) => blocks.iter().try_for_each(|block| file.write_all(&block.bytes)),
             Self::Compressed(compressor) => {
-                // All at once: the compressor works on several of its chunks in parallel.
+                // All bytes are handed over at once, so that the compressor works on several of its chunks in parallel.
                 let bytes = blocks.iter().map(|b| b.bytes.as_slice()).collect::<Vec<_>>().concat();
                 compressor.compress_many(&bytes)
             }

@@ -1,6 +1,6 @@
 //! The land that the aircraft flies over: hills, a river, a road with a bridge, a village, trees.
 //!
-//! Its own coordinates: metres, x east and y north from 0 to [`SIZE_M`], z up from the river's valley.
+//! Coordinates are its own: metres, x east and y north from 0 to [`SIZE_M`], z up from the river's valley.
 
 use super::material::{rgb, smooth};
 use super::span::{Ray, ball};
@@ -15,7 +15,7 @@ const WATER_Z: f64 = -1.0;
 const CELL_M: f64 = 7.0;
 const NUM_CELLS: i64 = (SIZE_M / CELL_M) as i64 + 1;
 
-/// What something on the ground is; the numbers are ASPRS classes.
+/// What covers the ground; the numbers are ASPRS classes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cover {
     /// Field, meadow or forest floor.
@@ -26,7 +26,7 @@ pub enum Cover {
     Water = 9,
     /// Asphalt.
     Road = 11,
-    /// Where the road crosses the river.
+    /// The road where it crosses the river.
     Bridge = 17,
 }
 
@@ -56,7 +56,7 @@ pub struct Tree {
 /// Land with all that stands on it.
 pub struct Landscape {
     houses: Vec<House>,
-    /// For every cell: the house there, the tree there.
+    /// The house and the tree of every cell.
     cells: Vec<(Option<u16>, Option<Tree>)>,
 }
 
@@ -94,7 +94,7 @@ impl House {
 }
 
 impl Landscape {
-    /// The same every time.
+    /// Makes the landscape, the same every time.
     pub fn new() -> Self {
         let mut rng = Rng::new(0x6C61_6E64, 0);
         let mut houses = village(&mut rng);
@@ -219,7 +219,7 @@ impl Landscape {
         tint * light.map(f64::sqrt)
     }
 
-    /// Height for slopes: a house's walls are none.
+    /// Height that slopes are taken from; a house's walls make no slope.
     fn smooth_top(&self, p: DVec2, cover: Cover) -> f64 {
         match self.house(p) {
             Some((_, roof)) if cover == Cover::Building => roof,

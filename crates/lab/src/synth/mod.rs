@@ -39,7 +39,7 @@ use base::space::Bounds;
 use base::task::Task;
 use glam::DVec3;
 
-/// What made the scan.
+/// The kind of a scan: the device that made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
     /// A courtyard, by a scanner on two stations: columns of rising elevation (LAS 1.4, point format 7).
@@ -58,20 +58,20 @@ pub struct SynthOptions {
     pub kind: Kind,
     /// File to write; `.las` or `.laz`, or for a mesh `.ply`.
     pub out: Output,
-    /// Exactly so many points, at least 1; of a mesh about so many, at least some 20 000.
+    /// Exact number of points, at least 1; of a mesh the approximate number, at least some 20 000.
     pub points: u64,
-    /// Same seed, same bytes.
+    /// Seed; the same seed gives the same bytes.
     pub seed: u64,
 }
 
-/// What was made.
+/// Figures of the file that was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Points written.
     pub num_points: u64,
     /// Size of the file.
     pub file_bytes: u64,
-    /// Their true box, world space.
+    /// True box of the points, in world space.
     pub bounds: Bounds,
 }
 
@@ -80,13 +80,13 @@ pub struct Summary {
 pub struct Viewpoint {
     /// A word or two in kebab case.
     pub name: &'static str,
-    /// Where the eye is, world space.
+    /// Position of the eye, in world space.
     pub eye: DVec3,
-    /// What it looks at, world space; up is +z.
+    /// Position that the eye looks at, in world space; up is +z.
     pub target: DVec3,
 }
 
-/// Places to stand in a scan of that kind; the first shows the whole. The same for every seed.
+/// Places to stand in a scan of this kind, the same for every seed; the first shows the whole scan.
 #[must_use]
 pub fn viewpoints(kind: Kind) -> &'static [Viewpoint] {
     match kind {

@@ -10,7 +10,7 @@ use std::io::{self, BufWriter, Write};
 
 /// Bytes of a vertex: six floats, three bytes of color.
 const VERTEX_BYTES: u64 = 27;
-/// Bytes of a triangle: their number, three numbers of vertices.
+/// Bytes of a triangle: its number of vertices, and three numbers of vertices.
 const TRIANGLE_BYTES: u64 = 13;
 
 impl Target<'_> {
@@ -31,7 +31,7 @@ impl Target<'_> {
     }
 }
 
-/// The whole file, and its size.
+/// Writes the whole file and returns it with its size.
 fn write(mesh: &Mesh, file: OutputFile) -> io::Result<(OutputFile, u64)> {
     let mut out = BufWriter::with_capacity(1 << 20, file);
     write!(

@@ -22,7 +22,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The number in the header.
+    /// Number of the format in the header.
     pub fn id(self) -> u8 {
         match self {
             Self::Rgb2 => 2,
@@ -30,7 +30,7 @@ impl Format {
         }
     }
 
-    /// Bytes a point.
+    /// Bytes per point.
     pub fn record_bytes(self) -> u16 {
         match self {
             Self::Rgb2 => 26,
@@ -39,26 +39,26 @@ impl Format {
     }
 }
 
-/// One point.
+/// Record of one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// Grid coordinates.
     pub xyz: [i32; 3],
     /// Strength of the return.
     pub intensity: u16,
-    /// Which of the pulse's returns, from 1.
+    /// Number of the return within its pulse, from 1.
     pub return_number: u8,
-    /// Returns of the pulse.
+    /// Number of returns of the pulse.
     pub num_returns: u8,
     /// ASPRS class.
     pub class: u8,
-    /// Mirror moves in positive direction.
+    /// True if the mirror moves in the positive direction.
     pub forward: bool,
     /// Angle off nadir in degrees, positive to the right of the flight direction.
     pub scan_angle_deg: f32,
-    /// Station or strip.
+    /// Number of the station or strip.
     pub source: u16,
-    /// Seconds.
+    /// GPS time, seconds.
     pub gps_time: f64,
     /// Red, green, blue.
     pub rgb: [u16; 3],

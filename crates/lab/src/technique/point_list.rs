@@ -1,6 +1,6 @@
-//! The method `point-list`: `depth` by the hardware's own pipeline, into an image from which `shade` takes ids and
-//! depths. What the compute frame is measured against [2022 §4.1]: the same cull, the same points, bit for bit the
-//! same places; but each eye reads and decodes every point for itself.
+//! The method `point-list`: the hardware's own pipeline draws `depth` into an image, from which `shade` takes ids and
+//! depths. The compute frame is measured against it [2022 §4.1]. It has the same cull, and the same points in bit for
+//! bit the same places, but each eye reads and decodes every point for itself.
 
 use super::texts::text;
 use crate::hardware::{self, DEPTH_FORMAT, Points};
@@ -15,18 +15,18 @@ use render::{Access, Parts, Targets};
 /// The pass that draws points.
 pub const POINT_LIST: Of<(Cloud, Chunk)> =
     Of::new("point-list", &[parts::POINTS], |_| &[text!("methods/point_list")]);
-/// The step of `resolve` that takes them from where they were drawn.
+/// The step of `resolve` that takes points from the images that they were drawn into.
 pub const SHADE_POINTS: Of<(Chunk, Eye)> =
     Of::new("shade-points", &[parts::SURFACE, parts::CHUNK_COLORS], |_| &[text!("methods/shade_points")]);
 
-/// As the shader of the second names what the first drew into.
+/// Name by which [`SHADE_POINTS`] binds the image that [`POINT_LIST`] drew into.
 pub(super) const POINTS_NAME: &str = "points";
-/// Id and depth of a pixel's point.
+/// Format of an image of points: id and depth of a pixel's point.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
-/// No id, and the depth of an empty pixel, [`render::layout::EMPTY_DEPTH`].
+/// Clear value of an image of points: no id, and the depth of an empty pixel, [`render::layout::EMPTY_DEPTH`].
 const EMPTY: wgpu::Color = wgpu::Color { r: u32::MAX as f64, g: u32::MAX as f64, b: 0.0, a: 0.0 };
 
-/// Vertices, instances, first vertex, first instance.
+/// Arguments of an indirect draw: vertices, instances, first vertex, first instance.
 type DrawArguments = [u32; 4];
 
 /// The pipelines of both eyes, and what they draw into.
@@ -37,7 +37,7 @@ pub(super) struct PointList {
     images: Option<PointImages>,
     /// [`DrawArguments`] of each chunk.
     draws: Option<wgpu::Buffer>,
-    /// Of each eye, then of each chunk.
+    /// Bind groups of the draws, per eye and chunk.
     draw_groups: Vec<Vec<wgpu::BindGroup>>,
     shade_groups: Vec<Vec<wgpu::BindGroup>>,
 }
@@ -180,7 +180,7 @@ impl PointImages {
     }
 }
 
-/// How much is drawn of each chunk: no instance yet.
+/// Makes the draw arguments of each chunk, with no instance yet.
 fn draws(gpu: &Gpu, num_chunks: usize) -> wgpu::Buffer {
     use wgpu::util::DeviceExt;
     let arguments: Vec<DrawArguments> = vec![[BATCH_POINTS, 0, 0, 0]; num_chunks.max(1)];

@@ -20,7 +20,7 @@ const BAYS_Y: u32 = 5;
 
 const BEAM: Material = Material::Wood { grain: 0, tint: rgb(122, 90, 62) };
 
-/// Adds it all.
+/// Adds the arcade, its roofs, the terrace and the stair.
 pub fn add(parts: &mut Parts) {
     floor(parts);
     for side in [-1.0, 1.0] {
@@ -37,7 +37,7 @@ pub fn add(parts: &mut Parts) {
     stair(parts);
 }
 
-/// A step all round, paved.
+/// A paved floor on all sides, one step high.
 fn floor(parts: &mut Parts) {
     let (x, y) = (COLUMNS_X - 0.5, COLUMNS_Y - 0.5);
     for s in [-1.0, 1.0] {

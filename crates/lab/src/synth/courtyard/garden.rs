@@ -1,4 +1,4 @@
-//! What stands under the open sky: fountain, lawns, the tree, hedges and pots.
+//! The garden under the open sky: fountain, lawns, the tree, hedges and pots.
 
 use super::{ARCADE_FLOOR, COLUMNS_X, HALF_X, HALF_Y, Parts, TERRACE};
 use crate::synth::material::{Material, rgb};
@@ -9,7 +9,7 @@ use glam::DVec3;
 /// Foot of the tree.
 const TREE: DVec3 = DVec3::new(6.4, 3.6, 0.05);
 
-/// Adds it all; the same every time.
+/// Adds the garden, the same every time.
 pub fn add(parts: &mut Parts) {
     fountain(parts);
     for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
@@ -139,7 +139,7 @@ fn pots(rng: &mut Rng, parts: &mut Parts) {
     }
 }
 
-/// South of the north-east corner pier.
+/// South–north place of a pot: south of the north-east corner pier.
 const COLUMNS_Y_OUTSIDE: f64 = 7.9;
 
 /// Creepers on the west wall, above the roof, and hanging from the terrace.

@@ -1,4 +1,4 @@
-//! A hall in the east and a chamber in the south, with what stands in them.
+//! A hall in the east and a chamber in the south, with their furniture.
 
 use super::walls::Wall;
 use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Parts, WALL};
@@ -9,7 +9,7 @@ use glam::DVec3;
 const OAK: DVec3 = rgb(152, 108, 70);
 const WALNUT: DVec3 = rgb(108, 74, 50);
 
-/// Adds both.
+/// Adds both rooms, and the benches.
 pub fn add(parts: &mut Parts) {
     let hall = Room { min: [HALF_X + WALL, -5.2], max: [22.0, 5.2], ceiling: 4.1, tint: rgb(228, 216, 190) };
     hall.add(parts);
@@ -21,7 +21,7 @@ pub fn add(parts: &mut Parts) {
     benches(parts);
 }
 
-/// Floor, walls and ceiling; the wall towards the court is the court's own.
+/// A room's floor, walls and ceiling; the wall towards the court is the court's own.
 struct Room {
     min: [f64; 2],
     max: [f64; 2],
@@ -41,7 +41,7 @@ impl Room {
             (1, [x0 - 0.3, x0], [y0 - 0.3, y1 + 0.3]),
         ];
         for (along, faces, ends) in walls {
-            // Where the court's wall stands, the room has none of its own.
+            // The room has no wall of its own where the court's wall stands.
             let court = faces[0] < HALF_X + WALL && faces[1] > HALF_X
                 || along == 0 && faces[0] < -HALF_Y && faces[1] > -HALF_Y - WALL;
             if !court {

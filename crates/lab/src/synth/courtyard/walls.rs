@@ -9,20 +9,20 @@ use glam::DVec3;
 const STOREY: f64 = 4.4;
 /// Upper edge of the walls.
 const TOP: f64 = 8.4;
-/// How a window's wooden parts are painted.
+/// Color of a window's wooden parts.
 const SHUTTER: DVec3 = rgb(86, 116, 104);
 
 /// A wall along a horizontal axis, a storey high.
 pub struct Wall {
-    /// Axis along which it runs: 0 for x, 1 for y.
+    /// Axis along which the wall runs: 0 for x, 1 for y.
     pub along: usize,
-    /// Its two faces on the other axis.
+    /// The wall's two faces on the other axis.
     pub faces: [f64; 2],
-    /// Its ends.
+    /// The wall's two ends.
     pub ends: [f64; 2],
-    /// Its lower and upper edge.
+    /// The wall's lower and upper edge.
     pub heights: [f64; 2],
-    /// What it is made of.
+    /// Material of the wall.
     pub material: Material,
 }
 
@@ -33,9 +33,9 @@ pub struct Opening {
     pub middle: f64,
     /// Width.
     pub width: f64,
-    /// Sill and lintel; an arch's crown.
+    /// Heights of sill and lintel; an arch's crown stands for the lintel.
     pub heights: [f64; 2],
-    /// Round at the top.
+    /// True if it is round at the top.
     pub arched: bool,
 }
 
