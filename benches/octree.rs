@@ -14,7 +14,7 @@ use base::task::{CancelToken, Progress};
 use cloud::morton::Grid;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Order, build};
-use lab::synth::{self, Kind, SynthOptions};
+use lab::synth::{self, SynthKind, SynthOptions};
 use points::{self, ReadOptions, Scan};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -29,7 +29,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     println!(
         "scan,step,run,points,seconds,core_seconds,m_points_per_s,m_points_per_core_s,peak_bytes_per_point"
     );
-    let kinds = [("terrestrial", Kind::Terrestrial), ("aerial", Kind::Aerial)];
+    let kinds = [("terrestrial", SynthKind::Terrestrial), ("aerial", SynthKind::Aerial)];
     let mut files = Vec::new();
     for (name, kind) in kinds {
         let out = folder.join(name).with_extension("las");

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
-use lab::bench::point_list::{self, PointList};
+use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::Pixel;
 use render::Look;
 use render::gpu::Gpu;
@@ -151,7 +151,7 @@ fn swapped(view: &View) -> View {
 struct Hardware {
     gpu: Arc<Gpu>,
     num_points: u64,
-    point_list: PointList,
+    point_list: VertexList,
     images: [wgpu::Texture; 2],
     frame: u64,
 }
@@ -159,7 +159,7 @@ struct Hardware {
 impl Hardware {
     /// Makes hardware points that take a draw per eye.
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, &[size_px; 2])?;
+        let point_list = VertexList::new(gpu, cloud, &[size_px; 2])?;
         let images = [size_px; 2].map(|size| image(gpu, size, point_list::FORMAT));
         Ok(Self { gpu: Arc::clone(gpu), num_points: cloud.num_points, point_list, images, frame: 0 })
     }

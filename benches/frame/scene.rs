@@ -7,7 +7,7 @@ use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
 use points::{self, ReadOptions};
 
 /// Names of the viewpoints: one of the whole, and one inside, where culling matters.
@@ -37,7 +37,7 @@ impl Scene {
         let out = folder.path().join("courtyard.las");
         let stop = CancelToken::default();
         let output = Output::new(&out, OutputKind::Scan)?;
-        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
+        synth::write(&SynthOptions { kind: SynthKind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
         let scan = points::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
         Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden())? })
@@ -46,7 +46,7 @@ impl Scene {
 
 /// The viewpoints to draw from.
 pub fn viewpoints() -> impl Iterator<Item = &'static Viewpoint> {
-    synth::viewpoints(Kind::Terrestrial).iter().filter(|place| VIEWPOINTS.contains(&place.name))
+    synth::viewpoints(SynthKind::Terrestrial).iter().filter(|place| VIEWPOINTS.contains(&place.name))
 }
 
 /// The view of both eyes of somebody who stands at a viewpoint.

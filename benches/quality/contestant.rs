@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
-use lab::bench::point_list::{self, PointList};
+use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::depth_of;
 use render::Look;
 use render::gpu::{Gpu, readback};
@@ -140,14 +140,14 @@ impl Contestant for Compute {
 /// Hardware points, one pixel each.
 struct Hardware {
     gpu: Arc<Gpu>,
-    point_list: PointList,
+    point_list: VertexList,
     image: wgpu::Texture,
     frame: u64,
 }
 
 impl Hardware {
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, &[size_px])?;
+        let point_list = VertexList::new(gpu, cloud, &[size_px])?;
         let image = image(gpu, size_px, point_list::FORMAT);
         Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
     }

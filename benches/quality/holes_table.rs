@@ -7,7 +7,7 @@ use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
 use glam::DVec3;
-use lab::synth::{Kind, Viewpoint};
+use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
 use render::{CloudBuffers, Look};
@@ -70,7 +70,7 @@ impl Holes {
         if "sphere".contains(scan) {
             self.scene(gpu, ("sphere", false), &sphere(points), &[INSIDE], &mut kept)?;
         }
-        let sources = [Source::Synth(Kind::Terrestrial), Source::Room];
+        let sources = [Source::Synth(SynthKind::Terrestrial), Source::Room];
         debug_assert!(sources.iter().all(|source| SOURCES.contains(source)));
         for source in sources.into_iter().filter(|source| source.name().contains(scan) && source.is_here()) {
             let scan = source.dense_scan(points)?;

@@ -7,7 +7,7 @@ use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
 use points::{self, ReadOptions, Scan};
 use std::path::PathBuf;
 
@@ -30,16 +30,16 @@ const ROOM_SHARE: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
     /// A made-up scan.
-    Synth(Kind),
+    Synth(SynthKind),
     /// A real room.
     Room,
 }
 
 /// All sources.
 pub const SOURCES: [Source; 4] = [
-    Source::Synth(Kind::Terrestrial),
-    Source::Synth(Kind::Aerial),
-    Source::Synth(Kind::Photogrammetry),
+    Source::Synth(SynthKind::Terrestrial),
+    Source::Synth(SynthKind::Aerial),
+    Source::Synth(SynthKind::Photogrammetry),
     Source::Room,
 ];
 
@@ -64,9 +64,9 @@ impl Source {
     /// Name in lower case.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Synth(Kind::Terrestrial) => "terrestrial",
-            Self::Synth(Kind::Aerial) => "aerial",
-            Self::Synth(Kind::Photogrammetry) => "photogrammetry",
+            Self::Synth(SynthKind::Terrestrial) => "terrestrial",
+            Self::Synth(SynthKind::Aerial) => "aerial",
+            Self::Synth(SynthKind::Photogrammetry) => "photogrammetry",
             Self::Room => "room",
         }
     }
@@ -133,7 +133,7 @@ pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
     View { eyes: vec![eye], near: NEAR_M }
 }
 
-fn made(kind: Kind, points: u64) -> Result<Scan> {
+fn made(kind: SynthKind, points: u64) -> Result<Scan> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("scan.las");
     let output = Output::new(&out, OutputKind::Scan)?;

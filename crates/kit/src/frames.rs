@@ -12,7 +12,7 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::reference::Frame;
 use lab::reference::resolve::{EMPTY, Pixel};
-use lab::synth::{self, Kind, SynthOptions};
+use lab::synth::{self, SynthKind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
 use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
 use render::Look;
@@ -28,9 +28,9 @@ pub fn gpu() -> Arc<Gpu> {
 }
 
 /// splitmix64: reproducible numbers without a dependency.
-pub struct Random(pub u64);
+pub struct SplitMix(pub u64);
 
-impl Random {
+impl SplitMix {
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -45,11 +45,11 @@ impl Random {
 
 /// A courtyard as a scanner sees it, made up: 600 000 points.
 pub fn courtyard() -> Scan {
-    made_up(Kind::Terrestrial, 600_000)
+    made_up(SynthKind::Terrestrial, 600_000)
 }
 
 /// A made-up scan of this kind and number of points.
-pub fn made_up(kind: Kind, points: u64) -> Scan {
+pub fn made_up(kind: SynthKind, points: u64) -> Scan {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("made-up.las");
     let output = Output::new(&out, OutputKind::Scan).expect("a folder");
@@ -60,7 +60,7 @@ pub fn made_up(kind: Kind, points: u64) -> Scan {
 
 /// Points in a box of `edge` world units, in steps of a millimetre.
 pub fn random_points(count: usize, edge: f64, seed: u64) -> Vec<[i32; 3]> {
-    let mut random = Random(seed);
+    let mut random = SplitMix(seed);
     let mut axis = || (random.unit() * edge * 1000.0) as i32;
     (0..count).map(|_| [axis(), axis(), axis()]).collect()
 }

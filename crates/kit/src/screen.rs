@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask, InputFocus};
 
 /// Red, green, blue, 0–255.
-pub type Pixel = [u8; 3];
+pub type Rgb = [u8; 3];
 
 /// A screen of 1600 × 1000 pixels; it is gone when dropped.
 pub struct Screen {
@@ -19,7 +19,7 @@ pub struct Screen {
 
 /// Place and size of a window on the screen. It has no decorations, since there is no window manager.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Geometry {
+pub struct WindowArea {
     pub x: usize,
     pub y: usize,
     pub width: usize,
@@ -31,11 +31,11 @@ pub struct Geometry {
 pub struct Picture {
     pub width: usize,
     pub height: usize,
-    pub pixels: Vec<Pixel>,
+    pub pixels: Vec<Rgb>,
 }
 
 impl Picture {
-    pub fn at(&self, x: usize, y: usize) -> Pixel {
+    pub fn at(&self, x: usize, y: usize) -> Rgb {
         self.pixels[y * self.width + x]
     }
 
@@ -98,13 +98,13 @@ impl Screen {
         self.try_xdotool(arguments).unwrap_or_else(|| panic!("xdotool {arguments:?} failed"))
     }
 
-    pub fn geometry(&self, window: &str) -> Geometry {
+    pub fn geometry(&self, window: &str) -> WindowArea {
         let text = self.xdotool(&["getwindowgeometry", "--shell", window]);
         let value = |name: &str| {
             let line = text.lines().find_map(|l| l.strip_prefix(name)?.strip_prefix('='));
             line.and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("{name} in {text}"))
         };
-        Geometry { x: value("X"), y: value("Y"), width: value("WIDTH"), height: value("HEIGHT") }
+        WindowArea { x: value("X"), y: value("Y"), width: value("WIDTH"), height: value("HEIGHT") }
     }
 
     /// Asks a window to close as a desktop's close button does.

@@ -7,7 +7,7 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// How one pipeline of hardware points differs from another.
 #[derive(Clone, Copy, Debug)]
-pub struct Points<'a> {
+pub struct PointPipeline<'a> {
     /// Shaders, with a fragment entry point named `fragment`.
     pub module: &'a wgpu::ShaderModule,
     /// Name of the vertex entry point.
@@ -22,7 +22,7 @@ pub struct Points<'a> {
 
 /// A pipeline that draws points of one pixel with a depth test against a [`DEPTH_FORMAT`] buffer.
 #[must_use]
-pub fn pipeline(gpu: &Gpu, points: Points) -> wgpu::RenderPipeline {
+pub fn pipeline(gpu: &Gpu, points: PointPipeline) -> wgpu::RenderPipeline {
     let compilation_options = wgpu::PipelineCompilationOptions::default;
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("point-list"),

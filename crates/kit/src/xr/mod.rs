@@ -2,8 +2,8 @@
 //! device and reads what its compositor shows.
 //!
 //! ```text
-//! let lab = Lab::enter();
-//! let mut run = lab.runtime().compositor(Compositor::Xcb).validate().start(program, &["view", …]);
+//! let slot = RuntimeSlot::enter();
+//! let mut run = slot.runtime().compositor(Compositor::Xcb).validate().start(program, &["view", …]);
 //! run.remote().send(&Packet::default());
 //! let shown = run.screen();
 //! let done = run.finish();
@@ -44,12 +44,12 @@ fn script() -> PathBuf {
 /// time.
 const PLACES: usize = 2;
 
-/// The right to run a runtime: a place in the laboratory.
-pub struct Lab {
+/// The right to run a runtime, of which a machine runs few at a time.
+pub struct RuntimeSlot {
     _place: File,
 }
 
-impl Lab {
+impl RuntimeSlot {
     /// Prepares the runtime and waits for its turn.
     ///
     /// # Panics
@@ -72,8 +72,8 @@ impl Lab {
     }
 
     /// A runtime that shows nothing, with the remote device.
-    pub fn runtime(&self) -> Runtime {
-        Runtime::default()
+    pub fn runtime(&self) -> TestRuntime {
+        TestRuntime::default()
     }
 }
 
@@ -103,7 +103,7 @@ pub enum Compositor {
 
 /// The device that plays the headset.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Device {
+pub enum HeadsetDevice {
     /// Poses and buttons as sent by [`poses::Remote`].
     Remote,
     /// A head that sways by 5 cm, no hands.
@@ -112,23 +112,23 @@ pub enum Device {
 
 /// How to run a program.
 #[derive(Clone)]
-pub struct Runtime {
+pub struct TestRuntime {
     variables: Vec<(String, String)>,
     timeout_s: u32,
     validate: bool,
 }
 
-impl Default for Runtime {
+impl Default for TestRuntime {
     fn default() -> Self {
         Self { variables: Vec::new(), timeout_s: 60, validate: false }
     }
 }
 
-impl Runtime {
+impl TestRuntime {
     /// The runtime's Vulkan driver and layers alone, for programs that open no headset and so wait for no turn.
     ///
     /// # Panics
-    /// Those of [`Lab::enter`].
+    /// Those of [`RuntimeSlot::enter`].
     pub fn drivers() -> Self {
         prepare();
         Self::default().compositor(Compositor::None)
@@ -149,8 +149,8 @@ impl Runtime {
         self.variable("XR_COMPOSITOR", name)
     }
 
-    pub fn device(self, device: Device) -> Self {
-        self.variable("XR_DEVICE", if device == Device::Remote { "remote" } else { "simulated" })
+    pub fn device(self, device: HeadsetDevice) -> Self {
+        self.variable("XR_DEVICE", if device == HeadsetDevice::Remote { "remote" } else { "simulated" })
     }
 
     /// Turns on OpenXR validation, and Vulkan validation with synchronisation validation; see

@@ -1,6 +1,6 @@
 //! Renderers that take part in a comparison: each draws in its own way a cloud that it is lent.
 
-use super::point_list::{self, PointList};
+use super::point_list::{self, VertexList};
 use crate::report::BytesRead;
 use crate::technique::counts::Counts;
 use crate::technique::tree::VISIBLE_DISCS;
@@ -23,7 +23,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// Milliseconds that one frame took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct FrameMs {
     /// GPU time of the whole frame.
     pub gpu_ms: f64,
     /// GPU time of each of [`STAGES`]; NaN for hardware points.
@@ -34,7 +34,7 @@ pub struct Sample {
 
 /// Counts of what a frame reads and draws, all eyes together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
+pub struct FrameCounts {
     /// Batches of the cloud.
     pub num_batches: u64,
     /// Batches that were drawn.
@@ -97,13 +97,18 @@ impl Compute {
     ///
     /// # Errors
     /// If the device is lost, or the cloud does not fit.
-    pub fn draw(&mut self, cloud: &mut Option<CloudBuffers>, view: &View, num_frames: u32) -> Result<Sample> {
+    pub fn draw(
+        &mut self,
+        cloud: &mut Option<CloudBuffers>,
+        view: &View,
+        num_frames: u32,
+    ) -> Result<FrameMs> {
         self.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
         let times = (0..num_frames).map(|_| self.frame(view)).last();
         *cloud = self.renderer.take_cloud();
         let times = times.context("no frame to draw")??;
         let stage_ms = times.stage_ms.map(f64::from);
-        Ok(Sample { gpu_ms: times.gpu_ms.into(), stage_ms, cpu_ms: self.cpu_ms })
+        Ok(FrameMs { gpu_ms: times.gpu_ms.into(), stage_ms, cpu_ms: self.cpu_ms })
     }
 
     fn frame(&mut self, view: &View) -> Result<FrameTimes> {
@@ -141,7 +146,7 @@ impl Counter {
     ///
     /// # Errors
     /// Those of [`Compute::draw`].
-    pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
+    pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<FrameCounts> {
         let before = self.counts()?;
         self.compute.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
         let times = self.compute.frame(view);
@@ -154,7 +159,7 @@ impl Counter {
         Ok(bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.compute.gpu, &self.bins)?))
     }
 
-    fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<Load> {
+    fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<FrameCounts> {
         let after = self.counts()?;
         // The bins count on from frame to frame, and wrap.
         let sum = |of: fn(&Counts) -> u32| {
@@ -181,7 +186,7 @@ impl Counter {
         }
         let is_narrow = look.quality == Quality::Hqs || self.method == Method::BusyLoop;
         let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
-        Ok(Load {
+        Ok(FrameCounts {
             num_batches,
             num_batches_drawn: times.visible_batches.into(),
             points_read: times.points_read,
@@ -196,7 +201,7 @@ impl Counter {
 /// Hardware points of one eye.
 pub struct Hardware {
     gpu: Arc<Gpu>,
-    point_list: PointList,
+    point_list: VertexList,
     image: wgpu::Texture,
     frame: u64,
 }
@@ -207,7 +212,7 @@ impl Hardware {
     /// # Errors
     /// If the device is lost.
     pub fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, &[size_px])?;
+        let point_list = VertexList::new(gpu, cloud, &[size_px])?;
         let image = image(gpu, size_px, point_list::FORMAT);
         Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
     }
@@ -221,7 +226,7 @@ impl Hardware {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn draw(&mut self, view: &View, num_frames: u32) -> Result<Sample> {
+    pub fn draw(&mut self, view: &View, num_frames: u32) -> Result<FrameMs> {
         let mut gpu_ms = f64::NAN;
         for _ in 0..num_frames {
             self.frame += 1;
@@ -230,7 +235,7 @@ impl Hardware {
             wait(&self.gpu)?;
             gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?.into();
         }
-        Ok(Sample { gpu_ms, stage_ms: [f64::NAN; STAGES.len()], cpu_ms: f64::NAN })
+        Ok(FrameMs { gpu_ms, stage_ms: [f64::NAN; STAGES.len()], cpu_ms: f64::NAN })
     }
 }
 

@@ -6,7 +6,7 @@ use super::subject::Model;
 use crate::report::{PaperMs, PaperSays};
 
 /// Times of a paper's table for one model, viewpoint and device, by orders and methods.
-struct Block {
+struct PaperTimes {
     table: &'static str,
     model: Model,
     viewpoint: &'static str,
@@ -37,8 +37,16 @@ const ORIGINAL: &[&str] = &["original"];
 const MORTON: &[&str] = &["morton"];
 const ORDERS: &[&str] = &["original", "morton", "shuffled", "shuffled-morton"];
 
-const fn of_2019(model: Model, device: &'static str, ms: &'static [&'static [f64]]) -> Block {
-    Block { table: "2019", model, viewpoint: "overview", device, methods: METHODS_2019, orders: ORIGINAL, ms }
+const fn of_2019(model: Model, device: &'static str, ms: &'static [&'static [f64]]) -> PaperTimes {
+    PaperTimes {
+        table: "2019",
+        model,
+        viewpoint: "overview",
+        device,
+        methods: METHODS_2019,
+        orders: ORIGINAL,
+        ms,
+    }
 }
 
 const fn of_2021(
@@ -46,8 +54,8 @@ const fn of_2021(
     viewpoint: &'static str,
     device: &'static str,
     ms: &'static [&'static [f64]],
-) -> Block {
-    Block { table: "2021", model, viewpoint, device, methods: METHODS_2021, orders: ORDERS, ms }
+) -> PaperTimes {
+    PaperTimes { table: "2021", model, viewpoint, device, methods: METHODS_2021, orders: ORDERS, ms }
 }
 
 const fn of_2022(
@@ -55,15 +63,15 @@ const fn of_2022(
     viewpoint: &'static str,
     device: &'static str,
     ms: &'static [&'static [f64]],
-) -> Block {
-    Block { table: "2022", model, viewpoint, device, methods: METHODS_2022, orders: MORTON, ms }
+) -> PaperTimes {
+    PaperTimes { table: "2022", model, viewpoint, device, methods: METHODS_2022, orders: MORTON, ms }
 }
 
 const RETZ: &str = "RTX 3090, Retz, 145 M points";
 
 /// Times of the papers' tables. Of several blocks for one table, model and viewpoint, the first is shown first.
 #[expect(clippy::approx_constant, reason = "a time in milliseconds that looks like π")]
-const BLOCKS: &[Block] = &[
+const PAPER_TIMES: &[PaperTimes] = &[
     // [2019, table 1]: AtomicMin with 40-bit depths, splatting, hardware points.
     of_2019(Model::Statue, "RTX 2080 Ti, Heidentor, 26 M points", &[&[1.64, 3.37, 5.71]]),
     of_2019(Model::Statue, "GTX 1060, Heidentor, 26 M points", &[&[4.88, 11.78, 13.60]]),
@@ -194,14 +202,38 @@ const BLOCKS: &[Block] = &[
     of_nodes("large-nodes", "RTX 3090, Lion in 80 nodes", &[&[1000.0 / 1615.0, 1000.0 / 2096.0]]),
 ];
 
-const fn of_order(viewpoint: &'static str, device: &'static str, ms: &'static [&'static [f64]]) -> Block {
+const fn of_order(
+    viewpoint: &'static str,
+    device: &'static str,
+    ms: &'static [&'static [f64]],
+) -> PaperTimes {
     let (table, model) = ("2022-order", Model::Courtyard);
-    Block { table, model, viewpoint, device, methods: &["prefetch"], orders: &["original", "morton"], ms }
+    PaperTimes {
+        table,
+        model,
+        viewpoint,
+        device,
+        methods: &["prefetch"],
+        orders: &["original", "morton"],
+        ms,
+    }
 }
 
-const fn of_nodes(viewpoint: &'static str, device: &'static str, ms: &'static [&'static [f64]]) -> Block {
+const fn of_nodes(
+    viewpoint: &'static str,
+    device: &'static str,
+    ms: &'static [&'static [f64]],
+) -> PaperTimes {
     let (table, model) = ("2021-nodes", Model::Statue);
-    Block { table, model, viewpoint, device, methods: &["point-list", "reduce-early-z"], orders: MORTON, ms }
+    PaperTimes {
+        table,
+        model,
+        viewpoint,
+        device,
+        methods: &["point-list", "reduce-early-z"],
+        orders: MORTON,
+        ms,
+    }
 }
 
 /// Milliseconds of the parts of a frame [2022 §4.3], for the paper's image size alone.
@@ -218,8 +250,8 @@ const VR: &str = "RTX 3090, Banyunibo, 529 M points, Valve Index at 2 × 2478 ×
 
 /// A row of [2022, table 2]: nodes processed and rendered, points processed and rendered, first of all points, then of
 /// an octree. The last number is the throughput of `prefetch` [2022 §4.1], in million points a second.
-type Counts = (Model, &'static str, [f64; 4], [f64; 4], f64);
-const TABLE_COUNTS: [Counts; 5] = [
+type PaperCounts = (Model, &'static str, [f64; 4], [f64; 4], f64);
+const TABLE_COUNTS: [PaperCounts; 5] = [
     (Model::Statue, "overview", [6.7e3, 6.7e3, 68.7e6, 13.0e6], [23.5e3, 422.0, 3.9e6, 1.4e6], 69_000.0),
     (
         Model::Landscape,
@@ -254,7 +286,7 @@ const TABLE_COUNTS: [Counts; 5] = [
 /// Looks up what the papers say of a row.
 #[must_use]
 pub fn figures(table: &str, model: Model, method: &str, order: &str, viewpoint: &str) -> Paper {
-    let mut ms: Vec<PaperMs> = BLOCKS
+    let mut ms: Vec<PaperMs> = PAPER_TIMES
         .iter()
         .filter(|b| (b.table, b.model, b.viewpoint) == (table, model, viewpoint))
         .filter_map(|block| {
@@ -292,7 +324,7 @@ fn says(table: &str, model: Model, method: &str, order: &str, viewpoint: &str) -
     };
     match (table, method) {
         ("2022", "basic" | "prefetch" | "lod") => {
-            let is_here = |counts: &&Counts| (counts.0, counts.1) == (model, viewpoint);
+            let is_here = |counts: &&PaperCounts| (counts.0, counts.1) == (model, viewpoint);
             let &(_, _, flat, octree, m_points_per_s) = TABLE_COUNTS.iter().find(is_here)?;
             let says = of_counts(if method == "lod" { octree } else { flat });
             let m_points_per_s = (method == "prefetch").then_some(m_points_per_s);
@@ -365,7 +397,7 @@ mod tests {
         let is_ours = |name: &&str| {
             ["point-list", "lod", "lod-hqs"].contains(name) || Method::ALL.iter().any(|m| m.name() == *name)
         };
-        for block in BLOCKS {
+        for block in PAPER_TIMES {
             assert!(block.methods.iter().all(is_ours));
             assert_eq!(block.ms.len(), block.orders.len(), "{}", block.device);
             assert!(block.ms.iter().all(|row| row.len() == block.methods.len()), "{}", block.device);

@@ -2,7 +2,7 @@
 //! image. The points and their order are those of the compute frame. `bench` compares with this renderer rather than
 //! with the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
-use crate::hardware::{self, DEPTH_FORMAT, Points};
+use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
 use crate::reference::points::cells;
 use anyhow::Result;
 use base::space::{Eye, Split, View};
@@ -24,7 +24,7 @@ const PIECE_BATCHES: usize = 25;
 /// A point as the vertex stage reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-struct Vertex {
+struct PointVertex {
     /// Position along the world axes, relative to the cloud's origin.
     p_in_cloud: [f32; 3],
     /// Red, green, blue, 255; sRGB as stored.
@@ -33,7 +33,7 @@ struct Vertex {
 
 /// Draws the eyes of a cloud with hardware points.
 #[derive(Debug)]
-pub struct PointList {
+pub struct VertexList {
     split: Split,
     pipeline: wgpu::RenderPipeline,
     eyes: Vec<EyeTarget>,
@@ -52,7 +52,7 @@ struct EyeTarget {
     depth: wgpu::Texture,
 }
 
-impl PointList {
+impl VertexList {
     /// Sends a cloud's points to the GPU and makes a depth buffer for each eye, at least one, of these sizes.
     ///
     /// # Errors
@@ -176,23 +176,23 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
     let attributes = [
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Float32x3,
-            offset: offset_of!(Vertex, p_in_cloud) as u64,
+            offset: offset_of!(PointVertex, p_in_cloud) as u64,
             shader_location: 0,
         },
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Unorm8x4,
-            offset: offset_of!(Vertex, color) as u64,
+            offset: offset_of!(PointVertex, color) as u64,
             shader_location: 1,
         },
     ];
     let buffer = wgpu::VertexBufferLayout {
-        array_stride: size_of::<Vertex>() as u64,
+        array_stride: size_of::<PointVertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     };
     hardware::pipeline(
         gpu,
-        Points {
+        PointPipeline {
             module: &module,
             vertex: "vertex",
             buffers: &[Some(buffer)],
@@ -212,7 +212,7 @@ fn clip_from_cloud(eye: &Eye, origin: DVec3, near: f64) -> Mat4 {
 }
 
 fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
-    let vertex_bytes = size_of::<Vertex>() as u64;
+    let vertex_bytes = size_of::<PointVertex>() as u64;
     let batch_bytes = u64::from(BATCH_POINTS) * vertex_bytes;
     let buffer_batches = (gpu.device.limits().max_buffer_size / batch_bytes).max(1);
     let mut buffers = Vec::new();
@@ -226,7 +226,7 @@ fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
         });
         let mut offset = 0;
         for piece in batches.chunks(PIECE_BATCHES) {
-            let vertices: Vec<Vertex> = piece.iter().flat_map(|batch| vertices(cloud, batch)).collect();
+            let vertices: Vec<PointVertex> = piece.iter().flat_map(|batch| vertices(cloud, batch)).collect();
             {
                 let queue = gpu.queue.lock();
                 queue.write_buffer(&buffer, offset, bytemuck::cast_slice(&vertices));
@@ -241,13 +241,13 @@ fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
 }
 
 /// A batch's points at the centres of their 30-bit cells, which is where the compute frame draws them.
-fn vertices(cloud: &Cloud, batch: &Batch) -> impl Iterator<Item = Vertex> {
+fn vertices(cloud: &Cloud, batch: &Batch) -> impl Iterator<Item = PointVertex> {
     let min_in_cloud = batch.min - cloud.split.origin;
     let cell = DVec3::from_array(batch.cell.map(f64::from));
     (batch.first_point..batch.first_point + batch.num_points).map(move |point| {
         let words = [0, 1, 2].map(|plane: usize| cloud.planes[plane][point as usize]);
         let steps = DVec3::from_array(cells(3, words).map(f64::from)) + 0.5;
-        Vertex {
+        PointVertex {
             p_in_cloud: (min_in_cloud + steps * cell).as_vec3().to_array(),
             color: cloud.colors[point as usize].to_le_bytes(),
         }

@@ -1,7 +1,7 @@
 //! The scan that is measured with, in any order, and the places that it is drawn from.
 
 use super::BenchOptions;
-use crate::synth::{self, Kind, SynthOptions};
+use crate::synth::{self, SynthKind, SynthOptions};
 use anyhow::Result;
 use base::output::{Output, OutputKind};
 use base::space::{Bounds, Eye, Fov, Pose, View};
@@ -50,7 +50,7 @@ impl Model {
 
 /// Where the camera stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct Camera {
     /// `overview`, `close-up`, `outside-frustum`; made-up scans have further places with names of their own.
     pub name: &'static str,
     /// Position of the camera in world space.
@@ -64,7 +64,7 @@ pub struct Subject {
     /// The model that it is.
     pub model: Model,
     scan: Scan,
-    places: Vec<Place>,
+    places: Vec<Camera>,
 }
 
 impl Subject {
@@ -74,9 +74,9 @@ impl Subject {
     /// If there is no room for its file, or if the task is cancelled.
     pub fn made_up(model: Model, points: u64, task: &Task) -> Result<Self> {
         let (kind, inside) = match model {
-            Model::Landscape => (Kind::Aerial, "village"),
-            Model::Statue => (Kind::Photogrammetry, "face"),
-            Model::Courtyard | Model::Scan => (Kind::Terrestrial, "hall"),
+            Model::Landscape => (SynthKind::Aerial, "village"),
+            Model::Statue => (SynthKind::Photogrammetry, "face"),
+            Model::Courtyard | Model::Scan => (SynthKind::Terrestrial, "hall"),
         };
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("made-up.las");
@@ -84,7 +84,7 @@ impl Subject {
         synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, task)?;
         let scan = points::read(&[out], &ReadOptions::default(), task)?;
         let own =
-            || synth::viewpoints(kind).iter().map(|p| Place { name: p.name, eye: p.eye, target: p.target });
+            || synth::viewpoints(kind).iter().map(|p| Camera { name: p.name, eye: p.eye, target: p.target });
         let place = |name| own().find(|place| place.name == name).map(|place| (place.eye, place.target));
         // A made-up scan has places of both names, so the default is never taken.
         let both = place("overview").zip(place(inside)).unwrap_or_default();
@@ -95,7 +95,7 @@ impl Subject {
 
     /// The places of these names, in their order.
     #[must_use]
-    pub fn places(&self, names: &[&str]) -> Vec<Place> {
+    pub fn places(&self, names: &[&str]) -> Vec<Camera> {
         names
             .iter()
             .filter_map(|name| self.places.iter().find(|place| place.name == *name).copied())
@@ -160,18 +160,18 @@ impl Subject {
     }
 }
 
-fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> Vec<Place> {
+fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> Vec<Camera> {
     let (eye, target) = overview;
     let away = (eye - target).normalize_or(DVec3::NEG_Y);
     let outside = bounds.center() + away * bounds.size().length();
     vec![
-        Place { name: "overview", eye, target },
-        Place { name: "close-up", eye: inside.0, target: inside.1 },
-        Place { name: "outside-frustum", eye: outside, target: outside + away },
+        Camera { name: "overview", eye, target },
+        Camera { name: "close-up", eye: inside.0, target: inside.1 },
+        Camera { name: "outside-frustum", eye: outside, target: outside + away },
     ]
 }
 
-impl Place {
+impl Camera {
     /// The view of one eye at this place.
     #[must_use]
     pub fn mono(&self, size_px: [u32; 2]) -> View {

@@ -1,10 +1,10 @@
 //! The papers' tables: which ways take part, which places they draw from, and which figures become rows.
 
 use super::Table;
-use super::contestant::{Compute, Counter, Hardware, Load, Sample};
-use super::rows::{Of, Timed, gpu_ms, hardware_load, row, row_of_frames};
-use super::subject::{Model, Place, Subject};
-use super::way::{Form, Way};
+use super::contestant::{Compute, Counter, FrameCounts, FrameMs, Hardware};
+use super::rows::{RowGroup, Timed, gpu_ms, hardware_load, row, row_of_frames};
+use super::subject::{Camera, Model, Subject};
+use super::way::{CloudForm, Way};
 use crate::report::BenchRow;
 use crate::technique::{LabTechnique, Method, tree};
 use anyhow::{Result, ensure};
@@ -91,9 +91,9 @@ struct Clouds {
 impl Clouds {
     fn of(&mut self, way: &Way) -> &mut Option<CloudBuffers> {
         match way.form {
-            Form::Flat => &mut self.flat,
-            Form::Octree => &mut self.layered,
-            Form::Spt => &mut self.sequential,
+            CloudForm::Flat => &mut self.flat,
+            CloudForm::Octree => &mut self.layered,
+            CloudForm::Spt => &mut self.sequential,
         }
     }
 }
@@ -105,7 +105,7 @@ fn ways_2021() -> Vec<Way> {
 
 /// Ways of [`Bench::table_2022`].
 fn ways_2022() -> Vec<Way> {
-    let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, Form::Flat);
+    let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, CloudForm::Flat);
     let (basic, prefetch) = (flat("basic", Method::Basic), flat("prefetch", Method::Prefetch));
     let full = |name, way| Way { name, precision: Precision::Full, ..way };
     let unculled = |name, way| Way { name, cull: false, ..way };
@@ -118,9 +118,9 @@ fn ways_2022() -> Vec<Way> {
         unculled("prefetch-no-cull", prefetch),
         Way { name: "just-set", method: Some(Method::JustSet), ..basic },
         flat("prefetch-just-set", Method::PrefetchJustSet),
-        Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
-        Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
-        Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
+        Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, CloudForm::Flat),
+        Way::paper_2022("lod", Method::Prefetch, Quality::Closest, CloudForm::Octree),
+        Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, CloudForm::Octree),
         // The paper compares with these earlier methods of its authors.
         Way::paper_2021(Method::Dedup),
         Way::paper_2021(Method::Hqs1r),
@@ -136,12 +136,12 @@ fn ways_2019() -> Vec<Way> {
 fn ways_spt() -> Vec<Way> {
     let way = |name, quality, form| Way::paper_2022(name, Method::Prefetch, quality, form);
     vec![
-        way("prefetch", Quality::Closest, Form::Flat),
-        way("lod", Quality::Closest, Form::Octree),
-        way("spt", Quality::Closest, Form::Spt),
-        way("hqs", Quality::Hqs, Form::Flat),
-        way("lod-hqs", Quality::Hqs, Form::Octree),
-        way("spt-hqs", Quality::Hqs, Form::Spt),
+        way("prefetch", Quality::Closest, CloudForm::Flat),
+        way("lod", Quality::Closest, CloudForm::Octree),
+        way("spt", Quality::Closest, CloudForm::Spt),
+        way("hqs", Quality::Hqs, CloudForm::Flat),
+        way("lod-hqs", Quality::Hqs, CloudForm::Octree),
+        way("spt-hqs", Quality::Hqs, CloudForm::Spt),
     ]
 }
 
@@ -181,7 +181,7 @@ impl Bench<'_> {
     /// Measures 40-bit depths, two passes, and hardware points [2019, table 1].
     pub fn table_2019(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_2019(), SIZE_2021_PX)?;
-        let of = Of { table: "2019", order: "original", subject };
+        let of = RowGroup { table: "2019", order: "original", subject };
         let places = subject.places(places(Table::Paper2019, subject.model));
         self.flat_rows(of, Order::Original, &mut contestants, &places)
     }
@@ -192,7 +192,7 @@ impl Bench<'_> {
         let places = subject.places(places(Table::Paper2021, subject.model));
         let mut rows = Vec::new();
         for (order, name) in ORDERS {
-            let of = Of { table: "2021", order: name, subject };
+            let of = RowGroup { table: "2021", order: name, subject };
             rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
         }
         if subject.model == Model::Statue {
@@ -211,10 +211,10 @@ impl Bench<'_> {
             let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
             drop(cloud);
             hardware.set_draw_points(node_points);
-            let of = Of { table: "2021-nodes", order: "morton", subject };
+            let of = RowGroup { table: "2021-nodes", order: "morton", subject };
             // All rows are of one place; they differ in the nodes.
-            let places: Vec<Place> =
-                subject.places(&["overview"]).into_iter().map(|place| Place { name, ..place }).collect();
+            let places: Vec<Camera> =
+                subject.places(&["overview"]).into_iter().map(|place| Camera { name, ..place }).collect();
             rows.extend(self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)?);
         }
         Ok(rows)
@@ -229,15 +229,15 @@ impl Bench<'_> {
         drop(cloud);
         clouds.layered = Some(self.layered(subject)?);
         let places = subject.places(places(Table::Paper2022, subject.model));
-        let of = Of { table: "2022", order: "morton", subject };
+        let of = RowGroup { table: "2022", order: "morton", subject };
         let mut rows = self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)?;
         drop((hardware, clouds));
         if subject.model == Model::Courtyard {
-            let prefetch = Way::paper_2022("prefetch", Method::Prefetch, Quality::Closest, Form::Flat);
+            let prefetch = Way::paper_2022("prefetch", Method::Prefetch, Quality::Closest, CloudForm::Flat);
             let mut contestants = self.contestants(vec![prefetch], SIZE_2022_PX)?;
             let places = subject.places(&["overview", "close-up"]);
             for (order, name) in [(Order::Original, "original"), (Order::Morton, "morton")] {
-                let of = Of { table: "2022-order", order: name, subject };
+                let of = RowGroup { table: "2022-order", order: name, subject };
                 rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
             }
         }
@@ -256,7 +256,7 @@ impl Bench<'_> {
         clouds.sequential = Some(tree::upload(self.gpu, &spt, self.chunk_limit, &silent)?);
         drop(spt);
         let places = subject.places(places(Table::Spt, subject.model));
-        let of = Of { table: "spt", order: "morton", subject };
+        let of = RowGroup { table: "spt", order: "morton", subject };
         self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)
     }
 
@@ -300,10 +300,10 @@ impl Bench<'_> {
     /// Measures the rows of all points in an order.
     fn flat_rows(
         &self,
-        of: Of,
+        of: RowGroup,
         order: Order,
         contestants: &mut Contestants,
-        places: &[Place],
+        places: &[Camera],
     ) -> Result<Vec<BenchRow>> {
         let cloud = of.subject.flat(order, self.task)?;
         let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
@@ -314,11 +314,11 @@ impl Bench<'_> {
     /// Measures a row for each way, and for hardware points, from each place.
     fn rows(
         &self,
-        of: Of,
+        of: RowGroup,
         contestants: &mut Contestants,
         hardware: &mut Hardware,
         clouds: &mut Clouds,
-        places: &[Place],
+        places: &[Camera],
     ) -> Result<Vec<BenchRow>> {
         let mut rows = Vec::new();
         for place in places {
@@ -398,10 +398,10 @@ impl Bench<'_> {
             }
         }
         let viewpoint = format!("{} {}x{}", place.name, size_px[0], size_px[1]);
-        let part = |name: &str, samples: &[Sample], load: Load, value: &dyn Fn(&Sample) -> f64| {
+        let part = |name: &str, samples: &[FrameMs], load: FrameCounts, value: &dyn Fn(&FrameMs) -> f64| {
             let timed = Timed { name: name.into(), load, samples: vec![] };
             let ms = gpu_ms(samples.iter().map(value));
-            let row = row(Of { table: "vr", order: "octree", subject }, &viewpoint, &timed, ms);
+            let row = row(RowGroup { table: "vr", order: "octree", subject }, &viewpoint, &timed, ms);
             // The bytes read are those of the whole frame.
             let is_whole = name.starts_with("total");
             let (bytes_read, gb_per_s) = if is_whole { (row.bytes_read, row.gb_per_s) } else { (None, None) };
@@ -412,7 +412,7 @@ impl Bench<'_> {
             part("total-one-eye", &of_one, load_one, &|sample| sample.gpu_ms),
         ];
         for (number, stage) in STAGES.iter().enumerate() {
-            let time = move |sample: &Sample| sample.stage_ms[number];
+            let time = move |sample: &FrameMs| sample.stage_ms[number];
             if matches!(*stage, "depth" | "color") {
                 rows.push(part(&format!("{stage}-both-eyes"), &of_both, load, &time));
                 rows.push(part(&format!("{stage}-one-eye"), &of_one, load_one, &time));

@@ -7,7 +7,7 @@ use render::{Access, Look};
 
 /// The forms in which a scan is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum CloudForm {
     /// Every point.
     Flat,
     /// An octree: the nodes that level of detail chooses.
@@ -26,7 +26,7 @@ pub struct Way {
     /// What a pixel shows.
     pub quality: Quality,
     /// Form in which the scan is drawn.
-    pub form: Form,
+    pub form: CloudForm,
     /// True if batches that the eye does not see are left out.
     pub cull: bool,
     /// Coordinate bits that are read.
@@ -39,7 +39,7 @@ impl Way {
         name: "point-list",
         method: None,
         quality: Quality::Closest,
-        form: Form::Flat,
+        form: CloudForm::Flat,
         cull: false,
         precision: Precision::Full,
     };
@@ -53,7 +53,7 @@ impl Way {
 
     /// The way of the 2022 paper: culled, with as many coordinate bits as each batch needs.
     #[must_use]
-    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, form: Form) -> Self {
+    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, form: CloudForm) -> Self {
         Self { name, method: Some(method), quality, form, cull: true, precision: Precision::Auto }
     }
 
@@ -68,7 +68,7 @@ impl Way {
             quality: self.quality,
             dilate: Dilate::Off,
             background: [0; 3],
-            detail: if self.form == Form::Spt { discs } else { plain },
+            detail: if self.form == CloudForm::Spt { discs } else { plain },
             access: Access::default(),
         }
     }
@@ -79,7 +79,7 @@ impl Way {
         LabTechnique {
             method: self.method.unwrap_or_default(),
             keep_unseen: !self.cull,
-            error_px: (self.form == Form::Spt).then_some(DEFAULT_ERROR_PX as f32),
+            error_px: (self.form == CloudForm::Spt).then_some(DEFAULT_ERROR_PX as f32),
             ..LabTechnique::default()
         }
     }

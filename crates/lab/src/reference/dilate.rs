@@ -9,7 +9,7 @@ use render::layout::{
 
 /// The nearest surface in a pixel's window of its row.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct RowSurface {
     /// The surface's nearest depth.
     nearest: u32,
     /// Sums of the surface's colors times weights: r, g, b, a.
@@ -32,7 +32,8 @@ pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let reaching = |(x, y)| with_reach(surface[y * width + x], radius_px(view, dilate, x, y));
     let reaching: Vec<Pixel> = pixels.clone().map(reaching).collect();
-    let rows: Vec<Row> = pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
+    let rows: Vec<RowSurface> =
+        pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
     pixels
         .map(|(x, y)| {
             let window = window(y, height).map(|from| (y.abs_diff(from), rows[from * width + x]));
@@ -82,7 +83,7 @@ fn weight(distance_px: usize) -> u32 {
     1 << (DILATE_FALLOFF_BITS * (DILATE_REACH_PX - distance_px as u32))
 }
 
-fn sum_row(row: &[Pixel], x: usize) -> Row {
+fn sum_row(row: &[Pixel], x: usize) -> RowSurface {
     let window = window(x, row.len()).filter(|&from| is_taken(row[from][0], x.abs_diff(from)));
     let nearest = window.clone().fold(EMPTY_DEPTH, |nearest, from| nearest.min(row[from][0]));
     let mut sums = [0; 4];
@@ -92,11 +93,11 @@ fn sum_row(row: &[Pixel], x: usize) -> Row {
             *sum += weight(x.abs_diff(from)) * u32::from(channel);
         }
     }
-    Row { nearest, sums }
+    RowSurface { nearest, sums }
 }
 
 /// The finished pixel from its own surface and its column: distances and the rows' results.
-fn filled(own: Pixel, column: impl Iterator<Item = (usize, Row)> + Clone) -> Pixel {
+fn filled(own: Pixel, column: impl Iterator<Item = (usize, RowSurface)> + Clone) -> Pixel {
     let nearest = column.clone().fold(EMPTY_DEPTH, |nearest, (_, row)| nearest.min(row.nearest));
     let end = surface_end(nearest);
     if own[0] <= end {

@@ -29,7 +29,7 @@ use tree::Tree;
 
 /// A cloud as the stages see it, in one chunk.
 #[derive(Clone, Debug)]
-pub struct Scene<'a> {
+pub struct ReferenceCloud<'a> {
     cloud: &'a Cloud,
     filtered_colors: &'a [u32],
     /// The cloud's nodes; none in a point tree.
@@ -40,7 +40,7 @@ pub struct Scene<'a> {
     tree: Option<(Tree<'a>, f32)>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> ReferenceCloud<'a> {
     /// A flat cloud: one node, always drawn whole.
     #[must_use]
     pub fn flat(cloud: &'a Cloud) -> Self {
@@ -122,7 +122,7 @@ impl Frame {
 
 /// Draws `scene` as the GPU does; `states` are its nodes' states of the frame before, `None` in the first frame.
 #[must_use]
-pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
+pub fn frame(scene: &ReferenceCloud, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
     let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
     let num_eyes = view.eyes.len();
     let tree = scene.tree.as_ref().map(|(tree, error_px)| {

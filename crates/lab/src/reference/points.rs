@@ -69,8 +69,8 @@ pub fn points(
             let power = powers[(words[0] >> SPACING_EXPONENT_SHIFT) as usize];
             let spacing = edge * shares(batch.spacing)[octant as usize] * power;
             let apart = match disc {
-                Some((_, disc)) => Apart::Discs(disc.diameter),
-                None => Apart::Points(spacing),
+                Some((_, disc)) => Distance::Discs(disc.diameter),
+                None => Distance::Points(spacing),
             };
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
                 let is_chosen = disc.is_none_or(|(tree, disc)| disc.is_chosen(view, tree, eye, p_in_head));
@@ -124,7 +124,7 @@ fn open_px(
     batch: &VisibleBatch,
     p_in_head: [f32; 3],
     w: f32,
-    apart: Apart,
+    apart: Distance,
 ) -> f32 {
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let from_eye: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
@@ -139,22 +139,24 @@ fn open_px(
     let samples_px = (SAMPLES_COVER * samples_px).min((FILL_OVERLAP * samples_px).max(view.fill_reach_px[2]));
     let apart_px = apart.length() * px_per_unit * stretch;
     let cover_px = match apart {
-        Apart::Points(_) => (POINTS_COVER * apart_px).min(FILL_OVERLAP * apart_px + view.fill_reach_px[ring]),
-        Apart::Discs(_) => apart_px,
+        Distance::Points(_) => {
+            (POINTS_COVER * apart_px).min(FILL_OVERLAP * apart_px + view.fill_reach_px[ring])
+        }
+        Distance::Discs(_) => apart_px,
     };
     cover_px.max(samples_px)
 }
 
 /// Distance between the points or discs that are drawn, in world units.
 #[derive(Clone, Copy)]
-enum Apart {
+enum Distance {
     /// Distance of points of flat clouds and of an octree's nodes.
     Points(f32),
     /// Diameter of discs of a sequential point tree, which is also their distance.
     Discs(f32),
 }
 
-impl Apart {
+impl Distance {
     fn length(self) -> f32 {
         match self {
             Self::Points(length) | Self::Discs(length) => length,

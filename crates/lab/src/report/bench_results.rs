@@ -1,6 +1,6 @@
 //! What `scanwalk bench --json` writes and `scanwalk report RESULTS.json` reads: one set of types for both.
 
-use super::table::{Table, in_order, ms};
+use super::table::{TextTable, in_order, ms};
 use base::words::grouped_by;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -249,8 +249,8 @@ impl BenchResults {
     }
 
     /// The rows of one table.
-    pub(super) fn text_table(&self, table: &str) -> Table {
-        let mut text = Table::new([
+    pub(super) fn text_table(&self, table: &str) -> TextTable {
+        let mut text = TextTable::new([
             "method",
             "model",
             "order",

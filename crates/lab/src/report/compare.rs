@@ -4,7 +4,7 @@ use super::bootstrap::{Interval, compare_medians};
 use super::histogram::histogram;
 use super::page::{self, Page};
 use super::summary::{NO_GPU_TIMES, Summary};
-use super::table::{Table, in_order, ms, percent};
+use super::table::{TextTable, in_order, ms, percent};
 use base::percentile::{REPORTED_PER_MILLE, Sorted};
 use std::fmt;
 use timing::{FrameLogFile, LoggedFrame};
@@ -97,8 +97,8 @@ impl Comparison {
     }
 
     /// Table of the facts that differ.
-    fn facts_table(&self) -> Option<Table> {
-        let mut table = Table::new(["differ in", "A", "B"]);
+    fn facts_table(&self) -> Option<TextTable> {
+        let mut table = TextTable::new(["differ in", "A", "B"]);
         let differing = self.differing_facts();
         for (name, values) in &differing {
             table.row(*name, values.map(str::to_owned));
@@ -107,8 +107,8 @@ impl Comparison {
     }
 
     /// Table of how smooth each walk was.
-    fn shares_table(&self) -> Table {
-        let mut table = Table::new(["", "A", "B"]);
+    fn shares_table(&self) -> TextTable {
+        let mut table = TextTable::new(["", "A", "B"]);
         let mut row = |name: &str, figure: &dyn Fn(&Summary) -> String| {
             table.row(name, self.summaries.each_ref().map(figure));
         };
@@ -133,8 +133,8 @@ impl Comparison {
     }
 
     /// Table of the medians and their differences.
-    fn differences_table(&self) -> Table {
-        let mut table = Table::new(["median ms", "A", "B", "B - A", "95 %", "B / A", "95 %", ""]);
+    fn differences_table(&self) -> TextTable {
+        let mut table = TextTable::new(["median ms", "A", "B", "B - A", "95 %", "B / A", "95 %", ""]);
         for difference in &self.differences {
             let Difference { name, medians_ms: [a, b], difference_ms, ratio } = difference;
             let both = a.zip(*b);

@@ -1,6 +1,6 @@
 //! Figures of a frame log: percentiles, frames over budget, missed periods, the costliest stage.
 
-use super::table::{Table, ms, percent};
+use super::table::{TextTable, ms, percent};
 use base::percentile::{REPORTED_PER_MILLE, Sorted};
 use base::words::counted;
 use std::fmt;
@@ -156,8 +156,8 @@ impl Summary {
     }
 
     /// Table of the percentiles of all times.
-    pub(super) fn times(&self) -> Table {
-        let mut table = Table::new(["ms", "50 %", "90 %", "99 %", "99.9 %", "max"]);
+    pub(super) fn times(&self) -> TextTable {
+        let mut table = TextTable::new(["ms", "50 %", "90 %", "99 %", "99.9 %", "max"]);
         let mut row = |name: String, times: &Sorted| {
             table.row(name, REPORTED_PER_MILLE.map(|per_mille| ms(times.percentile(per_mille))));
         };

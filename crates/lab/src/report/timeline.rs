@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::markup::Markup;
 use super::page;
-use super::reduce::{Column, columns, held};
+use super::reduce::{PixelColumn, columns, held};
 use super::summary::Summary;
 use super::svg::{Path, Plot, RIGHT};
 use base::words::counted;
@@ -26,16 +26,16 @@ pub(super) fn along_time(
     plot: &Plot,
     frames: &[LoggedFrame],
     figure: impl Fn(&LoggedFrame) -> f64,
-) -> Vec<Option<Column>> {
+) -> Vec<Option<PixelColumn>> {
     let time = plot.x_axis();
     columns(frames.iter().map(|frame| (time.place(frame.time_s), figure(frame))), plot.num_columns())
 }
 
 /// A line through columns that looks as if it went through every frame.
-pub(super) fn through(plot: &Plot, columns: &[Option<Column>]) -> Path {
+pub(super) fn through(plot: &Plot, columns: &[Option<PixelColumn>]) -> Path {
     let mut path = Path::default();
     for (at, column) in columns.iter().enumerate() {
-        let Some(Column { first, low, high, last, .. }) = column else { continue };
+        let Some(PixelColumn { first, low, high, last, .. }) = column else { continue };
         let mut before = None;
         for value in [first, high, low, last] {
             if before != Some(value) {
@@ -88,7 +88,7 @@ fn caption(log: &FrameLogFile, top_ms: f64) -> String {
 }
 
 /// Lines from the budget up to the longest frame over it, one a column.
-fn risen(plot: &Plot, over: &[Option<Column>], budgets: &[Option<Column>]) -> Path {
+fn risen(plot: &Plot, over: &[Option<PixelColumn>], budgets: &[Option<PixelColumn>]) -> Path {
     let mut path = Path::default();
     for (at, (over, budget)) in over.iter().zip(budgets).enumerate() {
         if let Some((over, budget)) = over.as_ref().zip(budget.as_ref()) {
@@ -100,7 +100,7 @@ fn risen(plot: &Plot, over: &[Option<Column>], budgets: &[Option<Column>]) -> Pa
 }
 
 /// A line that stays until the next value, with corners only where it changes.
-pub(super) fn steps(plot: &Plot, columns: &[Option<Column>]) -> Path {
+pub(super) fn steps(plot: &Plot, columns: &[Option<PixelColumn>]) -> Path {
     let num = columns.len();
     let mut path = Path::default();
     let mut before: Option<(usize, f64)> = None;
@@ -123,7 +123,7 @@ pub(super) fn steps(plot: &Plot, columns: &[Option<Column>]) -> Path {
 }
 
 /// A mark at the bottom for each column with a missed display.
-fn missed_marks(plot: &Plot, missed: &[Option<Column>]) -> Path {
+fn missed_marks(plot: &Plot, missed: &[Option<PixelColumn>]) -> Path {
     let mut path = Path::default();
     for (at, _) in missed.iter().enumerate().filter(|(_, column)| column.is_some_and(|c| c.sum() > 0.0)) {
         let p = plot.at_column(at, missed.len(), 0.0);

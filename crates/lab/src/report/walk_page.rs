@@ -6,7 +6,7 @@ use super::page::{self, Page};
 use super::stack::stack;
 use super::steps::{governor, phases};
 use super::summary::{NO_GPU_TIMES, Summary};
-use super::table::{Table, ms};
+use super::table::{TextTable, ms};
 use super::timeline::timeline;
 use super::worst::{HOLD_S, dearest_stage, worst, worst_poses};
 use glam::DVec3;
@@ -73,7 +73,7 @@ fn add_worst(page: &mut Page, log: &FrameLogFile) {
         "head at",
         "looks",
     ];
-    let mut table = Table::new(names);
+    let mut table = TextTable::new(names);
     for frame in &worst {
         let stage = dearest_stage(log, frame);
         let [head, looks] = head_in_words(frame);

@@ -3,10 +3,10 @@
 //! A pulse that meets a crown comes back up to three times: from the leaves, from deeper in, from the ground.
 
 use super::Viewpoint;
-use super::device::Device;
+use super::device::MeasuringDevice;
 use super::landscape::{Cover, Landscape, SIZE_M};
-use super::plan::{Plan, Thin};
-use super::record::{Format, Layout, Record};
+use super::plan::{LinePlan, Thin};
+use super::record::{WrittenFormat, WrittenLayout, WrittenRecord};
 use super::span::Ray;
 use base::random::Rng;
 use glam::DVec3;
@@ -42,7 +42,7 @@ pub const VIEWPOINTS: [Viewpoint; 2] = [
 /// The aircraft and its plan.
 pub struct Aircraft {
     land: &'static Landscape,
-    plan: Plan,
+    plan: LinePlan,
 }
 
 /// A return of a pulse, before it becomes a record.
@@ -67,7 +67,7 @@ impl Aircraft {
         // Pulses are equally far apart along and across: lines / pulses a line = length / width of a strip.
         let pulses = points as f64 / returns / NUM_STRIPS as f64;
         let lines = (pulses * SIZE_M / (2.0 * HALF_SWATH_M)).sqrt().ceil() as u64;
-        Self { land, plan: Plan::new(points, NUM_STRIPS, lines, weights.clone()) }
+        Self { land, plan: LinePlan::new(points, NUM_STRIPS, lines, weights.clone()) }
     }
 }
 
@@ -146,16 +146,19 @@ fn try_out(land: &Landscape) -> Vec<u32> {
     .collect()
 }
 
-impl Device for Aircraft {
-    fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb7, grid: Grid { scale: DVec3::splat(0.001), offset: ORIGIN } }
+impl MeasuringDevice for Aircraft {
+    fn layout(&self) -> WrittenLayout {
+        WrittenLayout {
+            format: WrittenFormat::Rgb7,
+            grid: Grid { scale: DVec3::splat(0.001), offset: ORIGIN },
+        }
     }
 
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &LinePlan {
         &self.plan
     }
 
-    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<WrittenRecord>) {
         let returns = f64::from(self.plan.weight(line).max(1)) / f64::from(TRIALS[1]);
         let mut pulses = (1.02 * num_points as f64 / returns).ceil() as u64 + 1;
         let start = rng.clone();
@@ -199,7 +202,15 @@ impl Aircraft {
     }
 
     /// Appends the returns of a pulse; the weakest may have been lost.
-    fn store(&self, line: u64, part: f64, ray: &Ray, echoes: &[Echo], rng: &mut Rng, out: &mut Vec<Record>) {
+    fn store(
+        &self,
+        line: u64,
+        part: f64,
+        ray: &Ray,
+        echoes: &[Echo],
+        rng: &mut Rng,
+        out: &mut Vec<WrittenRecord>,
+    ) {
         let (strip, number) = self.plan.pass_and_line(line);
         let (grid, lines) = (self.layout().grid, self.plan.lines_per_pass() as f64);
         let left = if strip.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -208,8 +219,8 @@ impl Aircraft {
             let p = echo.p + 0.025 * rng.normal() * ray.direction;
             let strength = 42_000.0 * echo.strength * (1.0 + 0.06 * rng.normal());
             let color = echo.color * (1.0 + 0.02 * rng.normal());
-            out.push(Record {
-                xyz: Record::snap(&grid, ORIGIN + p),
+            out.push(WrittenRecord {
+                xyz: WrittenRecord::snap(&grid, ORIGIN + p),
                 intensity: strength.clamp(1.0, 65_535.0) as u16,
                 return_number: i as u8 + 1,
                 num_returns: echoes.len() as u8,

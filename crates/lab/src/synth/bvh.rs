@@ -11,14 +11,14 @@ const LEAF_SHAPES: usize = 4;
 /// A tree of boxes; the children of a node are nodes `first` and `first + 1`.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     shapes: Vec<Shape>,
     /// Number of each of `shapes` in the caller's list.
     order: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct BvhNode {
     bounds: Bounds,
     /// First shape of a leaf, first child otherwise.
     first: u32,
@@ -31,7 +31,7 @@ impl Bvh {
     pub fn new(shapes: &[Shape]) -> Self {
         let bounds: Vec<Bounds> = shapes.iter().map(Shape::bounds).collect();
         let mut order: Vec<u32> = (0..shapes.len() as u32).collect();
-        let mut nodes = vec![Node { bounds: Bounds::EMPTY, first: 0, num_shapes: 0 }];
+        let mut nodes = vec![BvhNode { bounds: Bounds::EMPTY, first: 0, num_shapes: 0 }];
         let mut open = vec![(0, 0, shapes.len())];
         while let Some((node, first, end)) = open.pop() {
             let part = &mut order[first..end];
@@ -39,11 +39,11 @@ impl Bvh {
             let cut = if part.len() > LEAF_SHAPES { split(part, &bounds) } else { None };
             let Some(cut) = cut else {
                 let num_shapes = (end - first) as u32;
-                nodes[node] = Node { bounds: around, first: first as u32, num_shapes };
+                nodes[node] = BvhNode { bounds: around, first: first as u32, num_shapes };
                 continue;
             };
             let child = nodes.len();
-            nodes[node] = Node { bounds: around, first: child as u32, num_shapes: 0 };
+            nodes[node] = BvhNode { bounds: around, first: child as u32, num_shapes: 0 };
             nodes.resize(child + 2, nodes[node]);
             open.push((child, first, first + cut));
             open.push((child + 1, first + cut, end));

@@ -1,6 +1,6 @@
 //! The start of a LAS file: its header, and for LAZ the record that describes the compression.
 
-use super::record::{Format, Record};
+use super::record::{WrittenFormat, WrittenRecord};
 use base::space::Bounds;
 use glam::DVec3;
 use laz::{LazItemRecordBuilder, LazVlr};
@@ -25,7 +25,7 @@ impl Default for Totals {
 
 impl Totals {
     /// Counts one more record.
-    pub fn count(&mut self, record: &Record) {
+    pub fn count(&mut self, record: &WrittenRecord) {
         self.num_points += 1;
         self.by_return[usize::from(record.return_number.clamp(1, 15)) - 1] += 1;
         for axis in 0..3 {
@@ -56,21 +56,21 @@ impl Totals {
 }
 
 /// The start of the file: LAS header and, for LAZ, the record that describes the compression.
-pub struct Header {
-    format: Format,
+pub struct WrittenHeader {
+    format: WrittenFormat,
     grid: Grid,
     /// How the points are compressed, if they are.
     pub laz: Option<LazVlr>,
-    /// Figures of the points; to be filled in before the last [`Header::write_to`].
+    /// Figures of the points; to be filled in before the last [`WrittenHeader::write_to`].
     pub totals: Totals,
 }
 
 /// Day and year in every header: the day on which a scan is made must not change its bytes.
 const CREATED: (u16, u16) = (1, 2026);
 
-impl Header {
+impl WrittenHeader {
     /// Makes the header of points still to come.
-    pub fn new(format: Format, grid: Grid, compressed: bool) -> Self {
+    pub fn new(format: WrittenFormat, grid: Grid, compressed: bool) -> Self {
         let laz = compressed.then(|| {
             let builder = LazItemRecordBuilder::default_for_point_format_id(format.id(), 0);
             // Fails for point formats that LAZ does not know; both of ours are among the known ones.
@@ -85,7 +85,7 @@ impl Header {
             b if b.is_empty() => Bounds { min: DVec3::ZERO, max: DVec3::ZERO },
             b => b,
         };
-        let new = self.format == Format::Rgb7;
+        let new = self.format == WrittenFormat::Rgb7;
         let header_size: u16 = if new { 375 } else { 227 };
         let vlr_bytes = if self.laz.is_some() { 54 + self.laz_record().len() as u32 } else { 0 };
         // The old header's 32-bit counts stay 0 with format 7 [LAS 1.4 R15, 2.4].

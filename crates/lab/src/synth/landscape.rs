@@ -45,7 +45,7 @@ struct House {
 
 /// A tree whose crown is an ellipsoid.
 #[derive(Clone, Copy, Debug)]
-pub struct Tree {
+pub struct Plant {
     /// Middle of the crown.
     crown: DVec3,
     radius: f64,
@@ -57,7 +57,7 @@ pub struct Tree {
 pub struct Landscape {
     houses: Vec<House>,
     /// The house and the tree of every cell.
-    cells: Vec<(Option<u16>, Option<Tree>)>,
+    cells: Vec<(Option<u16>, Option<Plant>)>,
 }
 
 /// North coordinate of the river's middle.
@@ -115,7 +115,7 @@ impl Landscape {
     }
 
     /// The tree of a cell: dense in woods, single ones elsewhere, none in river, road and houses.
-    fn plant(&self, cx: i64, cy: i64, near_house: bool) -> Option<Tree> {
+    fn plant(&self, cx: i64, cy: i64, near_house: bool) -> Option<Plant> {
         let value = |salt| cell_value([cx, cy, 0], salt);
         let p = CELL_M * DVec2::new(cx as f64 + 0.2 + 0.6 * value(31), cy as f64 + 0.2 + 0.6 * value(32));
         let bank = smooth(34.0, 22.0, (p.y - river(p.x)).abs());
@@ -131,7 +131,7 @@ impl Landscape {
         let radius = height * if slim { 0.17 } else { 0.27 };
         let half_height = height * if slim { 0.44 } else { 0.36 };
         let crown = p.extend(land(p) + height - half_height);
-        Some(Tree {
+        Some(Plant {
             crown,
             radius,
             half_height,
@@ -139,7 +139,7 @@ impl Landscape {
         })
     }
 
-    fn cell(&self, p: DVec2, dx: i64, dy: i64) -> Option<&(Option<u16>, Option<Tree>)> {
+    fn cell(&self, p: DVec2, dx: i64, dy: i64) -> Option<&(Option<u16>, Option<Plant>)> {
         let (cx, cy) = ((p.x / CELL_M).floor() as i64 + dx, (p.y / CELL_M).floor() as i64 + dy);
         let inside = (0..NUM_CELLS).contains(&cx) && (0..NUM_CELLS).contains(&cy);
         inside.then(|| &self.cells[(cy * NUM_CELLS + cx) as usize])
@@ -168,8 +168,8 @@ impl Landscape {
     }
 
     /// The first crown that a ray to the ground at `ground` crosses: where it enters and leaves.
-    pub fn crown(&self, ray: &Ray, ground: DVec2) -> Option<(f64, f64, Tree)> {
-        let mut best: Option<(f64, f64, Tree)> = None;
+    pub fn crown(&self, ray: &Ray, ground: DVec2) -> Option<(f64, f64, Plant)> {
+        let mut best: Option<(f64, f64, Plant)> = None;
         for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
             let Some(tree) = self.cell(ground, dx, dy).and_then(|c| c.1) else { continue };
             // An ellipsoid is a ball in stretched space; distances along the ray stay what they are.
@@ -228,7 +228,7 @@ impl Landscape {
     }
 }
 
-impl Tree {
+impl Plant {
     /// Display color at a place of the crown.
     pub fn color(&self, p: DVec3, to_sun: DVec3) -> DVec3 {
         let out = (p - self.crown) / DVec3::new(self.radius, self.radius, self.half_height);

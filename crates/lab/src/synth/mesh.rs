@@ -51,7 +51,7 @@ pub struct Mesh {
 /// The surface with about `points` vertices, at least some 20 000; another seed lays the grid elsewhere. `None`
 /// if stopped.
 pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
-    let grid = Grid::new(points, seed);
+    let grid = CubeGrid::new(points, seed);
     let corners: Vec<[u64; 3]> =
         grid.blocks(progress).into_par_iter().flat_map_iter(|block| grid.cut(block, progress)).collect();
     let mut keys: Vec<u64> = corners.par_iter().copied().flatten_iter().collect();
@@ -68,12 +68,12 @@ pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
 }
 
 /// Cubes round the statue.
-struct Grid {
+struct CubeGrid {
     start: DVec3,
     edge: f64,
 }
 
-impl Grid {
+impl CubeGrid {
     fn new(points: u64, seed: u64) -> Self {
         let edge = (VERTICES_M2 / points.max(1) as f64).sqrt().min(COARSEST_M);
         let mut rng = Rng::new(seed, 0);
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn keys_name_edges() {
         assert_eq!(ends(key([5, 6, 7], 0b010, 0b101)), ([5, 7, 7], 0b101));
-        let grid = Grid::new(u64::from(u32::MAX), 1);
+        let grid = CubeGrid::new(u64::from(u32::MAX), 1);
         assert!(SIZE.max_element() / grid.edge < f64::from(1 << 20));
     }
 }

@@ -4,9 +4,9 @@
 //! cube and fall onto the surface; they stay as often as photographs would show the place.
 
 use super::Viewpoint;
-use super::device::Device;
-use super::plan::Plan;
-use super::record::{Format, Layout, Record};
+use super::device::MeasuringDevice;
+use super::plan::LinePlan;
+use super::record::{WrittenFormat, WrittenLayout, WrittenRecord};
 use super::statue;
 use base::random::{Rng, fractal};
 use glam::DVec3;
@@ -38,7 +38,7 @@ pub const VIEWPOINTS: [Viewpoint; 2] = [
 /// The cubes and how many points each gets.
 pub struct Reconstruction {
     cubes: &'static [DVec3],
-    plan: Plan,
+    plan: LinePlan,
 }
 
 impl Reconstruction {
@@ -46,7 +46,7 @@ impl Reconstruction {
     pub fn new(points: u64) -> Self {
         static CUBES: OnceLock<(Vec<DVec3>, Vec<u32>)> = OnceLock::new();
         let (cubes, weights) = CUBES.get_or_init(find_cubes);
-        Self { cubes, plan: Plan::new(points, 1, cubes.len() as u64, weights.clone()) }
+        Self { cubes, plan: LinePlan::new(points, 1, cubes.len() as u64, weights.clone()) }
     }
 }
 
@@ -95,16 +95,19 @@ fn throw(corner: DVec3, rng: &mut Rng) -> Option<(DVec3, DVec3)> {
     (inside && shown < statue::coverage(p, normal)).then_some((p, normal))
 }
 
-impl Device for Reconstruction {
-    fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb2, grid: Grid { scale: DVec3::splat(0.0001), offset: DVec3::ZERO } }
+impl MeasuringDevice for Reconstruction {
+    fn layout(&self) -> WrittenLayout {
+        WrittenLayout {
+            format: WrittenFormat::Rgb2,
+            grid: Grid { scale: DVec3::splat(0.0001), offset: DVec3::ZERO },
+        }
     }
 
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &LinePlan {
         &self.plan
     }
 
-    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<WrittenRecord>) {
         let corner = self.cubes[line as usize];
         let grid = self.layout().grid;
         let mut found = 0;
@@ -116,8 +119,8 @@ impl Device for Reconstruction {
             let wrong = if rng.unit() < OUTLIERS { rng.between(-0.02, 0.09) } else { 0.0 };
             let measured = p + (bump + wrong + NOISE_M * rng.normal()) * normal + 0.0005 * rng.direction();
             let color = statue::color(p, normal) * (1.0 + 0.03 * rng.normal());
-            out.push(Record {
-                xyz: Record::snap(&grid, measured),
+            out.push(WrittenRecord {
+                xyz: WrittenRecord::snap(&grid, measured),
                 intensity: 0,
                 return_number: 1,
                 num_returns: 1,

@@ -6,7 +6,7 @@
 /// Every pass is cut into equally many bins along its lines, and a bin has a weight: how many points a fixed
 /// number of trial rays gave there. Points are shared out by weight, in integers, without loss.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct LinePlan {
     points: u64,
     num_passes: u64,
     lines_per_pass: u64,
@@ -16,7 +16,7 @@ pub struct Plan {
     before: Vec<u64>,
 }
 
-impl Plan {
+impl LinePlan {
     /// Makes a plan. `weights` go pass after pass, with as many bins in each, and are not all 0.
     pub fn new(points: u64, num_passes: u64, lines_per_pass: u64, weights: Vec<u32>) -> Self {
         let mut before = vec![0];
@@ -108,7 +108,7 @@ mod tests {
             lines in 1_u64..700,
             weights in prop::collection::vec(1_u32..90, 2 * 36),
         ) {
-            let plan = Plan::new(points, 2, lines, weights);
+            let plan = LinePlan::new(points, 2, lines, weights);
             prop_assert_eq!(plan.first_point(0), 0);
             prop_assert_eq!(plan.first_point(plan.num_lines()), points);
             for line in 0..plan.num_lines() {
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn heavier_bins_get_more() {
-        let plan = Plan::new(400, 1, 4, vec![1, 3]);
+        let plan = LinePlan::new(400, 1, 4, vec![1, 3]);
         let points: Vec<u64> = (0..4).map(|i| plan.first_point(i + 1) - plan.first_point(i)).collect();
         assert_eq!(points, [50, 50, 150, 150]);
         assert_eq!(plan.weight(3), 3);

@@ -14,7 +14,7 @@ const PLINTH: f64 = 1.12;
 
 /// Part of the scene, on which the color depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum StatuePart {
     Ground,
     Plinth,
     Figure,
@@ -130,8 +130,8 @@ fn ground(p: DVec3) -> f64 {
     (0.85 * (p.z - bumps - stones)).max(edge)
 }
 
-fn parts(p: DVec3) -> [(f64, Part); 3] {
-    [(ground(p), Part::Ground), (plinth(p), Part::Plinth), (figure(p), Part::Figure)]
+fn parts(p: DVec3) -> [(f64, StatuePart); 3] {
+    [(ground(p), StatuePart::Ground), (plinth(p), StatuePart::Plinth), (figure(p), StatuePart::Figure)]
 }
 
 /// Distance to the nearest surface; negative inside.
@@ -150,11 +150,11 @@ pub fn gradient(p: DVec3) -> DVec3 {
 /// Display color of the surface at `p`, lit by a hazy sky: weathered marble, a mossy plinth, gravel, grass.
 pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
     let nearest = parts(p).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let part = nearest.map_or(Part::Ground, |(_, part)| part);
+    let part = nearest.map_or(StatuePart::Ground, |(_, part)| part);
     let mix = |a: DVec3, b: DVec3, t: f64| a + (b - a) * t.clamp(0.0, 1.0);
     let (broad, fine) = (fractal(2.6 * p, 4), fractal(30.0 * p, 2));
     let tint = match part {
-        Part::Ground => {
+        StatuePart::Ground => {
             let grass = smooth(
                 0.05,
                 0.3,
@@ -163,11 +163,11 @@ pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
             let gravel = mix(rgb(168, 156, 138), rgb(120, 112, 100), 0.5 + fine);
             mix(gravel, mix(rgb(86, 110, 48), rgb(136, 144, 72), 0.5 + 0.8 * fine), grass)
         }
-        Part::Plinth => {
+        StatuePart::Plinth => {
             let moss = smooth(0.1, 0.5, broad + 0.5 * smooth(0.5, 0.0, p.z));
             mix(mix(rgb(176, 168, 152), rgb(146, 138, 124), 0.5 + fine), rgb(110, 116, 76), 0.7 * moss)
         }
-        Part::Figure => {
+        StatuePart::Figure => {
             // Rain washes surfaces that face up and leaves the rest dark.
             let washed = smooth(-0.4, 0.6, normal.z + 0.5 * broad);
             let marble = mix(rgb(150, 144, 134), rgb(226, 220, 206), washed);

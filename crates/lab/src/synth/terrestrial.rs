@@ -7,10 +7,10 @@
 
 use super::Viewpoint;
 use super::courtyard::Courtyard;
-use super::device::Device;
+use super::device::MeasuringDevice;
 use super::material::{Material, rgb};
-use super::plan::{Plan, Thin};
-use super::record::{Format, Layout, Record};
+use super::plan::{LinePlan, Thin};
+use super::record::{WrittenFormat, WrittenLayout, WrittenRecord};
 use super::span::{Hit, Ray};
 use base::random::Rng;
 use glam::DVec3;
@@ -56,7 +56,7 @@ pub const VIEWPOINTS: [Viewpoint; 6] = [
 /// The scanner and its plan.
 pub struct Scanner {
     court: &'static Courtyard,
-    plan: Plan,
+    plan: LinePlan,
 }
 
 impl Scanner {
@@ -70,7 +70,7 @@ impl Scanner {
             / weights.iter().map(|w| f64::from(*w)).sum::<f64>();
         // Angles are equal both ways: columns / rows = full circle / sweep.
         let columns = (rays / STATIONS.len() as f64 * TAU / SWEEP).sqrt().ceil() as u64;
-        Self { court, plan: Plan::new(points, STATIONS.len() as u64, columns, weights) }
+        Self { court, plan: LinePlan::new(points, STATIONS.len() as u64, columns, weights) }
     }
 
     fn ray(&self, station: usize, column: f64, row: f64) -> Ray {
@@ -94,7 +94,7 @@ impl Scanner {
 /// Hits of the trial columns, by which the points are shared out.
 fn try_out(court: &Courtyard) -> Vec<u32> {
     let bins = (0..STATIONS.len() * TRIALS[0] as usize).into_par_iter();
-    let probe = Scanner { court: Courtyard::get(), plan: Plan::new(1, 1, 1, vec![1]) };
+    let probe = Scanner { court: Courtyard::get(), plan: LinePlan::new(1, 1, 1, vec![1]) };
     bins.map(|bin| {
         let (station, column) = (bin / TRIALS[0] as usize, bin % TRIALS[0] as usize);
         let column = (column as f64 + 0.5) / f64::from(TRIALS[0]);
@@ -107,16 +107,19 @@ fn try_out(court: &Courtyard) -> Vec<u32> {
     .collect()
 }
 
-impl Device for Scanner {
-    fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb7, grid: Grid { scale: DVec3::splat(0.0001), offset: ORIGIN } }
+impl MeasuringDevice for Scanner {
+    fn layout(&self) -> WrittenLayout {
+        WrittenLayout {
+            format: WrittenFormat::Rgb7,
+            grid: Grid { scale: DVec3::splat(0.0001), offset: ORIGIN },
+        }
     }
 
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &LinePlan {
         &self.plan
     }
 
-    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<WrittenRecord>) {
         let (pass, number) = self.plan.pass_and_line(line);
         let (station, lines) = (pass as usize, self.plan.lines_per_pass() as f64);
         let column = (number as f64 + 0.5) / lines;
@@ -146,8 +149,8 @@ impl Device for Scanner {
             let range = hit.t + neighbor.map_or(0.0, |p| mixed(p, &ray, hit, rng));
             let noisy = range + (0.0012 + 0.000_08 * range) * rng.normal();
             let p = ORIGIN + ray.at(noisy);
-            out.push(Record {
-                xyz: Record::snap(&grid, p),
+            out.push(WrittenRecord {
+                xyz: WrittenRecord::snap(&grid, p),
                 intensity: intensity(hit, &ray, material, rng),
                 return_number: 1,
                 num_returns: 1,
@@ -209,7 +212,8 @@ mod tests {
                 let mut points = Vec::new();
                 scanner.measure(line, count, &mut Rng::new(9, line), &mut points);
                 assert_eq!(points.len() as u64, count);
-                let from_station = |r: &Record| scanner.layout().grid.p_in_world(r.xyz) - ORIGIN - station;
+                let from_station =
+                    |r: &WrittenRecord| scanner.layout().grid.p_in_world(r.xyz) - ORIGIN - station;
                 let mut last_rise = -2.0;
                 for d in points.iter().map(from_station) {
                     // Snapping to the file's grid moves the angles a little.

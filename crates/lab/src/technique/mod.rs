@@ -119,7 +119,7 @@ impl LabTechnique {
         if self == Self::default() {
             return Box::new(Own);
         }
-        Box::new(Open { technique: self, has_subgroups: gpu.has_subgroups(), count_bins: None })
+        Box::new(OpenTechnique { technique: self, has_subgroups: gpu.has_subgroups(), count_bins: None })
     }
 
     /// Makes the technique for a renderer that counts what its frames do, and the buffer of its bins; see [`counts`].
@@ -127,19 +127,22 @@ impl LabTechnique {
     pub fn counting(self, gpu: &Gpu) -> (Box<dyn Technique>, wgpu::Buffer) {
         let count_bins = counts::bins(gpu);
         let has_subgroups = gpu.has_subgroups();
-        (Box::new(Open { technique: self, has_subgroups, count_bins: Some(count_bins.clone()) }), count_bins)
+        (
+            Box::new(OpenTechnique { technique: self, has_subgroups, count_bins: Some(count_bins.clone()) }),
+            count_bins,
+        )
     }
 }
 
 /// A technique as a renderer gets it.
 #[derive(Debug)]
-struct Open {
+struct OpenTechnique {
     technique: LabTechnique,
     has_subgroups: bool,
     count_bins: Option<wgpu::Buffer>,
 }
 
-impl Technique for Open {
+impl Technique for OpenTechnique {
     fn texts(&self) -> Texts {
         texts(&self.technique, self.count_bins.is_some(), self.has_subgroups)
     }

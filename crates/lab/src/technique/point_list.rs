@@ -3,7 +3,7 @@
 //! bit the same places, but each eye reads and decodes every point for itself.
 
 use super::texts::text;
-use crate::hardware::{self, DEPTH_FORMAT, Points};
+use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
 use render::bindings::{Chunk, Cloud, Eye};
 use render::gpu::Gpu;
 use render::gpu::stage::{Bindings, Stage, shader_module};
@@ -56,7 +56,7 @@ impl PointList {
         let module = shader_module(&gpu.device, "point-list", &wgsl);
         let eye = |entry| {
             let bindings = Bindings::of("point-list", &wgsl, entry);
-            let points = Points {
+            let points = PointPipeline {
                 module: &module,
                 vertex: entry,
                 buffers: &[],

@@ -44,7 +44,7 @@ impl Courtyard {
     pub fn get() -> &'static Self {
         static COURTYARD: OnceLock<Courtyard> = OnceLock::new();
         COURTYARD.get_or_init(|| {
-            let mut parts = Parts::default();
+            let mut parts = Shapes::default();
             walls::add(&mut parts);
             arcade::add(&mut parts);
             rooms::add(&mut parts);
@@ -71,12 +71,12 @@ impl Courtyard {
 
 /// Shapes and their materials.
 #[derive(Default)]
-struct Parts {
+struct Shapes {
     shapes: Vec<Shape>,
     materials: Vec<Material>,
 }
 
-impl Parts {
+impl Shapes {
     fn add(&mut self, shape: Shape, material: Material) {
         self.shapes.push(shape);
         self.materials.push(material);
