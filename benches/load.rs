@@ -1,5 +1,5 @@
-//! How fast scans are read: M points/s of our reader beside the bare parse rate of the las crate, and peak
-//! memory a point; PLY, as text and binary, with ours alone. Prints CSV rows; `docs/bench/load` keeps a run.
+//! How fast scans are read: M points/s of our reader beside the bare parse rate of the las crate, and peak memory a
+//! point. PLY files, as text and binary, are read by ours alone. Prints CSV rows; `docs/bench/load` keeps a run.
 
 #[path = "support/steps.rs"]
 mod steps;
@@ -52,7 +52,7 @@ fn bench(folder: &Path, num_points: u64, num_runs: u64) -> Result<()> {
     Ok(())
 }
 
-/// A row: points, bytes, seconds, rate, peak memory.
+/// Reads a file once and prints a row: points, bytes, seconds, rate, peak memory.
 fn read_once(reader: &str, path: &Path) -> Result<()> {
     let start = Instant::now();
     let num_points = if reader == "scanwalk" { read_with_scanwalk(path)? } else { read_with_las(path)? };
@@ -70,7 +70,7 @@ fn read_with_scanwalk(path: &Path) -> Result<usize> {
     Ok(std::hint::black_box(scan).num_points())
 }
 
-/// The bare parse: blocks of raw records into one buffer, coordinates taken from the bytes, nothing kept.
+/// The bare parse: reads blocks of raw records into one buffer, takes coordinates from the bytes, keeps nothing.
 fn read_with_las(path: &Path) -> Result<usize> {
     let mut reader = Reader::from_path(path)?;
     let mut block = PointDataBuilder::new().for_header(reader.header()).build();
@@ -92,8 +92,7 @@ fn read_with_las(path: &Path) -> Result<usize> {
     Ok(num_points)
 }
 
-/// A scanner's sweep over a wavy ground: neighbors in the file are neighbors in space, with noise. Places and
-/// shades.
+/// Places and shades of a scanner's sweep over a wavy ground, with noise; neighbors in the file are neighbors in space.
 fn sweep(num_points: u64) -> impl Iterator<Item = ([f64; 3], u16)> {
     let row = (num_points as f64).sqrt();
     (0..num_points).map(move |index| {
@@ -104,7 +103,7 @@ fn sweep(num_points: u64) -> impl Iterator<Item = ([f64; 3], u16)> {
     })
 }
 
-/// The sweep as PLY with colors; doubles lie where a projected coordinate system has them.
+/// Writes the sweep as PLY with colors; doubles lie where a projected coordinate system has them.
 fn write_ply(path: &Path, format: &str, kind: &str, num_points: u64) -> Result<()> {
     let mut file = BufWriter::new(File::create(path)?);
     write!(file, "ply\nformat {format} 1.0\nelement vertex {num_points}\n")?;
@@ -129,7 +128,7 @@ fn write_ply(path: &Path, format: &str, kind: &str, num_points: u64) -> Result<(
     Ok(())
 }
 
-/// The sweep as LAS. The writer takes from the file's name whether to compress.
+/// Writes the sweep as LAS. The writer takes from the file's name whether to compress.
 fn write_file(path: &Path, point_format: u8, num_points: u64) -> Result<()> {
     let format = Format::new(point_format)?;
     let mut builder = Builder::from(if point_format < 6 { (1, 2) } else { (1, 4) });

@@ -1,8 +1,8 @@
 //! How fast octrees are built: M points/s of the whole, beside reading the file and beside the Morton sort
 //! alone, and what the nodes look like. Prints CSV rows; `docs/bench/octree` keeps a run.
 //!
-//! `read` is the file alone, `sort` and `flat` are the flat cloud (its Morton sort as the octree does it; all of it),
-//! `octree` the octree, `nodes` counts nodes.
+//! The step `read` is the file alone, `sort` the flat cloud's Morton sort as the octree does it, `flat` all of the flat
+//! cloud, `octree` the octree, and `nodes` counts nodes.
 
 #[path = "support/steps.rs"]
 mod steps;
@@ -14,7 +14,7 @@ use base::task::{CancelToken, Progress};
 use cloud::morton::MortonGrid;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Order, build};
-use lab::synth::{self, Kind, SynthOptions};
+use lab::synth::{self, SynthKind, SynthOptions};
 use points::{self, ReadOptions, Scan};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -29,7 +29,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     println!(
         "scan,step,run,points,seconds,core_seconds,m_points_per_s,m_points_per_core_s,peak_bytes_per_point"
     );
-    let kinds = [("terrestrial", Kind::Terrestrial), ("aerial", Kind::Aerial)];
+    let kinds = [("terrestrial", SynthKind::Terrestrial), ("aerial", SynthKind::Aerial)];
     let mut files = Vec::new();
     for (name, kind) in kinds {
         let out = folder.join(name).with_extension("las");
@@ -56,8 +56,8 @@ fn read(path: &Path) -> Result<Scan> {
     Ok(points::read(&paths, &ReadOptions::default(), &CancelToken::default())?)
 }
 
-/// Points, seconds, seconds of all cores together, rates, peak memory; seconds of the named step alone. Where
-/// other programs run beside, the cores' seconds tell more than the clock's.
+/// Runs a step and prints points, seconds, seconds of all cores together, rates, peak memory. Seconds are of the named
+/// step alone. The cores' seconds tell more than the clock's where other programs run beside.
 fn run_step(step: &str, path: &Path) -> Result<()> {
     if step == "nodes" {
         return list_nodes(path);
@@ -81,7 +81,7 @@ fn run_step(step: &str, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Keys of the octree's size in the octree's order.
+/// Sorts keys of the octree's size in the octree's order.
 fn sort(scan: &Scan) -> Vec<(u64, u32, u32)> {
     let grid = MortonGrid::new(&scan.bounds());
     let file = &scan.files[0];
@@ -96,7 +96,7 @@ fn octree(scan: &Scan) -> Result<Octree> {
     Ok(build_octree(scan, &Progress::hidden())?)
 }
 
-/// Sizes of nodes: rows of inner nodes and of leaves.
+/// Prints sizes of nodes: rows of inner nodes and of leaves.
 fn list_nodes(path: &Path) -> Result<()> {
     let name = path.file_stem().context("a file of ours")?.display();
     let octree = octree(&read(path)?)?;
@@ -123,8 +123,8 @@ fn list_nodes(path: &Path) -> Result<()> {
 fn core_seconds() -> f64 {
     let ticks = || {
         let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-        // The program's name may hold anything; what follows its bracket is numbers: user and system time are
-        // the 12th and 13th.
+        // The program's name may hold anything, and numbers follow its bracket: user and system time are the 12th and
+        // 13th.
         let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
         Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
     };

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What scripts/demo and scripts/test share: finding out what is missing and installing it.
+# Functions that the scripts share: they find out what is missing and install it.
 #
 #   want DEBIAN FEDORA ARCH CHECK...   notes the packages unless the command CHECK... succeeds
 #   install_wanted                     installs what was noted, or names it and ends
@@ -13,10 +13,10 @@ say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
 fail() { say "$@"; exit 1; }
 heading() { printf '\n--- %s\n' "$*" >&2; }
 have() { command -v "$1" >/dev/null 2>&1; }
-# A shared library that the dynamic linker finds.
+# True if the dynamic linker finds a shared library.
 has_library() { ldconfig -p 2>/dev/null | grep -F "$1" >/dev/null; }
 
-# A file that matches one of the patterns.
+# True if a file matches one of the patterns.
 has_file() {
   local file
   for file in "$@"; do [ -e "$file" ] && return 0; done
@@ -32,7 +32,7 @@ has_validation_layer() {
   has_file /usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json \
     /etc/vulkan/explicit_layer.d/VkLayer_khronos_validation.json
 }
-# The manifest by which programs find the active OpenXR runtime.
+# True if there is a manifest by which programs find the active OpenXR runtime.
 has_openxr_runtime() {
   local manifest=openxr/1/active_runtime.json
   has_file "${XR_RUNTIME_JSON:-/nowhere}" "${XDG_CONFIG_HOME:-$HOME/.config}/$manifest" "/etc/xdg/$manifest" \
@@ -50,14 +50,14 @@ want() {
   [ "$arch" = - ] || missing_arch+=("$arch")
 }
 
-# Rust and a linker, and what every Vulkan program needs.
+# Wants Rust and a linker, and the Vulkan loader.
 want_basics() {
   have cargo || fail "Rust is missing; install it from https://rustup.rs, then run this again"
   want "gcc libc6-dev" gcc gcc have cc
   want libvulkan1 vulkan-loader vulkan-icd-loader has_library libvulkan.so.1
 }
 
-# What a window on X11 opens at run time.
+# Wants the libraries that a window on X11 opens at run time.
 want_window_libraries() {
   want libx11-6 libX11 libx11 has_library libX11.so.6
   want libx11-xcb1 libX11-xcb - has_library libX11-xcb.so.1

@@ -1,12 +1,11 @@
-// The rule of dilation over the whole square window at once, straight from global memory: what `dilate` is timed
-// against.
+// Dilation over the whole square window at once, straight from global memory. `dilate` is timed against it.
 
 fn weight(x: u32, y: u32, center: vec2<u32>) -> u32 {
     let distance = max(x, center.x) - min(x, center.x) + max(y, center.y) - min(y, center.y);
     return 1u << (DILATE_FALLOFF_BITS * (2u * DILATE_REACH_PX - distance));
 }
 
-// The depth at a pixel if what lies there reaches `center`, else EMPTY_DEPTH.
+// The depth at a pixel if that pixel reaches `center`, else EMPTY_DEPTH.
 fn reaching(pixel: vec2<u32>, center: vec2<u32>) -> u32 {
     let eye = view.eyes[dilate.eye];
     let w = surface[pixel.y * eye.width + pixel.x].x;

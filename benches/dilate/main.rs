@@ -1,5 +1,5 @@
-//! `dilate`, by rows and columns through workgroup memory, against the same rule over the whole 7×7 window straight
-//! from global memory. Both fill the same surface in the same submission, as often as there are runs;
+//! Times `dilate`, which goes by rows and columns through workgroup memory, against the same rule over the whole 7×7
+//! window straight from global memory. Both fill the same surface in the same submission, as often as there are runs;
 //! `docs/bench/dilate` keeps a run. Before anything is timed, both must have found the same depths.
 
 mod scene;
@@ -83,7 +83,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The direct form's text: what `dilate` has in front of it, then its own file.
+/// Text of the direct form: the pieces in front of `dilate`, then its own file.
 fn direct_source() -> String {
     let shared = [
         include_str!("../../shaders/layout.inc.wgsl"),
@@ -170,7 +170,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     Ok(samples)
 }
 
-/// Both fill the same pixels with the same depths, and some unless none was empty.
+/// Checks that both fill the same pixels with the same depths, and fill some unless none was empty.
 fn check(gpu: &Gpu, depths: &[wgpu::Buffer; 2], size_px: [u32; 2], surface: &[[u32; 2]]) -> Result<()> {
     let read = |buffer| -> Result<Vec<u32>> {
         Ok(layout::of_image(&bytemuck::pod_collect_to_vec(&readback::read_buffer(gpu, buffer)?), size_px))

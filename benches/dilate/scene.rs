@@ -1,11 +1,11 @@
-//! What is dilated: a bright disc before a dark wall, as far too few points show them.
+//! The surface that is dilated: a bright disc before a dark wall, as far too few points show them.
 
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
 use render::layout::{Detail, EMPTY_DEPTH, ViewUniform};
 
-/// Depth bits and color of each pixel. Of the disc and of the wall, `empty_percent` of the pixels are missing, and
-/// where the disc has gaps the wall shows through.
+/// Depth bits and color of each pixel. `empty_percent` of the pixels of the disc and of the wall are missing, and the
+/// wall shows through the gaps of the disc.
 pub fn two_layers([width, height]: [u32; 2], empty_percent: u32) -> Vec<[u32; 2]> {
     let mut state = 1u32;
     let mut missing = || {
@@ -34,13 +34,13 @@ pub fn two_layers([width, height]: [u32; 2], empty_percent: u32) -> Vec<[u32; 2]
     pixels
 }
 
-/// One eye that sees an image of that size, all of it in the outer ring.
+/// One eye with an image of this size, all of it in the outer ring.
 pub fn view(size_px: [u32; 2]) -> ViewUniform {
     let fov = Fov { left: -1.2, right: 1.0, up: 1.1, down: -1.2 };
     let pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
     let eye = Eye { world_from_view: pose, fov, size_px, gaze_in_view: Eye::AHEAD };
     let view = View { eyes: vec![eye], near: 0.05 };
-    // Cosines that no direction has.
+    // No direction has these cosines, so all are in the outer ring.
     ViewUniform {
         ring_cos: [2.0; 2],
         ..ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &Detail::default())

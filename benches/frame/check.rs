@@ -1,26 +1,26 @@
-//! Whether the comparison is fair: contestants that claim to draw the same picture do.
+//! Checks that the comparison is fair: contestants that claim to draw the same picture do.
 
 use crate::contestant::Contestant;
 use anyhow::{Result, ensure};
 use base::space::View;
 use lab::reference::resolve::{Pixel, depth_of};
 
-/// Share of the pixels on which hardware and compute must agree. They cannot on all: hardware snaps points to
-/// 1/256 of a pixel, so that about one in 130 falls into the pixel beside.
+/// Share of the pixels on which hardware and compute must agree. They cannot agree on all: hardware snaps points to
+/// 1/256 of a pixel, so that about one in 130 falls into the next pixel.
 const MIN_AGREEMENT: f64 = 0.99;
 /// Depths that differ by less than this share are the same.
 const TOLERANCE: f32 = 1e-3;
 
-/// That both draw the same, bit for bit.
+/// Ensures that both draw the same, bit for bit.
 pub fn same(a: &mut dyn Contestant, b: &mut dyn Contestant, view: &View) -> Result<()> {
     let [left, right] = a.pixels(view)?;
-    // The comparison can fail: the eyes see different pictures.
+    // The comparison can fail, since the eyes see different pictures.
     ensure!(left != right, "both eyes see the same");
     ensure!(b.pixels(view)? == [left, right], "the pictures differ");
     Ok(())
 }
 
-/// That depths agree on nearly all pixels; gives the share.
+/// Ensures that depths agree on nearly all pixels; returns the share.
 pub fn alike(hardware: &mut dyn Contestant, compute: &mut dyn Contestant, view: &View) -> Result<f64> {
     let ([left, right], other) = (hardware.pixels(view)?, compute.pixels(view)?);
     let share = agreement(&left, &other[0]).min(agreement(&right, &other[1]));

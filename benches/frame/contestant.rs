@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
-use lab::bench::point_list::{self, PointList};
+use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::Pixel;
 use render::Look;
 use render::gpu::Gpu;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use timing::STAGES;
 
-/// sRGB, as headsets have it.
+/// Format of the images: sRGB, as headsets have it.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// Times of one frame of both eyes, milliseconds; NaN where a contestant has no such stage.
@@ -25,7 +25,7 @@ pub struct Sample {
     pub stage_ms: [f64; STAGES.len()],
     /// GPU time of the whole frame.
     pub gpu_ms: f64,
-    /// From submit until the CPU knows that the GPU is done.
+    /// Time from submission until the CPU knows that the GPU is done.
     pub wall_ms: f64,
     /// Points that were loaded; of two renderers or draws, the sum.
     pub points_read: u64,
@@ -38,8 +38,8 @@ pub trait Contestant {
     /// Draws a frame and waits for it.
     fn draw(&mut self, view: &View) -> Result<Sample>;
 
-    /// Both eyes' pixels of a frame that is drawn from all coordinate bits: renderers for one eye may need fewer
-    /// than one for both, and hardware points have them all.
+    /// Both eyes' pixels of a frame that is drawn from all coordinate bits. A renderer for one eye may need fewer bits
+    /// than one for both, and hardware points have all.
     fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]>;
 }
 
@@ -141,8 +141,8 @@ impl Contestant for Compute {
     }
 }
 
-/// The view with the right eye first. A renderer for one eye draws the first; that it is told of both gives
-/// it the same head, to which all its numbers are relative, so that it rounds as the stereo renderer does.
+/// The view with the right eye first. A renderer for one eye draws the first. It is told of both, so that it has the
+/// same head, to which all its numbers are relative, and rounds as the stereo renderer does.
 fn swapped(view: &View) -> View {
     View { eyes: view.eyes.iter().rev().copied().collect(), near: view.near }
 }
@@ -151,15 +151,15 @@ fn swapped(view: &View) -> View {
 struct Hardware {
     gpu: Arc<Gpu>,
     num_points: u64,
-    point_list: PointList,
+    point_list: VertexList,
     images: [wgpu::Texture; 2],
     frame: u64,
 }
 
 impl Hardware {
-    /// A draw an eye.
+    /// Makes hardware points that take a draw per eye.
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, &[size_px; 2])?;
+        let point_list = VertexList::new(gpu, cloud, &[size_px; 2])?;
         let images = [size_px; 2].map(|size| image(gpu, size, point_list::FORMAT));
         Ok(Self { gpu: Arc::clone(gpu), num_points: cloud.num_points, point_list, images, frame: 0 })
     }
@@ -181,7 +181,7 @@ impl Contestant for Hardware {
         })
     }
 
-    /// Depths only: hardware counts colors otherwise.
+    /// The pixels have depths only, since hardware computes colors otherwise.
     fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]> {
         self.draw(view)?;
         let eye = |eye| {
@@ -192,7 +192,7 @@ impl Contestant for Hardware {
     }
 }
 
-/// Waits until the GPU has done everything; milliseconds since `began`.
+/// Waits until the GPU has done everything; returns milliseconds since `began`.
 fn wait(gpu: &Gpu, began: Instant) -> Result<f64> {
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
     Ok(1e3 * began.elapsed().as_secs_f64())

@@ -1,4 +1,4 @@
-//! From samples to medians, ratios, a table and CSV rows.
+//! Makes medians, ratios, a table and CSV rows of samples.
 
 use crate::contestant::Sample;
 use crate::heat::{Part, Ratio};
@@ -14,12 +14,12 @@ pub struct Figures {
     pub viewpoint: &'static str,
     /// Name of the heat.
     pub heat: &'static str,
-    /// Of each contestant, in turn.
+    /// Samples of each contestant, in turn.
     pub samples: Vec<(&'static str, Vec<Sample>)>,
 }
 
 impl Figures {
-    /// First line of the CSV.
+    /// Writes the first line of the CSV.
     pub fn csv_header(out: &mut impl Write) -> io::Result<()> {
         let stages = STAGES.map(|stage| format!("{stage}_ms")).join(",");
         writeln!(
@@ -28,11 +28,11 @@ impl Figures {
         )
     }
 
-    /// A row a sample.
+    /// Writes one row per sample.
     pub fn csv_rows(&self, out: &mut impl Write) -> io::Result<()> {
         for (name, samples) in &self.samples {
             for (run, sample) in samples.iter().enumerate() {
-                // What a contestant does not have stays empty.
+                // A stage that a contestant does not have stays empty.
                 let stages =
                     sample.stage_ms.map(|ms| if ms.is_nan() { String::new() } else { format!("{ms:.3}") });
                 let Sample { gpu_ms, wall_ms, points_read, visible_batches, .. } = sample;
@@ -44,7 +44,7 @@ impl Figures {
         Ok(())
     }
 
-    /// For people: times of each contestant, medians of the stages and of the frame with its range.
+    /// Prints times for people: medians of each contestant's stages, and of the frame with its range.
     pub fn print_times(&self, out: &mut impl Write) -> io::Result<()> {
         let millions = self.num_points as f64 / 1e6;
         writeln!(out, "{}: {millions} M points, {}", self.heat, self.viewpoint)?;
@@ -64,7 +64,7 @@ impl Figures {
         Ok(())
     }
 
-    /// For people: a ratio, taken turn by turn, so that drift meets both; nothing if one of the two is missing.
+    /// Prints a ratio for people, taken turn by turn, so that drift meets both; nothing if one of the two is missing.
     pub fn print_ratio(&self, out: &mut impl Write, ratio: &Ratio) -> io::Result<()> {
         let (Some(of), Some(to)) = (self.samples_of(ratio.of), self.samples_of(ratio.to)) else {
             return Ok(());
@@ -105,7 +105,7 @@ impl Part {
     }
 }
 
-/// For people: how frames grow with the cloud. Medians in turn, then the last cloud's in the first one's.
+/// Prints for people how frames grow with the cloud: medians in turn, then the last cloud's divided by the first one's.
 pub fn print_growth(out: &mut impl Write, all: &[Figures]) -> io::Result<()> {
     for first in all.iter().filter(|f| f.num_points == all[0].num_points) {
         let same = |f: &&Figures| (f.heat, f.viewpoint) == (first.heat, first.viewpoint);

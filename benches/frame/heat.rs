@@ -1,4 +1,4 @@
-//! Which ways to draw take turns, and what is told of them.
+//! The heats: which ways to draw take turns, and which ratios are told of them.
 
 use lab::technique::{EarlyZLoad, LabTechnique, Method};
 use render::Access;
@@ -7,22 +7,22 @@ use render::gpu::Atomics;
 use render::options::{Dilate, Quality};
 use scanwalk::resolve;
 
-/// Hardware points take seconds a frame above this many points, so there they stay out.
+/// Points of the largest cloud that hardware points draw, since above they take seconds a frame.
 pub const MAX_HARDWARE_POINTS: u64 = 16_000_000;
 
 /// Contestants that take turns on the same cloud from the same places.
 pub struct Heat {
-    /// In lower case.
+    /// Name in lower case.
     pub name: &'static str,
-    /// Clouds with more points do without this heat.
+    /// Points of the largest cloud that takes part.
     pub max_points: u64,
-    /// By name.
+    /// Entries by name.
     pub entries: Vec<(&'static str, Entry)>,
     /// Pairs that draw the same picture bit for bit.
     pub same: Vec<[&'static str; 2]>,
     /// Pairs whose depths agree on nearly all pixels.
     pub alike: Vec<[&'static str; 2]>,
-    /// What is told beside the times.
+    /// Ratios that are told beside the times.
     pub ratios: Vec<Ratio>,
 }
 
@@ -38,45 +38,45 @@ pub enum Entry {
 /// How the compute frame draws.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// The octree rather than every point.
+    /// True: the octree is drawn rather than every point.
     pub layered: bool,
-    /// An eye after the other, each by a renderer for one eye.
+    /// True: one eye is drawn after the other, each by a renderer for one eye.
     pub singles: bool,
-    /// `None`: the GPU's best tier.
+    /// Tier of atomics; `None`: the GPU's best.
     pub atomics: Option<Atomics>,
-    /// What the frame looks like.
+    /// Look of the frame.
     pub look: Look,
-    /// By which technique it is drawn.
+    /// Technique by which it is drawn.
     pub technique: LabTechnique,
 }
 
-/// What of a frame is compared.
+/// Part of a frame that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// The stage `depth`.
     Depth,
     /// The stage `color`.
     Color,
-    /// Both: what every point goes through.
+    /// Both stages, which every point goes through.
     Geometry,
-    /// All of it.
+    /// The whole frame.
     Frame,
 }
 
-/// One contestant's time in another's.
+/// One contestant's time divided by another's.
 #[derive(Clone, Copy, Debug)]
 pub struct Ratio {
-    /// The one above the line.
+    /// Contestant above the line.
     pub of: &'static str,
-    /// The one below.
+    /// Contestant below the line.
     pub to: &'static str,
-    /// Of which time.
+    /// Parts of the frame whose times are divided.
     pub parts: &'static [Part],
 }
 
 use Part::{Color, Depth, Frame, Geometry};
 
-/// All of them, in the order in which they are run.
+/// All heats, in the order in which they are run.
 pub fn heats() -> [Heat; 5] {
     [eyes(), tiers(), octree(), parts(), access()]
 }
@@ -96,13 +96,13 @@ fn eyes() -> Heat {
     ratios.push(Ratio { of: "hqs-flat", to: "closest-flat", parts: &[Geometry, Frame] });
     ratios.push(Ratio { of: "point-list", to: "closest-flat", parts: &[Frame] });
     ratios.push(Ratio { of: "point-list", to: "hqs-flat", parts: &[Frame] });
-    // What is drawn of an octree depends on which eyes there are: its pictures may differ.
+    // Which nodes of an octree are drawn depends on the eyes that there are, so its pictures may differ.
     let same = vec![pairs[0].0, pairs[1].0];
     let alike = vec![["point-list", "closest-flat"]];
     Heat { name: "eyes", max_points: 16_000_000, entries, same, alike, ratios }
 }
 
-/// What the GPU's atomics offer.
+/// The tiers of atomics that the GPU has.
 fn tiers() -> Heat {
     let tier = |look, atomics| Entry::Compute(Plan { atomics: Some(atomics), ..layered(look) });
     let names = [
@@ -146,7 +146,7 @@ fn octree() -> Heat {
     Heat { name: "octree", alike: vec![], max_points: u64::MAX, entries, same: vec![], ratios }
 }
 
-/// What each part of the whole frame costs: the others without it.
+/// What each part of the whole frame costs: frames without it.
 fn parts() -> Heat {
     let whole = whole();
     let mut without = [("no-dilation", whole), ("no-fill", no_fill()), ("no-fade", whole)];
@@ -187,24 +187,24 @@ fn layered(look: Look) -> Plan {
     Plan { layered: true, ..flat(look) }
 }
 
-/// The nearest point, nothing filled.
+/// Look of the nearest point, nothing filled.
 fn closest() -> Look {
     Look { quality: Quality::Closest, ..hqs(false) }
 }
 
-/// High-quality shading, nothing filled.
+/// Look of high-quality shading, nothing filled.
 fn hqs(fade: bool) -> Look {
     let mut look = Look { quality: Quality::Hqs, dilate: Dilate::Off, ..no_fill() };
     look.detail.fade = fade;
     look
 }
 
-/// The frame as the program draws it unless told otherwise.
+/// Look that the program draws with unless told otherwise.
 fn whole() -> Look {
     resolve::Plan::default().draw.look
 }
 
-/// All of it but larger points.
+/// That look without `fill`, which makes points larger.
 fn no_fill() -> Look {
     let mut look = whole();
     look.detail.fill_reach_px = None;

@@ -1,9 +1,9 @@
-//! The frame against its alternatives, on whatever Vulkan device there is, as ratios within one run: see
-//! [`heat`] for who takes part. `docs/bench/frame` keeps a run.
+//! Times the frame against its alternatives, on whatever Vulkan device there is, as ratios within one run; see [`heat`]
+//! for the contestants. `docs/bench/frame` keeps a run.
 //!
-//! The contestants of a heat take turns, so that whatever else the machine does meets them all, and each draws a
-//! frame that does not count before one that does; medians are shown with their range. Before anything is timed,
-//! those that claim to draw the same picture must have done so: see [`check`].
+//! The contestants of a heat take turns, so that other load on the machine meets them all. Each draws a frame that does
+//! not count before one that does; medians are shown with their range. Before anything is timed, those that claim to
+//! draw the same picture must have done so; see [`check`].
 
 mod check;
 mod contestant;
@@ -66,7 +66,7 @@ fn main() -> Result<()> {
     )?;
     let mut all = Vec::new();
     for &millions in &args.points {
-        // One cloud at a time: memory holds the largest, not all.
+        // Clouds are made one at a time, so that memory holds the largest, not all.
         let scene = Scene::new((1e6 * millions).round() as u64)?;
         for heat in heat::heats().iter().filter(|heat| heat.name.contains(&args.heat)) {
             let figures = measure(&gpu, &scene, heat, &args, &mut out)
@@ -75,7 +75,7 @@ fn main() -> Result<()> {
                 figures.iter().try_for_each(|figures| figures.csv_rows(csv))?;
                 csv.flush()?;
             }
-            // Of the others no size is large enough to tell.
+            // The other heats draw no cloud that is large enough to tell.
             if heat.max_points == u64::MAX {
                 all.extend(figures);
             }
@@ -126,7 +126,7 @@ fn measure(
     Ok(all)
 }
 
-/// Whether those that should draw the same do.
+/// Checks that the contestants that should draw the same do.
 fn check_pictures(
     heat: &Heat,
     contestants: &mut Contestants,
@@ -147,7 +147,7 @@ fn check_pictures(
     Ok(())
 }
 
-/// The two of these names, if both take part.
+/// The two contestants of these names, if both take part.
 fn pair<'a>(contestants: &'a mut Contestants, names: &[&str; 2]) -> Option<[&'a mut dyn Contestant; 2]> {
     let place = |name| contestants.iter().position(|(n, _)| n == name);
     let places = [place(&names[0])?, place(&names[1])?];
@@ -155,7 +155,7 @@ fn pair<'a>(contestants: &'a mut Contestants, names: &[&str; 2]) -> Option<[&'a 
     Some([a.as_mut(), b.as_mut()])
 }
 
-/// The contestants take turns.
+/// Samples of the contestants, which take turns.
 fn samples(
     contestants: &mut Contestants,
     view: &View,
@@ -164,8 +164,8 @@ fn samples(
     let mut all: Vec<_> = contestants.iter().map(|(name, _)| (*name, Vec::new())).collect();
     for run in 0..WARM_UP_FRAMES + num_runs {
         for ((_, contestant), (_, samples)) in contestants.iter_mut().zip(&mut all) {
-            // A frame that does not count: caches and scheduler are then as this contestant leaves them, not as
-            // the one before did.
+            // This frame does not count: after it, caches and scheduler are as this contestant leaves them, not as the
+            // one before did.
             contestant.draw(view)?;
             let sample = contestant.draw(view)?;
             if run >= WARM_UP_FRAMES {

@@ -1,4 +1,4 @@
-//! The made-up scan that is looked at, and from where.
+//! The made-up scan that is drawn, and the places that it is drawn from.
 
 use anyhow::Result;
 use base::output::{Output, OutputKind};
@@ -7,14 +7,14 @@ use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
 use points::{self, ReadOptions};
 
-/// The whole, and a place inside from which culling matters.
+/// Names of the viewpoints: one of the whole, and one inside, where culling matters.
 const VIEWPOINTS: [&str; 2] = ["overview", "hall"];
 /// Angles of an eye's image in degrees, as headsets have them: outer, inner, up and down.
 const FOV_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
-/// Distance of the eyes.
+/// Distance between the eyes.
 const EYE_DISTANCE_M: f64 = 0.063;
 const NEAR_M: f64 = 0.05;
 const SEED: u64 = 1;
@@ -23,12 +23,12 @@ const SEED: u64 = 1;
 pub struct Scene {
     /// All points, in Morton order.
     pub flat: Cloud,
-    /// The same in layers.
+    /// The same points as an octree.
     pub layered: Octree,
 }
 
 impl Scene {
-    /// Of exactly so many points.
+    /// Makes a scene of exactly this many points.
     ///
     /// # Errors
     /// If there is no room for its file.
@@ -37,19 +37,19 @@ impl Scene {
         let out = folder.path().join("courtyard.las");
         let stop = CancelToken::default();
         let output = Output::new(&out, OutputKind::Scan)?;
-        synth::write(&SynthOptions { kind: Kind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
+        synth::write(&SynthOptions { kind: SynthKind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
         let scan = points::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
         Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden())? })
     }
 }
 
-/// Where to stand.
+/// The viewpoints to draw from.
 pub fn viewpoints() -> impl Iterator<Item = &'static Viewpoint> {
-    synth::viewpoints(Kind::Terrestrial).iter().filter(|place| VIEWPOINTS.contains(&place.name))
+    synth::viewpoints(SynthKind::Terrestrial).iter().filter(|place| VIEWPOINTS.contains(&place.name))
 }
 
-/// Both eyes of somebody who stands there.
+/// The view of both eyes of somebody who stands at a viewpoint.
 pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
     let head = Pose::look_at(place.eye, place.target, DVec3::Z);
     let [outer, inner, up, down] = FOV_DEG.map(f64::to_radians);

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
-use lab::bench::point_list::{self, PointList};
+use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::depth_of;
 use render::Look;
 use render::gpu::{Gpu, readback};
@@ -17,7 +17,7 @@ use scanwalk::config::{Config, FrameConfig};
 use scanwalk::resolve::Plan;
 use std::sync::Arc;
 
-/// What nothing looks like, in the truth and for all contestants.
+/// Color of pixels without points, in the truth and for all contestants.
 const BACKGROUND: [u8; 3] = [0, 0, 0];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
@@ -27,7 +27,7 @@ pub trait Contestant {
     fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture>;
 }
 
-/// Makes a contestant for a scene, to draw pictures of that size.
+/// Makes a contestant for a scene, to draw pictures of this size.
 pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
 
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
@@ -46,13 +46,13 @@ pub const CONTESTANTS: [(&str, Make); 9] = [
     ("lod-hqs-fill-rings", |gpu, scene, size_px| {
         layered(gpu, scene, size_px, hqs(&|c| (c.frame.fill, c.frame.dilate) = (true, Dilate::Rings)))
     }),
-    // The frame as the program draws it unless told otherwise.
+    // This is the look that the program draws with unless told otherwise.
     ("lod-hqs-fade-fill-rings", |gpu, scene, size_px| {
         layered(gpu, scene, size_px, Plan::default().draw.look)
     }),
 ];
 
-/// High-quality shading, and what else is switched on.
+/// Look of high-quality shading, with what else is switched on.
 fn hqs(switch_on: &dyn Fn(&mut Config)) -> Look {
     let mut config =
         Config { frame: FrameConfig { background: BACKGROUND, ..Default::default() }, ..Default::default() };
@@ -76,7 +76,7 @@ fn layered(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Resu
 pub struct Truth(Compute);
 
 impl Truth {
-    /// To draw pictures of that size.
+    /// Makes the truth, to draw pictures of this size.
     ///
     /// # Errors
     /// If the scan or the size does not fit the GPU.
@@ -140,14 +140,14 @@ impl Contestant for Compute {
 /// Hardware points, one pixel each.
 struct Hardware {
     gpu: Arc<Gpu>,
-    point_list: PointList,
+    point_list: VertexList,
     image: wgpu::Texture,
     frame: u64,
 }
 
 impl Hardware {
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, &[size_px])?;
+        let point_list = VertexList::new(gpu, cloud, &[size_px])?;
         let image = image(gpu, size_px, point_list::FORMAT);
         Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
     }

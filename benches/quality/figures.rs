@@ -1,4 +1,4 @@
-//! From pictures to figures, a table and CSV rows.
+//! Makes figures, a table and CSV rows of pictures.
 
 use super::metrics::{Holes, largest_patch_change, mean_change, mean_own_change, psnr_db, ssim, within_ring};
 use super::picture::{Picture, only_eye};
@@ -9,23 +9,24 @@ use std::io::{self, Write};
 /// Radius of the centre ring, degrees from the gaze.
 const CENTER_DEG: f64 = 20.0;
 
-/// What is kept of all pictures that one contestant drew from one viewpoint.
+/// Pictures and changes that are kept of all that one contestant drew from one viewpoint.
 #[derive(Clone, Debug)]
 pub struct Recording {
     /// All frames of the tremor; the first one is the picture that is looked at.
     pub tremor: Vec<Picture>,
-    /// Of each step of the walk: the change of the patch that changes most, 0 to 255.
+    /// Change of the patch that changes most, in each step of the walk, 0 to 255.
     pub pops: Vec<f64>,
-    /// The same where the head stands still and only the level of detail goes on as if it walked.
+    /// Change of the patch that changes most, where the head stands still and only the level of detail goes on as if it
+    /// walked.
     pub lod_pops: Vec<f64>,
 }
 
-/// What contestants draw.
+/// Frames that contestants draw.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
-    /// At least two views.
+    /// Views of the tremor, at least two.
     pub tremor: &'a [View],
-    /// At least two views; both motions start at the same one.
+    /// Views of the walk, at least two; both motions start at the same one.
     pub walk: &'a [View],
     /// Factors on the thresholds of level of detail, at least one; before them stands 1.
     pub approach: &'a [f32],
@@ -67,28 +68,28 @@ impl Recording {
 /// Figures of one contestant from one viewpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Over the pixels that the truth covers.
+    /// PSNR over the pixels that the truth covers.
     pub psnr_db: f64,
-    /// The same, in the centre ring.
+    /// PSNR over the pixels of the centre ring that the truth covers.
     pub center_psnr_db: f64,
-    /// Of the whole picture.
+    /// SSIM of the whole picture.
     pub ssim: f64,
     /// Pixels that lack a surface.
     pub holes: Holes,
     /// Mean change from frame to frame under the tremor, 0 to 255.
     pub flicker: f64,
-    /// The part of it that the truth does not have: see [`mean_own_change`].
+    /// The part of the flicker that the truth does not have: see [`mean_own_change`].
     pub own_flicker: f64,
-    /// Of [`Recording::pops`] the largest.
+    /// Largest of [`Recording::pops`].
     pub largest_pop: f64,
-    /// Of [`Recording::pops`] the median.
+    /// Median of [`Recording::pops`].
     pub median_pop: f64,
-    /// Of [`Recording::lod_pops`] the largest.
+    /// Largest of [`Recording::lod_pops`].
     pub largest_lod_pop: f64,
 }
 
 impl Figures {
-    /// Of a contestant beside the truth of the same views, of which `view` is the first.
+    /// Figures of a contestant beside the truth of the same views, of which `view` is the first.
     pub fn new(view: &View, drawn: &Recording, truth: &Recording) -> Self {
         let (still, true_still) = (drawn.still(), truth.still());
         let center = within_ring(only_eye(view), CENTER_DEG);
@@ -130,7 +131,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// First line of the CSV.
+    /// Writes the first line of the CSV.
     pub fn csv_header(out: &mut impl Write) -> io::Result<()> {
         writeln!(
             out,
@@ -139,7 +140,7 @@ impl Table {
         )
     }
 
-    /// A row a contestant.
+    /// Writes one row per contestant.
     pub fn csv_rows(&self, out: &mut impl Write) -> io::Result<()> {
         for (name, f) in &self.rows {
             let Self { scan, viewpoint, num_points, num_true_points, .. } = self;
@@ -152,7 +153,7 @@ impl Table {
         Ok(())
     }
 
-    /// For people; behind holes and flicker stands the ratio to the first contestant's.
+    /// Prints the table for people; the ratio to the first contestant's stands behind holes and flicker.
     pub fn print(&self, out: &mut impl Write) -> io::Result<()> {
         let [points, true_points] = [self.num_points, self.num_true_points].map(|n| n as f64 / 1e6);
         writeln!(

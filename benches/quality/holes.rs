@@ -1,5 +1,5 @@
-//! Holes by the angle from the gaze: how many pixels are empty that the frame without level of detail fills, for headsets,
-//! presets and steps of the governor.
+//! Holes by the angle from the gaze: the pixels that are empty although the frame without level of detail fills them,
+//! for headsets, presets and steps of the governor.
 
 use anyhow::{Context, Result};
 use base::space::{Eye, Pose, View};
@@ -14,16 +14,16 @@ use std::sync::Arc;
 
 /// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
 pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
-/// How near to what is empty a filled pixel belongs to an outline: dilation takes a point as far beyond the surface, with or
-/// without level of detail.
+/// Pixels from an empty pixel within which a filled one belongs to an outline: dilation takes a point this far beyond
+/// the surface, with or without level of detail.
 pub const OUTLINE_PX: usize = render::layout::DILATE_REACH_PX as usize;
-/// No point has this color.
+/// Color of empty pixels, which no point has.
 const EMPTY_RGB: [u8; 3] = [255, 0, 255];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Radius of the sphere that [`sphere`] makes, world units.
 const SPHERE_RADIUS: f64 = 5.0;
 
-/// A closed sphere round the origin: points on it at random, each as likely everywhere.
+/// A closed sphere round the origin, of points at random, equally likely everywhere on it.
 pub fn sphere(num_points: u64) -> Scan {
     let mut state = 0x5ca1_ab1e_u64;
     let mut unit = || {
@@ -40,7 +40,7 @@ pub fn sphere(num_points: u64) -> Scan {
         let across = (1.0 - z * z).sqrt();
         let p = SPHERE_RADIUS * DVec3::new(across * turn.cos(), across * turn.sin(), z);
         xyz.push((p / scale).round().as_ivec3().to_array());
-        // Stripes, so that one sees something.
+        // Stripes let one see something.
         let stripe = ((4.0 * p.x).floor() + (4.0 * p.y).floor() + (4.0 * p.z).floor()).rem_euclid(2.0);
         rgb.push([40 + 150 * stripe as u16, 90, 160]);
     }
@@ -48,7 +48,7 @@ pub fn sphere(num_points: u64) -> Scan {
     ScanBuilder::new(grid, xyz).path("sphere").rgb(rgb).scan()
 }
 
-/// What the settings of these presets, then of `sets`, come to.
+/// The plan of the settings of these presets, then of `sets`.
 pub fn plan(presets: &[&str], sets: &[String]) -> Result<Plan> {
     let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
     let mut plan = Plan::of(&config::load(&presets, None, sets)?);
@@ -68,12 +68,12 @@ pub fn left_eye(plan: &Plan, eye: DVec3, target: DVec3, share: f64) -> View {
     View { eyes: vec![eye], near: plan.draw.near }
 }
 
-/// A frame, as far as holes are counted.
+/// The part of a frame that is needed to count holes.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     /// Width, height.
     pub size_px: [u32; 2],
-    /// sRGB as stored.
+    /// Colors, sRGB as stored.
     pub rgb: Vec<[u8; 3]>,
     /// Points in the batches that were drawn.
     pub points_read: u64,
@@ -84,7 +84,7 @@ impl Drawn {
         self.rgb[pixel] == EMPTY_RGB
     }
 
-    /// The picture, in which what is empty and no hole is black.
+    /// The picture, in which pixels that are empty and no hole are black.
     pub fn marked(&self, whole: Option<&Self>, outline_px: usize) -> Vec<[u8; 3]> {
         let is_hole = |pixel: usize| whole.is_none_or(|whole| whole.is_inside(pixel, outline_px));
         let color =
@@ -92,7 +92,7 @@ impl Drawn {
         (0..self.rgb.len()).map(color).collect()
     }
 
-    /// True if all pixels as near as an outline is wide show something.
+    /// True if all pixels within the width of an outline show something.
     fn is_inside(&self, pixel: usize, outline_px: usize) -> bool {
         let [width, height] = self.size_px.map(|size| size as usize);
         let around = |at: usize, size: usize| at.saturating_sub(outline_px)..size.min(at + outline_px + 1);
@@ -110,7 +110,7 @@ pub struct Drawer {
 }
 
 impl Drawer {
-    /// Of a cloud, in pictures of this size; `options` say what pipelines are for.
+    /// Makes a drawer of a cloud, in pictures of this size; `options` say what pipelines are for.
     ///
     /// # Errors
     /// If the size does not fit the GPU.
@@ -134,7 +134,7 @@ impl Drawer {
         self.renderer.take_cloud()
     }
 
-    /// One frame, with thresholds multiplied as the governor does.
+    /// Draws one frame, with thresholds multiplied as the governor does.
     ///
     /// # Errors
     /// If the device is lost.
@@ -158,7 +158,7 @@ impl Drawer {
     }
 }
 
-/// The same look with every point drawn.
+/// The look with every point drawn.
 pub fn unreduced(mut look: Look) -> Look {
     look.detail.threshold_px = [1e-3; 3];
     look
@@ -167,9 +167,9 @@ pub fn unreduced(mut look: Look) -> Look {
 /// Pixels that are judged, of a ring or of outlines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Judged {
-    /// How many of them are empty.
+    /// Number of these pixels that are empty.
     pub empty: u64,
-    /// How many there are.
+    /// Number of these pixels.
     pub judged: u64,
 }
 
@@ -180,17 +180,17 @@ impl Judged {
     }
 }
 
-/// What is empty of a frame.
+/// Empty pixels of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holes {
-    /// By the angle from the gaze, where the frame that draws every point is filled all around; all pixels, where there is
-    /// none.
+    /// Pixels by the angle from the gaze: those all around which the frame that draws every point is filled, or all
+    /// pixels if there is no such frame.
     pub rings: [Judged; RINGS_DEG.len()],
-    /// Where that frame is filled, at the edge of what it leaves empty.
+    /// Pixels that the frame that draws every point fills, at the edge of those that it leaves empty.
     pub outline: Judged,
 }
 
-/// Holes of a frame, beside the frame that draws every point, if there is one, whose outlines are so wide.
+/// Holes of a frame, beside the frame that draws every point, if there is one, whose outlines are `outline_px` wide.
 pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>, outline_px: usize) -> Holes {
     let eye = &view.eyes[0];
     let (fov, gaze) = (eye.fov, eye.gaze_in_view.normalize());

@@ -7,7 +7,7 @@ use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
 use glam::DVec3;
-use lab::synth::{Kind, Viewpoint};
+use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
 use render::{CloudBuffers, Look};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const HEADSETS: [&str; 3] = ["valve-index", "meta-quest-3", "bigscreen-beyond-2"];
 const PRESETS: [&str; 3] = ["quality", "balanced", "performance"];
 const LOD_SCALES: [f32; 3] = [1.0, 2.0, 3.0];
-/// In the middle of the sphere.
+/// A viewpoint in the middle of the sphere.
 const INSIDE: Viewpoint = Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
 
 /// What is measured; each list empty for all.
@@ -51,13 +51,13 @@ pub struct Holes {
 }
 
 impl Holes {
-    /// True if it is asked for.
+    /// True if the table is asked for.
     pub fn is_wanted(&self) -> bool {
         self.holes
     }
 
-    /// Prints the table of the scenes whose name contains `scan`, each row as a line of CSV, to `out` and to `csv`; keeps
-    /// pictures if there is a folder for them: what is black is no hole.
+    /// Prints the table of the scenes whose name contains `scan`, and writes each row as a line of CSV to `csv`. Keeps
+    /// pictures if there is a folder for them; black pixels in them are no holes.
     pub fn run(
         &self,
         gpu: &Arc<Gpu>,
@@ -70,7 +70,7 @@ impl Holes {
         if "sphere".contains(scan) {
             self.scene(gpu, ("sphere", false), &sphere(points), &[INSIDE], &mut kept)?;
         }
-        let sources = [Source::Synth(Kind::Terrestrial), Source::Room];
+        let sources = [Source::Synth(SynthKind::Terrestrial), Source::Room];
         debug_assert!(sources.iter().all(|source| SOURCES.contains(source)));
         for source in sources.into_iter().filter(|source| source.name().contains(scan) && source.is_here()) {
             let scan = source.dense_scan(points)?;
@@ -79,7 +79,7 @@ impl Holes {
         Ok(())
     }
 
-    /// `is_open`: what is empty without level of detail counts for no hole.
+    /// Measures a scene; if it `is_open`, pixels that are empty without level of detail are no holes.
     fn scene(
         &self,
         gpu: &Arc<Gpu>,
@@ -107,7 +107,7 @@ impl Holes {
         Ok(())
     }
 
-    /// From one place, with one headset and preset.
+    /// Measures frames from one place, with one headset and preset.
     fn frames(
         &self,
         drawer: &mut Drawer,
@@ -131,7 +131,7 @@ impl Holes {
     }
 }
 
-/// Where rows and pictures go.
+/// Destinations of rows and pictures.
 struct Kept<'a> {
     csv: &'a mut dyn Write,
     pictures: Option<&'a PathBuf>,
@@ -148,7 +148,7 @@ impl Kept<'_> {
         Ok(writeln!(self.csv, "{header}")?)
     }
 
-    /// `names`: its first columns.
+    /// Writes a row, which begins with `names`.
     fn row(&mut self, names: &str, num_points: u64, drawn: &Drawn, holes: &holes::Holes) -> Result<()> {
         let ([width, height], num_read) = (drawn.size_px, drawn.points_read);
         let all = || holes.rings.iter().chain([&holes.outline]);

@@ -1,5 +1,5 @@
-//! How good the pictures are: all ways to draw a scan against the truth, which is a denser scan of the same place
-//! with 4 × 4 samples a pixel. `docs/bench/quality` says what the figures mean and keeps a run.
+//! Compares the pictures of all ways to draw a scan with the truth, which is a denser scan of the same place with 4 × 4
+//! samples a pixel. `docs/bench/quality` says what the figures mean and keeps a run.
 //!
 //! Pictures do not depend on how fast they are drawn, so figures of a software driver are as good as any.
 
@@ -119,7 +119,7 @@ struct Stand {
 }
 
 impl Stand {
-    /// The frames that a contestant draws: the truth, which has no level of detail, walks two.
+    /// The frames that a contestant draws. The truth, which has no level of detail, draws two of the walk.
     fn motion(&self, is_truth: bool) -> Motion<'_> {
         let (walk, approach) =
             if is_truth { (&self.walk[..2], &[][..]) } else { (&self.walk[..], &self.approach[..]) };
@@ -138,7 +138,7 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     let stands: Vec<Stand> = source.places().into_iter().map(stand).collect();
     let points = (1e6 * args.points).round() as u64;
 
-    // The dense scan goes before the other comes.
+    // The dense scan is dropped before the other is made.
     let (truths, num_true_points) = {
         let dense = scene::flat(&source.dense_scan(args.density * points)?)?;
         let truths = recordings(&mut Truth::new(gpu, &dense, size_px)?, &stands, true)?;

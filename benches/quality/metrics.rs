@@ -1,11 +1,11 @@
-//! What can be said of a picture in one number. All values are 8-bit sRGB as stored: what is compared is what the
+//! Metrics that say one thing of a picture in one number. All values are 8-bit sRGB as stored, since that is what the
 //! display gets. `docs/bench/quality/README.md` says what each number means to a person.
 
 use super::picture::Picture;
 use base::space::Eye;
 
-/// Peak signal-to-noise ratio in dB over the pixels that `counts` tells, all three channels alike; infinite for
-/// equal pictures, NaN where nothing counts.
+/// Peak signal-to-noise ratio in dB over the pixels that `counts` accepts, all three channels alike; infinite for equal
+/// pictures, NaN where nothing counts.
 pub fn psnr_db(a: &Picture, b: &Picture, counts: impl Fn(usize) -> bool) -> f64 {
     let (mut squares, mut num_values) = (0u64, 0u64);
     for (_, (a, b)) in a.rgb.iter().zip(&b.rgb).enumerate().filter(|(pixel, _)| counts(*pixel)) {
@@ -35,12 +35,13 @@ pub fn within_ring(eye: &Eye, deg: f64) -> Vec<bool> {
     inside
 }
 
-/// Side of SSIM's window, and the spread of its weights.
+/// Side of SSIM's window.
 const WINDOW_PX: usize = 11;
+/// Spread of the weights in SSIM's window, as the standard deviation of a Gaussian.
 const WINDOW_SIGMA_PX: f64 = 1.5;
 
-/// Structural similarity: the mean over all windows that lie within the picture, 11 × 11 pixels with Gaussian
-/// weights (σ = 1.5), of luma (Rec. 601 weights), constants 0.01 and 0.03. 1 for equal pictures.
+/// Structural similarity of luma (Rec. 601 weights), constants 0.01 and 0.03: the mean over all windows that lie within
+/// the picture, 11 × 11 pixels with Gaussian weights (σ = 1.5). 1 for equal pictures.
 pub fn ssim(a: &Picture, b: &Picture) -> f64 {
     let width = a.size_px[0] as usize;
     let (a, b) = (luma(a), luma(b));
@@ -83,24 +84,23 @@ fn blur(values: &[f64], width: usize) -> Vec<f64> {
     (0..num_means).map(|first| mean(&|i| rows[first + i * narrow])).collect()
 }
 
-/// Depths that differ by less than this share are one surface, as in high-quality shading.
+/// Two depths are of one surface if the farther is at most this many times the nearer, as in high-quality shading.
 const SAME_SURFACE: f32 = 1.01;
 
 /// Pixels in which a surface is missing that the truth shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holes {
-    /// Nothing is there.
+    /// Pixels that show nothing.
     pub empty: usize,
-    /// Something is there, but behind the surface: one looks through it.
+    /// Pixels that show something behind the surface: one looks through it.
     pub behind: usize,
     /// Pixels that could have been holes: they and their eight neighbors show something in the truth.
     pub judged: usize,
 }
 
 impl Holes {
-    /// A pixel is a hole if its depth is more than 1 % behind the true depths of the pixel and of all its
-    /// neighbors. The neighbors make edges and slanted surfaces no holes: there, what a pixel shows is a matter
-    /// of half a pixel.
+    /// A pixel is a hole if its depth is more than 1 % behind the true depths of the pixel and of all its neighbors.
+    /// The neighbors keep edges and slanted surfaces from being holes, where half a pixel decides what a pixel shows.
     pub fn of(picture: &Picture, truth: &Picture) -> Self {
         let [width, height] = truth.size_px.map(|s| s as usize);
         let mut holes = Self::default();

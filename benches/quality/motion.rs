@@ -1,5 +1,5 @@
-//! How the head moves while pictures are compared: the tremor of somebody who stands still, a slow walk, and what
-//! of the walk only level of detail would notice.
+//! Motions of the head while pictures are compared: the tremor of somebody who stands still, a slow walk, and the part
+//! of the walk that only level of detail would notice.
 
 use super::picture::{only_eye, seen_from};
 use base::space::{Pose, View};

@@ -7,9 +7,9 @@ use base::space::{Eye, Pose, View};
 pub struct Picture {
     /// Width, height.
     pub size_px: [u32; 2],
-    /// sRGB as stored.
+    /// Colors, sRGB as stored.
     pub rgb: Vec<[u8; 3]>,
-    /// Linear depth in world units; infinite where nothing is.
+    /// Linear depth in world units; infinite where there is no point.
     pub depth: Vec<f32>,
 }
 
@@ -18,7 +18,7 @@ pub fn only_eye(view: &View) -> &Eye {
     &view.eyes[0]
 }
 
-/// The same view from another pose.
+/// The view from another pose.
 pub fn seen_from(view: &View, world_from_view: Pose) -> View {
     View { eyes: vec![Eye { world_from_view, ..*only_eye(view) }], near: view.near }
 }

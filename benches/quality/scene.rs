@@ -1,4 +1,4 @@
-//! The scans that are looked at, and from where.
+//! The scans that are drawn, and the places that they are drawn from.
 
 use anyhow::{Context, Result};
 use base::output::{Output, OutputKind};
@@ -7,7 +7,7 @@ use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
 use points::{self, ReadOptions, Scan};
 use std::path::PathBuf;
 
@@ -15,30 +15,31 @@ use std::path::PathBuf;
 const HALF_FOV_DEG: f64 = 45.0;
 const NEAR_M: f64 = 0.05;
 const SEED: u64 = 1;
-/// Of the made-up scans: the whole, and close up.
+/// Names of the made-up scans' viewpoints: of the whole, and close up.
 const PLACES: [&str; 4] = ["overview", "hall", "village", "face"];
 /// The real scan, below the folder that `SCANWALK_TEST_DATA` names.
 const ROOM: &str = "laz-indoor-rooms/indoor-rooms.laz";
-/// In the room, across it.
+/// A viewpoint in the room, across it.
 const ROOM_PLACES: [Viewpoint; 1] =
     [Viewpoint { name: "room", eye: DVec3::new(6.0, 5.0, 2.4), target: DVec3::new(9.0, 8.0, 2.2) }];
-/// A real scan has no denser one beside it: it is the truth itself, and the contestants get one point in so many.
+/// The contestants get one point in this many of the real scan. It has no denser scan beside it, so it is the truth
+/// itself.
 const ROOM_SHARE: usize = 4;
 
 /// Where the scan comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
-    /// Made up.
-    Synth(Kind),
+    /// A made-up scan.
+    Synth(SynthKind),
     /// A real room.
     Room,
 }
 
-/// All of them.
+/// All sources.
 pub const SOURCES: [Source; 4] = [
-    Source::Synth(Kind::Terrestrial),
-    Source::Synth(Kind::Aerial),
-    Source::Synth(Kind::Photogrammetry),
+    Source::Synth(SynthKind::Terrestrial),
+    Source::Synth(SynthKind::Aerial),
+    Source::Synth(SynthKind::Photogrammetry),
     Source::Room,
 ];
 
@@ -46,7 +47,7 @@ pub const SOURCES: [Source; 4] = [
 pub struct Scene {
     /// All points, in Morton order.
     pub cloud: Cloud,
-    /// The same in layers.
+    /// The same points as an octree.
     pub octree: Octree,
 }
 
@@ -60,17 +61,17 @@ impl Scene {
 }
 
 impl Source {
-    /// In lower case.
+    /// Name in lower case.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Synth(Kind::Terrestrial) => "terrestrial",
-            Self::Synth(Kind::Aerial) => "aerial",
-            Self::Synth(Kind::Photogrammetry) => "photogrammetry",
+            Self::Synth(SynthKind::Terrestrial) => "terrestrial",
+            Self::Synth(SynthKind::Aerial) => "aerial",
+            Self::Synth(SynthKind::Photogrammetry) => "photogrammetry",
             Self::Room => "room",
         }
     }
 
-    /// Where to stand.
+    /// Viewpoints of the scan.
     pub fn places(self) -> Vec<Viewpoint> {
         match self {
             Self::Synth(kind) => {
@@ -80,7 +81,7 @@ impl Source {
         }
     }
 
-    /// False, and a line that says so, for a real scan that is not here.
+    /// True if the scan is here; else prints a line that says that the real scan is not.
     pub fn is_here(self) -> bool {
         let here = self != Self::Room || data_folder().is_some();
         if !here {
@@ -89,7 +90,7 @@ impl Source {
         here
     }
 
-    /// What the contestants get: `points` if it is made up.
+    /// The scan that the contestants get, of `points` points if it is made up.
     ///
     /// # Errors
     /// If it cannot be made or read.
@@ -100,7 +101,7 @@ impl Source {
         }
     }
 
-    /// What the truth is drawn from: `points` if it is made up.
+    /// The scan that the truth is drawn from, of `points` points if it is made up.
     ///
     /// # Errors
     /// If it cannot be made or read.
@@ -120,7 +121,7 @@ pub fn flat(scan: &Scan) -> Result<Cloud> {
     Ok(cloud::build(scan, Order::Morton, &Progress::hidden())?)
 }
 
-/// One eye of somebody who stands there, looking ahead.
+/// The view of one eye of somebody who stands at a viewpoint, looking ahead.
 pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
     let half = HALF_FOV_DEG.to_radians();
     let eye = Eye {
@@ -132,7 +133,7 @@ pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
     View { eyes: vec![eye], near: NEAR_M }
 }
 
-fn made(kind: Kind, points: u64) -> Result<Scan> {
+fn made(kind: SynthKind, points: u64) -> Result<Scan> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("scan.las");
     let output = Output::new(&out, OutputKind::Scan)?;
@@ -149,7 +150,7 @@ fn room() -> Result<Scan> {
     Ok(points::read(&[folder.join(ROOM)], &ReadOptions::default(), &CancelToken::default())?)
 }
 
-/// Every so many-th point in the file's order.
+/// Keeps one point in [`ROOM_SHARE`], in the file's order.
 fn thinned(mut scan: Scan) -> Scan {
     fn thin<T: Copy>(column: &mut Vec<T>) {
         *column = column.iter().copied().step_by(ROOM_SHARE).collect();

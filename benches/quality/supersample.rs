@@ -4,7 +4,7 @@
 use super::picture::{Picture, only_eye};
 use base::space::{Eye, Fov, View};
 
-/// Samples a pixel, an axis; and parts of the field of view, an axis.
+/// Samples of a pixel along each axis, and parts of the field of view along each axis.
 pub const FACTOR: u32 = 4;
 
 /// The view of a part: `column` and `row` from the top left.
@@ -41,12 +41,12 @@ pub fn filtered(parts: &[Picture], background: [u8; 3]) -> Picture {
     Picture { size_px, rgb, depth }
 }
 
-/// Samples further behind the nearest than this share are another surface, as in high-quality shading.
+/// Two samples are of one surface if the farther is at most this many times the nearer, as in high-quality shading.
 const SAME_SURFACE: f32 = 1.01;
 
-/// The nearest surface's samples, averaged as stored; its depth is the nearest sample's. Samples without a point
-/// count for nothing, for between points of a surface there is still the surface; nor do samples of what lies
-/// behind, since one sees that through the same gaps. Without any sample the pixel is background.
+/// The nearest surface's samples, averaged as stored; its depth is the nearest sample's. Samples without a point do not
+/// count, since there is still the surface between its points. Samples of what lies behind do not count either, since
+/// one sees that through the same gaps. Without any sample the pixel is background.
 pub fn average<const N: usize>(samples: [([u8; 3], f32); N], background: [u8; 3]) -> ([u8; 3], f32) {
     let nearest = samples.iter().map(|(_, depth)| *depth).fold(f32::INFINITY, f32::min);
     if nearest.is_infinite() {
@@ -56,7 +56,7 @@ pub fn average<const N: usize>(samples: [([u8; 3], f32); N], background: [u8; 3]
     let num_samples = surface().count() as u32;
     let channel = |c: usize| {
         let sum: u32 = surface().map(|(rgb, _)| u32::from(rgb[c])).sum();
-        // At most 255, as the samples are.
+        // The mean is at most 255, as the samples are.
         ((sum + num_samples / 2) / num_samples) as u8
     };
     (std::array::from_fn(channel), nearest)

@@ -1,5 +1,5 @@
-//! What benchmarks share whose every step happens in a process of its own, so that its peak memory is its own.
-//! They print CSV rows.
+//! Support for benchmarks whose every step happens in a process of its own, so that its peak memory is its own. They
+//! print CSV rows.
 
 use anyhow::{Result, ensure};
 use clap::Parser;
@@ -30,7 +30,7 @@ struct Args {
 /// [`in_child`] has started, `step` on a file.
 ///
 /// # Errors
-/// Theirs.
+/// Those of `bench` or `step`.
 pub fn run(
     bench: impl FnOnce(&Path, u64, u64) -> Result<()>,
     step: impl FnOnce(&str, &Path) -> Result<()>,
@@ -46,10 +46,10 @@ pub fn run(
     bench(folder.path(), (1e6 * args.points).round() as u64, args.runs)
 }
 
-/// What a step prints, in a process of its own.
+/// Runs a step in a process of its own and returns what it prints.
 ///
 /// # Errors
-/// If the step fails: its words.
+/// If the step fails, with what it said.
 pub fn in_child(step: &str, path: &Path) -> Result<String> {
     let output = Command::new(std::env::current_exe()?).args(["--step", step]).arg(path).output()?;
     ensure!(output.status.success(), "{step} failed: {}", String::from_utf8_lossy(&output.stderr));

@@ -1,4 +1,4 @@
-//! What benchmarks share that time the GPU: arguments, the device, the file of samples, medians.
+//! Support for benchmarks that time the GPU: arguments, the device, the file of samples, medians.
 
 use anyhow::{Context, Result, ensure};
 use base::percentile::Sorted;
@@ -30,7 +30,7 @@ pub struct Timed {
 }
 
 impl Timed {
-    /// True if nobody wants to know how fast it is.
+    /// True for a run whose times do not matter.
     pub fn is_quick(&self) -> bool {
         self.quick || !self.bench
     }
@@ -60,17 +60,17 @@ impl Timed {
     }
 }
 
-/// Median and range.
+/// Median and range of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// The middle one, or the mean of the two in the middle.
+    /// The middle value, or the mean of the two in the middle.
     pub median: f64,
     min: f64,
     max: f64,
 }
 
 impl Spread {
-    /// Of at least one value.
+    /// Median and range of at least one value.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let sorted = Sorted::new(values);
         let [min, max] = [0, 1000].map(|per_mille| sorted.percentile(per_mille).unwrap_or(f64::NAN));
@@ -79,7 +79,7 @@ impl Spread {
 }
 
 impl fmt::Display for Spread {
-    /// "median (min–max)", with two decimals unless a precision is given; a width aligns to the right.
+    /// Writes "median (min–max)", with two decimals unless a precision is given; a width aligns to the right.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let digits = f.precision().unwrap_or(2);
         let text = format!("{:.digits$} ({:.digits$}–{:.digits$})", self.median, self.min, self.max);

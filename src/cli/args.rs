@@ -41,7 +41,7 @@ The same kind, points and seed give the same bytes on every machine.")]
 pub struct SynthArgs {
     /// What to make, each in the point order that such a device writes
     #[arg(value_name = "KIND")]
-    pub kind: synth::Kind,
+    pub kind: synth::SynthKind,
     /// The file to write, which must not be there yet (see --force); .ply, a mesh with normals, for photogrammetry only
     #[arg(short, long, value_name = "OUT.las|OUT.laz|OUT.ply")]
     pub out: PathBuf,

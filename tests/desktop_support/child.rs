@@ -1,6 +1,6 @@
 //! The window's program as a child process, its lines, and the validation layer that watches it.
 
-use kit::screen::{Picture, Pixel, Screen, wait_for};
+use kit::screen::{Picture, Rgb, Screen, wait_for};
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
@@ -130,7 +130,7 @@ impl<'a> Window<'a> {
     }
 
     /// Waits until a pixel has its color.
-    pub fn wait_pixel(&self, x: usize, y: usize, wanted: Pixel) {
+    pub fn wait_pixel(&self, x: usize, y: usize, wanted: Rgb) {
         let mut seen = [0; 3];
         let begin = std::time::Instant::now();
         while begin.elapsed().as_secs() < 15 {

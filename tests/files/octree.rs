@@ -6,7 +6,7 @@ use base::task::{CancelToken, Cancelled, Progress};
 use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
-use lab::reference::{self, Scene};
+use lab::reference::{self, ReferenceCloud};
 use points::{Grid, Scan, ScanBuilder};
 use proptest::prelude::*;
 use render::Look;
@@ -398,7 +398,8 @@ fn all_batches_together_draw_the_whole_cloud() {
     let view = View { eyes, near: 0.05 };
     let num_drawn = |cloud: &Cloud| {
         let detail = Detail { forced_planes: 3, ..Detail::default() };
-        let frame = reference::frame(&Scene::flat(cloud), &view, &Look { detail, ..Look::default() }, None);
+        let frame =
+            reference::frame(&ReferenceCloud::flat(cloud), &view, &Look { detail, ..Look::default() }, None);
         assert_eq!(frame.points_read(), cloud.num_points);
         let colors = frame.images[0].iter().copied().filter(|&c| c != 0xff00_0000);
         let mut colors: Vec<u32> = colors.collect();

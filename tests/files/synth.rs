@@ -3,13 +3,13 @@
 
 use base::output::{Files, Output, OutputKind, Partials};
 use base::task::{CancelToken, Count, Task};
-use lab::synth::{Kind, Summary, SynthError, SynthOptions, viewpoints, write};
+use lab::synth::{SynthError, SynthKind, SynthOptions, WrittenScan, viewpoints, write};
 use las::{Point, Reader};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-const KINDS: [Kind; 3] = [Kind::Terrestrial, Kind::Aerial, Kind::Photogrammetry];
+const KINDS: [SynthKind; 3] = [SynthKind::Terrestrial, SynthKind::Aerial, SynthKind::Photogrammetry];
 
 /// An output that may take the place of a scan made before.
 fn output(path: &Path) -> Output {
@@ -19,7 +19,7 @@ fn output(path: &Path) -> Output {
     files.check(&Partials::default()).unwrap().take_one(OutputKind::Scan).unwrap()
 }
 
-fn make(folder: &Path, name: &str, kind: Kind, points: u64, seed: u64) -> (PathBuf, Summary) {
+fn make(folder: &Path, name: &str, kind: SynthKind, points: u64, seed: u64) -> (PathBuf, WrittenScan) {
     let out = folder.join(name);
     let options = SynthOptions { kind, out: output(&out), points, seed };
     let summary = write(&options, &CancelToken::default()).unwrap();
@@ -99,7 +99,7 @@ fn exactly_as_many_points_as_asked_in_a_true_box() {
 #[test]
 fn terrestrial_scans_station_after_station() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, _) = make(folder.path(), "scan.las", Kind::Terrestrial, 100_003, 1);
+    let (path, _) = make(folder.path(), "scan.las", SynthKind::Terrestrial, 100_003, 1);
     let (header, points) = read(&path);
     assert_eq!((header.version().minor, header.point_format().to_u8().unwrap()), (4, 7));
     assert_eq!(points.len(), 100_003);
@@ -127,7 +127,7 @@ fn paving(points: &[Point], west: f64, east: f64) -> Vec<f64> {
 #[test]
 fn floor_is_flat_within_the_noise_and_thins_out_with_distance() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, _) = make(folder.path(), "scan.las", Kind::Terrestrial, 200_000, 1);
+    let (path, _) = make(folder.path(), "scan.las", SynthKind::Terrestrial, 200_000, 1);
     let (_, points) = read(&path);
     let (near, far) = (paving(&points, -6.3, -5.3), paving(&points, -8.3, -7.3));
     // There is a ray every few degrees each way, so the density per area of floor is h / (r·(r² + h²)). Here it is
@@ -143,7 +143,7 @@ fn floor_is_flat_within_the_noise_and_thins_out_with_distance() {
 #[test]
 fn aerial_flies_strips_and_sees_through_trees() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, _) = make(folder.path(), "scan.las", Kind::Aerial, 60_000, 1);
+    let (path, _) = make(folder.path(), "scan.las", SynthKind::Aerial, 60_000, 1);
     let (header, points) = read(&path);
     assert_eq!((header.version().minor, header.point_format().to_u8().unwrap()), (4, 7));
     let class = |n: u8| points.iter().filter(|p| u8::from(p.classification) == n).count();
@@ -170,7 +170,7 @@ fn aerial_flies_strips_and_sees_through_trees() {
 #[test]
 fn photogrammetry_has_8_bit_colors_and_tiles() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, _) = make(folder.path(), "scan.las", Kind::Photogrammetry, 30_000, 1);
+    let (path, _) = make(folder.path(), "scan.las", SynthKind::Photogrammetry, 30_000, 1);
     let (header, points) = read(&path);
     assert_eq!((header.version().minor, header.point_format().to_u8().unwrap()), (2, 2));
     let colors: Vec<_> = points.iter().filter_map(|p| p.color).collect();
@@ -203,7 +203,9 @@ fn an_interrupted_run_leaves_nothing_and_harms_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("scan.las");
     fs::write(&out, "what was there before").unwrap();
-    for (kind, num_points) in [(Kind::Terrestrial, 0), (Kind::Terrestrial, 10_000), (Kind::Aerial, 50_000)] {
+    for (kind, num_points) in
+        [(SynthKind::Terrestrial, 0), (SynthKind::Terrestrial, 10_000), (SynthKind::Aerial, 50_000)]
+    {
         let stop = CancelToken::default();
         let options = SynthOptions { kind, out: output(&out), points: 2_000_000_000, seed: 0 };
         // Writing is stopped once this many points are written.
@@ -231,14 +233,14 @@ fn an_interrupted_run_leaves_nothing_and_harms_nothing() {
 fn errors_name_the_file_and_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let fails = |out: PathBuf, points| {
-        let options = SynthOptions { kind: Kind::Photogrammetry, out: output(&out), points, seed: 0 };
+        let options = SynthOptions { kind: SynthKind::Photogrammetry, out: output(&out), points, seed: 0 };
         write(&options, &CancelToken::default()).unwrap_err()
     };
     assert!(matches!(fails(folder.path().join("scan.las"), 0), SynthError::NoPoints));
     assert!(matches!(fails(folder.path().join("scan.las"), 1 << 33), SynthError::TooManyPoints { .. }));
     assert!(matches!(fails(folder.path().join("scan.ply"), 1 << 30), SynthError::TooManyPoints { .. }));
     let options = SynthOptions {
-        kind: Kind::Aerial,
+        kind: SynthKind::Aerial,
         out: output(&folder.path().join("scan.ply")),
         points: 10,
         seed: 0,
@@ -251,7 +253,7 @@ fn errors_name_the_file_and_the_remedy() {
 #[test]
 fn the_statue_is_a_mesh_too() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, summary) = make(folder.path(), "statue.ply", Kind::Photogrammetry, 30_000, 1);
+    let (path, summary) = make(folder.path(), "statue.ply", SynthKind::Photogrammetry, 30_000, 1);
     assert_eq!(summary.file_bytes, fs::metadata(&path).unwrap().len());
     let scan =
         points::read(std::slice::from_ref(&path), &points::ReadOptions::default(), &CancelToken::default())
@@ -268,7 +270,7 @@ fn the_statue_is_a_mesh_too() {
     assert!(file.points.rgb.iter().any(|rgb| rgb[0] > 150));
     let bytes = |threads: usize, seed| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let make = || make(folder.path(), "again.ply", Kind::Photogrammetry, 30_000, seed).0;
+        let make = || make(folder.path(), "again.ply", SynthKind::Photogrammetry, 30_000, seed).0;
         pool.install(|| fs::read(make()).unwrap())
     };
     assert!(bytes(3, 1) == fs::read(&path).unwrap(), "threads change the bytes");

@@ -5,8 +5,8 @@ use base::space::View;
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use kit::frames::{Canvas, Drawn, gpu, made_up, stereo};
-use lab::reference::{self, Scene};
-use lab::synth::{self, Kind};
+use lab::reference::{self, ReferenceCloud};
+use lab::synth::{self, SynthKind};
 use lab::technique::counts::Counts;
 use lab::technique::{EarlyZLoad, LabTechnique, Method, texts};
 use render::Access;
@@ -18,7 +18,7 @@ use render::shaders::source;
 use render::{CloudBuffers, Look, RINGS_REACH_PX};
 
 fn courtyard(num_points: u64) -> Octree {
-    let scan = made_up(Kind::Terrestrial, num_points);
+    let scan = made_up(SynthKind::Terrestrial, num_points);
     build_octree(&scan, &Progress::hidden()).expect("an octree")
 }
 
@@ -32,12 +32,12 @@ fn draw(octree: &Octree, view: &View, look: Look, atomics: Atomics, technique: L
 #[test]
 fn all_ways_to_memory_draw_the_references_picture() {
     let octree = courtyard(60_000);
-    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
     let view = stereo(place.eye, place.target, [203, 155]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
         let look = Look { quality, dilate: Dilate::Rings, detail, ..Look::default() };
-        let want = reference::frame(&Scene::layered(&octree), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &look, None);
         assert_ne!(
             want.pixels[0], want.pixels[1],
             "the comparison can fail: the eyes see different pictures"
@@ -73,7 +73,7 @@ fn all_ways_to_memory_draw_the_references_picture() {
 #[test]
 fn wide_points_are_counted_once_whoever_draws_them() {
     let octree = courtyard(60_000);
-    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
     let view = stereo(place.eye, place.target, [303, 255]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     // A method without a look asks for every pixel, in any order.
@@ -97,7 +97,7 @@ fn wide_points_are_counted_once_whoever_draws_them() {
 #[test]
 fn plain_looks_lose_no_point_where_points_crowd() {
     let octree = courtyard(200_000);
-    let place = synth::viewpoints(Kind::Terrestrial)[0];
+    let place = synth::viewpoints(SynthKind::Terrestrial)[0];
     let view = stereo(place.eye, place.target, [23, 17]);
     // All points are drawn, thirty layers thick.
     let detail = Detail { threshold_px: [0.01; 3], ..Detail::default() };

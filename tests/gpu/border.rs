@@ -5,7 +5,7 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
-use kit::frames::{Canvas, Drawn, Random, gpu, scan_of, sizes, tiers};
+use kit::frames::{Canvas, Drawn, SplitMix, gpu, scan_of, sizes, tiers};
 use lab::reference::dilate::dilate;
 use lab::reference::resolve::Pixel;
 use render::gpu::Atomics;
@@ -63,7 +63,7 @@ fn view(part: Option<Part>) -> View {
 
 /// The inside of a box round the eyes, thin enough that points are drawn larger, and single points nearer.
 fn room() -> Octree {
-    let mut random = Random(11);
+    let mut random = SplitMix(11);
     let mut at = |half: f64| (2000.0 * half * (random.unit() - 0.5)) as i32;
     let mut xyz = Vec::new();
     for i in 0..60_000 {

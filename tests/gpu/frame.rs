@@ -6,8 +6,8 @@ use base::task::{CancelToken, Progress};
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Drawn, cloud_of, draw, gpu, plain, random_points, stereo};
-use lab::reference::{self, Scene};
-use lab::synth::{self, Kind, SynthOptions};
+use lab::reference::{self, ReferenceCloud};
+use lab::synth::{self, SynthKind, SynthOptions};
 use points::{self, ReadOptions};
 use render::CloudBuffers;
 use render::layout::{Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded};
@@ -15,7 +15,7 @@ use std::path::Path;
 
 fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
     let drawn = draw(cloud, view, full_precision, chunk_limit);
-    let want = reference::frame(&Scene::flat(cloud), view, &plain(full_precision), None);
+    let want = reference::frame(&ReferenceCloud::flat(cloud), view, &plain(full_precision), None);
     for eye in 0..view.eyes.len() {
         let num_pixels = want.keys[eye].len();
         let differing = (0..num_pixels).filter(|&i| drawn.keys[eye][i] != want.keys[eye][i]).count();
@@ -50,14 +50,14 @@ fn whole_scans_equal_their_reference() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("courtyard.las");
     let options = SynthOptions {
-        kind: Kind::Terrestrial,
+        kind: SynthKind::Terrestrial,
         out: Output::new(&out, OutputKind::Scan).expect("a folder"),
         points: 300_000,
         seed: 7,
     };
     synth::write(&options, &CancelToken::default()).expect("a courtyard");
     let cloud = cloud_from(&out);
-    for place in synth::viewpoints(Kind::Terrestrial) {
+    for place in synth::viewpoints(SynthKind::Terrestrial) {
         assert_reference(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
     }
 }
@@ -105,7 +105,7 @@ fn cull_equals_its_reference() {
     let view = stereo(center + DVec3::new(20.0, 5.0, 1.0), center + DVec3::new(60.0, 40.0, 3.0), [640, 480]);
     let drawn = draw(&cloud, &view, false, 0);
     let uniform = ViewUniform::new(&view, &cloud.split, &Detail::default());
-    let scene = Scene::flat(&cloud);
+    let scene = ReferenceCloud::flat(&cloud);
     let batches = &scene.batches;
     let cull = |view: &ViewUniform| reference::cull::cull(view, 2, batches, &scene.nodes, &[DRAWN_WHOLE]);
     let want = cull(&uniform);
@@ -156,7 +156,7 @@ fn the_comparison_notices_a_wrong_point() {
     let index = index.expect("something is drawn");
     wrong.planes[0][index] ^= 1 << 9;
     wrong.colors[index] ^= 1;
-    let want = reference::frame(&Scene::flat(&wrong), &view, &plain(true), None);
+    let want = reference::frame(&ReferenceCloud::flat(&wrong), &view, &plain(true), None);
     assert_ne!(good.keys[0], want.keys[0]);
     assert_ne!(good.pixels[0], want.pixels[0]);
 }

@@ -7,7 +7,7 @@ use kit::frames::{Canvas, discs, gpu, hqs, made_up, spt_of, stereo};
 use lab::reference::clear;
 use lab::reference::points::{self, Put};
 use lab::reference::tree::Tree;
-use lab::synth::{self, Kind};
+use lab::synth::{self, SynthKind};
 use lab::technique::tree::TreeUniform;
 use render::layout::{SURFACE_TOLERANCE, ViewUniform, guarded, without_guard};
 
@@ -56,8 +56,8 @@ fn drawn(spt: &SequentialCloud, fragments: &[Put], eye: usize) -> Vec<Destinatio
 /// where `hqs` counts from the nearest. The proposal depends on the order, `hqs` does not.
 #[test]
 fn fuzzy_blending_is_high_quality_shading() {
-    let spt = spt_of(&made_up(Kind::Terrestrial, 200_000), false);
-    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    let spt = spt_of(&made_up(SynthKind::Terrestrial, 200_000), false);
+    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
     let view: View = stereo(place.eye, place.target, SIZE_PX);
     let detail = discs();
     let look = hqs(detail);

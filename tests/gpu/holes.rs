@@ -15,7 +15,7 @@ use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
 use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, plan, sphere, unreduced};
 use kit::frames::gpu;
-use lab::synth::{Kind, Viewpoint};
+use lab::synth::{SynthKind, Viewpoint};
 use render::CloudBuffers;
 use scene::Source;
 use std::sync::OnceLock;
@@ -129,7 +129,7 @@ fn assert_scan_is_closed(source: Source) {
 
 #[test]
 fn a_courtyard_has_no_holes_at_any_angle() {
-    assert_scan_is_closed(Source::Synth(Kind::Terrestrial));
+    assert_scan_is_closed(Source::Synth(SynthKind::Terrestrial));
 }
 
 #[test]

@@ -6,8 +6,8 @@ use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
-use lab::reference::{self, Frame, Scene};
-use lab::synth::{self, Kind};
+use lab::reference::{self, Frame, ReferenceCloud};
+use lab::synth::{self, SynthKind};
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
@@ -33,7 +33,7 @@ fn octree_of(scan: &Scan) -> Octree {
 
 /// A view along the courtyard from within: near and far nodes, all rings.
 fn inside(size_px: [u32; 2]) -> View {
-    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
     stereo(place.eye, place.target, size_px)
 }
 
@@ -62,7 +62,7 @@ fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
 fn layered_frames_equal_their_reference_in_every_tier() {
     let (_, octree) = courtyard();
     let view = inside([401, 399]);
-    let scene = Scene::layered(octree);
+    let scene = ReferenceCloud::layered(octree);
     let plain = Detail::default();
     let details = [
         ("plain", plain),
@@ -121,16 +121,16 @@ fn the_comparison_notices_what_is_wrong() {
     let drawn = Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view);
     let mut wrong = octree.clone();
     wrong.filtered_colors.iter_mut().for_each(|c| *c ^= 8);
-    let want = reference::frame(&Scene::layered(&wrong), &view, &look, None);
+    let want = reference::frame(&ReferenceCloud::layered(&wrong), &view, &look, None);
     assert!(drawn.states == want.states && drawn.pixels != want.pixels, "filtered colors are looked at");
     let mut wrong = octree.clone();
     wrong.cloud.colors.iter_mut().for_each(|c| *c ^= 8);
     assert!(
-        drawn.pixels != reference::frame(&Scene::layered(&wrong), &view, &look, None).pixels,
+        drawn.pixels != reference::frame(&ReferenceCloud::layered(&wrong), &view, &look, None).pixels,
         "and own ones"
     );
     let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..Detail::default() });
-    assert!(drawn.states != reference::frame(&Scene::layered(octree), &view, &other, None).states);
+    assert!(drawn.states != reference::frame(&ReferenceCloud::layered(octree), &view, &other, None).states);
 }
 
 /// 100 000 points lie in one pixel: more than 18 bits of red hold, and more than 16 bits count.
@@ -149,12 +149,16 @@ fn a_hundred_thousand_points_in_one_pixel() {
     let look = hqs(Detail::default());
     for tier in tiers() {
         let drawn = Canvas::layered(&octree, &view, look, tier, 0).draw(&view);
-        assert_same("layered", &drawn, &reference::frame(&Scene::layered(&octree), &view, &look, None));
+        assert_same(
+            "layered",
+            &drawn,
+            &reference::frame(&ReferenceCloud::layered(&octree), &view, &look, None),
+        );
         let mut canvas = Canvas::new(&sizes(&view), look, tier);
         let buffers = render::CloudBuffers::upload(&gpu(), &flat, 0, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         let drawn = canvas.draw(&view);
-        let want = reference::frame(&Scene::flat(&flat), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::flat(&flat), &view, &look, None);
         assert_same("flat", &drawn, &want);
         let fullest = want.sums[0].iter().max_by_key(|sum| sum[3]).expect("pixels");
         assert!(fullest[3] > 60_000, "{fullest:?}");
@@ -173,7 +177,7 @@ fn a_hundred_thousand_points_in_one_pixel() {
 fn a_far_root_is_drawn_thinly() {
     let (_, octree) = courtyard();
     let center = octree.cloud.bounds.center();
-    let scene = Scene::layered(octree);
+    let scene = ReferenceCloud::layered(octree);
     let look = hqs(Detail::default());
     for distance in [2_000.0, 20_000.0, 200_000.0] {
         let view = stereo(center - DVec3::Y * distance, center, [128, 128]);
@@ -190,9 +194,9 @@ fn packed_sums_hold() {
     let (_, octree) = courtyard();
     assert!(!octree.is_crowded());
     let look = hqs(Detail { threshold_px: [50.0; 3], ..Detail::default() });
-    for place in synth::viewpoints(Kind::Terrestrial) {
+    for place in synth::viewpoints(SynthKind::Terrestrial) {
         let view = stereo(place.eye, place.target, [401, 399]);
-        let want = reference::frame(&Scene::layered(octree), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::layered(octree), &view, &look, None);
         let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
         assert!(most < 500, "{most}");
     }
@@ -201,13 +205,13 @@ fn packed_sums_hold() {
 #[test]
 fn what_is_drawn_is_a_tree() {
     let (_, octree) = courtyard();
-    let scene = Scene::layered(octree);
+    let scene = ReferenceCloud::layered(octree);
     for detail in [
         Detail::default(),
         Detail { fade: true, ..Detail::default() },
         Detail { smooth: true, threshold_px: [60.0, 100.0, 300.0], ..Detail::default() },
     ] {
-        for place in synth::viewpoints(Kind::Terrestrial) {
+        for place in synth::viewpoints(SynthKind::Terrestrial) {
             let view = stereo(place.eye, place.target, [800, 800]);
             let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
             let mut states = vec![0; scene.nodes.len()];
@@ -225,8 +229,8 @@ fn what_is_drawn_is_a_tree() {
 #[test]
 fn hysteresis_keeps_nodes_from_flickering() {
     let (_, octree) = courtyard();
-    let scene = Scene::layered(octree);
-    let place = synth::viewpoints(Kind::Terrestrial)[0];
+    let scene = ReferenceCloud::layered(octree);
+    let place = synth::viewpoints(SynthKind::Terrestrial)[0];
     let lod = |step: u32, states: &mut Vec<u32>| {
         // The head moves by a centimetre a frame, and by more than that to and fro.
         let along = 0.01 * f64::from(step) + 0.015 * f64::from(step % 2);
@@ -271,7 +275,7 @@ fn close_up_nothing_of_the_files_color_is_lost() {
         detail: Detail { threshold_px: [1e-3; 3], forced_planes: 3, ..Detail::default() },
         ..plain(true)
     };
-    let frame = reference::frame(&Scene::layered(octree), &view, &look, None);
+    let frame = reference::frame(&ReferenceCloud::layered(octree), &view, &look, None);
     assert!(frame.states.iter().all(|&s| s == DRAWN_WHOLE));
     assert!(frame.visible.iter().all(|v| v.own == [u32::MAX; 2]), "own colors only");
     let of_file: std::collections::HashSet<u32> =
@@ -314,7 +318,7 @@ proptest! {
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
         let look = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
         let drawn = Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = reference::frame(&Scene::layered(&octree), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &look, None);
         prop_assert!(drawn.pixels == want.pixels);
     }
 }
@@ -334,7 +338,7 @@ fn flat_clouds_blend_too() {
         let mut canvas = Canvas::new(&sizes(&view), hqs(Detail::default()), tier);
         let buffers = render::CloudBuffers::upload(&gpu(), &cloud, 0, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-        let want = reference::frame(&Scene::flat(&cloud), &view, &hqs(Detail::default()), None);
+        let want = reference::frame(&ReferenceCloud::flat(&cloud), &view, &hqs(Detail::default()), None);
         assert_same(&format!("{tier:?}"), &canvas.draw(&view), &want);
         assert!(want.sums[0].iter().any(|sum| sum[3] > 1), "points are blended");
     }
@@ -344,7 +348,7 @@ fn flat_clouds_blend_too() {
 /// closed, and its edge stays where it is.
 #[test]
 fn close_up_the_surface_is_closed_and_keeps_its_edge() {
-    let mut random = kit::frames::Random(3);
+    let mut random = kit::frames::SplitMix(3);
     let mut jitter = || (random.unit() * 60.0) as i32 - 30;
     // Lengths are in tenths of a millimetre: from −1 m to 0.2 m across, as high as the view.
     let grid = (-50..=10).flat_map(|x| (-50..=50).map(move |z| [200 * x, 0, 200 * z]));

@@ -7,7 +7,7 @@ use cloud::spt::SequentialCloud;
 use cloud::{Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
-use lab::reference::{self, Frame, Scene};
+use lab::reference::{self, Frame, ReferenceCloud};
 use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
 use points::Scan;
@@ -101,7 +101,7 @@ fn frames_equal_their_reference_in_every_tier() {
         [(5.4, [151, 149], 1.0), (16.0, [301, 299], 0.7), (5.01, [97, 83], 4.0)]
     {
         let view = view_at(distance, size_px);
-        let scene = Scene::sequential(spt, error_px);
+        let scene = ReferenceCloud::sequential(spt, error_px);
         for (quality, dilate) in
             [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
         {
@@ -129,7 +129,8 @@ fn the_comparison_notices_what_is_wrong() {
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &reference::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
+        difference(&drawn, &reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &look, None))
+            .is_some()
     };
     let words = |change: fn(u32) -> u32| {
         move |spt: &mut SequentialCloud| {
@@ -196,7 +197,7 @@ fn a_wall_of_two_triangles_fills_its_pixels_exactly() {
     ] {
         let spt = wall(x, z, away);
         for look in [closest(), hqs(discs())] {
-            let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+            let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &look, None);
             let rays = rays(x, z, away, size_px);
             assert!(rays.iter().any(|ray| ray.is_finite()), "something is seen");
             assert_eq!(num_wrong(&want, &rays), 0, "{x:?} {z:?} {away}");
@@ -221,7 +222,7 @@ fn triangles_cross_the_near_plane() {
     let eye = OFFSET + DVec3::Z * height;
     let view = mono(eye, eye + DVec3::Y, 1.0, size_px);
     let look = closest();
-    let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+    let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &look, None);
     let drawn = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
     assert_eq!(difference(&drawn, &want), None);
     let mut num_floor = 0;
@@ -242,7 +243,7 @@ fn triangles_cross_the_near_plane() {
     }
     assert!(num_floor > 6000, "{num_floor}");
     let behind = mono(eye, eye + DVec3::Z, 1.0, size_px);
-    let away = reference::frame(&Scene::sequential(&spt, 1.0), &behind, &look, None);
+    let away = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &behind, &look, None);
     assert!(away.pixels[0].iter().all(|pixel| pixel[0] == u32::MAX), "nothing is seen behind");
 }
 
@@ -286,7 +287,8 @@ fn the_transition_has_no_holes() {
         let from = DVec3::new(-0.6, -0.7, 0.4).normalize();
         let view = mono(OFFSET + distance * from, OFFSET, TANGENT, size_px);
         for error_px in [1.0, 3.0] {
-            let frame = reference::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
+            let frame =
+                reference::frame(&ReferenceCloud::sequential(&spt, error_px), &view, &hqs(discs()), None);
             let (num_inside, num_holes) = holes(&frame, distance, size_px);
             let (num_meshes, num_discs) = num_batches(&frame);
             println!(
@@ -302,7 +304,7 @@ fn the_transition_has_no_holes() {
     assert!(num_mixed > 5);
     let ends = [8.0, 200.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        num_batches(&reference::frame(&Scene::sequential(&spt, 1.0), &view, &hqs(discs()), None))
+        num_batches(&reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &hqs(discs()), None))
     });
     assert!(ends[0].0 > 0 && ends[0].1 == 0, "near: {ends:?}");
     assert!(ends[1].0 == 0 && ends[1].1 > 0, "far: {ends:?}");
@@ -327,7 +329,8 @@ fn uneven_sheets_have_no_holes() {
         let distance = 15.0 * 1.4f64.powi(step);
         let view = mono(center - DVec3::Y * distance, center, TANGENT, size_px);
         for error_px in [1.0, 3.0] {
-            let frame = reference::frame(&Scene::sequential(&spt, error_px), &view, &hqs(discs()), None);
+            let frame =
+                reference::frame(&ReferenceCloud::sequential(&spt, error_px), &view, &hqs(discs()), None);
             let half = 0.97 * 0.5 * size / distance / TANGENT;
             let inside = |i: usize| ((2.0 * i as f64 + 1.0) / 240.0 - 1.0).abs() < half;
             let pixels =
@@ -349,8 +352,12 @@ fn holes_are_noticed() {
     let size_px = [240, 240];
     let num_holes = [20.0, 30.0, 40.0, 60.0].map(|distance| {
         let view = mono(OFFSET - distance * DVec3::Y, OFFSET, TANGENT, size_px);
-        holes(&reference::frame(&Scene::sequential(&spt, 3.0), &view, &hqs(discs()), None), distance, size_px)
-            .1
+        holes(
+            &reference::frame(&ReferenceCloud::sequential(&spt, 3.0), &view, &hqs(discs()), None),
+            distance,
+            size_px,
+        )
+        .1
     });
     assert!(num_holes.iter().any(|&num| num > 100), "{num_holes:?}");
 }
@@ -412,8 +419,8 @@ fn backs_of_meshes_are_culled() {
     let (plain, sided) = (spt_of(&scan, false), spt_of(&scan, true));
     let view = view_at(40.0, [400, 400]);
     let look = hqs(discs());
-    let frames =
-        [&plain, &sided].map(|spt| reference::frame(&Scene::sequential(spt, 1.0), &view, &look, None));
+    let frames = [&plain, &sided]
+        .map(|spt| reference::frame(&ReferenceCloud::sequential(spt, 1.0), &view, &look, None));
     let [all, front] = frames.each_ref().map(Frame::points_read);
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");
@@ -428,7 +435,7 @@ fn large_triangles_are_drawn_by_many_workgroups() {
     for (x, away, least) in [([-50.0, 60.0], 3.0, 9), ([-1.0, 1.0], 2.5, 3), ([-0.05, 0.05], 4.0, 1)] {
         let spt = wall(x, x, away);
         for look in [closest(), hqs(discs())] {
-            let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &look, None);
+            let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &look, None);
             let slices = want.visible.iter().filter(|batch| batch.flags & VISIBLE_TRIANGLES != 0).count();
             assert!(slices >= least && (least > 1 || slices == 1), "{slices} workgroups at {x:?}");
             for tier in tiers() {
@@ -465,7 +472,7 @@ fn slices_end_where_room_does() {
     let mut scan = scan_of(&corners, 1e-4, OFFSET);
     scan.files[0].triangles = (0..NUM_SLIVERS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let spt = spt_of(&scan, false);
-    let want = reference::frame(&Scene::sequential(&spt, 1.0), &view, &closest(), None);
+    let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &closest(), None);
     let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
     let num_slices = want.visible.len() - num_batches;
     assert_eq!(num_slices, render::layout::MAX_EXTRA_SLICES as usize, "of {num_batches} batches");

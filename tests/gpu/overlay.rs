@@ -6,7 +6,7 @@ use cloud::octree::{Octree, build_octree};
 use cloud::{Cloud, Order};
 use glam::DVec3;
 use kit::frames::{Canvas, cloud_of, gpu, random_points, scan_of, stereo};
-use lab::reference::{self, Scene};
+use lab::reference::{self, ReferenceCloud};
 use render::Look;
 use render::gpu::{Atomics, readback};
 use render::layout::{Detail, DilateUniform, EMPTY_DEPTH, GUARD_PX, ViewUniform};
@@ -180,7 +180,7 @@ fn depth_is_a_ramp_from_near() {
     for dilate in [Dilate::Off, Dilate::Rings] {
         let look = look(Quality::Closest, dilate);
         let mut canvas = Canvas::flat(&cloud, &view, look, 0);
-        let pixels = reference::frame(&Scene::flat(&cloud), &view, &look, None).pixels;
+        let pixels = reference::frame(&ReferenceCloud::flat(&cloud), &view, &look, None).pixels;
         let shown = show(&mut canvas, &view, Overlay::Depth);
         for (eye, pixels) in pixels.iter().enumerate() {
             let wanted = |i: usize| match pixels[i] {
@@ -202,7 +202,7 @@ fn overdraw_counts_what_a_pixel_blends() {
     let view = at(&cloud, 60.0);
     for dilate in [Dilate::Off, Dilate::Rings] {
         let look = look(Quality::Hqs, dilate);
-        let check = |what: &str, scene: &Scene, canvas: &mut Canvas| {
+        let check = |what: &str, scene: &ReferenceCloud, canvas: &mut Canvas| {
             // The canvas has drawn no frame yet, so the reference has none before it.
             let sums = reference::frame(scene, &view, &look, None).sums;
             let shown = show(canvas, &view, Overlay::Overdraw);
@@ -219,9 +219,9 @@ fn overdraw_counts_what_a_pixel_blends() {
         let tiers = [Atomics::Int64, Atomics::Int32].into_iter().filter(|&tier| tier <= gpu().atomics());
         for tier in tiers {
             let mut canvas = Canvas::layered(&octree, &view, look, tier, 0);
-            check(&format!("layered {tier:?}"), &Scene::layered(&octree), &mut canvas);
+            check(&format!("layered {tier:?}"), &ReferenceCloud::layered(&octree), &mut canvas);
         }
-        check("flat", &Scene::flat(&cloud), &mut Canvas::flat(&cloud, &view, look, 0));
+        check("flat", &ReferenceCloud::flat(&cloud), &mut Canvas::flat(&cloud, &view, look, 0));
     }
 }
 

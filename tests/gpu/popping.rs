@@ -8,7 +8,7 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use kit::frames::{Canvas, gpu};
-use lab::synth::{self, Kind, Viewpoint};
+use lab::synth::{self, SynthKind, Viewpoint};
 use render::layout::Detail;
 use render::options::{Dilate, Quality};
 use render::{Look, RINGS_REACH_PX};
@@ -46,7 +46,7 @@ fn largest_patch_change(before: &[u32], now: &[u32]) -> f64 {
 
 /// The largest change from one frame to the next while thresholds fall step by step.
 fn largest_pop(octree: &Octree, look: Look) -> f64 {
-    let view = view(&synth::viewpoints(Kind::Terrestrial)[0]);
+    let view = view(&synth::viewpoints(SynthKind::Terrestrial)[0]);
     let mut canvas = Canvas::layered(octree, &view, look, gpu().atomics(), 0);
     let mut before = canvas.draw(&view).images.remove(0);
     let mut largest = 0.0;

@@ -5,7 +5,7 @@
 
 use base::output::{self, OutputKind};
 use base::task::CancelToken;
-use lab::synth::{self, Kind, SynthOptions, Viewpoint};
+use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -22,7 +22,7 @@ fn second_driver() -> PathBuf {
 fn courtyard(folder: &Path, points: u64) -> PathBuf {
     let out = folder.join("courtyard.las");
     let options = SynthOptions {
-        kind: Kind::Terrestrial,
+        kind: SynthKind::Terrestrial,
         out: output::Output::new(&out, OutputKind::Scan).expect("a folder"),
         points,
         seed: 3,
@@ -59,7 +59,7 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
     let driver = second_driver();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (scan, out) = (courtyard(folder.path(), 50_000), folder.path().join("out.png"));
-    let place = &synth::viewpoints(Kind::Terrestrial)[0];
+    let place = &synth::viewpoints(SynthKind::Terrestrial)[0];
     let refused = render(Some(&driver), &scan, place, &out, &["--set", "gpu.tier=int64"]);
     let words = last_words(&refused);
     assert_eq!(refused.status.code(), Some(1), "{words}");
@@ -124,7 +124,7 @@ fn both_drivers_draw_the_same_picture() {
     let driver = second_driver();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 50_000);
-    let places = synth::viewpoints(Kind::Terrestrial);
+    let places = synth::viewpoints(SynthKind::Terrestrial);
     let [closest, hqs] = [["--quality", "closest"], ["--quality", "hqs"]];
     let cases = [(&places[0], &closest[..]), (&places[1], &hqs)];
     let pictures = assert_same(&driver, &scan, folder.path(), &cases);
@@ -158,7 +158,7 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
     assert!(has_subgroups(&driver));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = courtyard(folder.path(), 50_000);
-    let place = &synth::viewpoints(Kind::Terrestrial)[1];
+    let place = &synth::viewpoints(SynthKind::Terrestrial)[1];
     // SwiftShader compiles a method's shaders for ten seconds. The methods that are left out are parts of these.
     let methods = ["prefetch", "reduce-early-z", "dedup", "point-list"];
     let ways = methods.map(|method| ["--preset", "plain", "--method", method]);
@@ -168,7 +168,7 @@ fn both_drivers_draw_the_same_picture_by_every_method() {
         assert_eq!(num_different(picture, &pictures[0]), 0, "{method}");
     }
     // The comparison can fail.
-    let elsewhere = (&synth::viewpoints(Kind::Terrestrial)[0], &ways[0][..]);
+    let elsewhere = (&synth::viewpoints(SynthKind::Terrestrial)[0], &ways[0][..]);
     let (other, _) = drawn(None, &scan, elsewhere, folder.path());
     assert!(num_different(&other, &pictures[0]) > 1000);
 }
@@ -186,7 +186,7 @@ fn both_drivers_draw_the_same_whole_frame() {
     let scan = courtyard(folder.path(), 400_000);
     let whole = ["--preset", "quality"];
     let closest = ["--preset", "quality", "--quality", "closest"];
-    let places = synth::viewpoints(Kind::Terrestrial);
+    let places = synth::viewpoints(SynthKind::Terrestrial);
     let cases = [(&places[0], &whole[..]), (&places[1], &whole), (&places[1], &closest)];
     let pictures = assert_same(&driver, &scan, folder.path(), &cases);
     // Every part of the frame shows in the picture: another picture comes out without any of them.

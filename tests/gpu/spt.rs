@@ -8,8 +8,8 @@ use cloud::spt::{self, SequentialCloud};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, made_up, scan_of, spt_of, stereo, tiers};
 use lab::reference::tree::{Tree, tolerance};
-use lab::reference::{self, Frame, Scene};
-use lab::synth::{self, Kind};
+use lab::reference::{self, Frame, ReferenceCloud};
+use lab::synth::{self, SynthKind};
 use lab::technique::tree::TreeUniform;
 use points::Scan;
 use proptest::prelude::*;
@@ -22,11 +22,11 @@ use std::sync::OnceLock;
 /// The point tree of a made-up courtyard.
 fn courtyard() -> &'static SequentialCloud {
     static COURTYARD: OnceLock<SequentialCloud> = OnceLock::new();
-    COURTYARD.get_or_init(|| spt_of(&made_up(Kind::Terrestrial, 400_000), false))
+    COURTYARD.get_or_init(|| spt_of(&made_up(SynthKind::Terrestrial, 400_000), false))
 }
 
 fn inside(size_px: [u32; 2]) -> View {
-    let place = synth::viewpoints(Kind::Terrestrial)[1];
+    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
     stereo(place.eye, place.target, size_px)
 }
 
@@ -42,7 +42,7 @@ fn frames_equal_their_reference_in_every_tier() {
         // Points are drawn together, as on a GPU.
         let access = Access { together: Some(true), ..Access::default() };
         let look = Look { quality, dilate, access, ..hqs(discs()) };
-        let want = reference::frame(&Scene::sequential(spt, error_px), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::sequential(spt, error_px), &view, &look, None);
         let num_batches = spt.cloud.batches.len();
         assert!(want.visible.len() > 10 && want.visible.len() < num_batches, "some are culled");
         for tier in tiers() {
@@ -72,7 +72,8 @@ fn the_comparison_notices_what_is_wrong() {
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &reference::frame(&Scene::sequential(&wrong, 1.0), &view, &look, None)).is_some()
+        difference(&drawn, &reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &look, None))
+            .is_some()
     };
     assert!(!differs(&|_| ()));
     assert!(differs(&|spt| spt.shapes.iter_mut().for_each(|shape| *shape += 1)), "where intervals begin");
@@ -92,16 +93,16 @@ fn the_comparison_notices_what_is_wrong() {
 #[test]
 fn what_is_culled_would_not_have_been_drawn() {
     let spt = courtyard();
-    let scene = Scene::sequential(spt, 1.0);
+    let scene = ReferenceCloud::sequential(spt, 1.0);
     let mut saved = 0;
-    for place in synth::viewpoints(Kind::Terrestrial) {
+    for place in synth::viewpoints(SynthKind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
         let look = hqs(discs());
         let want = reference::frame(&scene, &view, &look, None);
         // If intervals never end, every batch in the frustum is read, and the points' own test decides.
         let mut open = spt.clone();
         open.intervals.fill([0, 255]);
-        let all = reference::frame(&Scene::sequential(&open, 1.0), &view, &look, None);
+        let all = reference::frame(&ReferenceCloud::sequential(&open, 1.0), &view, &look, None);
         assert!(want.pixels == all.pixels);
         saved += all.points_read() - want.points_read();
     }
@@ -124,7 +125,7 @@ fn what_is_drawn_lies_in_the_prefix() {
         let step = spt.scale.step_below(tolerance.fold(f32::INFINITY, f32::min));
         // Entries, and so batches, are sorted by octaves of eight steps.
         let prefix = spt.intervals.partition_point(|[_, max]| max >> 3 >= (step + 1) >> 3);
-        let frame = reference::frame(&Scene::sequential(spt, 1.0), &view, &hqs(detail), None);
+        let frame = reference::frame(&ReferenceCloud::sequential(spt, 1.0), &view, &hqs(detail), None);
         assert!(!frame.visible.is_empty());
         assert!(frame.visible.iter().all(|batch| (batch.batch as usize) < prefix), "{distance}");
         prefixes.push(prefix);
@@ -175,10 +176,10 @@ fn backs_are_culled_where_normals_have_sides() {
     for (distance, error_px, most) in [(12.5, 0.5, 0.75), (25.0, 0.3, 0.75)] {
         let view = stereo(center - distance * from, center, [300, 300]);
         let look = hqs(discs());
-        let want = reference::frame(&Scene::sequential(&sided, error_px), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::sequential(&sided, error_px), &view, &look, None);
         let drawn = Canvas::sequential(&sided, error_px, &view, look, gpu().atomics(), 0).draw(&view);
         assert_eq!(difference(&drawn, &want), None);
-        let whole = reference::frame(&Scene::sequential(&plain, error_px), &view, &look, None);
+        let whole = reference::frame(&ReferenceCloud::sequential(&plain, error_px), &view, &look, None);
         let read = want.points_read() as f64 / whole.points_read() as f64;
         let (others, psnr) = (share_of_others(&whole, &want), psnr_db(&whole, &want));
         println!(
@@ -189,7 +190,7 @@ fn backs_are_culled_where_normals_have_sides() {
         // The measure sees what is missing if the wrong side is culled.
         let mut inverted = sided.clone();
         inverted.runs.iter_mut().filter_map(|run| run.behind.as_mut()).for_each(|cone| cone.axis *= -1.0);
-        let wrong = reference::frame(&Scene::sequential(&inverted, error_px), &view, &look, None);
+        let wrong = reference::frame(&ReferenceCloud::sequential(&inverted, error_px), &view, &look, None);
         assert!(share_of_others(&whole, &wrong) > 10.0 * OUTLINE);
     }
 }
@@ -223,10 +224,10 @@ const LEAST_PSNR_DB: f64 = 27.0;
 #[test]
 fn the_picture_is_the_octrees_within_a_stated_difference() {
     // The courtyard is too thin in places, where pictures differ by how gaps are filled.
-    let statue = made_up(Kind::Photogrammetry, 400_000);
+    let statue = made_up(SynthKind::Photogrammetry, 400_000);
     let spt = spt_of(&statue, false);
     let octree = build_octree(&statue, &Progress::hidden()).expect("an octree");
-    let scene = Scene::sequential(&spt, 1.0);
+    let scene = ReferenceCloud::sequential(&spt, 1.0);
     let mut wrong = spt.clone();
     // These discs are drawn where their errors are eight times as large as they may be.
     let early = |step: u8| if step == 255 { 255 } else { step.saturating_sub(24) };
@@ -235,12 +236,12 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         let [min, max, diameter, _] = shape.to_le_bytes();
         *shape = u32::from_le_bytes([early(min), early(max), diameter, 0]);
     }
-    for (number, place) in synth::viewpoints(Kind::Photogrammetry).iter().enumerate() {
+    for (number, place) in synth::viewpoints(SynthKind::Photogrammetry).iter().enumerate() {
         let view = stereo(place.eye, place.target, [400, 400]);
         let look = |detail: Detail| Look { dilate: Dilate::Rings, ..hqs(detail) };
         let fine =
             Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
-        let want = reference::frame(&Scene::layered(&octree), &view, &look(fine), None);
+        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &look(fine), None);
         let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs() };
         let got = reference::frame(&scene, &view, &look(detail), None);
         let psnr = psnr_db(&got, &want);
@@ -253,7 +254,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         );
         assert!(psnr > LEAST_PSNR_DB, "view {number}: {psnr} dB");
         assert!(empty(&got) < empty(&want) + 0.01, "view {number}: holes");
-        let coarse = reference::frame(&Scene::sequential(&wrong, 1.0), &view, &look(detail), None);
+        let coarse = reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &look(detail), None);
         let worse = psnr_db(&coarse, &want);
         println!("view {number}: {worse:.1} dB with errors of 8 pixels");
         assert!(worse < LEAST_PSNR_DB, "view {number}: the measure sees no difference: {worse}");
@@ -279,7 +280,7 @@ proptest! {
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
         let look = hqs(discs());
         let drawn = Canvas::sequential(&spt, error_px, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = reference::frame(&Scene::sequential(&spt, error_px), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::sequential(&spt, error_px), &view, &look, None);
         prop_assert_eq!(difference(&drawn, &want), None);
     }
 }
@@ -359,9 +360,9 @@ fn with_normals_never_more_is_read_than_without() {
 #[test]
 fn close_up_what_is_read_is_what_may_be_drawn() {
     let spt = courtyard();
-    for place in synth::viewpoints(Kind::Terrestrial) {
+    for place in synth::viewpoints(SynthKind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
-        let frame = reference::frame(&Scene::sequential(spt, 1e-4), &view, &hqs(discs()), None);
+        let frame = reference::frame(&ReferenceCloud::sequential(spt, 1e-4), &view, &hqs(discs()), None);
         let shapes = |first: u32, num: u32| &spt.shapes[first as usize..(first + num) as usize];
         let of_batch = |batch: &render::layout::VisibleBatch| {
             shapes(batch.first_point, batch.num_points).iter().filter(|word| **word & 255 != 0).count() as u64
@@ -383,10 +384,10 @@ fn the_fovea_counts_for_point_trees() {
     let spt = courtyard();
     // Total of what pixels blend: discs count by the pixels that they cover.
     let blended = |frame: &Frame| frame.sums.iter().flatten().map(|sum| u64::from(sum[3])).sum::<u64>();
-    for place in &synth::viewpoints(Kind::Terrestrial)[..2] {
+    for place in &synth::viewpoints(SynthKind::Terrestrial)[..2] {
         let view = stereo(place.eye, place.target, [500, 500]);
         for error_px in [1.0, 2.0] {
-            let scene = Scene::sequential(spt, error_px);
+            let scene = ReferenceCloud::sequential(spt, error_px);
             let [rings, whole] = [discs(), everywhere(discs())]
                 .map(|detail| reference::frame(&scene, &view, &hqs(detail), None));
             let (fewer, all) = (rings.points_read(), whole.points_read());
@@ -410,7 +411,7 @@ fn the_fovea_counts_for_point_trees() {
 /// overlap by enough where the tolerance changes from place to place.
 #[test]
 fn rings_open_no_holes() {
-    let scan = made_up(Kind::Photogrammetry, 30_000);
+    let scan = made_up(SynthKind::Photogrammetry, 30_000);
     let tree = spt::build_point_tree(&scan, false, &Progress::hidden()).expect("a tree");
     let num_lost = |max_slope: f64, ratio: f32| {
         let sequence = spt::Sequence::new(&tree, max_slope);
@@ -420,7 +421,7 @@ fn rings_open_no_holes() {
             .iter()
             .zip(&sequence.shapes)
             .for_each(|(node, shape)| shapes[*node as usize] = Some(shape));
-        let mut random = kit::frames::Random(5);
+        let mut random = kit::frames::SplitMix(5);
         let mut num_lost = 0;
         for case in 0..24 {
             let mut at = || tree.bounds.min + random_in(&mut random, tree.bounds.size() * 1.5);
@@ -448,6 +449,6 @@ fn rings_open_no_holes() {
     assert!(num_lost(0.0, 3.0) > 0, "without overlap there are holes");
 }
 
-fn random_in(random: &mut kit::frames::Random, size: DVec3) -> DVec3 {
+fn random_in(random: &mut kit::frames::SplitMix, size: DVec3) -> DVec3 {
     size * DVec3::new(random.unit(), random.unit(), random.unit())
 }

@@ -2,10 +2,10 @@
 //! the walk ends cleanly whoever ends it.
 
 use crate::scene::{EYE_DISTANCE, Scene};
-use kit::rows::Rows;
+use kit::rows::LogRows;
 use kit::xr::poses::{Packet, RemoteEye, RemotePose};
 use kit::xr::screen::Image;
-use kit::xr::{Compositor, Finished, Lab};
+use kit::xr::{Compositor, Finished, RuntimeSlot};
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -80,7 +80,7 @@ fn ball_column(image: &Image) -> f64 {
 }
 
 /// Checks that the compositor comes to show what `render` draws with the same preset; returns what it shows.
-fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
+fn assert_shown(lab: &RuntimeSlot, preset: &str, tolerance: f64) -> [Image; 2] {
     let scene = Scene::get();
     let want = rendered(scene, preset);
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(300);
@@ -137,7 +137,7 @@ fn assert_shown(lab: &Lab, preset: &str, tolerance: f64) -> [Image; 2] {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_compositor_shows_what_render_draws() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let shown = assert_shown(&lab, "plain", TOLERANCE);
     // The eyes are on their sides: the left one sees a near ball further right.
     let disparity = ball_column(&shown[0]) - ball_column(&shown[1]);
@@ -154,7 +154,7 @@ fn the_compositor_shows_what_render_draws() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_compositor_shows_the_whole_frame_that_render_draws() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     assert_shown(&lab, "quality", WHOLE_TOLERANCE);
 }
 
@@ -168,7 +168,7 @@ fn states(done: &Finished) -> Vec<String> {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let scene = Scene::get();
     let log = scene.file("frames.csv");
     let runtime = lab.runtime().validate().timeout_s(120);
@@ -198,7 +198,7 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
     let log = timing::read(&log).expect("a frame log");
     let text = lab::report::Summary::of(&log).to_string();
     assert!(text.contains("Monado"), "{text}");
-    let resident = Rows::read(&scene.file("frames.csv")).numbers("points_resident");
+    let resident = LogRows::read(&scene.file("frames.csv")).numbers("points_resident");
     let num_with_scan = resident.iter().filter(|&&points| points == 400_000.0).count();
     assert!(num_with_scan >= 60, "{num_with_scan} of {} frames", log.frames.len());
 }
@@ -206,7 +206,7 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_runtime_may_end_the_walk() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let scene = Scene::get();
     let args = ["view", path(&scene.courtyard), "--headset", "require", "--window", "off", "-v"];
     let done = lab.runtime().fault("exit:30").timeout_s(90).run(Path::new(PROGRAM), &args);

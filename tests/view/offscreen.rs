@@ -1,7 +1,7 @@
 //! `view` without headset and window: limits, logs, failures, and the way a signal ends it.
 
 use crate::scene::Scene;
-use kit::rows::Rows;
+use kit::rows::LogRows;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -30,7 +30,7 @@ fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
     let log = scene.file("offscreen.csv");
     let output = run(&scene.courtyard, &["--frames", "30", "--log", log.to_str().expect("UTF-8")]);
     assert!(output.status.success(), "{}", said(&output));
-    let rows = Rows::read(&log);
+    let rows = LogRows::read(&log);
     let frames = rows.numbers("frame");
     assert!(frames.iter().enumerate().all(|(i, &frame)| frame == i as f64), "in order, and none is missing");
     let is_shown: Vec<bool> = rows.numbers("points_resident").iter().map(|&n| n == 400_000.0).collect();
@@ -91,7 +91,7 @@ fn the_governors_steps_are_in_the_log() {
         let settings = ["--set", "simulated.refresh_hz=1000", "--set", governor, "--frames", "300"];
         let output = run(&scene.courtyard, &[&settings[..], &["--log", log_path]].concat());
         assert!(output.status.success(), "{}", said(&output));
-        let rows = Rows::read(&log);
+        let rows = LogRows::read(&log);
         let scales = rows.numbers("lod_scale").into_iter().zip(rows.numbers("resolution_scale"));
         let with_quality = scales.zip(rows.column("quality"));
         with_quality.map(|((lod, resolution), quality)| (lod, resolution, quality.to_owned())).collect()

@@ -4,7 +4,7 @@ use base::output::{Output, OutputKind};
 use base::space::Pose;
 use base::task::CancelToken;
 use glam::DVec3;
-use lab::synth::{self, Kind, SynthOptions};
+use lab::synth::{self, SynthKind, SynthOptions};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -32,14 +32,16 @@ impl Scene {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let courtyard = folder.path().join("courtyard.las");
         let options = SynthOptions {
-            kind: Kind::Terrestrial,
+            kind: SynthKind::Terrestrial,
             out: Output::new(&courtyard, OutputKind::Scan).expect("a folder"),
             points: 400_000,
             seed: 1,
         };
         synth::write(&options, &CancelToken::default()).expect("a courtyard");
-        let place =
-            synth::viewpoints(Kind::Terrestrial).iter().find(|v| v.name == "court").expect("a viewpoint");
+        let place = synth::viewpoints(SynthKind::Terrestrial)
+            .iter()
+            .find(|v| v.name == "court")
+            .expect("a viewpoint");
         let head = Pose::look_at(place.eye, place.target, DVec3::Z);
         let forward = (place.target - place.eye).normalize();
         let ball = folder.path().join("ball.las");

@@ -2,7 +2,7 @@
 //! validation, has nothing to say.
 
 use crate::scene::Scene;
-use kit::xr::Runtime;
+use kit::xr::TestRuntime;
 use lab::technique::Method;
 use render::options::Quality;
 use std::path::Path;
@@ -15,7 +15,7 @@ const MODES: [(&str, &[&str]); 3] = [
 ];
 
 /// Both eyes' pictures of the courtyard, as files, under validation.
-fn draw(runtime: &Runtime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
+fn draw(runtime: &TestRuntime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
     let scan = scene.courtyard.to_str().expect("UTF-8");
     let out = scene.file(&format!("{}.png", options.concat().replace(['=', '/'], "-")));
     let place = ["--stereo", "--size", "301x203", "--eye", "499994.8,3999998.5,101.75"];
@@ -32,7 +32,7 @@ fn draw(runtime: &Runtime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn methods_draw_the_same_picture_and_validation_is_silent() {
-    let runtime = Runtime::drivers();
+    let runtime = TestRuntime::drivers();
     let scene = Scene::get();
     let plain = ["--preset", "plain", "--method"];
     let [nearest, blended] =
@@ -55,7 +55,7 @@ fn methods_draw_the_same_picture_and_validation_is_silent() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn tiers_draw_the_same_picture_and_validation_is_silent() {
-    let runtime = Runtime::drivers();
+    let runtime = TestRuntime::drivers();
     let scene = Scene::get();
     let mut pictures = Vec::new();
     for (mode, options) in MODES {

@@ -3,7 +3,7 @@
 use crate::program::Program;
 use crate::scene::Scene;
 use kit::screen::{Picture, Screen, wait_for};
-use kit::xr::Lab;
+use kit::xr::RuntimeSlot;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -246,7 +246,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_window_mirrors_the_headset_and_validation_is_silent() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let screen = Screen::start();
     let courtyard = Scene::get().courtyard.to_str().expect("a UTF-8 path");
     let runtime = lab.runtime().validate().variable("DISPLAY", screen.display.clone()).timeout_s(120);

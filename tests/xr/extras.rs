@@ -2,7 +2,7 @@
 //! where the user looks.
 
 use crate::probe::{Job, last};
-use kit::xr::{Finished, Lab};
+use kit::xr::{Finished, RuntimeSlot};
 
 /// What was submitted for each eye, as the API layer between us and the runtime saw it: the image's size, and if
 /// there was depth its size and minDepth, maxDepth, nearZ, farZ.
@@ -19,7 +19,7 @@ fn eye_size(done: &Finished) -> [usize; 2] {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn depth_goes_to_the_runtime_in_its_own_terms() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let runtime = lab.runtime().validate().fault("watch:10");
     let done = Job { exit_after: 30, near_m: 0.125, ..Job::default() }.run(&runtime);
     done.assert_ok();
@@ -35,7 +35,7 @@ fn depth_goes_to_the_runtime_in_its_own_terms() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn what_is_switched_off_is_not_used() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let runtime = lab.runtime().validate().fault("watch:10");
     let done = Job { exit_after: 30, plain: true, ..Job::default() }.run(&runtime);
     done.assert_ok();
@@ -49,7 +49,7 @@ fn what_is_switched_off_is_not_used() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_walk_goes_on_without_either() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     for (fault, missing) in [("nodepth", "depth_format"), ("nomask", "hidden_triangles")] {
         let done = Job { exit_after: 10, ..Job::default() }.run(&lab.runtime().validate().fault(fault));
         done.assert_ok();
@@ -63,7 +63,7 @@ fn the_walk_goes_on_without_either() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_lenses_hide_the_corners() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let done = Job { exit_after: 10, dump_hidden: true, ..Job::default() }.run(&lab.runtime().validate());
     done.assert_ok();
     done.assert_valid();
@@ -90,7 +90,7 @@ fn the_lenses_hide_the_corners() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_new_mask_is_told_once() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let done = Job { exit_after: 40, ..Job::default() }.run(&lab.runtime().validate().fault("newmask:20"));
     done.assert_ok();
     done.assert_valid();
@@ -111,8 +111,8 @@ fn gaze(done: &Finished) -> [Option<glam::DVec3>; 2] {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_gaze_arrives_where_eyes_are_tracked() {
-    let lab = Lab::enter();
-    let run = |runtime: kit::xr::Runtime| {
+    let lab = RuntimeSlot::enter();
+    let run = |runtime: kit::xr::TestRuntime| {
         let done = Job { exit_after: 30, ..Job::default() }.run(&runtime);
         done.assert_ok();
         done.assert_valid();

@@ -1,11 +1,11 @@
 //! Whatever goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
 
 use crate::probe::{JOB, Job, PROBE_ARGS, last, this_program};
-use kit::xr::{Finished, Lab};
+use kit::xr::{Finished, RuntimeSlot};
 use std::os::unix::fs::PermissionsExt;
 
 /// Runs the probe, which does not end by itself, with a fault.
-fn run_with_fault(lab: &Lab, fault: &str) -> Finished {
+fn run_with_fault(lab: &RuntimeSlot, fault: &str) -> Finished {
     let done = Job::default().run(&lab.runtime().validate().fault(fault));
     done.assert_ok();
     done
@@ -14,7 +14,7 @@ fn run_with_fault(lab: &Lab, fault: &str) -> Finished {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_runtime_ends_the_session() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let done = run_with_fault(&lab, "exit:20");
     done.assert_valid();
     assert_eq!(last(&done.lines, "ended").unwrap(), "the headset's software ended the session");
@@ -24,7 +24,7 @@ fn the_runtime_ends_the_session() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn losses_end_with_a_sentence() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     for (fault, word) in [
         ("losspending:20", "headset was lost"),
         ("sessionlost:20", "headset was lost"),
@@ -40,7 +40,7 @@ fn losses_end_with_a_sentence() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_failing_call_is_an_error_that_names_it() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let done = run_with_fault(&lab, "badend:20");
     let error = last(&done.lines, "error").unwrap();
     assert!(error.as_str().unwrap().contains("xrEndFrame: ERROR_LAYER_INVALID"), "{error}");
@@ -49,7 +49,7 @@ fn a_failing_call_is_an_error_that_names_it() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_killed_runtime_ends_the_walk() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let mut run = Job::default().start(&lab.runtime().timeout_s(30));
     run.wait_for("frame", |line| line.contains("\"frame\":20").then_some(()));
     run.kill_runtime();
@@ -62,7 +62,7 @@ fn a_killed_runtime_ends_the_walk() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn what_is_missing_is_told_and_leaves_nothing_behind() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     for (fault, words) in [
         ("noheadset", ["finds no headset", "Monado"]),
         // These faults come when the Vulkan device, and the left eye's images, are already made.
@@ -87,7 +87,7 @@ fn what_is_missing_is_told_and_leaves_nothing_behind() {
 }
 
 /// Runs the probe with one variable changed after the runtime has set its own.
-fn run_with_variable(lab: &Lab, assignment: &str) -> String {
+fn run_with_variable(lab: &RuntimeSlot, assignment: &str) -> String {
     let script = tempfile::Builder::new().suffix(".sh").tempfile().unwrap();
     std::fs::write(script.path(), format!("#!/bin/sh\nexec env {assignment} \"$XR_LD\" \"$@\"\n")).unwrap();
     std::fs::set_permissions(script.path(), std::fs::Permissions::from_mode(0o755)).unwrap();
@@ -105,7 +105,7 @@ fn run_with_variable(lab: &Lab, assignment: &str) -> String {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn no_runtime_and_a_silent_one_are_told_apart() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let missing = run_with_variable(&lab, "XR_RUNTIME_JSON=/nonexistent/runtime.json");
     assert!(missing.contains("no OpenXR runtime is set up"), "{missing}");
     let missing = run_with_variable(&lab, "XDG_RUNTIME_DIR=/nonexistent");

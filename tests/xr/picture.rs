@@ -3,7 +3,7 @@
 use crate::probe::Job;
 use kit::xr::poses::Packet;
 use kit::xr::screen::{Difference, Image};
-use kit::xr::{Compositor, Lab};
+use kit::xr::{Compositor, RuntimeSlot};
 use std::time::{Duration, Instant};
 
 /// Pixels of an eye on the virtual screen, which shows both side by side.
@@ -12,7 +12,7 @@ const EYE: [usize; 2] = [960, 1080];
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_screen_shows_each_eyes_image_bit_for_bit() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate();
     let mut run = Job { dump_frame: 30, exit_after: 150, ..Job::default() }.start(&runtime);
     run.remote().send(&Packet::default());

@@ -1,6 +1,6 @@
 //! The program that the tests run inside the runtime: a frame loop as the walk has it, with a test pattern.
 
-use kit::xr::{Finished, Running, Runtime};
+use kit::xr::{Finished, Running, TestRuntime};
 use render::gpu::Gpu;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -37,13 +37,13 @@ pub struct Job {
 
 impl Job {
     /// Starts the probe in a runtime.
-    pub fn start(&self, runtime: &Runtime) -> Running {
+    pub fn start(&self, runtime: &TestRuntime) -> Running {
         let job = serde_json::to_string(self).unwrap();
         runtime.clone().variable(JOB, job).start(&this_program(), &PROBE_ARGS)
     }
 
     /// Runs the probe in a runtime until its end.
-    pub fn run(&self, runtime: &Runtime) -> Finished {
+    pub fn run(&self, runtime: &TestRuntime) -> Finished {
         self.start(runtime).finish()
     }
 

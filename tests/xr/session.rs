@@ -1,12 +1,12 @@
 //! Sessions that go well.
 
 use crate::probe::{Job, frame, last};
-use kit::xr::{Compositor, Device, Lab};
+use kit::xr::{Compositor, HeadsetDevice, RuntimeSlot};
 
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn frames_flow_in_focus_until_we_ask_to_leave() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let done = Job { exit_after: 80, ..Job::default() }.run(&lab.runtime().validate());
     done.assert_ok();
     done.assert_valid();
@@ -27,9 +27,9 @@ fn frames_flow_in_focus_until_we_ask_to_leave() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn another_thread_may_submit_all_the_while() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let job = Job { exit_after: 60, busy_thread: true, ..Job::default() };
-    let done = job.run(&lab.runtime().validate().device(Device::Simulated));
+    let done = job.run(&lab.runtime().validate().device(HeadsetDevice::Simulated));
     done.assert_ok();
     done.assert_valid();
     assert!(last(&done.lines, "busy_submits").unwrap().as_u64().unwrap() > 100);
@@ -38,7 +38,7 @@ fn another_thread_may_submit_all_the_while() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_images_follow_the_scale_and_odd_sizes_work() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let runtime = lab.runtime().validate();
     let plain = last(&Job { exit_after: 5, ..Job::default() }.run(&runtime).lines, "sizes").unwrap();
     let done = Job { exit_after: 5, resolution_scale: 0.51, ..Job::default() }.run(&runtime);
@@ -54,7 +54,7 @@ fn the_images_follow_the_scale_and_odd_sizes_work() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_displays_rate_is_known() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let runtime =
         lab.runtime().compositor(Compositor::Xcb).variable("XRT_COMPOSITOR_DEFAULT_FRAMERATE", "72");
     let done = Job { exit_after: 5, ..Job::default() }.run(&runtime);

@@ -3,7 +3,7 @@
 use crate::probe::{Frame, Job, frame};
 use glam::{DQuat, DVec3};
 use kit::xr::poses::{Packet, Remote, RemoteEye, RemoteHand, RemotePose};
-use kit::xr::{Lab, Running};
+use kit::xr::{Running, RuntimeSlot};
 
 /// Sends a state and waits for a frame that shows it.
 fn settle(run: &mut Running, remote: &mut Remote, packet: &Packet, shown: impl Fn(&Frame) -> bool) -> Frame {
@@ -23,7 +23,7 @@ fn head(frame: &Frame) -> DVec3 {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_head_is_where_the_device_says() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let mut run = Job { exit_after: 0, ..Job::default() }.start(&lab.runtime());
     let mut remote = run.remote();
     // A turn of 90° to the left with a pitch is not enough to tell signs, so all three axes differ here.
@@ -52,7 +52,7 @@ fn the_head_is_where_the_device_says() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn asymmetric_and_canted_eyes_arrive() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let mut run = Job { exit_after: 0, ..Job::default() }.start(&lab.runtime());
     let mut remote = run.remote();
     let cant = DQuat::from_rotation_y(0.0873);
@@ -83,7 +83,7 @@ fn asymmetric_and_canted_eyes_arrive() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn sticks_and_the_reset_button_arrive() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let mut run = Job { exit_after: 0, ..Job::default() }.start(&lab.runtime());
     let mut remote = run.remote();
     let mut packet = Packet {

@@ -1,7 +1,7 @@
 //! The validation layers are on and find mistakes: the negative controls of `assert_valid`.
 
 use crate::probe::Job;
-use kit::xr::Lab;
+use kit::xr::RuntimeSlot;
 use openxr as xr;
 use render::gpu::Gpu;
 
@@ -37,7 +37,7 @@ pub fn misuse_openxr() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_mistake_in_vulkan_is_found() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let job = Job { exit_after: 5, misuse: "vulkan".into(), ..Job::default() };
     let done = job.run(&lab.runtime().validate());
     assert_eq!(done.code, Some(96), "{}", done.stderr);
@@ -48,7 +48,7 @@ fn a_mistake_in_vulkan_is_found() {
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_mistake_in_openxr_is_found() {
-    let lab = Lab::enter();
+    let lab = RuntimeSlot::enter();
     let done = Job { misuse: "openxr".into(), ..Job::default() }.run(&lab.runtime().validate());
     assert_eq!(done.code, Some(96), "{}", done.stderr);
     let complaints = done.complaints().join("\n");

@@ -1,9 +1,9 @@
-//! Damaged files, and what must hold of whatever is still read of them.
+//! Damages files, and checks whatever is still read of them.
 
 use points::Scan;
 use proptest::sample::Index;
 
-/// Bytes of which some are others, and which may end early.
+/// Changes some of the bytes, and may cut off the end.
 pub fn damaged(mut bytes: Vec<u8>, damage: &[(Index, u8)], cut: Option<Index>) -> Vec<u8> {
     for (index, value) in damage {
         let index = index.index(bytes.len());
@@ -15,7 +15,7 @@ pub fn damaged(mut bytes: Vec<u8>, damage: &[(Index, u8)], cut: Option<Index>) -
     bytes
 }
 
-/// There are points, and everything is there for each.
+/// Asserts that there are points, and that each column has a value for every point or none at all.
 pub fn assert_sound(scan: &Scan) {
     let file = &scan.files[0];
     let (points, num_points) = (&file.points, file.points.xyz.len());
@@ -35,5 +35,6 @@ pub fn peak_kib() -> Option<u64> {
     line.split_whitespace().nth(1)?.parse().ok()
 }
 
-/// More than all tests of a file need at once, and far less than the headers of the property tests claim.
+/// Memory that reading may take at most: more than all tests of a file need at once, and far less than the headers of
+/// the property tests claim.
 pub const MOST_KIB: u64 = 512 << 10;

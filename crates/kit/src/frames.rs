@@ -1,4 +1,4 @@
-//! What several tests share: clouds made of nothing, and a frame drawn on the GPU and read back.
+//! Helpers of several tests: made-up clouds, and a frame drawn on the GPU and read back.
 
 use cloud::octree::Octree;
 use cloud::spt::{SequentialCloud, build_spt};
@@ -12,7 +12,7 @@ use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::reference::Frame;
 use lab::reference::resolve::{EMPTY, Pixel};
-use lab::synth::{self, Kind, SynthOptions};
+use lab::synth::{self, SynthKind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
 use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
 use render::Look;
@@ -28,9 +28,9 @@ pub fn gpu() -> Arc<Gpu> {
 }
 
 /// splitmix64: reproducible numbers without a dependency.
-pub struct Random(pub u64);
+pub struct SplitMix(pub u64);
 
-impl Random {
+impl SplitMix {
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -45,11 +45,11 @@ impl Random {
 
 /// A courtyard as a scanner sees it, made up: 600 000 points.
 pub fn courtyard() -> Scan {
-    made_up(Kind::Terrestrial, 600_000)
+    made_up(SynthKind::Terrestrial, 600_000)
 }
 
-/// So many points of a kind.
-pub fn made_up(kind: Kind, points: u64) -> Scan {
+/// A made-up scan of this kind and number of points.
+pub fn made_up(kind: SynthKind, points: u64) -> Scan {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("made-up.las");
     let output = Output::new(&out, OutputKind::Scan).expect("a folder");
@@ -60,7 +60,7 @@ pub fn made_up(kind: Kind, points: u64) -> Scan {
 
 /// Points in a box of `edge` world units, in steps of a millimetre.
 pub fn random_points(count: usize, edge: f64, seed: u64) -> Vec<[i32; 3]> {
-    let mut random = Random(seed);
+    let mut random = SplitMix(seed);
     let mut axis = || (random.unit() * edge * 1000.0) as i32;
     (0..count).map(|_| [axis(), axis(), axis()]).collect()
 }
@@ -77,13 +77,13 @@ pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cl
     build(&scan_of(xyz, scale, offset), order, &Progress::hidden()).expect("a cloud")
 }
 
-/// `closest`, one pixel a point, background (1, 2, 3).
+/// Look of `closest` quality, one pixel a point, background (1, 2, 3).
 pub fn plain(full_precision: bool) -> Look {
     let detail = Detail { forced_planes: if full_precision { 3 } else { 0 }, ..Detail::default() };
     Look { background: [1, 2, 3], detail, ..Look::default() }
 }
 
-/// A frame, read back; entries an eye where it is of pixels.
+/// A frame, read back; pixels have an entry per eye.
 pub struct Drawn {
     pub keys: Vec<Vec<u64>>,
     pub depth: Vec<Vec<u32>>,
@@ -92,7 +92,7 @@ pub struct Drawn {
     pub pixels: Vec<Vec<Pixel>>,
     pub images: Vec<Vec<u32>>,
     pub times: FrameTimes,
-    /// Of the first chunk, in batch order.
+    /// Visible batches of the first chunk, in batch order.
     pub visible: Vec<VisibleBatch>,
     pub states: Vec<u32>,
 }
@@ -110,7 +110,7 @@ impl Canvas {
         Self::on(gpu(), sizes_px, look, atomics, LabTechnique::default())
     }
 
-    /// On another device, by any technique.
+    /// A canvas on any device, by any technique.
     pub fn on(
         gpu: Arc<Gpu>,
         sizes_px: &[[u32; 2]],
@@ -126,12 +126,12 @@ impl Canvas {
         Self { gpu, renderer, images, frame: 0 }
     }
 
-    /// For a view, with a flat cloud.
+    /// A canvas for a view, with a flat cloud.
     pub fn flat(cloud: &Cloud, view: &View, look: Look, chunk_limit: u64) -> Self {
         Self::flat_by(LabTechnique::default(), cloud, view, look, chunk_limit)
     }
 
-    /// The same by any technique.
+    /// A canvas for a view, with a flat cloud, by any technique.
     pub fn flat_by(
         technique: LabTechnique,
         cloud: &Cloud,
@@ -145,7 +145,7 @@ impl Canvas {
         canvas
     }
 
-    /// For a view, with a layered cloud.
+    /// A canvas for a view, with a layered cloud.
     pub fn layered(octree: &Octree, view: &View, look: Look, atomics: Atomics, chunk_limit: u64) -> Self {
         let mut canvas = Self::new(&sizes(view), look, atomics);
         let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
@@ -153,7 +153,7 @@ impl Canvas {
         canvas
     }
 
-    /// The same by any technique, which counts; with the bins of its counts.
+    /// A canvas for a view, with a layered cloud, by any technique, which counts; with the bins of its counts.
     pub fn counting(
         octree: &Octree,
         view: &View,
@@ -174,7 +174,7 @@ impl Canvas {
         (canvas, bins)
     }
 
-    /// For a view, with a sequential point tree, whose discs may be wrong by so many pixels.
+    /// A canvas for a view, with a sequential point tree, whose discs may be wrong by `error_px` pixels.
     pub fn sequential(
         spt: &SequentialCloud,
         error_px: f32,
@@ -186,7 +186,7 @@ impl Canvas {
         Self::sequential_by(LabTechnique::tree(error_px), spt, view, look, atomics, chunk_limit)
     }
 
-    /// The same by any technique of trees.
+    /// A canvas for a view, with a sequential point tree, by any technique of trees.
     pub fn sequential_by(
         technique: LabTechnique,
         spt: &SequentialCloud,
@@ -224,7 +224,7 @@ impl Canvas {
         visible.truncate(counters.num_visible as usize);
         visible.sort_by_key(|v| (v.batch, v.flags));
         let targets = self.renderer.targets();
-        // As the CPU reference has it: no color where nothing is.
+        // The CPU reference has no color where there is no point.
         let of_reference = |[depth, color]: Pixel| if depth == EMPTY_DEPTH { EMPTY } else { [depth, color] };
         let finished = (0..view.eyes.len()).map(|eye| {
             let pixels = self.renderer.read_pixels(eye).expect("readback");
@@ -294,7 +294,7 @@ pub fn spt_of(scan: &Scan, cull_backfaces: bool) -> SequentialCloud {
     build_spt(scan, cull_backfaces, &Progress::hidden()).expect("a point tree")
 }
 
-/// For discs, which have their sizes.
+/// Detail for discs, which have their own sizes.
 pub fn discs() -> Detail {
     Detail { fill_reach_px: Some([1.0; 3]), ..Detail::default() }
 }
@@ -308,7 +308,7 @@ pub fn tiers() -> Vec<Atomics> {
     all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
 }
 
-/// What of a frame differs from the CPU reference's.
+/// Says what of a frame differs from the CPU reference's.
 pub fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
     if drawn.visible != want.visible {
         return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));

@@ -3,16 +3,16 @@
 use las::{Builder, Color, Point, Transform, Vector, Writer, point::Format};
 use std::io::Cursor;
 
-/// A file to make.
+/// A LAS or LAZ file to make.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixture {
     /// Minor version of LAS 1.x.
     pub minor: u8,
-    /// 0–10.
+    /// Point format, 0–10.
     pub point_format: u8,
-    /// LAZ.
+    /// True for LAZ.
     pub compressed: bool,
-    /// How many points.
+    /// Number of points.
     pub num_points: usize,
     /// Bytes that each record is longer than its format.
     pub extra_bytes: u16,
@@ -25,12 +25,12 @@ impl Fixture {
         Self { minor, point_format, compressed: false, num_points: 1000, extra_bytes: 0 }
     }
 
-    /// The same as LAZ.
+    /// The same file as LAZ.
     pub fn compressed(self) -> Self {
         Self { compressed: true, ..self }
     }
 
-    /// The same with another number of points.
+    /// The same file with another number of points.
     pub fn with_points(self, num_points: usize) -> Self {
         Self { num_points, ..self }
     }
@@ -58,7 +58,7 @@ impl Fixture {
     }
 
     fn point(&self, index: usize, format: &Format) -> Point {
-        // Anything that is not regular: a multiplicative hash.
+        // A multiplicative hash gives values without any regularity.
         let hash = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let part = |shift: u64, bits: u64| (hash >> shift) & ((1 << bits) - 1);
         Point {
@@ -80,7 +80,7 @@ impl Fixture {
     }
 }
 
-/// Writes `bytes` into a folder of its own; the file lives as long as what is returned first.
+/// Writes `bytes` into a folder of its own; the file lives as long as the folder that is returned.
 pub fn save(name: &str, bytes: &[u8]) -> (tempfile::TempDir, std::path::PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);

@@ -1,4 +1,4 @@
-//! The test kit: what several test programs share. Nothing of it is in the program.
+//! The test kit: code that several test programs share. Nothing of it is in the program.
 #![allow(missing_docs, reason = "tests are its only readers, and stand beside it")]
 
 pub mod damage;

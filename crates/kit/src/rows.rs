@@ -3,13 +3,13 @@
 use std::path::Path;
 
 /// Names of columns, and rows of text.
-pub struct Rows {
+pub struct LogRows {
     names: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-impl Rows {
-    /// Of a file, without the lines that begin with `#`.
+impl LogRows {
+    /// Reads a file, without the lines that begin with `#`.
     pub fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(path).expect("a log");
         let cells = |line: &str| line.split(',').map(str::to_owned).collect();

@@ -7,19 +7,19 @@ use std::time::{Duration, Instant};
 use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask, InputFocus};
 
 /// Red, green, blue, 0–255.
-pub type Pixel = [u8; 3];
+pub type Rgb = [u8; 3];
 
-/// A screen of 1600 × 1000; gone when dropped.
+/// A screen of 1600 × 1000 pixels; it is gone when dropped.
 pub struct Screen {
     server: Child,
-    /// ":99"
+    /// Name of the display, such as ":99".
     pub display: String,
     folder: tempfile::TempDir,
 }
 
-/// A window on it, without decorations, since there is no window manager.
+/// Place and size of a window on the screen. It has no decorations, since there is no window manager.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Geometry {
+pub struct WindowArea {
     pub x: usize,
     pub y: usize,
     pub width: usize,
@@ -31,11 +31,11 @@ pub struct Geometry {
 pub struct Picture {
     pub width: usize,
     pub height: usize,
-    pub pixels: Vec<Pixel>,
+    pub pixels: Vec<Rgb>,
 }
 
 impl Picture {
-    pub fn at(&self, x: usize, y: usize) -> Pixel {
+    pub fn at(&self, x: usize, y: usize) -> Rgb {
         self.pixels[y * self.width + x]
     }
 
@@ -47,7 +47,7 @@ impl Picture {
         self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count()
     }
 
-    /// Kept for people if SCANWALK_TEST_PICTURES names a folder.
+    /// Keeps the picture for people if SCANWALK_TEST_PICTURES names a folder.
     pub fn keep(&self, name: &str) {
         let Some(folder) = std::env::var_os("SCANWALK_TEST_PICTURES") else { return };
         let file = std::fs::File::create(PathBuf::from(folder).join(format!("{name}.png"))).unwrap();
@@ -84,7 +84,7 @@ impl Screen {
         Self { server, display, folder }
     }
 
-    /// What xdotool prints; `None` if it fails (a window that is not there yet).
+    /// Runs xdotool and returns what it prints; `None` if it fails (as for a window that is not there yet).
     pub fn try_xdotool(&self, arguments: &[&str]) -> Option<String> {
         let output = Command::new("xdotool")
             .args(arguments)
@@ -98,13 +98,13 @@ impl Screen {
         self.try_xdotool(arguments).unwrap_or_else(|| panic!("xdotool {arguments:?} failed"))
     }
 
-    pub fn geometry(&self, window: &str) -> Geometry {
+    pub fn geometry(&self, window: &str) -> WindowArea {
         let text = self.xdotool(&["getwindowgeometry", "--shell", window]);
         let value = |name: &str| {
             let line = text.lines().find_map(|l| l.strip_prefix(name)?.strip_prefix('='));
             line.and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("{name} in {text}"))
         };
-        Geometry { x: value("X"), y: value("Y"), width: value("WIDTH"), height: value("HEIGHT") }
+        WindowArea { x: value("X"), y: value("Y"), width: value("WIDTH"), height: value("HEIGHT") }
     }
 
     /// Asks a window to close as a desktop's close button does.

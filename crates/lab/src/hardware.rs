@@ -2,27 +2,27 @@
 
 use render::gpu::Gpu;
 
-/// Depths of hardware points.
+/// Format of the depth buffer of hardware points.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What one pipeline of hardware points differs in from another.
+/// How one pipeline of hardware points differs from another.
 #[derive(Clone, Copy, Debug)]
-pub struct Points<'a> {
-    /// With an entry point `fragment`.
+pub struct PointPipeline<'a> {
+    /// Shaders, with a fragment entry point named `fragment`.
     pub module: &'a wgpu::ShaderModule,
-    /// The vertices' entry point.
+    /// Name of the vertex entry point.
     pub vertex: &'a str,
-    /// What vertices are read from.
+    /// Vertex buffers; none if the vertex shader reads the cloud's own planes.
     pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
-    /// Of the image.
+    /// Format of the color image.
     pub format: wgpu::TextureFormat,
-    /// Which of two depths stays.
+    /// Depth comparison that a nearer point passes.
     pub nearer: wgpu::CompareFunction,
 }
 
-/// A pipeline that draws points of one pixel, hidden by [`DEPTH_FORMAT`] depths.
+/// A pipeline that draws points of one pixel with a depth test against a [`DEPTH_FORMAT`] buffer.
 #[must_use]
-pub fn pipeline(gpu: &Gpu, points: Points) -> wgpu::RenderPipeline {
+pub fn pipeline(gpu: &Gpu, points: PointPipeline) -> wgpu::RenderPipeline {
     let compilation_options = wgpu::PipelineCompilationOptions::default;
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("point-list"),

@@ -1,5 +1,5 @@
-//! The laboratory: what measures, compares and proves, and no walk needs. Made-up scans, the stages on the CPU, the papers'
-//! methods and tables, sequential point trees, and reports of what was measured.
+//! The laboratory: code that measures, compares and proves, and that no walk needs. It holds made-up scans, CPU
+//! references of the stages, the papers' methods and tables, sequential point trees, and reports of measurements.
 
 pub mod bench;
 mod hardware;

@@ -5,7 +5,7 @@ mod on_gpu;
 
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
-use kit::frames::Random;
+use kit::frames::SplitMix;
 use lab::reference::color::Sum;
 use lab::reference::dilate::{dilate, radius_px};
 use lab::reference::resolve::{EMPTY, Pixel, blend};
@@ -57,7 +57,7 @@ fn depth_of(pixel: Pixel) -> f32 {
 
 /// Two smooth surfaces, one before the other, of which `percent` of the pixels are there, and single points anywhere.
 fn sparse([width, height]: [u32; 2], percent: u64, seed: u64) -> Vec<Pixel> {
-    let mut random = Random(seed);
+    let mut random = SplitMix(seed);
     let mut pixels = Vec::new();
     for y in 0..height {
         for x in 0..width {
@@ -137,7 +137,7 @@ fn gpu_equals_its_reference_where_few_pixels_take() {
     let slope: Vec<Pixel> =
         (0..30_000).map(|i| pixel(1.0 + 0.001 * (i / 200) as f32, [i as u8, 9, 200])).collect();
     assert_eq!(dilate(&view, &by_ring(0), &slope), slope);
-    let mut random = Random(23);
+    let mut random = SplitMix(23);
     for num_holes in [0, 1, 2, 40, 700] {
         let mut surface = slope.clone();
         for _ in 0..num_holes {
@@ -201,7 +201,7 @@ fn hidden_pixels_show_the_background_and_colors_the_images_order() {
 /// Puts this many points into each pixel of a surface at most, so that there are sums of all sizes, whose means are
 /// not the colors that the surface had.
 fn sums_of(surface: &[Pixel], max_points: u64) -> Vec<Sum> {
-    let mut random = Random(17);
+    let mut random = SplitMix(17);
     let mut sum = |&[depth, color]: &Pixel| {
         let [r, g, b, _] = color.to_le_bytes().map(u64::from);
         let count = 1 + random.bits() % max_points;
@@ -285,7 +285,7 @@ fn rings_follow_the_angle_from_the_gaze() {
 #[test]
 fn one_surface_without_holes_stays() {
     let view = view([40, 30]);
-    let mut random = Random(3);
+    let mut random = SplitMix(3);
     let surface: Vec<Pixel> =
         (0..1200).map(|_| pixel(2.5, [random.bits() as u8, random.bits() as u8, 7])).collect();
     assert_eq!(dilate(&view, &by_ring(0), &surface), surface);
@@ -307,7 +307,7 @@ fn the_far_never_bleeds_over_the_near() {
         let mut near = sparse(size, 50, 4);
         near.iter_mut().filter(|p| !(2.0..2.1).contains(&depth_of(**p))).for_each(|p| *p = EMPTY);
         let mut both = near.clone();
-        let mut random = Random(5);
+        let mut random = SplitMix(5);
         for p in both.iter_mut().filter(|p| **p == EMPTY) {
             *p = pixel(2.3 + random.unit() as f32, [random.bits() as u8; 3]);
         }

@@ -2,8 +2,8 @@
 //! device and reads what its compositor shows.
 //!
 //! ```text
-//! let lab = Lab::enter();
-//! let mut run = lab.runtime().compositor(Compositor::Xcb).validate().start(program, &["view", …]);
+//! let slot = RuntimeSlot::enter();
+//! let mut run = slot.runtime().compositor(Compositor::Xcb).validate().start(program, &["view", …]);
 //! run.remote().send(&Packet::default());
 //! let shown = run.screen();
 //! let done = run.finish();
@@ -23,7 +23,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// The checkout.
+/// Folder of the checkout.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
@@ -40,15 +40,16 @@ fn script() -> PathBuf {
     root().join("scripts/headless-runtime")
 }
 
-/// Runtimes at a time on a machine: they share its cores and want a steady beat, but wait for that most of the time.
+/// Runtimes that a machine runs at a time. They share its cores and want a steady beat, but wait for it most of the
+/// time.
 const PLACES: usize = 2;
 
-/// The right to run a runtime: a place in the laboratory.
-pub struct Lab {
+/// The right to run a runtime, of which a machine runs few at a time.
+pub struct RuntimeSlot {
     _place: File,
 }
 
-impl Lab {
+impl RuntimeSlot {
     /// Prepares the runtime and waits for its turn.
     ///
     /// # Panics
@@ -71,8 +72,8 @@ impl Lab {
     }
 
     /// A runtime that shows nothing, with the remote device.
-    pub fn runtime(&self) -> Runtime {
-        Runtime::default()
+    pub fn runtime(&self) -> TestRuntime {
+        TestRuntime::default()
     }
 }
 
@@ -92,17 +93,17 @@ fn prepare() {
 /// Where the compositor shows its images.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Compositor {
-    /// Nowhere; 320 × 240 an eye, 20 Hz.
+    /// Nowhere; 320 × 240 pixels an eye, 20 Hz.
     Null,
-    /// On a virtual screen of 1920 × 1080: 960 × 1080 an eye, unscaled and undistorted.
+    /// On a virtual screen of 1920 × 1080 pixels: 960 × 1080 an eye, unscaled and undistorted.
     Xcb,
-    /// There is none, and no runtime.
+    /// There is no compositor, and no runtime.
     None,
 }
 
-/// What plays the headset.
+/// The device that plays the headset.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Device {
+pub enum HeadsetDevice {
     /// Poses and buttons as sent by [`poses::Remote`].
     Remote,
     /// A head that sways by 5 cm, no hands.
@@ -111,23 +112,23 @@ pub enum Device {
 
 /// How to run a program.
 #[derive(Clone)]
-pub struct Runtime {
+pub struct TestRuntime {
     variables: Vec<(String, String)>,
     timeout_s: u32,
     validate: bool,
 }
 
-impl Default for Runtime {
+impl Default for TestRuntime {
     fn default() -> Self {
         Self { variables: Vec::new(), timeout_s: 60, validate: false }
     }
 }
 
-impl Runtime {
-    /// Its Vulkan driver and layers alone, for programs that open no headset: these wait for no turn.
+impl TestRuntime {
+    /// The runtime's Vulkan driver and layers alone, for programs that open no headset and so wait for no turn.
     ///
     /// # Panics
-    /// Those of [`Lab::enter`].
+    /// Those of [`RuntimeSlot::enter`].
     pub fn drivers() -> Self {
         prepare();
         Self::default().compositor(Compositor::None)
@@ -148,11 +149,12 @@ impl Runtime {
         self.variable("XR_COMPOSITOR", name)
     }
 
-    pub fn device(self, device: Device) -> Self {
-        self.variable("XR_DEVICE", if device == Device::Remote { "remote" } else { "simulated" })
+    pub fn device(self, device: HeadsetDevice) -> Self {
+        self.variable("XR_DEVICE", if device == HeadsetDevice::Remote { "remote" } else { "simulated" })
     }
 
-    /// OpenXR validation and Vulkan validation, with synchronisation validation; see [`Finished::assert_valid`].
+    /// Turns on OpenXR validation, and Vulkan validation with synchronisation validation; see
+    /// [`Finished::assert_valid`].
     pub fn validate(mut self) -> Self {
         self.validate = true;
         self.variable("XR_VALIDATE", "1").variable("VK_LAYER_VALIDATE_SYNC", "1")
@@ -166,7 +168,7 @@ impl Runtime {
             .variable("XR_ENABLE_API_LAYERS", "XR_APILAYER_TEST_fault")
     }
 
-    /// Seconds until the program is stopped.
+    /// Sets the seconds until the program is stopped.
     pub fn timeout_s(mut self, seconds: u32) -> Self {
         self.timeout_s = seconds;
         self
@@ -174,7 +176,7 @@ impl Runtime {
 
     /// Starts the runtime and in it the program.
     pub fn start(&self, program: &Path, args: &[&str]) -> Running {
-        // Under /tmp: the path of the runtime's socket must be short.
+        // The folder is under /tmp, since the path of the runtime's socket must be short.
         let folder = tempfile::Builder::new().prefix("xr").tempdir_in("/tmp").expect("a temporary folder");
         let port = free_port();
         let mut child = Command::new(script())
@@ -229,7 +231,7 @@ fn free_port() -> u16 {
     listener.local_addr().expect("a bound address").port()
 }
 
-/// Builds the fault layer; the folder of its manifest.
+/// Builds the fault layer and returns the folder of its manifest.
 fn fault_layer() -> &'static Path {
     static LAYERS: OnceLock<PathBuf> = OnceLock::new();
     LAYERS.get_or_init(|| {
@@ -289,7 +291,7 @@ impl Running {
         }
     }
 
-    /// What the compositor shows now ([`Compositor::Xcb`]).
+    /// The picture that the compositor shows now ([`Compositor::Xcb`]).
     pub fn screen(&self) -> screen::Image {
         screen::Image::read_xwd(&self.folder().join("fb/Xvfb_screen0")).expect("the virtual screen")
     }
@@ -357,7 +359,7 @@ impl Running {
 impl Drop for Running {
     fn drop(&mut self) {
         if let Ok(None) = self.child.try_wait() {
-            // Not KILL: the script stops what it started.
+            // TERM, unlike KILL, lets the script stop what it started.
             signal("TERM", &self.child.id().to_string());
             let _ = self.child.wait();
         }
@@ -368,7 +370,7 @@ fn signal(name: &str, pid: &str) {
     let _ = Command::new("kill").args(["-s", name, pid]).status();
 }
 
-/// What became of a program.
+/// The result of a program's run.
 pub struct Finished {
     /// Exit code; 96 if validation found errors, 124 if it was stopped for taking too long.
     pub code: Option<i32>,
@@ -386,12 +388,12 @@ impl Finished {
         self.folder.path()
     }
 
-    /// Everything that the validation layers had to say; empty if all is well.
+    /// Everything that the validation layers reported; empty if all is well.
     pub fn complaints(&self) -> Vec<String> {
         assert!(self.validated, "the run was made without validate()");
         let read = |name: &str| fs::read_to_string(self.folder().join(name)).unwrap_or_default();
         let openxr = read("xr_validation.txt");
-        // The layer writes a line when an instance comes and when it goes; without them it was not there.
+        // The layer writes a line when an instance comes and one when it goes; without them the layer was not there.
         let greetings = openxr.lines().filter(|line| line.contains("VALID_DEBUG")).count();
         let mut complaints = self.vulkan_complaints();
         let of_openxr =
@@ -403,7 +405,7 @@ impl Finished {
         complaints
     }
 
-    /// What Vulkan's layer alone had to say, for programs that use no OpenXR.
+    /// Everything that Vulkan's layer alone reported, for programs that use no OpenXR.
     pub fn vulkan_complaints(&self) -> Vec<String> {
         assert!(self.validated, "the run was made without validate()");
         match fs::read_to_string(self.folder().join("vk_validation.txt")) {

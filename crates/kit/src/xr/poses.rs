@@ -7,14 +7,14 @@ use std::time::Duration;
 /// Bytes of a message, either way.
 const PACKET_BYTES: usize = 376;
 
-/// A connection; the device keeps the last packet for as long as it is open. One at a time.
+/// A connection to the device, one at a time; the device keeps the last packet for as long as it is open.
 pub struct Remote(TcpStream);
 
 impl Remote {
     pub fn connect(port: u16) -> io::Result<Self> {
         let mut stream = TcpStream::connect(("127.0.0.1", port))?;
         stream.set_read_timeout(Some(Duration::from_secs(5)))?;
-        // It tells its state twice before it listens.
+        // The device tells its state twice before it listens.
         stream.read_exact(&mut [0; 2 * PACKET_BYTES])?;
         Ok(Self(stream))
     }
@@ -49,10 +49,10 @@ pub struct RemoteEye {
 /// A hand with its controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RemoteHand {
-    /// False: the controller is switched off.
+    /// False if the controller is switched off.
     pub active: bool,
     pub pose: RemotePose,
-    /// x right, y forward.
+    /// Deflection of the stick: x right, y forward.
     pub stick: [f32; 2],
     pub a_pressed: bool,
     pub stick_pressed: bool,

@@ -1,4 +1,4 @@
-//! Reads and compares pictures: what the runtime's compositor shows on the virtual screen.
+//! Reads and compares pictures that the runtime's compositor shows on the virtual screen.
 
 use std::io;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 /// A pixel that is not the same in two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// x, y; 0, 0 is top left.
+    /// Place of the pixel: x, y from the top left.
     pub at: [usize; 2],
     pub here: [u8; 3],
     pub there: [u8; 3],
@@ -28,7 +28,7 @@ impl Image {
         Ok(Self { size, pixels })
     }
 
-    /// Makes one from tightly packed red, green, blue, alpha; alpha is dropped.
+    /// Makes a picture from tightly packed red, green, blue, alpha; alpha is dropped.
     pub fn from_rgba(size: [usize; 2], rgba: &[u8]) -> Self {
         let pixels: Vec<_> = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
         assert_eq!(pixels.len(), size[0] * size[1]);

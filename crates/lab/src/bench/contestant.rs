@@ -1,6 +1,6 @@
-//! A way to draw, ready to draw: a renderer of its own, and the cloud that it is lent.
+//! Renderers that take part in a comparison: each draws in its own way a cloud that it is lent.
 
-use super::point_list::{self, PointList};
+use super::point_list::{self, VertexList};
 use crate::report::BytesRead;
 use crate::technique::counts::Counts;
 use crate::technique::tree::VISIBLE_DISCS;
@@ -18,47 +18,47 @@ use std::sync::Arc;
 use std::time::Instant;
 use timing::STAGES;
 
-/// sRGB, as headsets have it.
+/// Format of the images: sRGB, as headsets have it.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// GPU milliseconds of one frame.
+/// Milliseconds that one frame took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// Of all of it.
+pub struct FrameMs {
+    /// GPU time of the whole frame.
     pub gpu_ms: f64,
-    /// Of each of [`STAGES`]; NaN for hardware points.
+    /// GPU time of each of [`STAGES`]; NaN for hardware points.
     pub stage_ms: [f64; STAGES.len()],
-    /// In which the CPU records and sends it; NaN for hardware points.
+    /// Time in which the CPU records and sends the frame; NaN for hardware points.
     pub cpu_ms: f64,
 }
 
-/// What a frame reads and draws, all eyes together.
+/// Counts of what a frame reads and draws, all eyes together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
+pub struct FrameCounts {
     /// Batches of the cloud.
     pub num_batches: u64,
     /// Batches that were drawn.
     pub num_batches_drawn: u64,
     /// Points whose coordinates were loaded.
     pub points_read: u64,
-    /// Points, or discs, that asked for a pixel: in the picture and, where the method looks first, the nearest when they
-    /// came.
+    /// Points or discs that asked for a pixel: those in the picture, and in methods that look first only those that
+    /// were the nearest when they came.
     pub points_drawn: u64,
-    /// Pixels that they asked for, or wrote without asking.
+    /// Pixels that these points asked for, or wrote without asking.
     pub pixels_asked: u64,
     /// Discs of a point tree that the tolerance draws, in the picture or not.
     pub discs_chosen: u64,
-    /// What the geometry stages load.
+    /// Bytes that the geometry stages load.
     pub bytes: BytesRead,
 }
 
-/// A renderer of one way.
+/// A renderer for one way to draw.
 pub struct Compute {
     gpu: Arc<Gpu>,
     renderer: Renderer,
     images: Vec<wgpu::Texture>,
     frame: u64,
-    /// Of the last frame.
+    /// CPU milliseconds of the last frame.
     cpu_ms: f64,
 }
 
@@ -66,12 +66,12 @@ pub struct Compute {
 pub struct Counter {
     compute: Compute,
     method: Method,
-    /// Of [`Counts`].
+    /// Bins of [`Counts`].
     bins: wgpu::Buffer,
 }
 
 impl Compute {
-    /// To draw eyes of these sizes.
+    /// Makes a renderer of eyes of these sizes.
     ///
     /// # Errors
     /// If they do not fit the GPU.
@@ -93,17 +93,22 @@ impl Compute {
         Ok(Self { gpu: Arc::clone(gpu), renderer, images, frame: 0, cpu_ms: f64::NAN })
     }
 
-    /// Draws so many frames of a cloud, of which the last one counts.
+    /// Draws `num_frames` frames of a cloud; only the last one counts.
     ///
     /// # Errors
     /// If the device is lost, or the cloud does not fit.
-    pub fn draw(&mut self, cloud: &mut Option<CloudBuffers>, view: &View, num_frames: u32) -> Result<Sample> {
+    pub fn draw(
+        &mut self,
+        cloud: &mut Option<CloudBuffers>,
+        view: &View,
+        num_frames: u32,
+    ) -> Result<FrameMs> {
         self.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
         let times = (0..num_frames).map(|_| self.frame(view)).last();
         *cloud = self.renderer.take_cloud();
         let times = times.context("no frame to draw")??;
         let stage_ms = times.stage_ms.map(f64::from);
-        Ok(Sample { gpu_ms: times.gpu_ms.into(), stage_ms, cpu_ms: self.cpu_ms })
+        Ok(FrameMs { gpu_ms: times.gpu_ms.into(), stage_ms, cpu_ms: self.cpu_ms })
     }
 
     fn frame(&mut self, view: &View) -> Result<FrameTimes> {
@@ -127,7 +132,7 @@ impl Compute {
 }
 
 impl Counter {
-    /// Of frames of this look, with eyes of these sizes.
+    /// Makes a counter of frames of this look, with eyes of these sizes.
     ///
     /// # Errors
     /// If they do not fit the GPU.
@@ -137,11 +142,11 @@ impl Counter {
         Ok(Self { compute, method: technique.method, bins })
     }
 
-    /// What a frame has to do with a cloud.
+    /// Draws a frame of a cloud and counts what it reads and draws.
     ///
     /// # Errors
     /// Those of [`Compute::draw`].
-    pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<Load> {
+    pub fn load(&mut self, cloud: &mut Option<CloudBuffers>, view: &View) -> Result<FrameCounts> {
         let before = self.counts()?;
         self.compute.renderer.set_cloud(cloud.take().context("no cloud to draw")?)?;
         let times = self.compute.frame(view);
@@ -154,9 +159,9 @@ impl Counter {
         Ok(bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.compute.gpu, &self.bins)?))
     }
 
-    fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<Load> {
+    fn counted(&self, times: &FrameTimes, before: &[Counts]) -> Result<FrameCounts> {
         let after = self.counts()?;
-        // Counts go on from frame to frame, and wrap.
+        // The bins count on from frame to frame, and wrap.
         let sum = |of: fn(&Counts) -> u32| {
             let pairs = after.iter().zip(before);
             pairs.map(|(after, before)| u64::from(of(after).wrapping_sub(of(before)))).sum::<u64>()
@@ -181,7 +186,7 @@ impl Counter {
         }
         let is_narrow = look.quality == Quality::Hqs || self.method == Method::BusyLoop;
         let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
-        Ok(Load {
+        Ok(FrameCounts {
             num_batches,
             num_batches_drawn: times.visible_batches.into(),
             points_read: times.points_read,
@@ -196,32 +201,32 @@ impl Counter {
 /// Hardware points of one eye.
 pub struct Hardware {
     gpu: Arc<Gpu>,
-    point_list: PointList,
+    point_list: VertexList,
     image: wgpu::Texture,
     frame: u64,
 }
 
 impl Hardware {
-    /// With points of its own: 16 bytes each.
+    /// Uploads points of its own, 16 bytes each.
     ///
     /// # Errors
     /// If the device is lost.
     pub fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
-        let point_list = PointList::new(gpu, cloud, &[size_px])?;
+        let point_list = VertexList::new(gpu, cloud, &[size_px])?;
         let image = image(gpu, size_px, point_list::FORMAT);
         Ok(Self { gpu: Arc::clone(gpu), point_list, image, frame: 0 })
     }
 
-    /// Draws so many points at a time from now on.
+    /// Draws this many points per draw call from now on.
     pub fn set_draw_points(&mut self, draw_points: u32) {
         self.point_list.set_draw_points(draw_points);
     }
 
-    /// Draws so many frames, of which the last one counts.
+    /// Draws `num_frames` frames; only the last one counts.
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn draw(&mut self, view: &View, num_frames: u32) -> Result<Sample> {
+    pub fn draw(&mut self, view: &View, num_frames: u32) -> Result<FrameMs> {
         let mut gpu_ms = f64::NAN;
         for _ in 0..num_frames {
             self.frame += 1;
@@ -230,7 +235,7 @@ impl Hardware {
             wait(&self.gpu)?;
             gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?.into();
         }
-        Ok(Sample { gpu_ms, stage_ms: [f64::NAN; STAGES.len()], cpu_ms: f64::NAN })
+        Ok(FrameMs { gpu_ms, stage_ms: [f64::NAN; STAGES.len()], cpu_ms: f64::NAN })
     }
 }
 

@@ -1,4 +1,4 @@
-//! How fast the device's memory is: a plain copy, as the yardstick of what points cost to read.
+//! Bandwidth of the device's memory, measured by a plain copy: the yardstick for what points cost to read.
 
 use anyhow::{Context, Result};
 use base::percentile::Sorted;
@@ -9,7 +9,7 @@ use std::time::Instant;
 const COPY_BYTES: u64 = 256 << 20;
 const COPIES: usize = 7;
 
-/// Bytes read and written by a copy from buffer to buffer, 10⁹ a second: the median of several.
+/// Bytes read and written by a copy from buffer to buffer, in 10⁹ a second: the median of several copies.
 ///
 /// # Errors
 /// If the device is lost.
@@ -18,7 +18,7 @@ pub fn gb_per_s(gpu: &Gpu) -> Result<f64> {
     let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
     let [from, to] = ["copy from", "copy to"].map(|label| gpu.buffer(label, bytes, usage));
     let mut rates = Vec::new();
-    // The first takes the memory, which counts for nothing.
+    // The first copy does not count, since it allocates the memory.
     for _ in 0..=COPIES {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);

@@ -1,7 +1,7 @@
 //! The papers' tables on this machine: every method, order and viewpoint, timed by the GPU's own clock.
 //!
-//! Contestants take turns, so that whatever else the machine does meets them all; a turn draws a frame that does not
-//! count before one that does. What a frame reads and draws is counted in a frame of its own, without a clock.
+//! Contestants take turns, so that other load on the machine meets them all. A turn draws one frame that does not count
+//! before one that does. Another frame, which is not timed, counts what is read and drawn.
 
 mod contestant;
 mod copy;
@@ -25,7 +25,7 @@ use subject::{Model, Subject};
 
 /// Points of a made-up scan on a software driver, which is slow.
 const SOFTWARE_POINTS: u64 = 1_000_000;
-/// On a GPU: the size of the 2021 paper's Retz.
+/// Points of a made-up scan on a GPU: as many as the 2021 paper's Retz has.
 const GPU_POINTS: u64 = 145_000_000;
 /// Bytes of memory that a point takes at most, while scan, cloud and octree are made.
 const BYTES_PER_POINT: u64 = 100;
@@ -48,40 +48,40 @@ pub enum Table {
 /// What to measure.
 #[derive(Clone, Debug)]
 pub struct BenchOptions {
-    /// A scan; `None`: made-up ones.
+    /// The scan to measure with; `None`: made-up ones.
     pub scan: Option<PathBuf>,
-    /// How it is read.
+    /// How the scan is read.
     pub read: ReadOptions,
-    /// Where somebody stands in it.
+    /// Where somebody stands in the scan.
     pub eyes: EyesIn,
     /// Part of the GPU's name; empty: the fastest kind there is.
     pub adapter: String,
-    /// As a headset draws by default.
+    /// Look that a headset draws with by default.
     pub headset_look: Look,
     /// Largest part of the point pool that one binding holds, in bytes; 0: as much as the GPU allows.
     pub chunk_limit: u64,
-    /// Which tables.
+    /// The tables to measure.
     pub tables: Vec<Table>,
     /// Points of the made-up scans; empty: as many as the papers had, or as there is room for.
     pub points: Vec<u64>,
     /// Rows that are wanted beside hardware points, by their methods' names; empty: all.
     pub methods: Vec<String>,
-    /// Frames that count, of each row.
+    /// Frames of each row that count.
     pub num_runs: usize,
     /// Width and height of every picture; `None`: the papers'.
     pub size_px: Option<[u32; 2]>,
 }
 
-/// Where the eye is that sees all of a scene, and where it is inside, in world space; with the metres of a unit.
+/// Eye positions in world space, one that sees all of a scene and one inside it; the number is the metres of a unit.
 pub type EyesIn = fn(&Scene, f64) -> [DVec3; 2];
 
-/// What [`BenchOptions::methods`] may name in these tables: their rows, each once.
+/// Names that [`BenchOptions::methods`] may hold for these tables: those of their rows, each once.
 #[must_use]
 pub fn methods(tables: &[Table]) -> Vec<&'static str> {
     in_order(tables.iter().flat_map(|&table| tables::names(table)))
 }
 
-/// Measures.
+/// Measures the tables.
 ///
 /// # Errors
 /// A GPU that tells no times or lacks 64-bit atomics, an unreadable scan, too little memory.
@@ -144,7 +144,7 @@ pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
     Ok(results)
 }
 
-/// As many points as the papers had, as memory holds, or as a software driver can draw in time.
+/// Points of a made-up scan: as many as the papers had, as memory holds, or as a software driver can draw in time.
 fn default_points(gpu: &Gpu) -> u64 {
     if gpu.is_software() {
         return SOFTWARE_POINTS;

@@ -1,11 +1,12 @@
-//! What the papers measured, to stand beside our rows. Their scans are others: factors can be compared, milliseconds
-//! cannot. Each of their models stands beside the made-up one that is most like it, seen from a like place.
+//! The papers' own figures, to stand beside our rows. The papers used other scans: factors can be compared,
+//! milliseconds cannot. Each of their models stands beside the made-up one that is most like it, seen from a similar
+//! place.
 
 use super::subject::Model;
 use crate::report::{PaperMs, PaperSays};
 
-/// The methods that a table has times of, by orders and methods.
-struct Block {
+/// Times of a paper's table for one model, viewpoint and device, by orders and methods.
+struct PaperTimes {
     table: &'static str,
     model: Model,
     viewpoint: &'static str,
@@ -13,7 +14,7 @@ struct Block {
     device: &'static str,
     methods: &'static [&'static str],
     orders: &'static [&'static str],
-    /// A row an order.
+    /// One row per order, with one time per method.
     ms: &'static [&'static [f64]],
 }
 
@@ -30,14 +31,22 @@ const METHODS_2021: &[&str] = &[
     "hqs",
     "hqs1r",
 ];
-/// The last two are the 2021 paper's, which the 2022 paper measured again.
+/// Methods of the 2022 paper. The last two are the 2021 paper's, which it measured again.
 const METHODS_2022: &[&str] = &["point-list", "basic", "prefetch", "hqs", "lod", "lod-hqs", "dedup", "hqs1r"];
 const ORIGINAL: &[&str] = &["original"];
 const MORTON: &[&str] = &["morton"];
 const ORDERS: &[&str] = &["original", "morton", "shuffled", "shuffled-morton"];
 
-const fn of_2019(model: Model, device: &'static str, ms: &'static [&'static [f64]]) -> Block {
-    Block { table: "2019", model, viewpoint: "overview", device, methods: METHODS_2019, orders: ORIGINAL, ms }
+const fn of_2019(model: Model, device: &'static str, ms: &'static [&'static [f64]]) -> PaperTimes {
+    PaperTimes {
+        table: "2019",
+        model,
+        viewpoint: "overview",
+        device,
+        methods: METHODS_2019,
+        orders: ORIGINAL,
+        ms,
+    }
 }
 
 const fn of_2021(
@@ -45,8 +54,8 @@ const fn of_2021(
     viewpoint: &'static str,
     device: &'static str,
     ms: &'static [&'static [f64]],
-) -> Block {
-    Block { table: "2021", model, viewpoint, device, methods: METHODS_2021, orders: ORDERS, ms }
+) -> PaperTimes {
+    PaperTimes { table: "2021", model, viewpoint, device, methods: METHODS_2021, orders: ORDERS, ms }
 }
 
 const fn of_2022(
@@ -54,15 +63,15 @@ const fn of_2022(
     viewpoint: &'static str,
     device: &'static str,
     ms: &'static [&'static [f64]],
-) -> Block {
-    Block { table: "2022", model, viewpoint, device, methods: METHODS_2022, orders: MORTON, ms }
+) -> PaperTimes {
+    PaperTimes { table: "2022", model, viewpoint, device, methods: METHODS_2022, orders: MORTON, ms }
 }
 
 const RETZ: &str = "RTX 3090, Retz, 145 M points";
 
-/// Of one table, model and viewpoint the first comes first.
+/// Times of the papers' tables. Of several blocks for one table, model and viewpoint, the first is shown first.
 #[expect(clippy::approx_constant, reason = "a time in milliseconds that looks like π")]
-const BLOCKS: &[Block] = &[
+const PAPER_TIMES: &[PaperTimes] = &[
     // [2019, table 1]: AtomicMin with 40-bit depths, splatting, hardware points.
     of_2019(Model::Statue, "RTX 2080 Ti, Heidentor, 26 M points", &[&[1.64, 3.37, 5.71]]),
     of_2019(Model::Statue, "GTX 1060, Heidentor, 26 M points", &[&[4.88, 11.78, 13.60]]),
@@ -193,17 +202,41 @@ const BLOCKS: &[Block] = &[
     of_nodes("large-nodes", "RTX 3090, Lion in 80 nodes", &[&[1000.0 / 1615.0, 1000.0 / 2096.0]]),
 ];
 
-const fn of_order(viewpoint: &'static str, device: &'static str, ms: &'static [&'static [f64]]) -> Block {
+const fn of_order(
+    viewpoint: &'static str,
+    device: &'static str,
+    ms: &'static [&'static [f64]],
+) -> PaperTimes {
     let (table, model) = ("2022-order", Model::Courtyard);
-    Block { table, model, viewpoint, device, methods: &["prefetch"], orders: &["original", "morton"], ms }
+    PaperTimes {
+        table,
+        model,
+        viewpoint,
+        device,
+        methods: &["prefetch"],
+        orders: &["original", "morton"],
+        ms,
+    }
 }
 
-const fn of_nodes(viewpoint: &'static str, device: &'static str, ms: &'static [&'static [f64]]) -> Block {
+const fn of_nodes(
+    viewpoint: &'static str,
+    device: &'static str,
+    ms: &'static [&'static [f64]],
+) -> PaperTimes {
     let (table, model) = ("2021-nodes", Model::Statue);
-    Block { table, model, viewpoint, device, methods: &["point-list", "reduce-early-z"], orders: MORTON, ms }
+    PaperTimes {
+        table,
+        model,
+        viewpoint,
+        device,
+        methods: &["point-list", "reduce-early-z"],
+        orders: MORTON,
+        ms,
+    }
 }
 
-/// [2022 §4.3], of one size.
+/// Milliseconds of the parts of a frame [2022 §4.3], for the paper's image size alone.
 const TABLE_VR: [(&str, f64); 7] = [
     ("depth-both-eyes", 1.7),
     ("depth-one-eye", 1.3),
@@ -215,10 +248,10 @@ const TABLE_VR: [(&str, f64); 7] = [
 ];
 const VR: &str = "RTX 3090, Banyunibo, 529 M points, Valve Index at 2 × 2478 × 2740";
 
-/// [2022, table 2]: nodes processed and rendered, points processed and rendered; of all points, then of those of an
-/// octree. The last is the throughput of `prefetch` [2022 §4.1], million points a second.
-type Counts = (Model, &'static str, [f64; 4], [f64; 4], f64);
-const TABLE_COUNTS: [Counts; 5] = [
+/// A row of [2022, table 2]: nodes processed and rendered, points processed and rendered, first of all points, then of
+/// an octree. The last number is the throughput of `prefetch` [2022 §4.1], in million points a second.
+type PaperCounts = (Model, &'static str, [f64; 4], [f64; 4], f64);
+const TABLE_COUNTS: [PaperCounts; 5] = [
     (Model::Statue, "overview", [6.7e3, 6.7e3, 68.7e6, 13.0e6], [23.5e3, 422.0, 3.9e6, 1.4e6], 69_000.0),
     (
         Model::Landscape,
@@ -250,10 +283,10 @@ const TABLE_COUNTS: [Counts; 5] = [
     ),
 ];
 
-/// What the papers say of a row.
+/// Looks up what the papers say of a row.
 #[must_use]
 pub fn figures(table: &str, model: Model, method: &str, order: &str, viewpoint: &str) -> Paper {
-    let mut ms: Vec<PaperMs> = BLOCKS
+    let mut ms: Vec<PaperMs> = PAPER_TIMES
         .iter()
         .filter(|b| (b.table, b.model, b.viewpoint) == (table, model, viewpoint))
         .filter_map(|block| {
@@ -262,7 +295,7 @@ pub fn figures(table: &str, model: Model, method: &str, order: &str, viewpoint: 
             Some(PaperMs { ms: block.ms[row][column], device: block.device.into() })
         })
         .collect();
-    // The paper's size alone.
+    // The paper measured this image size alone.
     if table == "vr"
         && viewpoint.ends_with("2478x2740")
         && let Some(&(_, part)) = TABLE_VR.iter().find(|(name, _)| *name == method)
@@ -277,7 +310,7 @@ pub fn figures(table: &str, model: Model, method: &str, order: &str, viewpoint: 
 pub struct Paper {
     /// Times; the first is of the model that is most like ours.
     pub ms: Vec<PaperMs>,
-    /// What else.
+    /// The papers' other figures.
     pub says: Option<PaperSays>,
 }
 
@@ -291,7 +324,7 @@ fn says(table: &str, model: Model, method: &str, order: &str, viewpoint: &str) -
     };
     match (table, method) {
         ("2022", "basic" | "prefetch" | "lod") => {
-            let is_here = |counts: &&Counts| (counts.0, counts.1) == (model, viewpoint);
+            let is_here = |counts: &&PaperCounts| (counts.0, counts.1) == (model, viewpoint);
             let &(_, _, flat, octree, m_points_per_s) = TABLE_COUNTS.iter().find(is_here)?;
             let says = of_counts(if method == "lod" { octree } else { flat });
             let m_points_per_s = (method == "prefetch").then_some(m_points_per_s);
@@ -303,7 +336,7 @@ fn says(table: &str, model: Model, method: &str, order: &str, viewpoint: &str) -
             Some(PaperSays { nodes_culled_share: Some(share), ..PaperSays::default() })
         }
         ("vr", "total") if viewpoint.ends_with("2478x2740") => Some(of_counts([195e3, 2e3, 21.4e6, 8e6])),
-        // [SPT §4]: points sent and drawn a second with textures on a Radeon 9700, the CPU's load beside.
+        // [SPT §4]: points sent and drawn a second with textures on a Radeon 9700, and the CPU's load.
         ("spt", "spt") => Some(PaperSays {
             m_points_per_s: Some(77.0),
             m_drawn_per_s: Some(50.0),
@@ -353,7 +386,7 @@ mod tests {
     fn throughputs_are_of_table_1_and_2() {
         for (model, viewpoint, flat, _, m_points_per_s) in TABLE_COUNTS {
             let ms = figures("2022", model, "prefetch", "morton", viewpoint).ms[0].ms;
-            // Times have two digits.
+            // The paper's times have two digits.
             let ratio = flat[2] / ms / 1e3 / m_points_per_s;
             assert!((ratio - 1.0).abs() < 0.05, "{viewpoint}: {ratio}");
         }
@@ -364,7 +397,7 @@ mod tests {
         let is_ours = |name: &&str| {
             ["point-list", "lod", "lod-hqs"].contains(name) || Method::ALL.iter().any(|m| m.name() == *name)
         };
-        for block in BLOCKS {
+        for block in PAPER_TIMES {
             assert!(block.methods.iter().all(is_ours));
             assert_eq!(block.ms.len(), block.orders.len(), "{}", block.device);
             assert!(block.ms.iter().all(|row| row.len() == block.methods.len()), "{}", block.device);

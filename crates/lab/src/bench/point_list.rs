@@ -1,8 +1,8 @@
-//! Hardware points as the papers draw them: vertices of 16 bytes, a depth buffer and a draw an eye, straight into the
-//! image. The same points in the same order as the compute frame gets. It is what `bench` compares with, rather than
-//! the frame's own method `point-list`, since it is faster: opponents are shown at their best.
+//! Hardware points as the papers draw them: vertices of 16 bytes, a depth buffer and one draw an eye, straight into the
+//! image. The points and their order are those of the compute frame. `bench` compares with this renderer rather than
+//! with the frame's own method `point-list`, since it is faster: opponents are shown at their best.
 
-use crate::hardware::{self, DEPTH_FORMAT, Points};
+use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
 use crate::reference::points::cells;
 use anyhow::Result;
 use base::space::{Eye, Split, View};
@@ -24,8 +24,8 @@ const PIECE_BATCHES: usize = 25;
 /// A point as the vertex stage reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-struct Vertex {
-    /// World axes, relative to the cloud's origin.
+struct PointVertex {
+    /// Position along the world axes, relative to the cloud's origin.
     p_in_cloud: [f32; 3],
     /// Red, green, blue, 255; sRGB as stored.
     color: [u8; 4],
@@ -33,26 +33,26 @@ struct Vertex {
 
 /// Draws the eyes of a cloud with hardware points.
 #[derive(Debug)]
-pub struct PointList {
+pub struct VertexList {
     split: Split,
     pipeline: wgpu::RenderPipeline,
     eyes: Vec<EyeTarget>,
-    /// Consecutive points, each with their number; one buffer unless the device's buffers are small.
+    /// Buffers of consecutive points, with their numbers of points; one buffer unless the device's buffers are small.
     points: Vec<(wgpu::Buffer, u32)>,
-    /// Points of a draw.
+    /// Points per draw call.
     draw_points: u32,
     timer: Timer,
 }
 
 #[derive(Debug)]
 struct EyeTarget {
-    /// `clip_from_cloud`.
+    /// Uniform that holds the matrix `clip_from_cloud`.
     matrix: wgpu::Buffer,
     group: wgpu::BindGroup,
     depth: wgpu::Texture,
 }
 
-impl PointList {
+impl VertexList {
     /// Sends a cloud's points to the GPU and makes a depth buffer for each eye, at least one, of these sizes.
     ///
     /// # Errors
@@ -65,7 +65,7 @@ impl PointList {
         Ok(Self { split: cloud.split, pipeline, eyes, points, draw_points: u32::MAX, timer })
     }
 
-    /// Draws so many points at a time from now on, as a node of an octree would be drawn; at least one.
+    /// Draws this many points per draw call from now on, as a node of an octree would be drawn; at least one.
     pub fn set_draw_points(&mut self, draw_points: u32) {
         self.draw_points = draw_points.max(1);
     }
@@ -117,7 +117,8 @@ impl PointList {
         }
     }
 
-    /// Draws frame number `frame` into `images` of [`FORMAT`], one an eye; does not wait for it. When it was sent off.
+    /// Draws frame number `frame` into `images` of [`FORMAT`], one an eye, without waiting for it. Returns the time
+    /// just before its submission.
     pub fn draw(&mut self, gpu: &Gpu, frame: u64, images: &[wgpu::TextureView], view: &View) -> Instant {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.record(&mut encoder, frame, images);
@@ -136,14 +137,14 @@ impl PointList {
         self.timer.collect(gpu, |times| times.total_ms)
     }
 
-    /// Linear depth of an eye's pixels; infinite where no point is.
+    /// Linear depth of an eye's pixels; infinite where there is no point.
     ///
     /// # Errors
     /// If the device is lost.
     pub fn depths(&self, gpu: &Gpu, eye: usize, near: f64) -> Result<Vec<f32>> {
         let bytes = readback::read_texture(gpu, &self.eyes[eye].depth)?;
         let stored: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        // near / 0 is the infinity that is wanted.
+        // A stored depth of 0 means no point, for which near / 0 is the infinity that is wanted.
         Ok(stored.iter().map(|depth| near as f32 / depth).collect())
     }
 }
@@ -175,23 +176,23 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
     let attributes = [
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Float32x3,
-            offset: offset_of!(Vertex, p_in_cloud) as u64,
+            offset: offset_of!(PointVertex, p_in_cloud) as u64,
             shader_location: 0,
         },
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Unorm8x4,
-            offset: offset_of!(Vertex, color) as u64,
+            offset: offset_of!(PointVertex, color) as u64,
             shader_location: 1,
         },
     ];
     let buffer = wgpu::VertexBufferLayout {
-        array_stride: size_of::<Vertex>() as u64,
+        array_stride: size_of::<PointVertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     };
     hardware::pipeline(
         gpu,
-        Points {
+        PointPipeline {
             module: &module,
             vertex: "vertex",
             buffers: &[Some(buffer)],
@@ -201,8 +202,8 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
     )
 }
 
-/// From positions relative to `origin` to clip space: the pixel rows of the compute frame, with pixels
-/// turned to −1…1 and depth to near / w.
+/// Matrix from positions relative to `origin` to clip space: the pixel rows of the compute frame, with pixels scaled to
+/// −1…1 and near / w as depth.
 fn clip_from_cloud(eye: &Eye, origin: DVec3, near: f64) -> Mat4 {
     let [x, y, w] = eye.pixel_from_head(origin).map(DVec4::from_array);
     let [width, height] = eye.size_px.map(f64::from);
@@ -211,7 +212,7 @@ fn clip_from_cloud(eye: &Eye, origin: DVec3, near: f64) -> Mat4 {
 }
 
 fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
-    let vertex_bytes = size_of::<Vertex>() as u64;
+    let vertex_bytes = size_of::<PointVertex>() as u64;
     let batch_bytes = u64::from(BATCH_POINTS) * vertex_bytes;
     let buffer_batches = (gpu.device.limits().max_buffer_size / batch_bytes).max(1);
     let mut buffers = Vec::new();
@@ -225,7 +226,7 @@ fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
         });
         let mut offset = 0;
         for piece in batches.chunks(PIECE_BATCHES) {
-            let vertices: Vec<Vertex> = piece.iter().flat_map(|batch| vertices(cloud, batch)).collect();
+            let vertices: Vec<PointVertex> = piece.iter().flat_map(|batch| vertices(cloud, batch)).collect();
             {
                 let queue = gpu.queue.lock();
                 queue.write_buffer(&buffer, offset, bytemuck::cast_slice(&vertices));
@@ -240,13 +241,13 @@ fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
 }
 
 /// A batch's points at the centres of their 30-bit cells, which is where the compute frame draws them.
-fn vertices(cloud: &Cloud, batch: &Batch) -> impl Iterator<Item = Vertex> {
+fn vertices(cloud: &Cloud, batch: &Batch) -> impl Iterator<Item = PointVertex> {
     let min_in_cloud = batch.min - cloud.split.origin;
     let cell = DVec3::from_array(batch.cell.map(f64::from));
     (batch.first_point..batch.first_point + batch.num_points).map(move |point| {
         let words = [0, 1, 2].map(|plane: usize| cloud.planes[plane][point as usize]);
         let steps = DVec3::from_array(cells(3, words).map(f64::from)) + 0.5;
-        Vertex {
+        PointVertex {
             p_in_cloud: (min_in_cloud + steps * cell).as_vec3().to_array(),
             color: cloud.colors[point as usize].to_le_bytes(),
         }

@@ -1,41 +1,41 @@
-//! From what was counted and timed to rows, beside what the papers say.
+//! Makes rows of counts and times, beside the papers' figures.
 
-use super::contestant::{Load, Sample};
+use super::contestant::{FrameCounts, FrameMs};
 use super::papers::{self, Paper};
 use super::subject::{Model, Subject};
 use crate::report::{BenchRow, BytesRead, GpuMs};
 use base::percentile::Sorted;
 use timing::STAGES;
 
-/// What rows have in common.
+/// Fields that the rows of one measurement have in common.
 #[derive(Clone, Copy)]
-pub struct Of<'a> {
+pub struct RowGroup<'a> {
     pub table: &'a str,
     pub order: &'a str,
     pub subject: &'a Subject,
 }
 
-/// A row's frames.
+/// The frames that a row is made of.
 pub struct Timed {
     pub name: String,
-    pub load: Load,
-    pub samples: Vec<Sample>,
+    pub load: FrameCounts,
+    pub samples: Vec<FrameMs>,
 }
 
-/// Hardware reads every point, 16 bytes each.
-pub fn hardware_load(subject: &Subject, drawn: Load) -> Load {
+/// Load of hardware points, which read every point, 16 bytes each.
+pub fn hardware_load(subject: &Subject, drawn: FrameCounts) -> FrameCounts {
     let points_read = subject.num_points();
     let bytes = BytesRead { planes: 16 * points_read, ..BytesRead::default() };
-    Load { points_read, bytes, num_batches_drawn: drawn.num_batches, ..drawn }
+    FrameCounts { points_read, bytes, num_batches_drawn: drawn.num_batches, ..drawn }
 }
 
-/// What the stages take that read points; NaN for hardware points.
-fn geometry_ms(sample: &Sample) -> f64 {
+/// Time of the stages that read points; NaN for hardware points.
+fn geometry_ms(sample: &FrameMs) -> f64 {
     let of_points = |(stage, _): &(&&str, &f64)| matches!(**stage, "depth" | "color");
     STAGES.iter().zip(&sample.stage_ms).filter(of_points).map(|(_, ms)| ms).sum()
 }
 
-/// Median and range.
+/// Median and range of the values.
 pub fn gpu_ms(values: impl Iterator<Item = f64>) -> GpuMs {
     let sorted = Sorted::new(values);
     let [min, max] = [0, 1000].map(|per_mille| sorted.percentile(per_mille).unwrap_or(0.0));
@@ -43,11 +43,11 @@ pub fn gpu_ms(values: impl Iterator<Item = f64>) -> GpuMs {
 }
 
 /// A row whose samples are of whole frames.
-pub fn row_of_frames(of: Of, viewpoint: &str, timed: &Timed) -> BenchRow {
-    let median = |value: fn(&Sample) -> f64| Sorted::new(timed.samples.iter().map(value)).median();
+pub fn row_of_frames(of: RowGroup, viewpoint: &str, timed: &Timed) -> BenchRow {
+    let median = |value: fn(&FrameMs) -> f64| Sorted::new(timed.samples.iter().map(value)).median();
     let ms = gpu_ms(timed.samples.iter().map(|sample| sample.gpu_ms));
     let cpu_ms = median(|sample| sample.cpu_ms);
-    let Load { discs_chosen, points_read, .. } = timed.load;
+    let FrameCounts { discs_chosen, points_read, .. } = timed.load;
     let is_spt = discs_chosen > 0 && points_read > 0;
     BenchRow {
         geometry_ms: median(geometry_ms).filter(|ms| *ms > 0.0),
@@ -58,9 +58,9 @@ pub fn row_of_frames(of: Of, viewpoint: &str, timed: &Timed) -> BenchRow {
 }
 
 /// A row whose median is that of some part of the frame.
-pub fn row(of: Of, viewpoint: &str, timed: &Timed, gpu_ms: GpuMs) -> BenchRow {
-    let Of { table, order, subject } = of;
-    // Of somebody's scan, places are like the courtyard's.
+pub fn row(of: RowGroup, viewpoint: &str, timed: &Timed, gpu_ms: GpuMs) -> BenchRow {
+    let RowGroup { table, order, subject } = of;
+    // Places of a user's scan are like the courtyard's.
     let model = if subject.model == Model::Scan { Model::Courtyard } else { subject.model };
     let Paper { ms, says } = papers::figures(table, model, &timed.name, order, viewpoint);
     let mut papers = ms.into_iter();

@@ -1,7 +1,7 @@
-//! What is drawn: a scan, in any order, and where from.
+//! The scan that is measured with, in any order, and the places that it is drawn from.
 
 use super::BenchOptions;
-use crate::synth::{self, Kind, SynthOptions};
+use crate::synth::{self, SynthKind, SynthOptions};
 use anyhow::Result;
 use base::output::{Output, OutputKind};
 use base::space::{Bounds, Eye, Fov, Pose, View};
@@ -13,7 +13,7 @@ use glam::DVec3;
 use points::{self, ReadOptions, Scan};
 use std::path::{Path, PathBuf};
 
-/// Of made-up scans: always the same one.
+/// Seed of made-up scans, always the same.
 const SEED: u64 = 1;
 const NEAR_M: f64 = 0.05;
 /// Vertical field of view of pictures with one eye.
@@ -22,7 +22,7 @@ const FOV_Y_DEG: f64 = 60.0;
 const HEADSET_DEG: [f64; 4] = [50.0, 45.0, 48.0, 50.0];
 const EYE_DISTANCE_M: f64 = 0.063;
 
-/// What is measured with.
+/// The model that is measured with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
     /// Made up: a terrestrial scan.
@@ -31,12 +31,12 @@ pub enum Model {
     Landscape,
     /// Made up: photogrammetry.
     Statue,
-    /// The user's.
+    /// The user's scan.
     Scan,
 }
 
 impl Model {
-    /// As rows name it.
+    /// The name in rows.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -50,33 +50,33 @@ impl Model {
 
 /// Where the camera stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// `overview`, `close-up`, `outside-frustum`; of made-up scans also the names that these have.
+pub struct Camera {
+    /// `overview`, `close-up`, `outside-frustum`; made-up scans have further places with names of their own.
     pub name: &'static str,
-    /// World space.
+    /// Position of the camera in world space.
     pub eye: DVec3,
-    /// World space.
+    /// Position in world space that the camera looks at.
     pub target: DVec3,
 }
 
 /// A scan to measure with.
 pub struct Subject {
-    /// Which one.
+    /// The model that it is.
     pub model: Model,
     scan: Scan,
-    places: Vec<Place>,
+    places: Vec<Camera>,
 }
 
 impl Subject {
-    /// A scan of so many points, made up.
+    /// Makes up a scan of this many points.
     ///
     /// # Errors
-    /// If there is no room for its file, or on request.
+    /// If there is no room for its file, or if the task is cancelled.
     pub fn made_up(model: Model, points: u64, task: &Task) -> Result<Self> {
         let (kind, inside) = match model {
-            Model::Landscape => (Kind::Aerial, "village"),
-            Model::Statue => (Kind::Photogrammetry, "face"),
-            Model::Courtyard | Model::Scan => (Kind::Terrestrial, "hall"),
+            Model::Landscape => (SynthKind::Aerial, "village"),
+            Model::Statue => (SynthKind::Photogrammetry, "face"),
+            Model::Courtyard | Model::Scan => (SynthKind::Terrestrial, "hall"),
         };
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("made-up.las");
@@ -84,9 +84,9 @@ impl Subject {
         synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, task)?;
         let scan = points::read(&[out], &ReadOptions::default(), task)?;
         let own =
-            || synth::viewpoints(kind).iter().map(|p| Place { name: p.name, eye: p.eye, target: p.target });
+            || synth::viewpoints(kind).iter().map(|p| Camera { name: p.name, eye: p.eye, target: p.target });
         let place = |name| own().find(|place| place.name == name).map(|place| (place.eye, place.target));
-        // Both names are the scan's own.
+        // A made-up scan has places of both names, so the default is never taken.
         let both = place("overview").zip(place(inside)).unwrap_or_default();
         let mut places = places(&scan.scene.bounds, both.0, both.1);
         places.extend(own().filter(|place| place.name != "overview"));
@@ -95,14 +95,14 @@ impl Subject {
 
     /// The places of these names, in their order.
     #[must_use]
-    pub fn places(&self, names: &[&str]) -> Vec<Place> {
+    pub fn places(&self, names: &[&str]) -> Vec<Camera> {
         names
             .iter()
             .filter_map(|name| self.places.iter().find(|place| place.name == *name).copied())
             .collect()
     }
 
-    /// A scan from a file.
+    /// Reads a scan from a file.
     ///
     /// # Errors
     /// If it cannot be read or is empty.
@@ -122,19 +122,19 @@ impl Subject {
         self.scan.num_points() as u64
     }
 
-    /// All points in an order.
+    /// The flat cloud of all points in an order.
     ///
     /// # Errors
-    /// On request.
+    /// If the task is cancelled.
     pub fn flat(&self, order: Order, task: &Task) -> Result<Cloud> {
         let sorting = task.begin("sorting", "points", self.num_points());
         Ok(cloud::build(&self.scan, order, &sorting)?)
     }
 
-    /// All points in Morton order, in batches of so many.
+    /// The flat cloud of all points in Morton order, in batches of `batch_points`.
     ///
     /// # Errors
-    /// On request.
+    /// If the task is cancelled.
     pub fn in_batches(&self, batch_points: u32, task: &Task) -> Result<Cloud> {
         let sorting = task.begin("sorting", "points", self.num_points());
         Ok(cloud::build_in_batches(&self.scan, Order::Morton, batch_points, &sorting)?)
@@ -143,9 +143,9 @@ impl Subject {
     /// The sequential point tree.
     ///
     /// # Errors
-    /// On request.
+    /// If the task is cancelled.
     pub fn sequential(&self, task: &Task) -> Result<SequentialCloud> {
-        // Points are counted twice, discs once.
+        // Progress counts points twice and discs once.
         let building = task.begin("building the point tree", "points", 7 * self.num_points() / 2);
         Ok(build_spt(&self.scan, false, &building)?)
     }
@@ -153,26 +153,26 @@ impl Subject {
     /// The octree.
     ///
     /// # Errors
-    /// On request.
+    /// If the task is cancelled.
     pub fn layered(&self, task: &Task) -> Result<Octree> {
         let building = task.begin("building the octree", "points", 2 * self.num_points());
         Ok(build_octree(&self.scan, &building)?)
     }
 }
 
-fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> Vec<Place> {
+fn places(bounds: &Bounds, overview: (DVec3, DVec3), inside: (DVec3, DVec3)) -> Vec<Camera> {
     let (eye, target) = overview;
     let away = (eye - target).normalize_or(DVec3::NEG_Y);
     let outside = bounds.center() + away * bounds.size().length();
     vec![
-        Place { name: "overview", eye, target },
-        Place { name: "close-up", eye: inside.0, target: inside.1 },
-        Place { name: "outside-frustum", eye: outside, target: outside + away },
+        Camera { name: "overview", eye, target },
+        Camera { name: "close-up", eye: inside.0, target: inside.1 },
+        Camera { name: "outside-frustum", eye: outside, target: outside + away },
     ]
 }
 
-impl Place {
-    /// One eye that looks there.
+impl Camera {
+    /// The view of one eye at this place.
     #[must_use]
     pub fn mono(&self, size_px: [u32; 2]) -> View {
         let [width, height] = size_px.map(f64::from);
@@ -181,7 +181,7 @@ impl Place {
         View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: NEAR_M }
     }
 
-    /// Both eyes of somebody with a headset.
+    /// The view of both eyes of a headset at this place.
     #[must_use]
     pub fn stereo(&self, size_px: [u32; 2]) -> View {
         let head = Pose::look_at(self.eye, self.target, DVec3::Z);

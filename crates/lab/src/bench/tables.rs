@@ -1,10 +1,10 @@
-//! The papers' tables: who takes part, from where, and what of it becomes a row.
+//! The papers' tables: which ways take part, which places they draw from, and which figures become rows.
 
 use super::Table;
-use super::contestant::{Compute, Counter, Hardware, Load, Sample};
-use super::rows::{Of, Timed, gpu_ms, hardware_load, row, row_of_frames};
-use super::subject::{Model, Place, Subject};
-use super::way::{Form, Way};
+use super::contestant::{Compute, Counter, FrameCounts, FrameMs, Hardware};
+use super::rows::{RowGroup, Timed, gpu_ms, hardware_load, row, row_of_frames};
+use super::subject::{Camera, Model, Subject};
+use super::way::{CloudForm, Way};
 use crate::report::BenchRow;
 use crate::technique::{LabTechnique, Method, tree};
 use anyhow::{Result, ensure};
@@ -21,7 +21,7 @@ use timing::STAGES;
 
 /// Turns that do not count.
 const WARM_UP: usize = 1;
-/// Frames of a turn: the last one counts, when caches and scheduler are as its own kind leaves them.
+/// Frames of a turn. Only the last one counts, when caches and scheduler are as its own kind leaves them.
 const TURN_FRAMES: u32 = 2;
 /// Pixels of the 2021 paper's pictures.
 const SIZE_2021_PX: [u32; 2] = [1920, 1080];
@@ -53,21 +53,21 @@ const METHODS_2021: [Method; 13] = [
     Method::Prefetch,
 ];
 
-/// Points of a node of an octree made with an octree's usual settings, and with coarse ones [2021, table 2].
+/// Points per node of an octree made with usual settings, and of one made with coarse settings [2021, table 2].
 const NODE_POINTS: [(&str, u32); 2] = [("small-nodes", 2_400), ("large-nodes", 49_400)];
 
-/// What all tables need.
+/// Device and settings that all tables share.
 pub struct Bench<'a> {
-    /// As a headset draws by default.
+    /// Look that a headset draws with by default.
     pub headset_look: Look,
     pub gpu: &'a Arc<Gpu>,
-    /// Bytes of the pool in one binding at most; 0: what the GPU allows.
+    /// Largest part of the point pool in one binding, in bytes; 0: what the GPU allows.
     pub chunk_limit: u64,
     /// Turns that count.
     pub num_runs: usize,
-    /// Of every picture; `None`: the papers'.
+    /// Size of every picture; `None`: the papers'.
     pub size_px: Option<[u32; 2]>,
-    /// Only these, beside hardware points; empty: all.
+    /// Names of the rows that are wanted beside hardware points; empty: all.
     pub methods: &'a [String],
     pub task: &'a Task,
 }
@@ -76,7 +76,7 @@ pub struct Bench<'a> {
 struct Contestants {
     size_px: [u32; 2],
     ways: Vec<(Way, Compute, Counter)>,
-    /// Hardware is asked by every point in the picture: so is this.
+    /// Counter of a method in which every point in the picture asks for its pixel, as hardware points do.
     asked: Counter,
 }
 
@@ -91,21 +91,21 @@ struct Clouds {
 impl Clouds {
     fn of(&mut self, way: &Way) -> &mut Option<CloudBuffers> {
         match way.form {
-            Form::Flat => &mut self.flat,
-            Form::Octree => &mut self.layered,
-            Form::Spt => &mut self.sequential,
+            CloudForm::Flat => &mut self.flat,
+            CloudForm::Octree => &mut self.layered,
+            CloudForm::Spt => &mut self.sequential,
         }
     }
 }
 
-/// Those of [`Bench::table_2021`].
+/// Ways of [`Bench::table_2021`].
 fn ways_2021() -> Vec<Way> {
     METHODS_2021.into_iter().map(Way::paper_2021).collect()
 }
 
-/// Those of [`Bench::table_2022`].
+/// Ways of [`Bench::table_2022`].
 fn ways_2022() -> Vec<Way> {
-    let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, Form::Flat);
+    let flat = |name, method| Way::paper_2022(name, method, Quality::Closest, CloudForm::Flat);
     let (basic, prefetch) = (flat("basic", Method::Basic), flat("prefetch", Method::Prefetch));
     let full = |name, way| Way { name, precision: Precision::Full, ..way };
     let unculled = |name, way| Way { name, cull: false, ..way };
@@ -118,34 +118,34 @@ fn ways_2022() -> Vec<Way> {
         unculled("prefetch-no-cull", prefetch),
         Way { name: "just-set", method: Some(Method::JustSet), ..basic },
         flat("prefetch-just-set", Method::PrefetchJustSet),
-        Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, Form::Flat),
-        Way::paper_2022("lod", Method::Prefetch, Quality::Closest, Form::Octree),
-        Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, Form::Octree),
-        // The paper's own earlier ones beside it.
+        Way::paper_2022("hqs", Method::Prefetch, Quality::Hqs, CloudForm::Flat),
+        Way::paper_2022("lod", Method::Prefetch, Quality::Closest, CloudForm::Octree),
+        Way::paper_2022("lod-hqs", Method::Prefetch, Quality::Hqs, CloudForm::Octree),
+        // The paper compares with these earlier methods of its authors.
         Way::paper_2021(Method::Dedup),
         Way::paper_2021(Method::Hqs1r),
     ]
 }
 
-/// Those of [`Bench::table_2019`].
+/// Ways of [`Bench::table_2019`].
 fn ways_2019() -> Vec<Way> {
     [Method::Fixed40, Method::Hqs].map(Way::paper_2021).to_vec()
 }
 
-/// Those of [`Bench::table_spt`].
+/// Ways of [`Bench::table_spt`].
 fn ways_spt() -> Vec<Way> {
     let way = |name, quality, form| Way::paper_2022(name, Method::Prefetch, quality, form);
     vec![
-        way("prefetch", Quality::Closest, Form::Flat),
-        way("lod", Quality::Closest, Form::Octree),
-        way("spt", Quality::Closest, Form::Spt),
-        way("hqs", Quality::Hqs, Form::Flat),
-        way("lod-hqs", Quality::Hqs, Form::Octree),
-        way("spt-hqs", Quality::Hqs, Form::Spt),
+        way("prefetch", Quality::Closest, CloudForm::Flat),
+        way("lod", Quality::Closest, CloudForm::Octree),
+        way("spt", Quality::Closest, CloudForm::Spt),
+        way("hqs", Quality::Hqs, CloudForm::Flat),
+        way("lod-hqs", Quality::Hqs, CloudForm::Octree),
+        way("spt-hqs", Quality::Hqs, CloudForm::Spt),
     ]
 }
 
-/// Names that rows of a table have, beside hardware points; none for one whose rows are no methods.
+/// Names of a table's rows beside hardware points; none for a table whose rows are no methods.
 pub fn names(table: Table) -> Vec<&'static str> {
     let ways = match table {
         Table::Paper2019 => ways_2019(),
@@ -166,7 +166,7 @@ pub fn models(table: Table) -> &'static [Model] {
     }
 }
 
-/// Where a table looks at a model from: the papers' places first.
+/// Names of the places that a table looks at a model from, the papers' first.
 fn places(table: Table, model: Model) -> &'static [&'static str] {
     match (table, model) {
         (Table::Paper2021, Model::Statue) => &["overview", "face"],
@@ -178,21 +178,21 @@ fn places(table: Table, model: Model) -> &'static [&'static str] {
 }
 
 impl Bench<'_> {
-    /// 40-bit depths, two passes, and hardware points [2019, table 1].
+    /// Measures 40-bit depths, two passes, and hardware points [2019, table 1].
     pub fn table_2019(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_2019(), SIZE_2021_PX)?;
-        let of = Of { table: "2019", order: "original", subject };
+        let of = RowGroup { table: "2019", order: "original", subject };
         let places = subject.places(places(Table::Paper2019, subject.model));
         self.flat_rows(of, Order::Original, &mut contestants, &places)
     }
 
-    /// Methods × orders × viewpoints [2021, tables 1 and 3 to 5]; and what small nodes cost [2021, table 2].
+    /// Measures methods × orders × viewpoints [2021, tables 1 and 3 to 5], and what small nodes cost [2021, table 2].
     pub fn table_2021(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_2021(), SIZE_2021_PX)?;
         let places = subject.places(places(Table::Paper2021, subject.model));
         let mut rows = Vec::new();
         for (order, name) in ORDERS {
-            let of = Of { table: "2021", order: name, subject };
+            let of = RowGroup { table: "2021", order: name, subject };
             rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
         }
         if subject.model == Model::Statue {
@@ -201,8 +201,8 @@ impl Bench<'_> {
         Ok(rows)
     }
 
-    /// All points as nodes of an octree: hardware draws each by itself, compute shaders in batches no larger
-    /// [2021, table 2].
+    /// Measures all points as nodes of an octree: hardware points with a draw per node, compute shaders with batches no
+    /// larger than a node [2021, table 2].
     fn rows_of_nodes(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(vec![Way::paper_2021(Method::ReduceEarlyZ)], SIZE_2021_PX)?;
         let mut rows = Vec::new();
@@ -211,17 +211,17 @@ impl Bench<'_> {
             let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
             drop(cloud);
             hardware.set_draw_points(node_points);
-            let of = Of { table: "2021-nodes", order: "morton", subject };
-            // The place is one; what differs are the nodes.
-            let places: Vec<Place> =
-                subject.places(&["overview"]).into_iter().map(|place| Place { name, ..place }).collect();
+            let of = RowGroup { table: "2021-nodes", order: "morton", subject };
+            // All rows are of one place; they differ in the nodes.
+            let places: Vec<Camera> =
+                subject.places(&["overview"]).into_iter().map(|place| Camera { name, ..place }).collect();
             rows.extend(self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)?);
         }
         Ok(rows)
     }
 
-    /// Flat clouds and octrees, with and without what makes them fast [2022, tables 1 and 2]; and what the order of a
-    /// scanner costs [2022 §4.2].
+    /// Measures flat clouds and octrees, with and without what makes them fast [2022, tables 1 and 2], and what the
+    /// order of a scanner costs [2022 §4.2].
     pub fn table_2022(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_2022(), SIZE_2022_PX)?;
         let cloud = subject.flat(Order::Morton, self.task)?;
@@ -229,22 +229,22 @@ impl Bench<'_> {
         drop(cloud);
         clouds.layered = Some(self.layered(subject)?);
         let places = subject.places(places(Table::Paper2022, subject.model));
-        let of = Of { table: "2022", order: "morton", subject };
+        let of = RowGroup { table: "2022", order: "morton", subject };
         let mut rows = self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)?;
         drop((hardware, clouds));
         if subject.model == Model::Courtyard {
-            let prefetch = Way::paper_2022("prefetch", Method::Prefetch, Quality::Closest, Form::Flat);
+            let prefetch = Way::paper_2022("prefetch", Method::Prefetch, Quality::Closest, CloudForm::Flat);
             let mut contestants = self.contestants(vec![prefetch], SIZE_2022_PX)?;
             let places = subject.places(&["overview", "close-up"]);
             for (order, name) in [(Order::Original, "original"), (Order::Morton, "morton")] {
-                let of = Of { table: "2022-order", order: name, subject };
+                let of = RowGroup { table: "2022-order", order: name, subject };
                 rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
             }
         }
         Ok(rows)
     }
 
-    /// Sequential point trees beside octrees and every point [SPT §4].
+    /// Measures sequential point trees beside octrees and every point [SPT §4].
     pub fn table_spt(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut contestants = self.contestants(ways_spt(), SIZE_2022_PX)?;
         let cloud = subject.flat(Order::Morton, self.task)?;
@@ -256,11 +256,11 @@ impl Bench<'_> {
         clouds.sequential = Some(tree::upload(self.gpu, &spt, self.chunk_limit, &silent)?);
         drop(spt);
         let places = subject.places(places(Table::Spt, subject.model));
-        let of = Of { table: "spt", order: "morton", subject };
+        let of = RowGroup { table: "spt", order: "morton", subject };
         self.rows(of, &mut contestants, &mut hardware, &mut clouds, &places)
     }
 
-    /// Those of the ways that are wanted and that this GPU can do.
+    /// Makes contestants of the ways that are wanted and that this GPU can draw.
     fn contestants(&self, mut ways: Vec<Way>, paper_px: [u32; 2]) -> Result<Contestants> {
         let size_px = self.size_px.unwrap_or(paper_px);
         let is_wanted =
@@ -279,7 +279,7 @@ impl Bench<'_> {
         })
     }
 
-    /// A flat cloud, for hardware points and for all others.
+    /// Uploads a flat cloud twice: for hardware points, and for all other ways.
     fn flat(&self, cloud: &Cloud, size_px: [u32; 2]) -> Result<(Hardware, Clouds)> {
         let hardware = Hardware::new(self.gpu, cloud, size_px)?;
         let flat = CloudBuffers::upload(
@@ -297,13 +297,13 @@ impl Bench<'_> {
         Ok(CloudBuffers::upload_layered(self.gpu, &octree, self.chunk_limit, &silent)?)
     }
 
-    /// Rows of all points in an order.
+    /// Measures the rows of all points in an order.
     fn flat_rows(
         &self,
-        of: Of,
+        of: RowGroup,
         order: Order,
         contestants: &mut Contestants,
-        places: &[Place],
+        places: &[Camera],
     ) -> Result<Vec<BenchRow>> {
         let cloud = of.subject.flat(order, self.task)?;
         let (mut hardware, mut clouds) = self.flat(&cloud, contestants.size_px)?;
@@ -311,14 +311,14 @@ impl Bench<'_> {
         self.rows(of, contestants, &mut hardware, &mut clouds, places)
     }
 
-    /// A row for each way and hardware points from each place.
+    /// Measures a row for each way, and for hardware points, from each place.
     fn rows(
         &self,
-        of: Of,
+        of: RowGroup,
         contestants: &mut Contestants,
         hardware: &mut Hardware,
         clouds: &mut Clouds,
-        places: &[Place],
+        places: &[Camera],
     ) -> Result<Vec<BenchRow>> {
         let mut rows = Vec::new();
         for place in places {
@@ -361,7 +361,7 @@ impl Bench<'_> {
         Ok(rows)
     }
 
-    /// Where the time of a headset's frame goes, one eye and both [2022 §4.3].
+    /// Measures where the time of a headset's frame goes, for one eye and for both [2022 §4.3].
     pub fn table_vr(&self, subject: &Subject) -> Result<Vec<BenchRow>> {
         let mut cloud = Some(self.layered(subject)?);
         let mut rows = Vec::new();
@@ -377,7 +377,7 @@ impl Bench<'_> {
         cloud: &mut Option<CloudBuffers>,
         size_px: [u32; 2],
     ) -> Result<Vec<BenchRow>> {
-        // The frame as the program draws it unless told otherwise.
+        // This is the look that the program draws with unless told otherwise.
         let look = self.headset_look;
         let place = subject.places(places(Table::Vr, subject.model))[0];
         let both_eyes = place.stereo(size_px);
@@ -398,11 +398,11 @@ impl Bench<'_> {
             }
         }
         let viewpoint = format!("{} {}x{}", place.name, size_px[0], size_px[1]);
-        let part = |name: &str, samples: &[Sample], load: Load, value: &dyn Fn(&Sample) -> f64| {
+        let part = |name: &str, samples: &[FrameMs], load: FrameCounts, value: &dyn Fn(&FrameMs) -> f64| {
             let timed = Timed { name: name.into(), load, samples: vec![] };
             let ms = gpu_ms(samples.iter().map(value));
-            let row = row(Of { table: "vr", order: "octree", subject }, &viewpoint, &timed, ms);
-            // What is read is the whole frame's.
+            let row = row(RowGroup { table: "vr", order: "octree", subject }, &viewpoint, &timed, ms);
+            // The bytes read are those of the whole frame.
             let is_whole = name.starts_with("total");
             let (bytes_read, gb_per_s) = if is_whole { (row.bytes_read, row.gb_per_s) } else { (None, None) };
             BenchRow { bytes_read, gb_per_s, ..row }
@@ -412,7 +412,7 @@ impl Bench<'_> {
             part("total-one-eye", &of_one, load_one, &|sample| sample.gpu_ms),
         ];
         for (number, stage) in STAGES.iter().enumerate() {
-            let time = move |sample: &Sample| sample.stage_ms[number];
+            let time = move |sample: &FrameMs| sample.stage_ms[number];
             if matches!(*stage, "depth" | "color") {
                 rows.push(part(&format!("{stage}-both-eyes"), &of_both, load, &time));
                 rows.push(part(&format!("{stage}-one-eye"), &of_one, load_one, &time));

@@ -5,29 +5,29 @@ use render::layout::Detail;
 use render::options::{Dilate, Precision, Quality};
 use render::{Access, Look};
 
-/// The forms of a scan.
+/// The forms in which a scan is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum CloudForm {
     /// Every point.
     Flat,
-    /// An octree: the nodes that matter.
+    /// An octree: the nodes that level of detail chooses.
     Octree,
-    /// A sequential point tree: the discs that matter.
+    /// A sequential point tree: the discs that the tolerance chooses.
     Spt,
 }
 
 /// A way to draw, by the name that its rows have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
-    /// As in the papers.
+    /// Name of the rows, as in the papers.
     pub name: &'static str,
-    /// Hardware points if `None`.
+    /// The method; `None` for hardware points.
     pub method: Option<Method>,
     /// What a pixel shows.
     pub quality: Quality,
-    /// What is drawn of the scan.
-    pub form: Form,
-    /// Without what the eye does not see.
+    /// Form in which the scan is drawn.
+    pub form: CloudForm,
+    /// True if batches that the eye does not see are left out.
     pub cull: bool,
     /// Coordinate bits that are read.
     pub precision: Precision,
@@ -39,47 +39,47 @@ impl Way {
         name: "point-list",
         method: None,
         quality: Quality::Closest,
-        form: Form::Flat,
+        form: CloudForm::Flat,
         cull: false,
         precision: Precision::Full,
     };
 
-    /// As the 2021 paper draws: every point, all coordinate bits.
+    /// The way of the 2021 paper: every point, all coordinate bits.
     #[must_use]
     pub fn paper_2021(method: Method) -> Self {
         let quality = method.quality().unwrap_or_default();
         Self { name: method.name(), method: Some(method), quality, ..Self::POINT_LIST }
     }
 
-    /// As the 2022 paper draws: culled, with as many bits as it takes.
+    /// The way of the 2022 paper: culled, with as many coordinate bits as each batch needs.
     #[must_use]
-    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, form: Form) -> Self {
+    pub fn paper_2022(name: &'static str, method: Method, quality: Quality, form: CloudForm) -> Self {
         Self { name, method: Some(method), quality, form, cull: true, precision: Precision::Auto }
     }
 
-    /// What its frames look like.
+    /// The look of its frames.
     #[must_use]
     pub fn look(&self) -> Look {
         let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
         let plain = Detail { forced_planes, ..Detail::default() };
-        // Discs are as wide as they are; that nothing is filled between them leaves them no less wide.
+        // Discs are drawn at their own width only with fill, which is on for that reason although nothing is dilated.
         let discs = Detail { fill_reach_px: Some([1.0; 3]), ..plain };
         Look {
             quality: self.quality,
             dilate: Dilate::Off,
             background: [0; 3],
-            detail: if self.form == Form::Spt { discs } else { plain },
+            detail: if self.form == CloudForm::Spt { discs } else { plain },
             access: Access::default(),
         }
     }
 
-    /// By which technique they are drawn.
+    /// The technique that draws its frames.
     #[must_use]
     pub fn technique(&self) -> LabTechnique {
         LabTechnique {
             method: self.method.unwrap_or_default(),
             keep_unseen: !self.cull,
-            error_px: (self.form == Form::Spt).then_some(DEFAULT_ERROR_PX as f32),
+            error_px: (self.form == CloudForm::Spt).then_some(DEFAULT_ERROR_PX as f32),
             ..LabTechnique::default()
         }
     }

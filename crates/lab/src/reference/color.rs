@@ -6,7 +6,7 @@ use render::layout::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, SURFACE_TOLERANCE};
 /// Red, green, blue, count.
 pub type Sum = [u32; 4];
 
-/// Adds a point of color `color` to its pixel's sum, if it counts.
+/// Adds a point's color to its pixel's sum, if the point is within the tolerance of the pixel's nearest.
 pub fn add(sums: &mut [Vec<Sum>], depth: &[Vec<u32>], Put { eye, pixel, w, .. }: Put, color: u32) {
     if w <= SURFACE_TOLERANCE * f32::from_bits(depth[eye][pixel]) {
         let sum = &mut sums[eye][pixel];

@@ -10,10 +10,10 @@ use render::layout::{
     VisibleBatch, WIDE_SLICE_PIXELS, WORKGROUP_SIZE,
 };
 
-/// Half as many cells as a box edge has.
+/// Half the number of cells along a box edge.
 pub(super) const HALF_CELLS: f32 = 0.5 * CELLS;
 
-/// The visible batches, in batch order (the GPU's order is any); `states` as `lod` left them.
+/// Returns the visible batches in batch order; the GPU's order is arbitrary. `states` are those that `lod` left.
 #[must_use]
 pub fn cull(
     view: &ViewUniform,
@@ -35,7 +35,7 @@ pub fn cull(
     in_slices(batches.iter().enumerate().filter_map(one))
 }
 
-/// Each batch in as many slices as it wants, while there is room for them.
+/// Splits each batch into as many slices as it asks for, while there is room for them.
 pub(super) fn in_slices(batches: impl Iterator<Item = (VisibleBatch, u32)>) -> Vec<VisibleBatch> {
     let mut room = MAX_EXTRA_SLICES;
     let slices = |(batch, num_slices): (VisibleBatch, u32)| {
@@ -49,7 +49,7 @@ pub(super) fn in_slices(batches: impl Iterator<Item = (VisibleBatch, u32)>) -> V
     batches.flat_map(slices).collect()
 }
 
-/// Workgroups that draw a batch of points, if threads draw wide ones together.
+/// Number of workgroups that draw a batch of points whose splats have this radius; one if each point is one pixel.
 fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     if radius == 0.0 {
         return 1;
@@ -59,13 +59,14 @@ fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     (num_points as f32 * (side * side) / WIDE_SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
 }
 
-/// How many nodes have visible batches, which are in batch order; `node_of` is a batch's.
+/// Counts the nodes of visible batches, which are in batch order; `node_of` returns a batch's node.
 pub fn num_nodes(visible: &[VisibleBatch], node_of: impl Fn(usize) -> u32) -> u32 {
     let node = |visible: &VisibleBatch| node_of(visible.batch as usize);
     visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
 }
 
-/// State of the child in each octant, in [`OWN_BITS`]; [`OWN_NONE`] where there is none, 0 where it is not there yet.
+/// State of the child in each octant, in [`OWN_BITS`] bits: [`OWN_NONE`] where there is no child, 0 where it is not
+/// there yet.
 fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
     let mut own = [0; 2];
     for (octant, &child) in (0..).zip(&node.children) {
@@ -79,7 +80,8 @@ fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
     own
 }
 
-/// How far apart a node's samples lie, as a share of its edge: further where the root is drawn with a part of them.
+/// Distance between a node's drawn samples, as a share of its edge. It is larger where the root is drawn with a part of
+/// them.
 fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
     if node.flags & NODE_ROOT == 0 || drawn == DRAWN_WHOLE {
         return node.sample_spacing;
@@ -87,7 +89,7 @@ fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
     node.sample_spacing / (((drawn >> STATE_SHIFT) + 1) as f32 / STATE_PARTS as f32).sqrt()
 }
 
-/// The batch, if it is seen, and the workgroups that draw it.
+/// Returns the batch, if it is seen, and the number of workgroups that draw it.
 fn cull_batch(
     view: &ViewUniform,
     num_eyes: usize,
@@ -160,7 +162,7 @@ fn cull_batch(
     Some((visible, slices))
 }
 
-/// The head's cell in a batch, and where that lies.
+/// The head's cell in a batch, and that cell's place relative to the head.
 pub(super) fn head_place(
     head_hi: [f32; 3],
     head_lo: [f32; 3],
@@ -229,7 +231,7 @@ fn widest_open_px(
     })
 }
 
-/// The eight f16 of [`Node::spacing`].
+/// Unpacks the eight f16 of [`Node::spacing`].
 #[must_use]
 pub fn shares(spacing: [u32; 4]) -> [f32; 8] {
     std::array::from_fn(|octant| {

@@ -7,21 +7,21 @@ use render::layout::{
     OPAQUE, REACH_MASK, SURFACE_TOLERANCE, ViewUniform,
 };
 
-/// What a pixel's row window holds.
+/// The nearest surface in a pixel's window of its row.
 #[derive(Clone, Copy, Debug)]
-struct Row {
-    /// Its nearest depth.
+struct RowSurface {
+    /// The surface's nearest depth.
     nearest: u32,
-    /// Sums of that surface's colors times weights: r, g, b, a.
+    /// Sums of the surface's colors times weights: r, g, b, a.
     sums: [u32; 4],
 }
 
 /// The image of eye `dilate.eye`, whose pixels are `surface`, row by row.
 ///
 /// A pixel that lies farther than the nearest surface of its window, or has no point, takes that surface's nearest
-/// depth and the blend of its colors, the closer the heavier. Rows come first, each pixel with what reaches it, then
-/// columns over what the rows found. What lies in a pixel reaches as far as its depth's last bits say, its ring's kernel
-/// at least.
+/// depth and the blend of its colors, in which closer pixels weigh more. The first pass goes over rows, the second over
+/// columns of the first's results. A pixel reaches as far as the last bits of its depth say, and at least as far as its
+/// ring's kernel.
 ///
 /// # Panics
 /// If `surface` is smaller than the eye's image.
@@ -32,7 +32,8 @@ pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let reaching = |(x, y)| with_reach(surface[y * width + x], radius_px(view, dilate, x, y));
     let reaching: Vec<Pixel> = pixels.clone().map(reaching).collect();
-    let rows: Vec<Row> = pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
+    let rows: Vec<RowSurface> =
+        pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
     pixels
         .map(|(x, y)| {
             let window = window(y, height).map(|from| (y.abs_diff(from), rows[from * width + x]));
@@ -42,12 +43,12 @@ pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> 
         .collect()
 }
 
-/// A pixel that reaches as far as a kernel of `radius`, or farther.
+/// Widens a pixel's reach to that of a kernel of `radius`, unless it is wider already.
 fn with_reach([depth, color]: Pixel, radius: usize) -> Pixel {
     [depth & !REACH_MASK | (depth & REACH_MASK).max(radius as u32), color]
 }
 
-/// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its centre lies in.
+/// Reach of the kernel of the pixel in this column and row: 1, 2 or 3 by the ring that the pixel's centre lies in.
 #[must_use]
 pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize) -> usize {
     if dilate.radius_px != 0 {
@@ -67,12 +68,12 @@ fn window(center: usize, length: usize) -> std::ops::Range<usize> {
     center.saturating_sub(reach)..(center + reach + 1).min(length)
 }
 
-/// Whether what has this depth reaches so far.
+/// True if a pixel of this depth reaches this far.
 fn is_taken(depth: u32, distance_px: usize) -> bool {
     distance_px <= (depth & REACH_MASK) as usize
 }
 
-/// The farthest depth of the surface whose nearest is given; 0, which no point has, if there is none.
+/// The farthest depth of the surface whose nearest depth is given; 0, which no point has, if there is no surface.
 fn surface_end(nearest: u32) -> u32 {
     if nearest == EMPTY_DEPTH { 0 } else { (SURFACE_TOLERANCE * f32::from_bits(nearest)).to_bits() }
 }
@@ -82,7 +83,7 @@ fn weight(distance_px: usize) -> u32 {
     1 << (DILATE_FALLOFF_BITS * (DILATE_REACH_PX - distance_px as u32))
 }
 
-fn sum_row(row: &[Pixel], x: usize) -> Row {
+fn sum_row(row: &[Pixel], x: usize) -> RowSurface {
     let window = window(x, row.len()).filter(|&from| is_taken(row[from][0], x.abs_diff(from)));
     let nearest = window.clone().fold(EMPTY_DEPTH, |nearest, from| nearest.min(row[from][0]));
     let mut sums = [0; 4];
@@ -92,11 +93,11 @@ fn sum_row(row: &[Pixel], x: usize) -> Row {
             *sum += weight(x.abs_diff(from)) * u32::from(channel);
         }
     }
-    Row { nearest, sums }
+    RowSurface { nearest, sums }
 }
 
-/// The pixel from its column: distances and what the rows found.
-fn filled(own: Pixel, column: impl Iterator<Item = (usize, Row)> + Clone) -> Pixel {
+/// The finished pixel from its own surface and its column: distances and the rows' results.
+fn filled(own: Pixel, column: impl Iterator<Item = (usize, RowSurface)> + Clone) -> Pixel {
     let nearest = column.clone().fold(EMPTY_DEPTH, |nearest, (_, row)| nearest.min(row.nearest));
     let end = surface_end(nearest);
     if own[0] <= end {

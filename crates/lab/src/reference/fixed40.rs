@@ -7,7 +7,7 @@ use render::layout::{EyeUniform, VISIBLE_PLANES, VisibleBatch};
 /// A pixel without points.
 pub const EMPTY: u64 = EMPTY40;
 
-/// A depth, world units, as the integer of its range.
+/// A depth in world units as a 40-bit integer.
 #[must_use]
 pub fn depth40_of(depth: f64) -> u64 {
     // The first range holds whatever is nearer than the second.
@@ -25,7 +25,7 @@ pub fn depth_of(depth40: u64) -> f64 {
     begin + (depth40 - firsts[range]) as f64 / steps
 }
 
-/// Depth of a point of a batch, whose planes hold `words`, before an eye: in f64, world units.
+/// Depth before an eye, in f64 and world units, of a batch's point whose planes hold `words`.
 #[must_use]
 pub fn exact_depth(eye: &EyeUniform, batch: &VisibleBatch, words: [u32; 3]) -> f64 {
     let cells = cells(batch.flags & VISIBLE_PLANES, words);
@@ -56,7 +56,7 @@ mod tests {
         }
     }
 
-    /// 30 billion of a trillion values up to 10 000 km, as the poster says.
+    /// Depths up to 10 000 km take 30 billion of a trillion values, as the poster says.
     #[test]
     fn ranges_are_the_posters() {
         assert_eq!(firsts()[1], 10_000_000_000);

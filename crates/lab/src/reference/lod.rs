@@ -6,7 +6,7 @@ use render::layout::{
     NODE_RESIDENT, NODE_ROOT, NODE_WHOLE, Node, STATE_LOW, STATE_PARTS, STATE_SHIFT, ViewUniform,
 };
 
-/// Each node's state; `states` are those of the frame before, all 0 in a cloud's first frame.
+/// Updates each node's state; `states` are those of the frame before, all 0 in a cloud's first frame.
 pub fn lod(view: &ViewUniform, num_eyes: usize, nodes: &[Node], states: &mut [u32]) {
     for (node, state) in nodes.iter().zip(states) {
         *state = node_state(view, num_eyes, node, *state);
@@ -38,7 +38,7 @@ fn node_state(view: &ViewUniform, num_eyes: usize, node: &Node, before: u32) -> 
     }
 }
 
-/// Projected edge in thresholds.
+/// A node's projected edge, in multiples of its threshold.
 fn importance(view: &ViewUniform, eye: &EyeUniform, center: [f32; 3], edge: f32) -> f32 {
     let from_eye: [f32; 3] = std::array::from_fn(|i| center[i] - eye.eye_in_head[i]);
     let [x, y, z, _] = eye.row_w.map(f32::abs);
@@ -67,7 +67,7 @@ fn threshold_px(view: &ViewUniform, gaze: [f32; 3], center: [f32; 3], radius: f3
     first + (third - first) * share.min(1.0)
 }
 
-/// A share, 0 to 1, of all points as a node's state; at least one point.
+/// State of a node of which this share of the points is drawn, 0 to 1, and at least one point.
 fn state_of(share: f32) -> u32 {
     if share >= 1.0 {
         return DRAWN_WHOLE;

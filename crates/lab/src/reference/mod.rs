@@ -1,5 +1,5 @@
-//! The CPU reference of the GPU's stages, one file a stage, written to be compared with the shaders: the same
-//! f32 operations in the same order, so that integer buffers match bit for bit. Knows no GPU API.
+//! The CPU reference of the GPU's stages, one file a stage, written to be compared with the shaders: the same f32
+//! operations in the same order, so that integer buffers match bit for bit. It uses no GPU API.
 
 pub mod clear;
 pub mod color;
@@ -29,18 +29,18 @@ use tree::Tree;
 
 /// A cloud as the stages see it, in one chunk.
 #[derive(Clone, Debug)]
-pub struct Scene<'a> {
+pub struct ReferenceCloud<'a> {
     cloud: &'a Cloud,
     filtered_colors: &'a [u32],
-    /// Its nodes; none in a point tree.
+    /// The cloud's nodes; none in a point tree.
     pub nodes: Vec<Node>,
-    /// Its batches; none in a point tree.
+    /// The cloud's batches; none in a point tree.
     pub batches: Vec<Batch>,
-    /// What a point tree has in their place, and the pixels that its discs may be wrong by.
+    /// A point tree, in place of nodes and batches, and the pixels that its discs may be wrong by.
     tree: Option<(Tree<'a>, f32)>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> ReferenceCloud<'a> {
     /// A flat cloud: one node, always drawn whole.
     #[must_use]
     pub fn flat(cloud: &'a Cloud) -> Self {
@@ -66,7 +66,7 @@ impl<'a> Scene<'a> {
         Self { cloud, filtered_colors: &octree.filtered_colors, nodes, batches, tree: None }
     }
 
-    /// A sequential point tree, whose discs may be wrong by so many pixels.
+    /// A sequential point tree, whose discs may be wrong by `error_px` pixels.
     #[must_use]
     pub fn sequential(spt: &'a SequentialCloud, error_px: f32) -> Self {
         let cloud = &spt.cloud;
@@ -88,12 +88,12 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// What a frame leaves, an entry an eye where it is of pixels: the image's, without its guard band.
+/// Results of a frame. Pixels have an entry per eye and are those of the image, without its guard band.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Batches drawn.
     pub visible: Vec<VisibleBatch>,
-    /// Nodes whose batches these are.
+    /// Number of nodes that the batches drawn belong to.
     pub visible_nodes: u32,
     /// Nodes' states.
     pub states: Vec<u32>,
@@ -103,7 +103,7 @@ pub struct Frame {
     pub depth: Vec<Vec<u32>>,
     /// `hqs`: sums of colors.
     pub sums: Vec<Vec<color::Sum>>,
-    /// What the pixels show before gaps are filled.
+    /// Depths and colors of the pixels before gaps are filled.
     pub surface: Vec<Vec<resolve::Pixel>>,
     /// The finished pixels.
     pub pixels: Vec<Vec<resolve::Pixel>>,
@@ -120,9 +120,9 @@ impl Frame {
     }
 }
 
-/// Draws `scene` as the GPU does; `states` are its nodes' of the frame before, `None` in its first.
+/// Draws `scene` as the GPU does; `states` are its nodes' states of the frame before, `None` in the first frame.
 #[must_use]
-pub fn frame(scene: &Scene, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
+pub fn frame(scene: &ReferenceCloud, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
     let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
     let num_eyes = view.eyes.len();
     let tree = scene.tree.as_ref().map(|(tree, error_px)| {

@@ -21,14 +21,14 @@ pub struct Put {
     pub pixel: usize,
     /// Linear depth.
     pub w: f32,
-    /// Twice the point's number, and one more if its filtered color counts, or if it is of a triangle.
+    /// Twice the point's number, plus one if its filtered color is shown or if it is of a triangle.
     pub id: u32,
-    /// Of a triangle.
+    /// Mixture of the corners' colors, if it is of a triangle.
     pub mixture: Option<Mixture>,
 }
 
-/// Hands every point in every pixel to `put`. `planes` are the chunk's; points of a `tree` are discs, or corners of triangles;
-/// with `fill`, points may cover several pixels.
+/// Hands every point in every pixel to `put`. `planes` are the chunk's. Points of a `tree` are discs, or corners of
+/// triangles. With `fill`, a point may cover several pixels.
 pub fn points(
     view: &ViewUniform,
     num_eyes: usize,
@@ -39,7 +39,7 @@ pub fn points(
     put: &mut dyn FnMut(Put),
 ) {
     for batch in visible {
-        // One slice for all of them.
+        // The first slice stands for all slices of its batch.
         if !batch.is_first_slice() {
             continue;
         }
@@ -69,8 +69,8 @@ pub fn points(
             let power = powers[(words[0] >> SPACING_EXPONENT_SHIFT) as usize];
             let spacing = edge * shares(batch.spacing)[octant as usize] * power;
             let apart = match disc {
-                Some((_, disc)) => Apart::Discs(disc.diameter),
-                None => Apart::Points(spacing),
+                Some((_, disc)) => Distance::Discs(disc.diameter),
+                None => Distance::Points(spacing),
             };
             for (eye, uniform) in view.eyes[..num_eyes].iter().enumerate() {
                 let is_chosen = disc.is_none_or(|(tree, disc)| disc.is_chosen(view, tree, eye, p_in_head));
@@ -92,8 +92,8 @@ pub fn points(
     }
 }
 
-/// The edge of the finest nodes that are drawn whole where a point of a node with this edge lies; shorter while nodes below
-/// them fade in.
+/// Edge of the finest nodes that are drawn whole around a point whose node has this edge. It is shorter while the nodes
+/// below them fade in.
 fn open_edge_px(view: &ViewUniform, edge_px: f32, undivided_px: f32) -> f32 {
     let mut whole_px = if edge_px <= 0.5 * undivided_px { 2.0 * edge_px } else { edge_px };
     while whole_px > undivided_px {
@@ -107,24 +107,24 @@ fn open_edge_px(view: &ViewUniform, edge_px: f32, undivided_px: f32) -> f32 {
     whole_px / (1.0 + 3.0 * share).sqrt()
 }
 
-/// The narrowest kernel that closes a square.
+/// Reach of the narrowest kernel that closes a square of this width.
 fn reach(view: &ViewUniform, open_px: f32) -> u32 {
     1 + view.fill_reach_px[..2].iter().filter(|&&px| open_px > px).count() as u32
 }
 
-/// How far a disc reaches round its own pixel.
+/// Radius in pixels of a splat around its own pixel.
 pub(super) fn radius(view: &ViewUniform, open_px: f32) -> f32 {
     (0.5 * (open_px - view.fill_reach_px[2])).clamp(0.0, MAX_FILL_RADIUS as f32).ceil()
 }
 
-/// How wide the square is that a point is to close.
+/// Width in pixels of the square that a point has to close.
 fn open_px(
     view: &ViewUniform,
     eye: &EyeUniform,
     batch: &VisibleBatch,
     p_in_head: [f32; 3],
     w: f32,
-    apart: Apart,
+    apart: Distance,
 ) -> f32 {
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let from_eye: [f32; 3] = std::array::from_fn(|i| p_in_head[i] - eye.eye_in_head[i]);
@@ -139,22 +139,24 @@ fn open_px(
     let samples_px = (SAMPLES_COVER * samples_px).min((FILL_OVERLAP * samples_px).max(view.fill_reach_px[2]));
     let apart_px = apart.length() * px_per_unit * stretch;
     let cover_px = match apart {
-        Apart::Points(_) => (POINTS_COVER * apart_px).min(FILL_OVERLAP * apart_px + view.fill_reach_px[ring]),
-        Apart::Discs(_) => apart_px,
+        Distance::Points(_) => {
+            (POINTS_COVER * apart_px).min(FILL_OVERLAP * apart_px + view.fill_reach_px[ring])
+        }
+        Distance::Discs(_) => apart_px,
     };
     cover_px.max(samples_px)
 }
 
-/// How far apart what is drawn lies, world units.
+/// Distance between the points or discs that are drawn, in world units.
 #[derive(Clone, Copy)]
-enum Apart {
-    /// Points of flat clouds and of an octree's nodes.
+enum Distance {
+    /// Distance of points of flat clouds and of an octree's nodes.
     Points(f32),
-    /// Discs of a sequential point tree, which are as wide.
+    /// Diameter of discs of a sequential point tree, which is also their distance.
     Discs(f32),
 }
 
-impl Apart {
+impl Distance {
     fn length(self) -> f32 {
         match self {
             Self::Points(length) | Self::Discs(length) => length,
@@ -162,7 +164,7 @@ impl Apart {
     }
 }
 
-/// The pixels of a disc round the pixel at these coordinates, cut at the image's edges.
+/// Hands the pixels of a splat around the pixel at these coordinates to `each`, cut at the image's edges.
 fn pixels_round(eye: &EyeUniform, at: [f32; 2], radius: f32, each: &mut dyn FnMut(usize)) {
     let size = [eye.width as f32, eye.height as f32];
     let center: [f32; 2] = std::array::from_fn(|i| at[i] - eye.first_px[i]);
@@ -179,7 +181,7 @@ fn pixels_round(eye: &EyeUniform, at: [f32; 2], radius: f32, each: &mut dyn FnMu
     }
 }
 
-/// Cell numbers from the planes that are read; bits that are not read stand at half.
+/// Cell numbers from the planes that are read; bits that are not read stand at the middle of their range.
 #[must_use]
 pub fn cells(num_planes: u32, [hi, mid, lo]: [u32; 3]) -> [i32; 3] {
     std::array::from_fn(|axis| {
@@ -199,7 +201,7 @@ pub fn p_in_head(batch: &VisibleBatch, cells: [i32; 3]) -> [f32; 3] {
     std::array::from_fn(|i| (cells[i] - batch.head_cell[i]) as f32 * batch.cell[i] + batch.offset[i])
 }
 
-/// Whole coordinates and linear depth of a point, in the image or outside, if it is not too near.
+/// Whole pixel coordinates and linear depth of a point, in the image or outside; `None` if it is too near.
 fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<([f32; 2], f32)> {
     let row = |r: [f32; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
     let w = row(eye.row_w);
@@ -209,7 +211,7 @@ fn project(eye: &EyeUniform, near: f32, [x, y, z]: [f32; 3]) -> Option<([f32; 2]
     (w > near).then_some((at, w))
 }
 
-/// A depth whose last bits are free for [`REACH_MASK`].
+/// The depth with the bits of [`REACH_MASK`] cleared.
 #[must_use]
 pub fn without_reach(w: f32) -> f32 {
     f32::from_bits(w.to_bits() & !REACH_MASK)

@@ -6,7 +6,7 @@ use render::layout::{BLUE_SHIFT, EMPTY_DEPTH, GREEN_SHIFT, KEY_DEPTH_SHIFT, OPAQ
 /// Bits of linear depth, and color r | g≪8 | b≪16 | 255≪24 as stored.
 pub type Pixel = [u32; 2];
 
-/// A pixel where there is nothing.
+/// A pixel without points.
 pub const EMPTY: Pixel = [EMPTY_DEPTH, 0];
 
 /// `closest` quality: an eye's keys to colors; `color_of` tells the color of an id.
@@ -38,7 +38,7 @@ pub fn image(pixels: &[Pixel], background: u32) -> Vec<u32> {
     pixels.iter().map(|&[depth, color]| if depth == EMPTY_DEPTH { background } else { color }).collect()
 }
 
-/// Linear depth of a pixel; infinite where no point is.
+/// Linear depth of a pixel; infinite where there is no point.
 #[must_use]
 pub fn depth_of([depth, _]: Pixel) -> f32 {
     if depth == EMPTY_DEPTH { f32::INFINITY } else { f32::from_bits(depth) }

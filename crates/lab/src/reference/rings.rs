@@ -13,7 +13,7 @@ pub fn ring(view: &ViewUniform, along: f32, length_sq: f32) -> usize {
     }
 }
 
-/// Grows with x on both sides of 0, so that cosines compare without the root that a direction's length needs.
+/// x·|x|, which grows with x on both sides of 0: cosines compare without the root that a direction's length needs.
 fn signed_square(x: f32) -> f32 {
     x * x.abs()
 }

@@ -1,9 +1,9 @@
-//! CPU reference of `sizes.inc.wgsl`: how large what lies in a box is drawn.
+//! CPU reference of `sizes.inc.wgsl`: the nearest depth in a box, which projected sizes go by.
 
 use render::layout::{EyeUniform, ViewUniform};
 
-/// The least depth that points of a box have which the eye sees; near at least. `reach` is how far the box reaches along
-/// the optical axis from its centre.
+/// The least depth that visible points of a box can have, at least that of the near plane. `reach` is how far the box
+/// reaches along the optical axis from its centre.
 pub(super) fn nearest_depth(
     view: &ViewUniform,
     eye: &EyeUniform,

@@ -1,8 +1,8 @@
 //! The axis of a plot: values to places, and round numbers to mark.
 
-/// More marks than this nobody reads.
+/// Most marks on an axis; nobody reads more.
 const MAX_TICKS: usize = 40;
-/// A logarithmic axis begins between these, whatever it is asked for.
+/// Range that the begin of a logarithmic axis is clamped to.
 const LOG_BEGIN: [f64; 2] = [1e-9, 1e15];
 
 /// How values lie along an axis.
@@ -10,7 +10,7 @@ const LOG_BEGIN: [f64; 2] = [1e-9, 1e15];
 pub(super) enum Scale {
     /// Evenly.
     Linear,
-    /// A tenfold is as long everywhere.
+    /// A factor of ten is as long everywhere.
     Log,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// An even axis; if the range is empty it is made one long.
+    /// A linear axis; an empty range is made one unit long.
     pub(super) fn linear(low: f64, high: f64) -> Self {
         let high = if high > low && (high - low).is_finite() { high } else { low + 1.0 };
         Self { scale: Scale::Linear, low, high }
@@ -35,8 +35,8 @@ impl Axis {
         Self { scale: Scale::Log, low, high: if high > low && high.is_finite() { high } else { 10.0 * low } }
     }
 
-    /// Logarithmic, in whole steps of 1, 2, 5, 10 …, if the positive values span more than `factor`; else even,
-    /// from 0.
+    /// An axis for these values: logarithmic from one of 1, 2, 5, 10 …, if the positive values span more than `factor`;
+    /// else linear from 0.
     pub(super) fn spanning(values: impl Iterator<Item = f64> + Clone, factor: f64) -> Self {
         let positive = values.filter(|value| *value > 0.0 && value.is_finite());
         let (low, high) = positive.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
@@ -89,7 +89,7 @@ impl Axis {
     }
 }
 
-/// The next of 1, 2, 5, 10, 20 … times a power of ten.
+/// Rounds up to the next of 1, 2, 5, 10, 20 … times a power of ten.
 fn round_up(value: f64) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]
@@ -99,7 +99,7 @@ fn round_up(value: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
-/// A mark's value in as few digits as it has.
+/// A mark's value without trailing zeros.
 pub(super) fn label(value: f64) -> String {
     let digits = if value.abs() >= 1e6 { format!("{value:e}") } else { format!("{value:.6}") };
     if digits.contains('.') && !digits.contains('e') {
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(Axis::spanning([1.0, 3.0].into_iter(), 20.0).scale(), Scale::Linear);
     }
 
-    /// Whatever a file holds: no panic, no endless list.
+    /// Whatever a file holds, there is no panic and no endless list.
     #[test]
     fn odd_ranges_have_few_ticks() {
         let values = [0.0, -1.0, 1e-300, 1e12, -1e12, 1e300, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE];

@@ -4,8 +4,9 @@ use super::axis::{Axis, Scale};
 use super::markup::Markup;
 use super::svg::{Path, Plot, room_for};
 
-/// Units from one bar to the next, and of a bar's height.
+/// Units from one bar to the next.
 const PITCH: f64 = 24.0;
+/// Height of a bar, as a share of the pitch.
 const BAR: f64 = 0.6;
 /// Half the edge of the mark, in units.
 const MARK: f64 = 5.0;
@@ -13,15 +14,15 @@ const MARK: f64 = 5.0;
 /// A bar.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bar {
-    /// Stands left of it.
+    /// Name to the left of the bar.
     pub(super) name: String,
-    /// Stands right of it.
+    /// Words to the right of the bar.
     pub(super) words: String,
-    /// Its length.
+    /// Length of the bar.
     pub(super) value: f64,
-    /// From where to where a line goes across its end.
+    /// Both ends of the line across the bar's end.
     pub(super) range: [f64; 2],
-    /// Where the mark is, if there is one.
+    /// Value of the mark, if there is one.
     pub(super) mark: Option<f64>,
 }
 
@@ -31,7 +32,7 @@ pub(super) fn axis_of<'a>(bars: impl Iterator<Item = &'a Bar> + Clone) -> Axis {
     Axis::spanning(values.flatten(), 20.0)
 }
 
-/// The plot.
+/// Plots the bars.
 pub(super) fn bars(described: &str, unit: &str, axis: Axis, bars: &[Bar]) -> Markup {
     let num = bars.len() as f64;
     let sides = [

@@ -5,7 +5,7 @@ use super::bench_results::{BenchResults, BenchRow, GpuMs, PaperSays};
 use super::table::in_order;
 use std::fmt::Write;
 
-/// The page, whole.
+/// The whole page.
 #[must_use]
 pub fn bench_markdown(results: &BenchResults) -> String {
     let mut page = String::from("# The papers' tables\n\n");
@@ -42,7 +42,7 @@ fn head(page: &mut String, columns: &[String]) {
     line(page, &format!("|{}", "---|".repeat(columns.len())));
 }
 
-/// A column a method: milliseconds, and the factor beside the paper's.
+/// Adds a table with a column per method: milliseconds, and the factor beside the paper's.
 fn add_methods(page: &mut String, rows: &[&BenchRow]) {
     let methods = in_order(rows.iter().map(|row| row.method.as_str()));
     let names = ["points", "model", "viewpoint", "order"].into_iter().chain(methods.iter().copied());
@@ -67,7 +67,7 @@ fn add_methods(page: &mut String, rows: &[&BenchRow]) {
     }
 }
 
-/// "; 3.1 × (9.3)"; nothing for hardware points themselves.
+/// Text such as "; 3.1 × (9.3)"; empty for hardware points themselves.
 fn factor(row: &BenchRow, paper_hardware_ms: Option<f64>) -> String {
     let Some(ratio) = row.ratio_to_point_list.filter(|_| row.method != "point-list") else {
         return String::new();
@@ -77,7 +77,7 @@ fn factor(row: &BenchRow, paper_hardware_ms: Option<f64>) -> String {
     format!("; {} ×{}", short(ratio), paper.unwrap_or_default())
 }
 
-/// A row a part of the frame, a column a size of the scan.
+/// Adds a table with a row per part of the frame and a column per size of the scan.
 fn add_parts(page: &mut String, rows: &[&BenchRow]) {
     let sizes = in_order(rows.iter().map(|row| row.points));
     let names = ["viewpoint", "part"].map(String::from).into_iter();
@@ -116,7 +116,7 @@ fn add_parts(page: &mut String, rows: &[&BenchRow]) {
     counted.for_each(|text| line(page, &text));
 }
 
-/// A line a row, with all that is counted.
+/// Adds a table with a line per row and all that is counted.
 fn add_rows(page: &mut String, rows: &[&BenchRow]) {
     let names = [
         "points",
@@ -178,7 +178,7 @@ fn add_rows(page: &mut String, rows: &[&BenchRow]) {
     }
 }
 
-/// Which of the papers' scans and GPUs stand beside ours.
+/// Adds a list of the papers' scans and GPUs that stand beside ours.
 fn add_papers(page: &mut String, rows: &[&BenchRow]) {
     let beside = |row: &BenchRow| {
         row.paper_device.as_ref().map(|device| (row.model.clone(), row.viewpoint.clone(), device.clone()))
@@ -237,7 +237,7 @@ fn millions(points: u64) -> String {
     format!("{} M", points as f64 / 1e6)
 }
 
-/// Three digits, or all before the point.
+/// A number with three digits, or with all digits before the point.
 fn short(value: f64) -> String {
     match value {
         v if v >= 100.0 => format!("{v:.0}"),

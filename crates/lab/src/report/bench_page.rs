@@ -6,7 +6,7 @@ use super::page::{self, Page};
 use super::table::in_order;
 use base::words::counted;
 
-/// The page: HTML, whole.
+/// The whole page as HTML.
 #[must_use]
 pub fn bench_page(results: &BenchResults) -> String {
     let mut page = Page::new(&format!("Benchmarks on {}", results.device));
@@ -21,7 +21,7 @@ pub fn bench_page(results: &BenchResults) -> String {
     page.finish()
 }
 
-/// Rows that can be compared with each other.
+/// Model, viewpoint, order and number of points of rows that can be compared with each other.
 type Group<'a> = (&'a str, &'a str, &'a str, u64);
 
 fn group(row: &BenchRow) -> Group<'_> {
@@ -37,7 +37,7 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
         keys.push(("paper", "the paper's, on the GPU named beside it"));
     }
     page.add(page::keys(keys));
-    // One axis for all plots of a table: their bars can be compared.
+    // All plots of a table share one axis, so that their bars can be compared.
     let all: Vec<Bar> = rows.iter().map(|row| bar(row)).collect();
     let axis = axis_of(all.iter());
     for wanted in in_order(rows.iter().map(|row| group(row))) {
@@ -60,7 +60,7 @@ fn add_table(page: &mut Page, results: &BenchResults, table: &str) {
     ));
 }
 
-/// What a table's times stand beside.
+/// Sentence that says where a table's times, and the papers' beside them, were measured.
 fn compared_with(results: &BenchResults, rows: &[&BenchRow]) -> String {
     let papers = in_order(rows.iter().filter_map(|row| row.paper_device.as_deref()));
     let here = format!("GPU time of a frame on {}.", results.device);
@@ -90,7 +90,7 @@ fn heading(table: &str) -> String {
 fn bar(row: &BenchRow) -> Bar {
     let GpuMs { median, min, max } = row.gpu_ms;
     let paper = row.paper_ms.map_or_else(String::new, |ms| {
-        // The GPU; the scan, which may follow, stands in the table below.
+        // Only the GPU is named here; the scan, which may follow it, stands in the table below.
         let device = row.paper_device.as_deref().and_then(|text| text.split(',').next()).unwrap_or("its GPU");
         format!("; paper {} on {device}", short(ms))
     });
@@ -103,7 +103,7 @@ fn bar(row: &BenchRow) -> Bar {
     }
 }
 
-/// Three digits.
+/// Milliseconds with three digits.
 fn short(ms: f64) -> String {
     match ms {
         ms if ms < 10.0 => format!("{ms:.2}"),

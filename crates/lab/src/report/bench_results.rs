@@ -1,6 +1,6 @@
 //! What `scanwalk bench --json` writes and `scanwalk report RESULTS.json` reads: one set of types for both.
 
-use super::table::{Table, in_order, ms};
+use super::table::{TextTable, in_order, ms};
 use base::words::grouped_by;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// Larger files are no benchmark results.
+/// Bytes of a file at most; a larger one is no benchmark result.
 const MAX_BYTES: u64 = 16 << 20;
 const MAX_ROWS: usize = 10_000;
 
@@ -17,12 +17,12 @@ const MAX_ROWS: usize = 10_000;
 pub struct BenchResults {
     /// GPU name.
     pub device: String,
-    /// Its driver and version.
+    /// The GPU's driver and its version.
     pub driver: String,
     /// Bytes read and written by a plain copy in the GPU's memory, 10⁹ a second; `None` if not measured.
     #[serde(default)]
     pub copy_gb_per_s: Option<f64>,
-    /// A row a measurement.
+    /// One row per measurement.
     pub rows: Vec<BenchRow>,
 }
 
@@ -34,19 +34,19 @@ pub struct BenchRow {
     /// What was measured with: `courtyard`, `landscape`, `statue`, which are made up, or `scan`.
     #[serde(default)]
     pub model: String,
-    /// As in the paper, lower case with hyphens: `point-list`, `reduce-early-z`, ….
+    /// Name of the method as in the paper, lower case with hyphens: `point-list`, `reduce-early-z`, ….
     pub method: String,
     /// Order of the points in memory: `original`, `morton`, `shuffled`, `shuffled-morton`.
     pub order: String,
-    /// What the camera sees.
+    /// Name of the place that the camera looks from.
     pub viewpoint: String,
     /// Points in the scan.
     pub points: u64,
     /// Points that the method read in a frame.
     pub points_read: u64,
-    /// Points that the method drew in a frame: those that asked for a pixel; discs of a point tree where these are drawn.
+    /// Points that asked for a pixel in a frame; discs of a point tree where these are drawn.
     pub points_drawn: u64,
-    /// Pixels that they asked for: by an atomic, or by writing where there is none. Discs ask for several.
+    /// Pixels that these points asked for: by an atomic, or by a write where there is none. A disc asks for several.
     #[serde(default)]
     pub pixels_asked: Option<u64>,
     /// Batches of the cloud: what the papers call nodes.
@@ -57,38 +57,38 @@ pub struct BenchRow {
     pub nodes_drawn: Option<u64>,
     /// GPU time of a frame.
     pub gpu_ms: GpuMs,
-    /// Median of the stages that read points: a frame without clearing, culling and resolving. `None` for what has no
-    /// stages.
+    /// Median of the stages that read points: a frame without clearing, culling and resolving. `None` for methods
+    /// without stages.
     #[serde(default)]
     pub geometry_ms: Option<f64>,
-    /// Points read a microsecond of the median frame.
+    /// Million points read per second of the median frame.
     pub m_points_per_s: f64,
-    /// What the geometry stages loaded in a frame.
+    /// Bytes that the geometry stages loaded in a frame.
     #[serde(default)]
     pub bytes_read: Option<BytesRead>,
-    /// All of that, 10⁹ bytes a second of the median frame.
+    /// Sum of these bytes, in 10⁹ bytes a second of the median frame.
     #[serde(default)]
     pub gb_per_s: Option<f64>,
     /// Median time of `point-list` (the hardware's points) on the same scan in the same order from the same
     /// viewpoint, divided by this row's: more than 1 is faster than the hardware's. `None` without such a row.
     #[serde(default)]
     pub ratio_to_point_list: Option<f64>,
-    /// Of point trees, the share of the discs read that are drawn at no tolerance there.
+    /// Share of a point tree's discs that are read but not drawn at the tolerance there.
     #[serde(default)]
     pub culled_share: Option<f64>,
-    /// Median time in which the CPU records and sends a frame, as a share of what the GPU takes for it.
+    /// Median time in which the CPU records and sends a frame, as a share of its GPU time.
     #[serde(default)]
     pub cpu_share: Option<f64>,
-    /// The paper's milliseconds for it; `None` if it has none.
+    /// The paper's milliseconds for this row; `None` if it has none.
     #[serde(default)]
     pub paper_ms: Option<f64>,
     /// The GPU that the paper measured on, and its scan.
     #[serde(default)]
     pub paper_device: Option<String>,
-    /// Its milliseconds on other GPUs, or of other scans that are like this one.
+    /// The papers' milliseconds on other GPUs, or of other scans that are like this one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_papers: Vec<PaperMs>,
-    /// What else it says of it.
+    /// The papers' other figures for this row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper_says: Option<PaperSays>,
 }
@@ -102,7 +102,7 @@ pub struct PaperMs {
     pub device: String,
 }
 
-/// What a paper says of a row beside its time; all of its own scan and GPU.
+/// What a paper says of a row beside its time, for its own scan and GPU.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PaperSays {
@@ -124,7 +124,7 @@ pub struct PaperSays {
     /// [`BenchRow::m_points_per_s`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub m_points_per_s: Option<f64>,
-    /// Points drawn a microsecond.
+    /// Million points drawn per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub m_drawn_per_s: Option<f64>,
     /// [`BenchRow::culled_share`], from and to.
@@ -135,22 +135,22 @@ pub struct PaperSays {
     pub cpu_share: Option<[f64; 2]>,
 }
 
-/// Bytes that the geometry stages load in a frame; not what clearing, culling and resolving move, nor the atomics, which
-/// read a pixel where it is kept.
+/// Bytes that the geometry stages load in a frame. They leave out what clearing, culling and resolving move, and the
+/// atomics, which read a pixel where it is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BytesRead {
-    /// Coordinates: of each batch the planes that its precision takes; of hardware points the vertices, whole.
+    /// Coordinates: the planes of each batch that its precision takes, or the whole vertices of hardware points.
     pub planes: u64,
     /// Intervals and diameters of discs.
     pub shapes: u64,
-    /// Pixels that were looked at: for early-z, and for the depth that a color must be near to.
+    /// Pixels that are looked at by early-z, and for the depth that a color must be near to.
     pub pixels: u64,
-    /// Colors of points that are blended. Where the nearest is shown, `resolve` loads its color.
+    /// Colors of points that are blended. In `closest` quality `resolve` loads colors, which do not count.
     pub colors: u64,
 }
 
 impl BytesRead {
-    /// All together.
+    /// Sum of all kinds.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.planes + self.shapes + self.pixels + self.colors
@@ -176,7 +176,7 @@ pub enum BenchError {
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's words.
+        /// The system's error.
         source: io::Error,
     },
     /// The file holds something else.
@@ -193,7 +193,7 @@ impl BenchResults {
     /// Reads a file.
     ///
     /// # Errors
-    /// An unreadable file, other JSON or none, times that cannot be.
+    /// An unreadable file, other JSON or none, or impossible times.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
         let unreadable = |source| BenchError::Io { path: path.to_owned(), source };
         let format = |problem| BenchError::Format { path: path.to_owned(), problem };
@@ -213,7 +213,7 @@ impl BenchResults {
         }
     }
 
-    /// Several runs on one device as one.
+    /// Merges several runs on one device into one.
     ///
     /// # Errors
     /// The names of two devices that differ.
@@ -226,7 +226,7 @@ impl BenchResults {
             }
             all.rows.extend(run.rows);
         }
-        // The tables in their order, and in each the sizes of scans.
+        // Rows are sorted by table, in the tables' order, then by the size of the scan.
         let tables: Vec<String> = all.tables().into_iter().map(String::from).collect();
         let place = |row: &BenchRow| tables.iter().position(|table| *table == row.table);
         all.rows.sort_by_key(|row| (place(row), row.points));
@@ -239,7 +239,7 @@ impl BenchResults {
         in_order(self.rows.iter().map(|row| row.table.as_str()))
     }
 
-    /// What was measured with, name and value.
+    /// Facts about the device, name and value.
     pub(super) fn facts(&self) -> Vec<(&'static str, String)> {
         let mut facts = vec![("device", self.device.clone()), ("driver", self.driver.clone())];
         if let Some(gb_per_s) = self.copy_gb_per_s {
@@ -249,8 +249,8 @@ impl BenchResults {
     }
 
     /// The rows of one table.
-    pub(super) fn text_table(&self, table: &str) -> Table {
-        let mut text = Table::new([
+    pub(super) fn text_table(&self, table: &str) -> TextTable {
+        let mut text = TextTable::new([
             "method",
             "model",
             "order",
@@ -304,7 +304,7 @@ impl BenchResults {
 }
 
 impl BenchRow {
-    /// Times in their order, nothing negative: what a clock can give.
+    /// True if the times are in order and nothing is negative, as with a real clock.
     fn is_possible(&self) -> bool {
         let GpuMs { median, min, max } = self.gpu_ms;
         let others = [self.ratio_to_point_list, self.paper_ms, self.geometry_ms, Some(self.m_points_per_s)];
@@ -332,7 +332,7 @@ impl fmt::Display for BenchResults {
     }
 }
 
-/// A count with its thousands apart.
+/// A count with its thousands separated.
 pub(super) fn count(num: u64) -> String {
     grouped_by(num, ' ')
 }

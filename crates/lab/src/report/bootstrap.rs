@@ -1,24 +1,24 @@
-//! How far a median could be off: a block bootstrap.
+//! Intervals in which medians lie, by a block bootstrap.
 //!
 //! A frame takes about as long as the one before it, so n frames say less than n independent measurements would, and
-//! drawing single frames again would promise too narrow an interval. So the log is cut into blocks of about √n
-//! frames that follow each other, and whole blocks are drawn with replacement, as many as there are (Carlstein 1986;
-//! Künsch 1989): what is alike stays together. The spread of the resampled medians stands for that of the median; of
-//! two logs, which are independent, the spread of the differences of their resampled medians for that of the
-//! difference. An interval is the middle 95 % of them (percentile bootstrap).
+//! drawing single frames again would promise too narrow an interval. Therefore the log is cut into blocks of about √n
+//! consecutive frames, and as many whole blocks are drawn with replacement (Carlstein 1986; Künsch 1989), which keeps
+//! similar frames together. The spread of the resampled medians stands for that of the median. For two logs, which are
+//! independent, the spread of the differences of their resampled medians stands for that of the difference. An interval
+//! is the middle 95 % of the resampled values (percentile bootstrap).
 //!
-//! It tells chance within a walk, no more: two walks along different paths differ for that alone. Logs that are to be
-//! compared should replay one pose path.
+//! The interval covers chance within a walk, no more: two walks along different paths differ for that alone. Logs that
+//! are to be compared should replay one pose path.
 
 use base::percentile::{Sorted, middle};
 use base::random::Rng;
 use rayon::prelude::*;
 
-/// Resamples; other ones would move the ends of an interval by about a fiftieth of its length.
+/// Number of resamples. Another set of them would move the ends of an interval by about a fiftieth of its length.
 const NUM_RESAMPLES: u64 = 2000;
-/// With fewer values there are fewer than ten blocks, and nothing can be said of the spread.
+/// Fewest values: with fewer there are fewer than ten blocks, and nothing can be said of the spread.
 const MIN_VALUES: usize = 100;
-/// The same logs give the same interval.
+/// Seed, so that the same logs give the same interval.
 const SEED: u64 = 1;
 /// Ends of the interval, in per mille.
 const ENDS: [usize; 2] = [25, 975];
@@ -26,8 +26,8 @@ const ENDS: [usize; 2] = [25, 975];
 /// The lower and the upper end of a 95 % interval.
 pub type Interval = [f64; 2];
 
-/// Medians of resamples of values in the order in which they were measured, in blocks of at least `block_len` of
-/// them; `None` if there are too few. `stream` keeps the draws of one series apart from another's.
+/// Medians of resamples of values in the order in which they were measured, in blocks of at least `block_len` values;
+/// `None` if there are too few. `stream` keeps the draws of one series apart from another's.
 fn resampled_medians(values: &[f64], block_len: usize, stream: u64) -> Option<Vec<f64>> {
     if values.len() < MIN_VALUES {
         return None;
@@ -36,7 +36,8 @@ fn resampled_medians(values: &[f64], block_len: usize, stream: u64) -> Option<Ve
     let block_of = |at: usize| at * num_blocks / values.len();
     let mut block_lens = vec![0; num_blocks];
     (0..values.len()).for_each(|at| block_lens[block_of(at)] += 1);
-    // A resample only says how often each block counts: the median is found walking up the values, sorted once.
+    // A resample only says how often each block counts, so the values are sorted once and the median is found by
+    // walking up.
     let mut ascending: Vec<(f64, usize)> =
         values.iter().enumerate().map(|(at, v)| (*v, block_of(at))).collect();
     ascending.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -48,7 +49,7 @@ fn resampled_medians(values: &[f64], block_len: usize, stream: u64) -> Option<Ve
         let (mut walked, mut seen) = (ascending.iter(), 0);
         let mut value = f64::NAN;
         let [before, after] = middle(num).map(|place| {
-            // All values together are more than there are places, so each place is reached.
+            // The walk is over `num` drawn values, more than any place, so each place is reached.
             while seen <= place
                 && let Some((next, block)) = walked.next()
             {

@@ -4,32 +4,32 @@ use super::bootstrap::{Interval, compare_medians};
 use super::histogram::histogram;
 use super::page::{self, Page};
 use super::summary::{NO_GPU_TIMES, Summary};
-use super::table::{Table, in_order, ms, percent};
+use super::table::{TextTable, in_order, ms, percent};
 use base::percentile::{REPORTED_PER_MILLE, Sorted};
 use std::fmt;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// What two logs differ in; its `Display` is the text for people.
+/// The differences of two logs; its `Display` is the text for people.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// What the logs are called.
+    /// Names of the logs.
     pub names: [String; 2],
-    /// Figures of each.
+    /// Figures of each log.
     pub summaries: [Summary; 2],
     /// GPU time of the frame, then of each stage that either log has.
     pub differences: Vec<Difference>,
 }
 
-/// GPU milliseconds of the same thing in two logs.
+/// GPU milliseconds of the frame, or of one stage, in two logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// `GPU`, or a stage.
+    /// `GPU`, or the name of a stage.
     pub name: String,
     /// Medians of A and B; `None` where a log has no such time.
     pub medians_ms: [Option<f64>; 2],
     /// 95 % interval of the medians' difference B − A, by a block bootstrap; `None` below a hundred frames.
     pub difference_ms: Option<Interval>,
-    /// The same of their ratio B / A; `None` where A's median may be 0 too.
+    /// 95 % interval of the medians' ratio B / A; `None` also where A's median may be 0.
     pub ratio: Option<Interval>,
 }
 
@@ -47,7 +47,7 @@ impl Difference {
         self.difference_ms.is_some_and(|[low, high]| low > 0.0 || high < 0.0)
     }
 
-    /// What the table says of it.
+    /// The difference in words, for the table.
     fn in_words(&self) -> &'static str {
         match self.difference_ms {
             None if self.medians_ms.contains(&None) => "-",
@@ -82,8 +82,8 @@ impl Comparison {
         Self { names, summaries, differences }
     }
 
-    /// Facts of the runs that are not the same: name, A's and B's. They are what is compared, or what spoils the
-    /// comparison.
+    /// Facts that the two runs do not share: name, A's value, B's value. Such a fact is what is compared, or what
+    /// spoils the comparison.
     #[must_use]
     pub fn differing_facts(&self) -> Vec<(&str, [&str; 2])> {
         let value = |which: usize, wanted: &str| {
@@ -96,9 +96,9 @@ impl Comparison {
         both.filter(|(_, [a, b])| a != b).collect()
     }
 
-    /// Facts that differ.
-    fn facts_table(&self) -> Option<Table> {
-        let mut table = Table::new(["differ in", "A", "B"]);
+    /// Table of the facts that differ.
+    fn facts_table(&self) -> Option<TextTable> {
+        let mut table = TextTable::new(["differ in", "A", "B"]);
         let differing = self.differing_facts();
         for (name, values) in &differing {
             table.row(*name, values.map(str::to_owned));
@@ -106,9 +106,9 @@ impl Comparison {
         (!differing.is_empty()).then_some(table)
     }
 
-    /// How smooth each walk was.
-    fn shares_table(&self) -> Table {
-        let mut table = Table::new(["", "A", "B"]);
+    /// Table of how smooth each walk was.
+    fn shares_table(&self) -> TextTable {
+        let mut table = TextTable::new(["", "A", "B"]);
         let mut row = |name: &str, figure: &dyn Fn(&Summary) -> String| {
             table.row(name, self.summaries.each_ref().map(figure));
         };
@@ -132,9 +132,9 @@ impl Comparison {
         table
     }
 
-    /// The medians and their differences.
-    fn differences_table(&self) -> Table {
-        let mut table = Table::new(["median ms", "A", "B", "B - A", "95 %", "B / A", "95 %", ""]);
+    /// Table of the medians and their differences.
+    fn differences_table(&self) -> TextTable {
+        let mut table = TextTable::new(["median ms", "A", "B", "B - A", "95 %", "B / A", "95 %", ""]);
         for difference in &self.differences {
             let Difference { name, medians_ms: [a, b], difference_ms, ratio } = difference;
             let both = a.zip(*b);
@@ -155,7 +155,7 @@ impl Comparison {
         table
     }
 
-    /// The page: HTML, whole.
+    /// The whole page as HTML.
     #[must_use]
     pub fn page(&self) -> String {
         let [a, b] = &self.names;
@@ -184,14 +184,14 @@ impl Comparison {
     }
 }
 
-/// What the intervals are, for people.
+/// Explanation of the intervals, for people.
 const METHOD: &str = "Median GPU milliseconds of a frame and of each stage. The 95 % intervals tell chance within a \
                       walk (block bootstrap: 2000 times, blocks of frames that follow each other are drawn again). \
                       An interval without 0 is a difference that chance hardly explains. Walks along different paths \
                       differ for that alone: compare logs that replay one pose path. Frames \
                       before the scan stood do not count.";
 
-/// GPU times of the counted frames or of a stage of theirs, in the log's order; empty if it has no such stage.
+/// GPU times of the counted frames, or of one of their stages, in the log's order; empty if the log has no such stage.
 fn times_ms(log: &FrameLogFile, stage: Option<&str>) -> Vec<f64> {
     let collect = |figure: &dyn Fn(&LoggedFrame) -> f64| log.counted().map(figure).collect();
     let Some(stage) = stage else { return collect(&|frame| frame.gpu_ms) };

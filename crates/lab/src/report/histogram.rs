@@ -1,4 +1,4 @@
-//! How often a frame took how long; two logs in one plot if they are compared.
+//! Histogram of the frames' GPU times; two logs share a plot if they are compared.
 
 use super::axis::Axis;
 use super::markup::Markup;
@@ -10,11 +10,11 @@ use base::words::counted;
 const NUM_BINS: usize = 60;
 const SIDES: [f64; 2] = [52.0, RIGHT];
 const HEIGHT: f64 = 200.0;
-/// A bin with a frame is at least so high, in units: one missed display a minute is to be seen.
+/// Least height of a bin with a frame, in units: one missed display a minute is to be seen.
 const MIN_UNITS: f64 = 1.0;
 
-/// The part of the values in each of [`NUM_BINS`] bins from 0 to `top`, and how many that is. The last bin has all
-/// beyond too.
+/// Share and number of the values in each of [`NUM_BINS`] bins from 0 to `top`. The last bin also has all values
+/// beyond.
 fn shares(sorted: &Sorted, top: f64) -> Vec<(f64, usize)> {
     let values = sorted.values();
     let below = |bin: usize| match bin {
@@ -26,7 +26,8 @@ fn shares(sorted: &Sorted, top: f64) -> Vec<(f64, usize)> {
     (0..NUM_BINS).map(|bin| (num(bin) as f64 / values.len().max(1) as f64, num(bin))).collect()
 }
 
-/// GPU times of one or two logs: class, name and times of each; `top_ms` is where the last bin begins to take all.
+/// Plots the GPU times of one or two logs: class, name and times of each. The last bin begins below `top_ms` and has no
+/// end.
 pub(super) fn histogram(logs: &[(&str, &str, &Sorted)], top_ms: f64, budgets_ms: &[f64]) -> Markup {
     let all: Vec<_> =
         logs.iter().map(|(class, name, sorted)| (class, name, shares(sorted, top_ms))).collect();

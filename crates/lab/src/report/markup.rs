@@ -7,16 +7,16 @@ use std::fmt::{Display, Write};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Markup(String);
 
-/// HTML elements without content and end.
+/// HTML elements without content and end tag.
 const VOID: [&str; 1] = ["meta"];
 
 impl Markup {
-    /// Text, escaped.
+    /// Markup of text, which is escaped.
     pub(super) fn text(text: impl Display) -> Self {
         Self(escaped(&text.to_string()))
     }
 
-    /// The program's own style sheet, which is no text to be escaped.
+    /// The program's own style sheet, which is not escaped.
     pub(super) fn style(css: &'static str) -> Self {
         Self(format!("<style>\n{css}</style>"))
     }
@@ -36,12 +36,12 @@ impl Markup {
             return Self(markup + "/>\n");
         }
         let Markup(content) = content.into();
-        // A line an element, where a line break is no space between words.
+        // The line ends after elements that no words stand beside, where a line break adds no space.
         let end = if BLOCKS.contains(&tag) { "\n" } else { "" };
         Self(markup + ">" + &content + "</" + tag + ">" + end)
     }
 
-    /// Adds what follows.
+    /// Appends markup.
     pub(super) fn push(&mut self, next: impl Into<Markup>) {
         self.0.push_str(&next.into().0);
     }
@@ -101,7 +101,7 @@ impl<const N: usize> From<[Markup; N]> for Markup {
     }
 }
 
-/// Text without anything that markup means something by. What XML forbids becomes the replacement character.
+/// Escapes the characters that have a meaning in markup. Characters that XML forbids become the replacement character.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

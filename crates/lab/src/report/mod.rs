@@ -1,5 +1,5 @@
-//! What measurements say, as text for people and as pages of HTML: frame logs, two of them compared, and benchmark
-//! results. Both forms come from the same figures.
+//! Reports of measurements, as text for people and as HTML pages: a frame log, two logs compared, and benchmark
+//! results. Text and page come from the same figures.
 //!
 //! ```text
 //!  FRAMES.csv ──timing::read──▶ Summary ──────▶ text

@@ -1,4 +1,4 @@
-//! One HTML page in one file: it opens without a network, on a phone too, and is dark where the system is.
+//! One HTML page in one file: it opens without a network, on a phone too, and is dark where the system is dark.
 
 use super::markup::Markup;
 
@@ -15,7 +15,7 @@ impl Page {
         Self { title: title.into(), body: Markup::element("h1", &[], title) }
     }
 
-    /// Adds what belongs to the section begun last.
+    /// Adds content to the section begun last.
     pub(super) fn add(&mut self, content: impl Into<Markup>) {
         self.body.push(content);
     }
@@ -66,7 +66,7 @@ pub(super) fn facts<'a>(facts: impl IntoIterator<Item = (&'a str, &'a str)>) -> 
     Markup::element("dl", &[], facts.into_iter().map(pair).collect::<Markup>())
 }
 
-/// What the colors of a figure mean: class and name.
+/// Legend of a figure's colors: class and name.
 pub(super) fn keys<'a>(keys: impl IntoIterator<Item = (&'a str, &'a str)>) -> Markup {
     let key = |(class, name): (&str, &str)| {
         Markup::element("li", &[], [Markup::element("span", &[("class", &class)], ""), name.into()])

@@ -1,4 +1,4 @@
-//! The stages on top of each other along the walk: where the GPU's time goes, and when that changes.
+//! Stacked plot of the stages along the walk: where the GPU's time goes, and when that changes.
 
 use super::axis::Axis;
 use super::markup::Markup;
@@ -11,18 +11,18 @@ use timing::{FrameLogFile, STAGES};
 const HEIGHT: f64 = 200.0;
 const NUM_COLORS: usize = 8;
 
-/// The class that gives a stage its color: ours have one each, whatever version wrote the log.
+/// Class that gives a stage its color. Each of our stages has one of its own, whatever version wrote the log.
 fn class(stage: &str, at: usize) -> String {
     let ours = STAGES.iter().position(|name| *name == stage);
     format!("s{}", ours.unwrap_or(STAGES.len() + at) % NUM_COLORS)
 }
 
-/// The figure, up to where the plot of all frames reaches.
+/// The figure, as high as the plot of all frames.
 pub(super) fn stack(log: &FrameLogFile, top_ms: f64) -> Markup {
     let time = time_axis(log);
     let axes = [time, Axis::linear(0.0, top_ms)];
     let mut plot = Plot::new("GPU milliseconds of the stages along the walk", axes, SIDES, HEIGHT);
-    // Half as many columns as a large screen may show: areas need no more.
+    // Areas need no more than half as many columns as a large screen may show.
     let num = plot.num_columns() / 2;
     let means = |stage: usize| -> Vec<f64> {
         let times = log.frames.iter().map(|frame| (time.place(frame.time_s), frame.stage_ms[stage]));

@@ -1,4 +1,5 @@
-//! What changes in steps along the walk, a lane each: what frames showed, and what the governor gave up and gave back.
+//! Plots of values that change in steps along the walk, one lane each: phases, and what the governor gave up and gave
+//! back.
 
 use super::axis::{Axis, label};
 use super::markup::Markup;
@@ -13,7 +14,7 @@ const HEIGHT: f64 = 46.0;
 /// A figure of a frame; NaN where the log has none.
 type Figure = fn(&LoggedFrame) -> f64;
 
-/// The figure; `None` if the log says nothing of the governor.
+/// Figure of the governor; `None` if the log says nothing of it.
 pub(super) fn governor(log: &FrameLogFile) -> Option<Markup> {
     let scales: [(&str, Figure); 2] =
         [("LOD scale", |frame| frame.lod_scale), ("resolution scale", |frame| frame.resolution_scale)];
@@ -37,7 +38,7 @@ pub(super) fn governor(log: &FrameLogFile) -> Option<Markup> {
     (!lanes.is_empty()).then(|| page::figure(lanes.into_iter().collect::<Markup>(), caption))
 }
 
-/// When the frames before the walk end and the walk begins; `None` if the log has but one phase.
+/// Figure of the phases, which shows when the walk begins; `None` if the log has a single phase.
 pub(super) fn phases(log: &FrameLogFile) -> Option<Markup> {
     let place = |phase: Phase| Phase::ALL.iter().position(|other| *other == phase).unwrap_or_default() as f64;
     let first = log.frames.first()?.phase;
@@ -50,7 +51,7 @@ pub(super) fn phases(log: &FrameLogFile) -> Option<Markup> {
     Some(page::figure(lane(log, "phase", |frame| place(frame.phase), &marks), caption))
 }
 
-/// One figure along the time, with these values marked.
+/// Plots one figure along the time, with these values marked.
 fn lane(
     log: &FrameLogFile,
     name: &str,

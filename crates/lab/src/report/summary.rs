@@ -1,6 +1,6 @@
-//! What a frame log says: percentiles, frames over budget, missed periods, the stage that costs.
+//! Figures of a frame log: percentiles, frames over budget, missed periods, the costliest stage.
 
-use super::table::{Table, ms, percent};
+use super::table::{TextTable, ms, percent};
 use base::percentile::{REPORTED_PER_MILLE, Sorted};
 use base::words::counted;
 use std::fmt;
@@ -13,11 +13,11 @@ pub struct Summary {
     pub facts: Vec<(String, String)>,
     /// The phases that the log has, in order.
     pub phases: Vec<PhaseFigures>,
-    /// What all figures below are of; see [`FrameLogFile::counted_phase`].
+    /// The phase that all figures below are of; see [`FrameLogFile::counted_phase`].
     pub counted_phase: Phase,
     /// Frames of that phase.
     pub num_frames: usize,
-    /// From the first of them to the last.
+    /// Seconds from the first of these frames to the last.
     pub duration_s: f64,
     /// Smallest and largest budget: they differ where the refresh rate changed.
     pub budget_ms: (f64, f64),
@@ -40,18 +40,18 @@ pub struct Summary {
 /// Frames of one phase.
 #[derive(Clone, Debug)]
 pub struct PhaseFigures {
-    /// Which.
+    /// The phase.
     pub phase: Phase,
-    /// How many.
+    /// Number of its frames.
     pub num_frames: usize,
-    /// Those whose GPU time exceeded their budget.
+    /// Frames whose GPU time exceeded their budget.
     pub num_over_budget: usize,
     /// Display periods without a new image.
     pub missed_periods: u64,
 }
 
 impl PhaseFigures {
-    /// `None` if the log has no such frame.
+    /// Figures of a phase; `None` if the log has no frame of it.
     fn of(log: &FrameLogFile, phase: Phase) -> Option<Self> {
         let mut figures = Self { phase, num_frames: 0, num_over_budget: 0, missed_periods: 0 };
         for frame in log.frames.iter().filter(|frame| frame.phase == phase) {
@@ -121,7 +121,7 @@ impl Summary {
         (total > 0.0).then(|| (costliest.0.as_str(), costliest.1.sum() / total))
     }
 
-    /// What is counted rather than timed, name and figure.
+    /// Figures that are counted rather than timed, name and value.
     pub(super) fn counts(&self) -> Vec<(&'static str, String)> {
         let Self { num_frames, duration_s, budget_ms: (low, high), .. } = *self;
         let rate = match duration_s > 0.0 {
@@ -155,9 +155,9 @@ impl Summary {
         counts
     }
 
-    /// Percentiles of all times.
-    pub(super) fn times(&self) -> Table {
-        let mut table = Table::new(["ms", "50 %", "90 %", "99 %", "99.9 %", "max"]);
+    /// Table of the percentiles of all times.
+    pub(super) fn times(&self) -> TextTable {
+        let mut table = TextTable::new(["ms", "50 %", "90 %", "99 %", "99.9 %", "max"]);
         let mut row = |name: String, times: &Sorted| {
             table.row(name, REPORTED_PER_MILLE.map(|per_mille| ms(times.percentile(per_mille))));
         };
@@ -177,8 +177,8 @@ impl Summary {
         Some(format!("{stage}, {:.0} % of the stages' GPU time", 100.0 * part))
     }
 
-    /// Up to where a plot of GPU times should reach, in milliseconds: past the budget and past nearly all frames,
-    /// so that a few very long ones (of a short log a few are one in a hundred) do not flatten all others.
+    /// Top of a plot of GPU times, in milliseconds: past the budget and past nearly all frames, so that a few very long
+    /// ones (one in a hundred, in a short log) do not flatten all others.
     pub(super) fn plotted_ms(&self) -> f64 {
         let of = |per_mille| self.gpu_ms.percentile(per_mille).unwrap_or_default();
         let budget_ms = self.budget_ms.1;
@@ -187,7 +187,7 @@ impl Summary {
     }
 }
 
-/// What is said of a log without GPU times.
+/// Sentence about a log without GPU times.
 pub(super) const NO_GPU_TIMES: &str = "The log has no GPU times: the device gave no timestamps.";
 
 impl fmt::Display for Summary {

@@ -11,10 +11,10 @@ const BELOW: f64 = 34.0;
 const ABOVE: f64 = 8.0;
 /// Room at the right of a plot that writes nothing there.
 pub(super) const RIGHT: f64 = 12.0;
-/// What a character of a mark takes at most.
+/// Width of a character of a mark, at most.
 const CHAR: f64 = 7.0;
 
-/// Where the drawing area lies.
+/// Place and size of the drawing area.
 #[derive(Clone, Copy, Debug)]
 struct Area {
     left: f64,
@@ -29,13 +29,13 @@ pub(super) struct Plot {
     x: Axis,
     y: Axis,
     area: Area,
-    /// For those who cannot see it.
+    /// Description for those who cannot see the plot.
     described: String,
     body: Markup,
 }
 
 impl Plot {
-    /// An empty plot with so many units of room to the left and to the right of its drawing area.
+    /// An empty plot with these units of room to the left and to the right of its drawing area.
     pub(super) fn new(described: &str, [x, y]: [Axis; 2], [left, right]: [f64; 2], height: f64) -> Self {
         let area = Area { left, top: ABOVE, width: WIDTH - left - right, height };
         Self { x, y, area, described: described.into(), body: Markup::default() }
@@ -51,7 +51,7 @@ impl Plot {
         self.x
     }
 
-    /// From left to right edge, 0 to 1, to units.
+    /// Converts a place, 0 at the left edge and 1 at the right, to units.
     fn across(&self, place: f64) -> f64 {
         self.area.left + place * self.area.width
     }
@@ -64,7 +64,7 @@ impl Plot {
         self.area.top + (1.0 - self.y.place(value)) * self.area.height
     }
 
-    /// Marks of the horizontal axis, below, with lines through the drawing area.
+    /// Draws marks of the horizontal axis, below, with lines through the drawing area.
     pub(super) fn mark_x(&mut self, name: &str) {
         let bottom = self.area.top + self.area.height;
         for tick in self.x.ticks(8) {
@@ -75,43 +75,43 @@ impl Plot {
         self.write("mark end", [self.area.left + self.area.width, bottom + 29.0], name);
     }
 
-    /// Marks of the vertical axis, to the left.
+    /// Draws marks of the vertical axis, to the left.
     pub(super) fn mark_y(&mut self, num: usize, unit: &str) {
         for tick in self.y.ticks(num) {
             self.mark_y_at(tick, &format!("{} {unit}", label(tick)));
         }
     }
 
-    /// One mark of the vertical axis.
+    /// Draws one mark of the vertical axis.
     pub(super) fn mark_y_at(&mut self, value: f64, text: &str) {
         let y = self.y(value);
         self.line("grid", [self.area.left, y], [self.area.left + self.area.width, y]);
         self.write("mark end", [self.area.left - 6.0, y + 4.0], text);
     }
 
-    /// A path through values; its pieces begin where it says so.
+    /// Draws a path, unless it is empty.
     pub(super) fn path(&mut self, class: &str, path: Path) {
         if !path.0.is_empty() {
             self.body.push(Markup::element("path", &[("class", &class), ("d", &path.0)], ""));
         }
     }
 
-    /// A path's point at values.
+    /// Point of a path at these values.
     pub(super) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         [self.x(x), self.y(y)]
     }
 
-    /// A path's point in the middle of one of `num` pixel columns.
+    /// Point of a path in the middle of one of `num` pixel columns.
     pub(super) fn at_column(&self, column: usize, num: usize, y: f64) -> [f64; 2] {
         [self.across((column as f64 + 0.5) / num as f64), self.y(y)]
     }
 
-    /// The point `units` above the drawing area's bottom, below `p`.
+    /// The point `units` above the bottom of the drawing area, below or above this point.
     pub(super) fn above_bottom(&self, [x, _]: [f64; 2], units: f64) -> [f64; 2] {
         [x, self.area.top + self.area.height - units]
     }
 
-    /// A box between two points, with words that appear when it is pointed at.
+    /// Draws a box between two points, with words that appear when it is pointed at.
     pub(super) fn bar(&mut self, class: &str, [a, b]: [[f64; 2]; 2], words: &str) {
         let [x, y] = [0, 1].map(|i| rounded(a[i].min(b[i])));
         let [width, height] = [0, 1].map(|i| rounded((a[i] - b[i]).abs()));
@@ -123,7 +123,7 @@ impl Plot {
         ));
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub(super) fn line(&mut self, class: &str, a: [f64; 2], b: [f64; 2]) {
         let mut path = Path::default();
         path.move_to(a);
@@ -136,25 +136,25 @@ impl Plot {
         self.area.left
     }
 
-    /// Words to the left of the drawing area.
+    /// Writes words to the left of the drawing area.
     pub(super) fn write_left(&mut self, y: f64, text: &str) {
         let y = self.y(y) + 4.0;
         self.write("end", [self.area.left - 6.0, y], text);
     }
 
-    /// Words to the right of the drawing area.
+    /// Writes words to the right of the drawing area.
     pub(super) fn write_beside(&mut self, y: f64, text: &str) {
         let y = self.y(y) + 4.0;
         self.write("begin", [self.area.left + self.area.width + 8.0, y], text);
     }
 
-    /// Words at a point: `class` says whether it is their beginning, `middle` or `end`.
+    /// Writes words at a point; `class` says whether it is their beginning, `middle` or `end`.
     pub(super) fn write(&mut self, class: &str, [x, y]: [f64; 2], text: &str) {
         let [x, y] = [x, y].map(rounded);
         self.body.push(Markup::element("text", &[("class", &class), ("x", &x), ("y", &y)], text));
     }
 
-    /// The drawing, whole.
+    /// The finished drawing.
     pub(super) fn finish(self) -> Markup {
         let view_box = format!("0 0 {WIDTH} {}", self.area.top + self.area.height + BELOW);
         let attributes: [(&str, &dyn std::fmt::Display); 3] =
@@ -164,13 +164,13 @@ impl Plot {
     }
 }
 
-/// Room for marks as long as the longest of these.
+/// Units of room for the longest of these marks.
 pub(super) fn room_for<'a>(marks: impl IntoIterator<Item = &'a str>) -> f64 {
     let longest = marks.into_iter().map(|mark| mark.chars().count()).max().unwrap_or(0);
     (14.0 + CHAR * longest as f64).min(0.4 * WIDTH)
 }
 
-/// A path's commands, to a tenth of a unit.
+/// A path's commands, with coordinates to a tenth of a unit.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Path(String);
 
@@ -185,7 +185,7 @@ impl Path {
         self.point(if self.0.is_empty() { 'M' } else { 'L' }, p);
     }
 
-    /// Back to where the piece began.
+    /// Closes the piece: goes back to where it began.
     pub(super) fn close(&mut self) {
         self.0.push('Z');
     }

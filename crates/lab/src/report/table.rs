@@ -3,23 +3,23 @@
 use super::markup::Markup;
 use std::fmt::{self, Display};
 
-/// Columns with a name each; the first names the rows.
+/// Rows of text in columns; each column has a name, and the first column names the rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct TextTable {
     head: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-/// Narrowest columns of the text: the first, the others.
+/// Least width of the first column and of the others, in characters.
 const MIN_CHARS: [usize; 2] = [12, 9];
 
-impl Table {
+impl TextTable {
     /// A table without rows.
     pub(super) fn new(head: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self { head: head.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
 
-    /// Adds a row. One whose name is indented is a part of the row above.
+    /// Adds a row; a row whose name is indented is a part of the row above.
     pub(super) fn row(&mut self, name: impl Into<String>, cells: impl IntoIterator<Item = String>) {
         self.rows.push(std::iter::once(name.into()).chain(cells).collect());
     }
@@ -40,7 +40,7 @@ impl Table {
     }
 }
 
-impl Display for Table {
+impl Display for TextTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines = || std::iter::once(&self.head).chain(&self.rows);
         let width = |column: usize| {
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn columns_line_up_and_grow() {
-        let mut table = Table::new(["ms", "A", "B"]);
+        let mut table = TextTable::new(["ms", "A", "B"]);
         table.row("GPU", [ms(Some(1.0)), ms(None)]);
         table.row("  a stage of a long name", ["123456789012".into(), percent(1.0, 0.0)]);
         let text = table.to_string();

@@ -3,39 +3,39 @@
 use super::axis::Axis;
 use super::markup::Markup;
 use super::page;
-use super::reduce::{Column, columns, held};
+use super::reduce::{PixelColumn, columns, held};
 use super::summary::Summary;
 use super::svg::{Path, Plot, RIGHT};
 use base::words::counted;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// Room beside every plot along the time, for marks: the plots' times then lie below each other.
+/// Room for marks beside every plot along the time, the same for all, so that their time axes line up.
 pub(super) const SIDES: [f64; 2] = [52.0, RIGHT];
 const HEIGHT: f64 = 240.0;
 /// How far marks of missed displays reach up from the time axis, in units.
 const MISSED_UNITS: f64 = 10.0;
 
-/// From the first frame to the last, whatever the order of the rows.
+/// Time axis from the first frame to the last, whatever the order of the rows.
 pub(super) fn time_axis(log: &FrameLogFile) -> Axis {
     let times = || log.frames.iter().map(|frame| frame.time_s);
     Axis::linear(times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// What each pixel column of a plot along the time has of a figure.
+/// A figure of the frames in each pixel column of a plot along the time.
 pub(super) fn along_time(
     plot: &Plot,
     frames: &[LoggedFrame],
     figure: impl Fn(&LoggedFrame) -> f64,
-) -> Vec<Option<Column>> {
+) -> Vec<Option<PixelColumn>> {
     let time = plot.x_axis();
     columns(frames.iter().map(|frame| (time.place(frame.time_s), figure(frame))), plot.num_columns())
 }
 
 /// A line through columns that looks as if it went through every frame.
-pub(super) fn through(plot: &Plot, columns: &[Option<Column>]) -> Path {
+pub(super) fn through(plot: &Plot, columns: &[Option<PixelColumn>]) -> Path {
     let mut path = Path::default();
     for (at, column) in columns.iter().enumerate() {
-        let Some(Column { first, low, high, last, .. }) = column else { continue };
+        let Some(PixelColumn { first, low, high, last, .. }) = column else { continue };
         let mut before = None;
         for value in [first, high, low, last] {
             if before != Some(value) {
@@ -47,7 +47,7 @@ pub(super) fn through(plot: &Plot, columns: &[Option<Column>]) -> Path {
     path
 }
 
-/// The figure.
+/// Figure of the GPU time of every frame.
 pub(super) fn timeline(log: &FrameLogFile, summary: &Summary) -> Markup {
     let top_ms = summary.plotted_ms();
     let mut plot = Plot::new(
@@ -87,8 +87,8 @@ fn caption(log: &FrameLogFile, top_ms: f64) -> String {
     }
 }
 
-/// From the budget up to the longest frame over it.
-fn risen(plot: &Plot, over: &[Option<Column>], budgets: &[Option<Column>]) -> Path {
+/// Lines from the budget up to the longest frame over it, one a column.
+fn risen(plot: &Plot, over: &[Option<PixelColumn>], budgets: &[Option<PixelColumn>]) -> Path {
     let mut path = Path::default();
     for (at, (over, budget)) in over.iter().zip(budgets).enumerate() {
         if let Some((over, budget)) = over.as_ref().zip(budget.as_ref()) {
@@ -100,7 +100,7 @@ fn risen(plot: &Plot, over: &[Option<Column>], budgets: &[Option<Column>]) -> Pa
 }
 
 /// A line that stays until the next value, with corners only where it changes.
-pub(super) fn steps(plot: &Plot, columns: &[Option<Column>]) -> Path {
+pub(super) fn steps(plot: &Plot, columns: &[Option<PixelColumn>]) -> Path {
     let num = columns.len();
     let mut path = Path::default();
     let mut before: Option<(usize, f64)> = None;
@@ -123,7 +123,7 @@ pub(super) fn steps(plot: &Plot, columns: &[Option<Column>]) -> Path {
 }
 
 /// A mark at the bottom for each column with a missed display.
-fn missed_marks(plot: &Plot, missed: &[Option<Column>]) -> Path {
+fn missed_marks(plot: &Plot, missed: &[Option<PixelColumn>]) -> Path {
     let mut path = Path::default();
     for (at, _) in missed.iter().enumerate().filter(|(_, column)| column.is_some_and(|c| c.sum() > 0.0)) {
         let p = plot.at_column(at, missed.len(), 0.0);

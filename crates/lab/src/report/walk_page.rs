@@ -6,13 +6,13 @@ use super::page::{self, Page};
 use super::stack::stack;
 use super::steps::{governor, phases};
 use super::summary::{NO_GPU_TIMES, Summary};
-use super::table::{Table, ms};
+use super::table::{TextTable, ms};
 use super::timeline::timeline;
 use super::worst::{HOLD_S, dearest_stage, worst, worst_poses};
 use glam::DVec3;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// The page of a log: HTML, whole.
+/// The whole page of a log, as HTML.
 #[must_use]
 pub fn walk_page(log: &FrameLogFile) -> String {
     let summary = Summary::of(log);
@@ -54,7 +54,7 @@ pub fn walk_page(log: &FrameLogFile) -> String {
     page.finish()
 }
 
-/// The worst frames, and their poses to be replayed.
+/// Adds the worst frames, and their poses to be replayed.
 fn add_worst(page: &mut Page, log: &FrameLogFile) {
     let worst = worst(log);
     if worst.is_empty() {
@@ -73,7 +73,7 @@ fn add_worst(page: &mut Page, log: &FrameLogFile) {
         "head at",
         "looks",
     ];
-    let mut table = Table::new(names);
+    let mut table = TextTable::new(names);
     for frame in &worst {
         let stage = dearest_stage(log, frame);
         let [head, looks] = head_in_words(frame);

@@ -1,13 +1,13 @@
-//! The frames that took the GPU longest, and where the head was in them: to be looked at again.
+//! The frames that took the GPU longest, and where the head was in them, so that they can be looked at again.
 
 use timing::pose_path::PosePath;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// So many worst frames are told of.
+/// Most frames that are reported.
 const NUM_WORST: usize = 20;
-/// Frames of one hitch see the same: of frames closer than this only the worst counts.
+/// Least seconds between two worst frames. Frames of one hitch see the same, so only the worst of them counts.
 const APART_S: f64 = 0.5;
-/// How long the pose path stays at each worst frame: the LOD has then settled.
+/// Seconds that the pose path stays at each worst frame, in which the LOD settles.
 pub const HOLD_S: f64 = 2.0;
 
 /// The counted frames with most GPU time, the worst first, each the worst within half a second.
@@ -27,8 +27,8 @@ pub fn worst(log: &FrameLogFile) -> Vec<&LoggedFrame> {
     worst
 }
 
-/// A path of the head that shows the [`worst`] frames in turn, each for [`HOLD_S`]; `None` if the log has no pose
-/// of any.
+/// A path of the head that shows the [`worst`] frames in turn, each for [`HOLD_S`]; `None` if the log has no pose of
+/// them.
 #[must_use]
 pub fn worst_poses(log: &FrameLogFile) -> Option<PosePath> {
     PosePath::holding(worst(log).into_iter().filter_map(|frame| frame.world_from_head), HOLD_S)

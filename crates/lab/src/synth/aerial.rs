@@ -3,10 +3,10 @@
 //! A pulse that meets a crown comes back up to three times: from the leaves, from deeper in, from the ground.
 
 use super::Viewpoint;
-use super::device::Device;
+use super::device::MeasuringDevice;
 use super::landscape::{Cover, Landscape, SIZE_M};
-use super::plan::{Plan, Thin};
-use super::record::{Format, Layout, Record};
+use super::plan::{LinePlan, Thin};
+use super::record::{WrittenFormat, WrittenLayout, WrittenRecord};
 use super::span::Ray;
 use base::random::Rng;
 use glam::DVec3;
@@ -18,31 +18,31 @@ use std::sync::OnceLock;
 const ORIGIN: DVec3 = DVec3::new(452_000.0, 5_412_000.0, 280.0);
 /// Height of the aircraft above the valley.
 const FLIGHT_M: f64 = 650.0;
-/// Strips; their middles are 200 m apart.
+/// Number of strips; their middles are 200 m apart.
 const NUM_STRIPS: u64 = 5;
-/// Half the width that a strip covers: neighbors overlap.
+/// Half the width that a strip covers; neighboring strips overlap.
 const HALF_SWATH_M: f64 = 122.0;
 /// Speed of the aircraft.
 const SPEED_M_PER_S: f64 = 60.0;
-/// Start of the first strip, and from each strip's start to the next one's, GPS seconds.
+/// GPS seconds: start of the first strip, and time from each strip's start to the next one's.
 const TIMES_S: [f64; 2] = [330_010_000.0, 240.0];
-/// Trial bins of a strip, and pulses in each.
+/// Trial bins of a strip, and pulses in each bin.
 const TRIALS: [u32; 2] = [50, 300];
 
 const fn place(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(ORIGIN.x + x, ORIGIN.y + y, ORIGIN.z + z)
 }
 
-/// Good places to be.
+/// Good places to look from.
 pub const VIEWPOINTS: [Viewpoint; 2] = [
     Viewpoint { name: "overview", eye: place(300.0, 60.0, 230.0), target: place(540.0, 560.0, 0.0) },
     Viewpoint { name: "village", eye: place(490.0, 500.0, 48.0), target: place(580.0, 690.0, 8.0) },
 ];
 
-/// The aircraft and what it is to do.
+/// The aircraft and its plan.
 pub struct Aircraft {
     land: &'static Landscape,
-    plan: Plan,
+    plan: LinePlan,
 }
 
 /// A return of a pulse, before it becomes a record.
@@ -54,7 +54,7 @@ struct Echo {
 }
 
 impl Aircraft {
-    /// One that will measure that many points in all.
+    /// Makes an aircraft that will measure this many points in all.
     pub fn new(points: u64) -> Self {
         static LAND: OnceLock<(Landscape, Vec<u32>)> = OnceLock::new();
         let (land, weights) = LAND.get_or_init(|| {
@@ -64,19 +64,20 @@ impl Aircraft {
         });
         let returns = weights.iter().map(|w| f64::from(*w)).sum::<f64>()
             / (f64::from(TRIALS[1]) * weights.len() as f64);
-        // Pulses equally far apart along and across: lines / pulses a line = length / width of a strip.
+        // Pulses are equally far apart along and across: lines / pulses a line = length / width of a strip.
         let pulses = points as f64 / returns / NUM_STRIPS as f64;
         let lines = (pulses * SIZE_M / (2.0 * HALF_SWATH_M)).sqrt().ceil() as u64;
-        Self { land, plan: Plan::new(points, NUM_STRIPS, lines, weights.clone()) }
+        Self { land, plan: LinePlan::new(points, NUM_STRIPS, lines, weights.clone()) }
     }
 }
 
-/// Towards the sun: south-east, high.
+/// Unit vector towards the sun, which stands high in the south-east.
 fn to_sun() -> DVec3 {
     DVec3::new(0.48, -0.42, 0.77).normalize()
 }
 
-/// A pulse: `along` and `across` its strip from 0 to 1, strips flown eastwards and westwards by turns.
+/// The ray of a pulse at a place `along` and `across` its strip, from 0 to 1. Strips are flown eastwards and westwards
+/// by turns.
 fn pulse(strip: u64, along: f64, across: f64) -> Ray {
     let forward = strip.is_multiple_of(2);
     let x = SIZE_M * if forward { along } else { 1.0 - along };
@@ -86,7 +87,7 @@ fn pulse(strip: u64, along: f64, across: f64) -> Ray {
     Ray { origin: DVec3::new(x, middle, FLIGHT_M), direction }
 }
 
-/// What comes back from a pulse, nearest first; nothing from calm water, often.
+/// Collects the returns of a pulse, nearest first; calm water often returns nothing.
 fn echoes(land: &Landscape, ray: &Ray, rng: &mut Rng, out: &mut Vec<Echo>) {
     out.clear();
     let at_height = |z: f64| ray.at((z - ray.origin.z) / ray.direction.z);
@@ -123,13 +124,13 @@ fn echoes(land: &Landscape, ray: &Ray, rng: &mut Rng, out: &mut Vec<Echo>) {
     }
     let color = land.color(ground.truncate(), z, cover, to_sun());
     let strength = if cover == Cover::Water { 0.06 } else { 0.2 + 0.5 * color.y } / (1.0 + out.len() as f64);
-    // Grass and crops: some pulses end in them.
+    // Some pulses end in grass and crops.
     let grass = cover == Cover::Ground && out.is_empty() && rng.unit() < 0.12;
     let lift = if grass { 0.1 + 0.5 * rng.unit() } else { 0.0 };
     out.push(Echo { p: ground + lift * DVec3::Z, class: if grass { 3 } else { class }, strength, color });
 }
 
-/// Returns of trial pulses, bin by bin of each strip: what the points are shared out by.
+/// Returns of trial pulses in each bin of each strip, by which the points are shared out.
 fn try_out(land: &Landscape) -> Vec<u32> {
     let bins = (0..NUM_STRIPS * u64::from(TRIALS[0])).into_par_iter();
     bins.map(|bin| {
@@ -145,16 +146,19 @@ fn try_out(land: &Landscape) -> Vec<u32> {
     .collect()
 }
 
-impl Device for Aircraft {
-    fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb7, grid: Grid { scale: DVec3::splat(0.001), offset: ORIGIN } }
+impl MeasuringDevice for Aircraft {
+    fn layout(&self) -> WrittenLayout {
+        WrittenLayout {
+            format: WrittenFormat::Rgb7,
+            grid: Grid { scale: DVec3::splat(0.001), offset: ORIGIN },
+        }
     }
 
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &LinePlan {
         &self.plan
     }
 
-    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<WrittenRecord>) {
         let returns = f64::from(self.plan.weight(line).max(1)) / f64::from(TRIALS[1]);
         let mut pulses = (1.02 * num_points as f64 / returns).ceil() as u64 + 1;
         let start = rng.clone();
@@ -163,7 +167,7 @@ impl Device for Aircraft {
             *rng = start.clone();
             let all = self.sweep(line, pulses, rng);
             let total: u64 = all.iter().map(|(_, _, echoes)| echoes.len() as u64).sum();
-            // Too few came back: more pulses. This ends, for every line crosses dry land.
+            // If too few returns came back, more pulses are sent. This ends, since every line crosses dry land.
             if total < num_points {
                 pulses += pulses / 8 + 1;
                 continue;
@@ -198,7 +202,15 @@ impl Aircraft {
     }
 
     /// Appends the returns of a pulse; the weakest may have been lost.
-    fn store(&self, line: u64, part: f64, ray: &Ray, echoes: &[Echo], rng: &mut Rng, out: &mut Vec<Record>) {
+    fn store(
+        &self,
+        line: u64,
+        part: f64,
+        ray: &Ray,
+        echoes: &[Echo],
+        rng: &mut Rng,
+        out: &mut Vec<WrittenRecord>,
+    ) {
         let (strip, number) = self.plan.pass_and_line(line);
         let (grid, lines) = (self.layout().grid, self.plan.lines_per_pass() as f64);
         let left = if strip.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -207,8 +219,8 @@ impl Aircraft {
             let p = echo.p + 0.025 * rng.normal() * ray.direction;
             let strength = 42_000.0 * echo.strength * (1.0 + 0.06 * rng.normal());
             let color = echo.color * (1.0 + 0.02 * rng.normal());
-            out.push(Record {
-                xyz: Record::snap(&grid, ORIGIN + p),
+            out.push(WrittenRecord {
+                xyz: WrittenRecord::snap(&grid, ORIGIN + p),
                 intensity: strength.clamp(1.0, 65_535.0) as u16,
                 return_number: i as u8 + 1,
                 num_returns: echoes.len() as u8,

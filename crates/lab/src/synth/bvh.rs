@@ -1,24 +1,24 @@
-//! Many shapes and a tree of boxes round them, so that a ray looks at few.
+//! A bounding volume hierarchy: shapes in a tree of boxes, so that a ray is tested against few of them.
 
 use super::shape::Shape;
 use super::span::{Hit, Ray};
 use base::space::Bounds;
 use glam::DVec3;
 
-/// Shapes a leaf holds at most, if boxes can tell them apart.
+/// Shapes in a leaf at most, if boxes can tell them apart.
 const LEAF_SHAPES: usize = 4;
 
 /// A tree of boxes; the children of a node are nodes `first` and `first + 1`.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     shapes: Vec<Shape>,
-    /// Where in the caller's list each of `shapes` stood.
+    /// Number of each of `shapes` in the caller's list.
     order: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct BvhNode {
     bounds: Bounds,
     /// First shape of a leaf, first child otherwise.
     first: u32,
@@ -31,7 +31,7 @@ impl Bvh {
     pub fn new(shapes: &[Shape]) -> Self {
         let bounds: Vec<Bounds> = shapes.iter().map(Shape::bounds).collect();
         let mut order: Vec<u32> = (0..shapes.len() as u32).collect();
-        let mut nodes = vec![Node { bounds: Bounds::EMPTY, first: 0, num_shapes: 0 }];
+        let mut nodes = vec![BvhNode { bounds: Bounds::EMPTY, first: 0, num_shapes: 0 }];
         let mut open = vec![(0, 0, shapes.len())];
         while let Some((node, first, end)) = open.pop() {
             let part = &mut order[first..end];
@@ -39,11 +39,11 @@ impl Bvh {
             let cut = if part.len() > LEAF_SHAPES { split(part, &bounds) } else { None };
             let Some(cut) = cut else {
                 let num_shapes = (end - first) as u32;
-                nodes[node] = Node { bounds: around, first: first as u32, num_shapes };
+                nodes[node] = BvhNode { bounds: around, first: first as u32, num_shapes };
                 continue;
             };
             let child = nodes.len();
-            nodes[node] = Node { bounds: around, first: child as u32, num_shapes: 0 };
+            nodes[node] = BvhNode { bounds: around, first: child as u32, num_shapes: 0 };
             nodes.resize(child + 2, nodes[node]);
             open.push((child, first, first + cut));
             open.push((child + 1, first + cut, end));
@@ -68,7 +68,7 @@ impl Bvh {
         self.walk(ray, reach, |shape, limit| {
             let hit = self.shapes[shape].intersect(ray).filter(|hit| hit.t < limit)?;
             blocked = true;
-            // Nothing lies nearer than this: the walk ends.
+            // Nothing lies nearer than this limit, so the walk ends.
             Some(hit.t.min(f64::NEG_INFINITY))
         });
         blocked
@@ -98,7 +98,7 @@ impl Bvh {
     fn walk(&self, ray: &Ray, reach: f64, mut visit: impl FnMut(usize, f64) -> Option<f64>) {
         let inverse = ray.direction.recip();
         let mut limit = reach;
-        // A tree as deep as the stack is long would hold more shapes than memory.
+        // The stack suffices: a tree as deep as this would hold more shapes than memory does.
         let mut open = [(0_u32, 0.0_f64); 64];
         let mut num_open = 1;
         while num_open > 0 {
@@ -127,7 +127,7 @@ impl Bvh {
     }
 }
 
-/// Where a ray enters a box: 0 if it starts inside, infinity if it misses.
+/// Distance at which a ray enters a box: 0 if it starts inside, infinity if it misses.
 fn entry(bounds: &Bounds, origin: DVec3, inverse: DVec3) -> f64 {
     let (a, b) = ((bounds.min - origin) * inverse, (bounds.max - origin) * inverse);
     // f64::min and max drop the NaN of 0 · ∞: a ray in a box's face counts as inside on that axis.
@@ -136,8 +136,8 @@ fn entry(bounds: &Bounds, origin: DVec3, inverse: DVec3) -> f64 {
     if near <= far { near } else { f64::INFINITY }
 }
 
-/// Sorts `part` along the axis, and says where to cut it, so that the two halves' surfaces, weighed by their
-/// shapes, are smallest. None if no cut is better than none.
+/// Sorts `part` along the best axis and returns where to cut it: where the two halves' surfaces, weighed by their
+/// numbers of shapes, are smallest. `None` if no cut is better than no cut.
 fn split(part: &mut [u32], bounds: &[Bounds]) -> Option<usize> {
     let area = |b: &Bounds| {
         let s = b.size();
@@ -196,7 +196,7 @@ mod tests {
         let bvh = Bvh::new(&shapes);
         let (mut num_hits, mut num_inside) = (0, 0);
         for i in 0..4000 {
-            // Every other ray along an axis: its inverse direction has infinities.
+            // Every other ray runs along an axis, where its inverse direction has infinities.
             let direction = if i % 2 == 0 { rng.direction() } else { DVec3::AXES[i / 2 % 3] };
             let ray = Ray { origin: 6.0 * rng.unit() * rng.direction(), direction };
             let reach = rng.between(1.0, 12.0);

@@ -1,9 +1,9 @@
 //! Writes what a device measures as LAS or LAZ (a mesh: see `ply`): blocks of lines in parallel, bytes in order.
 
-use super::device::Device;
-use super::header::{Header, Totals};
-use super::record::Layout;
-use super::{Kind, Summary};
+use super::device::MeasuringDevice;
+use super::header::{Totals, WrittenHeader};
+use super::record::WrittenLayout;
+use super::{SynthKind, WrittenScan};
 use base::output::{Output, OutputError, OutputFile};
 use base::random::Rng;
 use base::task::Progress;
@@ -13,15 +13,15 @@ use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
-/// Points that a block holds, about: large enough to keep a thread busy, small enough to hold many.
+/// Approximate number of points in a block: enough to keep a thread busy, few enough to hold many blocks.
 const BLOCK_POINTS: u64 = 16_384;
-/// Blocks made at once while those before are written; with their bytes about 10 MB.
+/// Blocks that are made at once while those before are written; with their bytes about 10 MB.
 const GROUP_BLOCKS: u64 = 16;
 
 /// Why no scan was made.
 #[derive(Debug, thiserror::Error)]
 pub enum SynthError {
-    /// Nothing to write.
+    /// No points were asked for.
     #[error("a scan needs at least one point; --points was 0")]
     NoPoints,
     /// LAS 1.2 counts points in 32 bits; a mesh is held in memory.
@@ -29,12 +29,12 @@ pub enum SynthError {
     TooManyPoints {
         /// The file.
         path: PathBuf,
-        /// Asked for.
+        /// Points asked for.
         points: u64,
-        /// Possible.
+        /// Points that are possible.
         most: u64,
     },
-    /// Nothing that can be written.
+    /// The name's ending is of no format that can be written.
     #[error("{path}: the name must end in .las, .laz or .ply; it says which of them is written")]
     Extension {
         /// The file.
@@ -56,7 +56,7 @@ pub enum SynthError {
         path: PathBuf,
         /// Size of all points, uncompressed, rounded up.
         needed_mb: u64,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// The header could not be made.
@@ -64,7 +64,7 @@ pub enum SynthError {
     Header {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the LAS library.
         source: las::Error,
     },
     /// The user asked to stop.
@@ -91,38 +91,38 @@ impl SynthError {
 
 /// A file that may be written: its name and size make sense.
 #[derive(Clone, Copy, Debug)]
-pub struct Target<'a> {
+pub struct SynthFile<'a> {
     pub(super) output: &'a Output,
-    form: Form,
+    form: FileFormat,
 }
 
-/// What is written.
+/// Format of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+enum FileFormat {
     Las,
     Laz,
     /// A mesh as PLY.
     Ply,
 }
 
-/// Points of a mesh; what is held in memory meanwhile is about 150 bytes each.
+/// Most points of a mesh; each takes about 150 bytes of memory while the mesh is made.
 const MOST_MESH_POINTS: u64 = 100_000_000;
 
-impl<'a> Target<'a> {
-    /// Looks at the name and the number of points; touches nothing.
-    pub fn check(output: &'a Output, kind: Kind, points: u64) -> Result<Self, SynthError> {
+impl<'a> SynthFile<'a> {
+    /// Checks the name and the number of points without touching the file.
+    pub fn check(output: &'a Output, kind: SynthKind, points: u64) -> Result<Self, SynthError> {
         let path = output.path();
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let form = match extension.as_deref() {
-            Some("las") => Form::Las,
-            Some("laz") => Form::Laz,
-            Some("ply") => Form::Ply,
+            Some("las") => FileFormat::Las,
+            Some("laz") => FileFormat::Laz,
+            Some("ply") => FileFormat::Ply,
             _ => return Err(SynthError::Extension { path: path.into() }),
         };
         let most = match (form, kind) {
-            (Form::Ply, Kind::Photogrammetry) => MOST_MESH_POINTS,
-            (Form::Ply, _) => return Err(SynthError::NoMesh { path: path.into() }),
-            (_, Kind::Photogrammetry) => u64::from(u32::MAX),
+            (FileFormat::Ply, SynthKind::Photogrammetry) => MOST_MESH_POINTS,
+            (FileFormat::Ply, _) => return Err(SynthError::NoMesh { path: path.into() }),
+            (_, SynthKind::Photogrammetry) => u64::from(u32::MAX),
             (_, _) => u64::MAX / 64,
         };
         if points == 0 {
@@ -136,17 +136,22 @@ impl<'a> Target<'a> {
 
     /// True for a mesh.
     pub fn is_mesh(&self) -> bool {
-        self.form == Form::Ply
+        self.form == FileFormat::Ply
     }
 
-    /// Measures everything and writes it.
-    pub fn write(&self, device: &impl Device, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
+    /// Measures all points and writes them.
+    pub fn write(
+        &self,
+        device: &impl MeasuringDevice,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<WrittenScan, SynthError> {
         let path = || self.output.path().to_path_buf();
         let file = self.output.begin()?;
-        let Layout { format, grid } = device.layout();
+        let WrittenLayout { format, grid } = device.layout();
         let record_bytes = u64::from(format.record_bytes());
         let needed_mb = device.plan().points().saturating_mul(record_bytes).div_ceil(1_000_000);
-        let mut header = Header::new(format, grid, self.form == Form::Laz);
+        let mut header = WrittenHeader::new(format, grid, self.form == FileFormat::Laz);
         let written = (|| {
             let mut points = PointWriter::start(&header, file)?;
             let whole = write_points(device, seed, progress, &mut points, &mut header.totals)?;
@@ -164,11 +169,15 @@ impl<'a> Target<'a> {
             return Err(SynthError::Cancelled { path: path() });
         }
         self.output.keep(file)?;
-        Ok(Summary { num_points: header.totals.num_points, file_bytes, bounds: header.totals.bounds(&grid) })
+        Ok(WrittenScan {
+            num_points: header.totals.num_points,
+            file_bytes,
+            bounds: header.totals.bounds(&grid),
+        })
     }
 }
 
-/// What can fail while writing; gets the file's name further out.
+/// Errors while writing; the caller adds the file's name.
 #[derive(Debug, thiserror::Error)]
 enum WriteError {
     #[error(transparent)]
@@ -179,22 +188,24 @@ enum WriteError {
 
 /// Writes all points; false if stopped before the end.
 fn write_points(
-    device: &impl Device,
+    device: &impl MeasuringDevice,
     seed: u64,
     progress: &Progress,
     out: &mut PointWriter,
     totals: &mut Totals,
 ) -> Result<bool, WriteError> {
     let plan = device.plan();
-    // Whole lines a block, the same whatever the machine.
+    // A block has whole lines, the same on every machine.
     let lines_per_block = (BLOCK_POINTS * plan.num_lines()).div_ceil(plan.points().max(1));
     let lines_per_block = lines_per_block.clamp(1, plan.num_lines());
     let num_blocks = plan.num_lines().div_ceil(lines_per_block);
-    let group = |first: u64| -> Vec<Block> {
+    let group = |first: u64| -> Vec<EncodedLines> {
         let blocks = (first..num_blocks.min(first + GROUP_BLOCKS)).into_par_iter();
         blocks
             .filter(|_| !progress.is_cancelled())
-            .map(|block| Block::measure(device, seed, block * lines_per_block, lines_per_block, progress))
+            .map(|block| {
+                EncodedLines::measure(device, seed, block * lines_per_block, lines_per_block, progress)
+            })
             .collect()
     };
     let mut ready = group(0);
@@ -213,14 +224,20 @@ fn write_points(
     Ok(!progress.is_cancelled())
 }
 
-/// Consecutive lines as bytes.
-struct Block {
+/// Records of consecutive lines, as bytes.
+struct EncodedLines {
     bytes: Vec<u8>,
     totals: Totals,
 }
 
-impl Block {
-    fn measure(device: &impl Device, seed: u64, first: u64, lines: u64, progress: &Progress) -> Self {
+impl EncodedLines {
+    fn measure(
+        device: &impl MeasuringDevice,
+        seed: u64,
+        first: u64,
+        lines: u64,
+        progress: &Progress,
+    ) -> Self {
         let (plan, format) = (device.plan(), device.layout().format);
         let mut block = Self { bytes: Vec::new(), totals: Totals::default() };
         let mut records = Vec::new();
@@ -242,14 +259,14 @@ impl Block {
     }
 }
 
-/// Where the points' bytes go.
+/// Writer of the points' bytes, plain or compressed.
 enum PointWriter {
     Plain(BufWriter<OutputFile>),
     Compressed(Box<ParLasZipCompressor<BufWriter<OutputFile>>>),
 }
 
 impl PointWriter {
-    fn start(header: &Header, file: OutputFile) -> Result<Self, WriteError> {
+    fn start(header: &WrittenHeader, file: OutputFile) -> Result<Self, WriteError> {
         let mut file = BufWriter::with_capacity(1 << 20, file);
         header.write_to(&mut file)?;
         Ok(match &header.laz {
@@ -261,11 +278,11 @@ impl PointWriter {
         })
     }
 
-    fn write(&mut self, blocks: &[Block]) -> io::Result<()> {
+    fn write(&mut self, blocks: &[EncodedLines]) -> io::Result<()> {
         match self {
             Self::Plain(file) => blocks.iter().try_for_each(|block| file.write_all(&block.bytes)),
             Self::Compressed(compressor) => {
-                // All at once: the compressor works on several of its chunks in parallel.
+                // All bytes are handed over at once, so that the compressor works on several of its chunks in parallel.
                 let bytes = blocks.iter().map(|b| b.bytes.as_slice()).collect::<Vec<_>>().concat();
                 compressor.compress_many(&bytes)
             }

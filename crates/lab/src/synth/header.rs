@@ -1,16 +1,16 @@
 //! The start of a LAS file: its header, and for LAZ the record that describes the compression.
 
-use super::record::{Format, Record};
+use super::record::{WrittenFormat, WrittenRecord};
 use base::space::Bounds;
 use glam::DVec3;
 use laz::{LazItemRecordBuilder, LazVlr};
 use points::Grid;
 use std::io::{Seek, SeekFrom, Write};
 
-/// What the header says of the points.
+/// Figures of the points for the header.
 #[derive(Clone, Debug)]
 pub struct Totals {
-    /// Points.
+    /// Number of points.
     pub num_points: u64,
     by_return: [u64; 15],
     min: [i32; 3],
@@ -24,8 +24,8 @@ impl Default for Totals {
 }
 
 impl Totals {
-    /// One more.
-    pub fn count(&mut self, record: &Record) {
+    /// Counts one more record.
+    pub fn count(&mut self, record: &WrittenRecord) {
         self.num_points += 1;
         self.by_return[usize::from(record.return_number.clamp(1, 15)) - 1] += 1;
         for axis in 0..3 {
@@ -34,7 +34,7 @@ impl Totals {
         }
     }
 
-    /// Those of another part of the file.
+    /// Adds the figures of another part of the file.
     pub fn add(&mut self, other: &Self) {
         self.num_points += other.num_points;
         for (sum, more) in self.by_return.iter_mut().zip(other.by_return) {
@@ -46,7 +46,7 @@ impl Totals {
         }
     }
 
-    /// True box, world space.
+    /// True box of the points, in world space.
     pub fn bounds(&self, grid: &Grid) -> Bounds {
         if self.num_points == 0 {
             return Bounds::EMPTY;
@@ -56,21 +56,21 @@ impl Totals {
 }
 
 /// The start of the file: LAS header and, for LAZ, the record that describes the compression.
-pub struct Header {
-    format: Format,
+pub struct WrittenHeader {
+    format: WrittenFormat,
     grid: Grid,
     /// How the points are compressed, if they are.
     pub laz: Option<LazVlr>,
-    /// What it says of the points; to be filled in before the last [`Header::write_to`].
+    /// Figures of the points; to be filled in before the last [`WrittenHeader::write_to`].
     pub totals: Totals,
 }
 
 /// Day and year in every header: the day on which a scan is made must not change its bytes.
 const CREATED: (u16, u16) = (1, 2026);
 
-impl Header {
-    /// For points still to come.
-    pub fn new(format: Format, grid: Grid, compressed: bool) -> Self {
+impl WrittenHeader {
+    /// Makes the header of points still to come.
+    pub fn new(format: WrittenFormat, grid: Grid, compressed: bool) -> Self {
         let laz = compressed.then(|| {
             let builder = LazItemRecordBuilder::default_for_point_format_id(format.id(), 0);
             // Fails for point formats that LAZ does not know; both of ours are among the known ones.
@@ -85,14 +85,14 @@ impl Header {
             b if b.is_empty() => Bounds { min: DVec3::ZERO, max: DVec3::ZERO },
             b => b,
         };
-        let new = self.format == Format::Rgb7;
+        let new = self.format == WrittenFormat::Rgb7;
         let header_size: u16 = if new { 375 } else { 227 };
         let vlr_bytes = if self.laz.is_some() { 54 + self.laz_record().len() as u32 } else { 0 };
-        // Format 7 is not of the old header's world: its 32-bit counts stay 0 [LAS 1.4 R15, 2.4].
+        // The old header's 32-bit counts stay 0 with format 7 [LAS 1.4 R15, 2.4].
         let legacy = |count: u64| if new { 0 } else { u32::try_from(count).unwrap_or(0) };
         las::raw::Header {
             version: las::Version::new(1, if new { 4 } else { 2 }),
-            // Bit 4: coordinate systems as WKT, as format 7 demands; bit 0: GPS time without week.
+            // Bit 4 says that coordinate systems are WKT, as format 7 demands; bit 0, that GPS time is not of the week.
             global_encoding: if new { 0b1_0001 } else { 0 },
             system_identifier: text("made up"),
             generating_software: text("scanwalk synth"),
@@ -134,7 +134,7 @@ impl Header {
         bytes
     }
 
-    /// Writes it to the start of the file; once as a place holder, once with the true counts.
+    /// Writes the header to the start of the file: once as a placeholder, once with the true counts.
     pub fn write_to(&self, file: &mut (impl Write + Seek)) -> Result<(), las::Error> {
         file.seek(SeekFrom::Start(0))?;
         self.raw().write_to(&mut *file)?;

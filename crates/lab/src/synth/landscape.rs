@@ -1,6 +1,6 @@
 //! The land that the aircraft flies over: hills, a river, a road with a bridge, a village, trees.
 //!
-//! Its own coordinates: metres, x east and y north from 0 to [`SIZE_M`], z up from the river's valley.
+//! Coordinates are its own: metres, x east and y north from 0 to [`SIZE_M`], z up from the river's valley.
 
 use super::material::{rgb, smooth};
 use super::span::{Ray, ball};
@@ -15,7 +15,7 @@ const WATER_Z: f64 = -1.0;
 const CELL_M: f64 = 7.0;
 const NUM_CELLS: i64 = (SIZE_M / CELL_M) as i64 + 1;
 
-/// What something on the ground is; the numbers are ASPRS classes.
+/// What covers the ground; the numbers are ASPRS classes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cover {
     /// Field, meadow or forest floor.
@@ -26,7 +26,7 @@ pub enum Cover {
     Water = 9,
     /// Asphalt.
     Road = 11,
-    /// Where the road crosses the river.
+    /// The road where it crosses the river.
     Bridge = 17,
 }
 
@@ -45,7 +45,7 @@ struct House {
 
 /// A tree whose crown is an ellipsoid.
 #[derive(Clone, Copy, Debug)]
-pub struct Tree {
+pub struct Plant {
     /// Middle of the crown.
     crown: DVec3,
     radius: f64,
@@ -56,8 +56,8 @@ pub struct Tree {
 /// Land with all that stands on it.
 pub struct Landscape {
     houses: Vec<House>,
-    /// For every cell: the house there, the tree there.
-    cells: Vec<(Option<u16>, Option<Tree>)>,
+    /// The house and the tree of every cell.
+    cells: Vec<(Option<u16>, Option<Plant>)>,
 }
 
 /// North coordinate of the river's middle.
@@ -94,7 +94,7 @@ impl House {
 }
 
 impl Landscape {
-    /// The same every time.
+    /// Makes the landscape, the same every time.
     pub fn new() -> Self {
         let mut rng = Rng::new(0x6C61_6E64, 0);
         let mut houses = village(&mut rng);
@@ -115,7 +115,7 @@ impl Landscape {
     }
 
     /// The tree of a cell: dense in woods, single ones elsewhere, none in river, road and houses.
-    fn plant(&self, cx: i64, cy: i64, near_house: bool) -> Option<Tree> {
+    fn plant(&self, cx: i64, cy: i64, near_house: bool) -> Option<Plant> {
         let value = |salt| cell_value([cx, cy, 0], salt);
         let p = CELL_M * DVec2::new(cx as f64 + 0.2 + 0.6 * value(31), cy as f64 + 0.2 + 0.6 * value(32));
         let bank = smooth(34.0, 22.0, (p.y - river(p.x)).abs());
@@ -131,7 +131,7 @@ impl Landscape {
         let radius = height * if slim { 0.17 } else { 0.27 };
         let half_height = height * if slim { 0.44 } else { 0.36 };
         let crown = p.extend(land(p) + height - half_height);
-        Some(Tree {
+        Some(Plant {
             crown,
             radius,
             half_height,
@@ -139,7 +139,7 @@ impl Landscape {
         })
     }
 
-    fn cell(&self, p: DVec2, dx: i64, dy: i64) -> Option<&(Option<u16>, Option<Tree>)> {
+    fn cell(&self, p: DVec2, dx: i64, dy: i64) -> Option<&(Option<u16>, Option<Plant>)> {
         let (cx, cy) = ((p.x / CELL_M).floor() as i64 + dx, (p.y / CELL_M).floor() as i64 + dy);
         let inside = (0..NUM_CELLS).contains(&cx) && (0..NUM_CELLS).contains(&cy);
         inside.then(|| &self.cells[(cy * NUM_CELLS + cx) as usize])
@@ -168,8 +168,8 @@ impl Landscape {
     }
 
     /// The first crown that a ray to the ground at `ground` crosses: where it enters and leaves.
-    pub fn crown(&self, ray: &Ray, ground: DVec2) -> Option<(f64, f64, Tree)> {
-        let mut best: Option<(f64, f64, Tree)> = None;
+    pub fn crown(&self, ray: &Ray, ground: DVec2) -> Option<(f64, f64, Plant)> {
+        let mut best: Option<(f64, f64, Plant)> = None;
         for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
             let Some(tree) = self.cell(ground, dx, dy).and_then(|c| c.1) else { continue };
             // An ellipsoid is a ball in stretched space; distances along the ray stay what they are.
@@ -219,7 +219,7 @@ impl Landscape {
         tint * light.map(f64::sqrt)
     }
 
-    /// Height for slopes: a house's walls are none.
+    /// Height that slopes are taken from; a house's walls make no slope.
     fn smooth_top(&self, p: DVec2, cover: Cover) -> f64 {
         match self.house(p) {
             Some((_, roof)) if cover == Cover::Building => roof,
@@ -228,7 +228,7 @@ impl Landscape {
     }
 }
 
-impl Tree {
+impl Plant {
     /// Display color at a place of the crown.
     pub fn color(&self, p: DVec3, to_sun: DVec3) -> DVec3 {
         let out = (p - self.crown) / DVec3::new(self.radius, self.radius, self.half_height);

@@ -1,5 +1,5 @@
-//! How a scene is lit: the sun with its shadows, and what comes from the sky and from sunlit surfaces, kept
-//! as a coarse grid of probes.
+//! Light of a scene: the sun with its shadows, and the light of the sky and of sunlit surfaces, kept as a coarse grid
+//! of probes.
 
 use super::bvh::Bvh;
 use super::span::Ray;
@@ -12,9 +12,9 @@ use rayon::prelude::*;
 pub const SUN_COLOR: DVec3 = DVec3::new(1.12, 1.0, 0.80);
 /// Color of the light of sky and walls.
 pub const SKY_COLOR: DVec3 = DVec3::new(0.74, 0.82, 0.98);
-/// Farther than this nothing throws a shadow.
+/// Distance beyond which nothing throws a shadow.
 const REACH_M: f64 = 80.0;
-/// Distance of the probes.
+/// Distance between neighboring probes.
 const PROBE_STEP_M: f64 = 1.0;
 /// Rays that a probe sends out.
 const PROBE_RAYS: u32 = 32;
@@ -25,7 +25,7 @@ const PROBE_RAYS: u32 = 32;
 struct Probe {
     mean: f64,
     slope: DVec3,
-    /// Not in a wall.
+    /// True if the probe is not in a wall.
     free: bool,
 }
 
@@ -66,7 +66,7 @@ impl Light {
         exposed(sun * SUN_COLOR + self.ambient(p, normal) * SKY_COLOR)
     }
 
-    /// Strength of sky and walls at `p`, seen half a step in front of the surface; free probes count only.
+    /// Strength of sky and walls at `p`, seen half a step in front of the surface; only free probes count.
     fn ambient(&self, p: DVec3, normal: DVec3) -> f64 {
         let g = (p + 0.5 * PROBE_STEP_M * normal - self.min) / PROBE_STEP_M;
         let cell = g.floor();
@@ -82,12 +82,12 @@ impl Light {
                 weights += weight;
             }
         }
-        // Deep in a corner no probe is free: some light gets everywhere.
+        // No probe is free deep in a corner, where some light still arrives.
         0.05 + if weights > 1e-3 { sum / weights } else { 0.1 }
     }
 }
 
-/// What the camera makes of it: it takes dark places at a longer exposure too, and lifts them.
+/// Light as the camera shows it, which takes dark places at a longer exposure too and lifts them.
 fn exposed(light: DVec3) -> DVec3 {
     let dark = light.y / 0.15;
     light * (1.0 + 3.2 / (1.0 + dark * dark))

@@ -1,4 +1,4 @@
-//! What surfaces look like: patterns, stains and wear as functions of the place.
+//! Colors of surfaces: patterns, stains and wear as functions of the place.
 //!
 //! Colors here are display values (0 to 1, as on a screen); the light's square root scales them.
 
@@ -27,7 +27,7 @@ pub enum Material {
     Checker,
     /// Clay roof tiles in rows; `down` is the horizontal direction in which the roof falls.
     Roof {
-        /// Unit vector.
+        /// Horizontal unit vector down the roof.
         down: DVec3,
     },
     /// Boards or beams, grain along an axis (0, 1, 2).
@@ -39,7 +39,7 @@ pub enum Material {
     },
     /// Grass.
     Grass,
-    /// Leaves; the value varies from leaf to leaf through the place.
+    /// Leaves, whose brightness varies with the place from leaf to leaf.
     Leaf {
         /// Base color.
         tint: DVec3,
@@ -93,7 +93,7 @@ fn on_surface(p: DVec3, normal: DVec3) -> (f64, f64) {
     }
 }
 
-/// A running bond: which stone, and how far its joint is away (metres).
+/// The stone of a running bond at a place, and the distance to its joint in metres.
 fn bond(u: f64, v: f64, width: f64, height: f64) -> ([i64; 3], f64) {
     let row = (v / height).floor();
     let shifted = u / width + 0.5 * (row - 2.0 * (0.5 * row).floor());

@@ -1,8 +1,8 @@
 //! The statue's surface as triangles: where its distance function changes sign in a grid of cubes.
 //!
-//! A cube is six tetrahedra round its diagonal (Kuhn's division). They fit those of the next cube, and the surface
-//! in a tetrahedron is one triangle or two, so the mesh has neither holes nor edges of more than two triangles. A
-//! vertex lies on an edge of tetrahedra: from a corner of the grid in one of seven directions, which name it.
+//! A cube is six tetrahedra round its diagonal (Kuhn's division). They fit those of the next cube, and the surface in a
+//! tetrahedron is one triangle or two, so the mesh has neither holes nor edges of more than two triangles. A vertex
+//! lies on an edge of tetrahedra, which is named by its corner of the grid and one of seven directions.
 
 use super::statue;
 use base::random::Rng;
@@ -10,28 +10,30 @@ use base::task::Progress;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-/// The grid's smallest corner, up to a shift by less than a cube; its bottom cuts the ground open.
+/// Smallest corner of the grid, except for a shift by less than a cube. The grid's bottom cuts the ground open.
 const START: DVec3 = DVec3::new(-3.6, -3.6, -0.3);
-/// The grid's size at least.
+/// Least size of the grid.
 const SIZE: DVec3 = DVec3::new(7.2, 7.2, 3.7);
-/// Vertices × (edge of a cube)², in m²: about four a cube of the flat ground, and what stands on it.
+/// Vertices × (edge of a cube)², in m²: about four vertices per cube of the flat ground, and those of what stands on
+/// it.
 const VERTICES_M2: f64 = 226.0;
-/// Coarser cubes would miss the statue's arms.
+/// Largest edge of a cube; larger cubes would miss the statue's arms.
 const COARSEST_M: f64 = 0.1;
-/// Cubes along the edge of a block, which is a task and looked into only near the surface.
+/// Cubes along the edge of a block. A block is a task of its own, and only blocks near the surface are looked into.
 const BLOCK: u32 = 16;
 /// Corners along a block's edge.
 const CORNERS: u32 = BLOCK + 1;
-/// Corners of a cube's tetrahedra, a bit an axis: from the first to the opposite, an axis at a time.
+/// Corners of a cube's tetrahedra, a bit per axis: each leads from the first corner to the opposite one, an axis at a
+/// time.
 const TETRAHEDRA: [[u32; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
-    /// World space.
+    /// Position in world space.
     pub p: DVec3,
-    /// Outwards, of unit length.
+    /// Normal of unit length, outwards.
     pub normal: DVec3,
     /// Display color, 0 to 255.
     pub rgb: [u8; 3],
@@ -40,16 +42,16 @@ pub struct Vertex {
 /// Triangles, counter-clockwise from outside.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Each once.
+    /// The vertices, each once.
     pub vertices: Vec<Vertex>,
-    /// Numbers of vertices.
+    /// Numbers of each triangle's vertices.
     pub triangles: Vec<[u32; 3]>,
 }
 
 /// The surface with about `points` vertices, at least some 20 000; another seed lays the grid elsewhere. `None`
 /// if stopped.
 pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
-    let grid = Grid::new(points, seed);
+    let grid = CubeGrid::new(points, seed);
     let corners: Vec<[u64; 3]> =
         grid.blocks(progress).into_par_iter().flat_map_iter(|block| grid.cut(block, progress)).collect();
     let mut keys: Vec<u64> = corners.par_iter().copied().flatten_iter().collect();
@@ -66,12 +68,12 @@ pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
 }
 
 /// Cubes round the statue.
-struct Grid {
+struct CubeGrid {
     start: DVec3,
     edge: f64,
 }
 
-impl Grid {
+impl CubeGrid {
     fn new(points: u64, seed: u64) -> Self {
         let edge = (VERTICES_M2 / points.max(1) as f64).sqrt().min(COARSEST_M);
         let mut rng = Rng::new(seed, 0);
@@ -86,7 +88,7 @@ impl Grid {
     /// First corners of the blocks that may hold surface.
     fn blocks(&self, progress: &Progress) -> Vec<[u32; 3]> {
         let block_edge = self.edge * f64::from(BLOCK);
-        // A corner more than the size needs, for the shift.
+        // One block more than the size needs makes room for the shift.
         let [nx, ny, nz] = (SIZE / block_edge).ceil().as_uvec3().to_array().map(|n| n + 1);
         let all = (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
         let all: Vec<[u32; 3]> = all.map(|block| block.map(|at| at * BLOCK)).collect();
@@ -124,13 +126,13 @@ impl Grid {
         triangles
     }
 
-    /// Where the surface crosses the edge.
+    /// The vertex where the surface crosses an edge.
     fn vertex(&self, key: u64) -> Vertex {
         let (corner, direction) = ends(key);
         let (a, b) =
             (self.corner(corner), self.corner([0, 1, 2].map(|axis| corner[axis] + (direction >> axis & 1))));
         let (da, db) = (statue::distance(a), statue::distance(b));
-        // Not quite at the ends, where triangles would lose their area. The signs differ.
+        // The vertex keeps off the ends, where triangles would lose their area. The signs of the distances differ.
         let p = a + (b - a) * (da / (da - db)).clamp(0.02, 0.98);
         let normal = statue::gradient(p).normalize_or(DVec3::Z);
         let rgb = statue::color(p, normal).to_array().map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8);
@@ -138,7 +140,7 @@ impl Grid {
     }
 }
 
-/// The surface in a tetrahedron: between the corners inside and those outside.
+/// Appends the surface in a tetrahedron, which parts the corners inside from those outside.
 fn cut_tetrahedron(cube: [u32; 3], corners: [u32; 4], is_inside: [bool; 8], out: &mut Vec<[u64; 3]>) {
     let (inside, outside): (Vec<u32>, Vec<u32>) =
         corners.into_iter().partition(|&corner| is_inside[corner as usize]);
@@ -150,7 +152,7 @@ fn cut_tetrahedron(cube: [u32; 3], corners: [u32; 4], is_inside: [bool; 8], out:
     };
     let place = |corner: u32| IVec3::new(corner as i32 & 1, corner as i32 >> 1 & 1, corner as i32 >> 2);
     let sum = |corners: &[u32]| corners.iter().map(|&corner| place(corner)).sum::<IVec3>();
-    // From the middle of those inside to the middle of those outside, times both counts.
+    // Vector from the middle of the corners inside to the middle of those outside, times both counts.
     let outwards = sum(&outside) * inside.len() as i32 - sum(&inside) * outside.len() as i32;
     let middles: Vec<IVec3> = edges.iter().map(|edge| sum(edge)).collect();
     let faces_out = (middles[1] - middles[0]).cross(middles[2] - middles[0]).dot(outwards) > 0;
@@ -160,8 +162,8 @@ fn cut_tetrahedron(cube: [u32; 3], corners: [u32; 4], is_inside: [bool; 8], out:
     }
 }
 
-/// The edge's name: 20 bits of each coordinate of its first corner, 3 of the direction. Of two corners of a
-/// tetrahedron, the first has no bit that the other has not.
+/// Key of an edge: 20 bits for each coordinate of its first corner, 3 for the direction. The first of two corners of a
+/// tetrahedron has no bit that the other lacks.
 fn key(cube: [u32; 3], corner: u32, direction: u32) -> u64 {
     let at = [0, 1, 2].map(|axis| u64::from(cube[axis] + (corner >> axis & 1)));
     u64::from(direction) << 60 | at[2] << 40 | at[1] << 20 | at[0]
@@ -188,7 +190,8 @@ mod tests {
         edges
     }
 
-    /// Edges that are passed twice in one direction, or once with nothing beside them although not at the bottom.
+    /// Counts edges that are passed twice in one direction, or that nothing lies beside although they are not at the
+    /// bottom.
     fn faults(mesh: &Mesh) -> usize {
         let edges = edges(&mesh.triangles);
         let lowest = mesh.vertices.iter().map(|vertex| vertex.p.z).fold(f64::MAX, f64::min);
@@ -209,7 +212,7 @@ mod tests {
             assert!(across.length() > 0.0);
             num_against += usize::from(across.dot(a.normal + b.normal + c.normal) <= 0.0);
         }
-        // Where the statue is finer than the grid, a triangle may stand across the surface.
+        // A triangle may stand across the surface where the statue is finer than the grid.
         assert!(num_against * 100 < mesh.triangles.len(), "{num_against} of {}", mesh.triangles.len());
     }
 
@@ -226,7 +229,7 @@ mod tests {
     #[test]
     fn keys_name_edges() {
         assert_eq!(ends(key([5, 6, 7], 0b010, 0b101)), ([5, 7, 7], 0b101));
-        let grid = Grid::new(u64::from(u32::MAX), 1);
+        let grid = CubeGrid::new(u64::from(u32::MAX), 1);
         assert!(SIZE.max_element() / grid.edge < f64::from(1 << 20));
     }
 }

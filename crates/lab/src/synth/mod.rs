@@ -1,9 +1,9 @@
 //! Made-up scans for demos, tests and benchmarks: the same seed gives the same bytes, everywhere.
 //!
 //! ```text
-//!  Kind ──▶ Device (terrestrial | aerial | photogrammetry) ──lines──▶ file (LAS | LAZ)
-//!             │ plan: how many points each scan line has                 │ ordered blocks, one header
-//!             └ ray-casts a scene of analytic shapes                     └ temporary name, then renamed
+//!  SynthKind ──▶ MeasuringDevice (terrestrial | aerial | photogrammetry) ──lines──▶ file (LAS | LAZ)
+//!                  │ plan: how many points each scan line has                          │ ordered blocks, one header
+//!                  └ ray-casts a scene of analytic shapes                              └ temporary name, then renamed
 //! ```
 //!
 //! Photogrammetry also makes meshes: the statue's surface as triangles, in a PLY file.
@@ -39,9 +39,9 @@ use base::space::Bounds;
 use base::task::Task;
 use glam::DVec3;
 
-/// What made the scan.
+/// The kind of a scan: the device that made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Kind {
+pub enum SynthKind {
     /// A courtyard, by a scanner on two stations: columns of rising elevation (LAS 1.4, point format 7).
     Terrestrial,
     /// 1 km² of land with a village, from an aircraft: strips, up to three returns (LAS 1.4, point format 7).
@@ -55,23 +55,23 @@ pub enum Kind {
 #[derive(Clone, Debug)]
 pub struct SynthOptions {
     /// Kind of scan.
-    pub kind: Kind,
+    pub kind: SynthKind,
     /// File to write; `.las` or `.laz`, or for a mesh `.ply`.
     pub out: Output,
-    /// Exactly so many points, at least 1; of a mesh about so many, at least some 20 000.
+    /// Exact number of points, at least 1; of a mesh the approximate number, at least some 20 000.
     pub points: u64,
-    /// Same seed, same bytes.
+    /// Seed; the same seed gives the same bytes.
     pub seed: u64,
 }
 
-/// What was made.
+/// Figures of the file that was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Summary {
+pub struct WrittenScan {
     /// Points written.
     pub num_points: u64,
     /// Size of the file.
     pub file_bytes: u64,
-    /// Their true box, world space.
+    /// True box of the points, in world space.
     pub bounds: Bounds,
 }
 
@@ -80,19 +80,19 @@ pub struct Summary {
 pub struct Viewpoint {
     /// A word or two in kebab case.
     pub name: &'static str,
-    /// Where the eye is, world space.
+    /// Position of the eye, in world space.
     pub eye: DVec3,
-    /// What it looks at, world space; up is +z.
+    /// Position that the eye looks at, in world space; up is +z.
     pub target: DVec3,
 }
 
-/// Places to stand in a scan of that kind; the first shows the whole. The same for every seed.
+/// Places to stand in a scan of this kind, the same for every seed; the first shows the whole scan.
 #[must_use]
-pub fn viewpoints(kind: Kind) -> &'static [Viewpoint] {
+pub fn viewpoints(kind: SynthKind) -> &'static [Viewpoint] {
     match kind {
-        Kind::Terrestrial => &terrestrial::VIEWPOINTS,
-        Kind::Aerial => &aerial::VIEWPOINTS,
-        Kind::Photogrammetry => &photogrammetry::VIEWPOINTS,
+        SynthKind::Terrestrial => &terrestrial::VIEWPOINTS,
+        SynthKind::Aerial => &aerial::VIEWPOINTS,
+        SynthKind::Photogrammetry => &photogrammetry::VIEWPOINTS,
     }
 }
 
@@ -101,16 +101,18 @@ pub fn viewpoints(kind: Kind) -> &'static [Viewpoint] {
 /// # Errors
 /// When the options make no sense, when the file cannot be written, and when the task was cancelled. In each
 /// case nothing is left behind, and what was at `options.out` before is untouched.
-pub fn write(options: &SynthOptions, task: impl Into<Task>) -> Result<Summary, SynthError> {
+pub fn write(options: &SynthOptions, task: impl Into<Task>) -> Result<WrittenScan, SynthError> {
     let progress = task.into().begin("making", "points", options.points);
     let SynthOptions { kind, points, seed, .. } = *options;
-    let target = file::Target::check(&options.out, kind, points)?;
+    let target = file::SynthFile::check(&options.out, kind, points)?;
     if target.is_mesh() {
         return target.write_mesh(points, seed, &progress);
     }
     match kind {
-        Kind::Terrestrial => target.write(&terrestrial::Scanner::new(points), seed, &progress),
-        Kind::Aerial => target.write(&aerial::Aircraft::new(points), seed, &progress),
-        Kind::Photogrammetry => target.write(&photogrammetry::Reconstruction::new(points), seed, &progress),
+        SynthKind::Terrestrial => target.write(&terrestrial::Scanner::new(points), seed, &progress),
+        SynthKind::Aerial => target.write(&aerial::Aircraft::new(points), seed, &progress),
+        SynthKind::Photogrammetry => {
+            target.write(&photogrammetry::Reconstruction::new(points), seed, &progress)
+        }
     }
 }

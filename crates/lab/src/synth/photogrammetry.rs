@@ -4,9 +4,9 @@
 //! cube and fall onto the surface; they stay as often as photographs would show the place.
 
 use super::Viewpoint;
-use super::device::Device;
-use super::plan::Plan;
-use super::record::{Format, Layout, Record};
+use super::device::MeasuringDevice;
+use super::plan::LinePlan;
+use super::record::{WrittenFormat, WrittenLayout, WrittenRecord};
 use super::statue;
 use base::random::{Rng, fractal};
 use glam::DVec3;
@@ -20,7 +20,7 @@ const TILE_M: f64 = 0.8;
 const CUBES: i64 = 16;
 /// Edge of a cube.
 const CUBE_M: f64 = TILE_M / CUBES as f64;
-/// Tiles from the middle outwards, and upwards.
+/// Number of tiles from the middle outwards, and upwards.
 const TILES: [i64; 2] = [5, 5];
 /// Points thrown into a cube to see how many stay.
 const TRIALS: u32 = 12;
@@ -38,15 +38,15 @@ pub const VIEWPOINTS: [Viewpoint; 2] = [
 /// The cubes and how many points each gets.
 pub struct Reconstruction {
     cubes: &'static [DVec3],
-    plan: Plan,
+    plan: LinePlan,
 }
 
 impl Reconstruction {
-    /// One that will have that many points in all.
+    /// Makes a reconstruction that will have this many points in all.
     pub fn new(points: u64) -> Self {
         static CUBES: OnceLock<(Vec<DVec3>, Vec<u32>)> = OnceLock::new();
         let (cubes, weights) = CUBES.get_or_init(find_cubes);
-        Self { cubes, plan: Plan::new(points, 1, cubes.len() as u64, weights.clone()) }
+        Self { cubes, plan: LinePlan::new(points, 1, cubes.len() as u64, weights.clone()) }
     }
 }
 
@@ -57,7 +57,7 @@ fn find_cubes() -> (Vec<DVec3>, Vec<u32>) {
         .flat_map(|x| (-out..out).flat_map(move |y| (0..up).map(move |z| (x, y, z))))
         .map(|(x, y, z)| TILE_M * DVec3::new(x as f64, y as f64, z as f64 - 0.25))
         .collect();
-    // A cube's half diagonal, and as much again where distances are too small.
+    // A cube's half diagonal is 0.87 of its edge; the rest is for distances that are too large.
     let near = |middle: DVec3, edge: f64| statue::distance(middle).abs() < 0.9 * edge + 0.02;
     let found: Vec<(DVec3, u32)> = tiles
         .par_iter()
@@ -77,12 +77,12 @@ fn find_cubes() -> (Vec<DVec3>, Vec<u32>) {
     found.into_iter().unzip()
 }
 
-/// Lets a random point of a cube fall onto the surface: where it lands and the normal there. None if it
+/// Lets a random point of a cube fall onto the surface. Returns where it lands and the normal there; `None` if it
 /// leaves the cube or if too few photographs show the place.
 fn throw(corner: DVec3, rng: &mut Rng) -> Option<(DVec3, DVec3)> {
     let mut p = corner + CUBE_M * DVec3::new(rng.unit(), rng.unit(), rng.unit());
     let shown = rng.unit();
-    // What cannot stay anyway need not fall.
+    // Points that cannot stay anyway need not fall.
     if shown > statue::most_coverage(corner.z + CUBE_M) || statue::distance(p).abs() > CUBE_M {
         return None;
     }
@@ -95,20 +95,23 @@ fn throw(corner: DVec3, rng: &mut Rng) -> Option<(DVec3, DVec3)> {
     (inside && shown < statue::coverage(p, normal)).then_some((p, normal))
 }
 
-impl Device for Reconstruction {
-    fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb2, grid: Grid { scale: DVec3::splat(0.0001), offset: DVec3::ZERO } }
+impl MeasuringDevice for Reconstruction {
+    fn layout(&self) -> WrittenLayout {
+        WrittenLayout {
+            format: WrittenFormat::Rgb2,
+            grid: Grid { scale: DVec3::splat(0.0001), offset: DVec3::ZERO },
+        }
     }
 
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &LinePlan {
         &self.plan
     }
 
-    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<WrittenRecord>) {
         let corner = self.cubes[line as usize];
         let grid = self.layout().grid;
         let mut found = 0;
-        // This ends: points stayed in this cube when it was tried.
+        // This ends, since points stayed in this cube when it was tried.
         while found < num_points {
             let Some((p, normal)) = throw(corner, rng) else { continue };
             found += 1;
@@ -116,8 +119,8 @@ impl Device for Reconstruction {
             let wrong = if rng.unit() < OUTLIERS { rng.between(-0.02, 0.09) } else { 0.0 };
             let measured = p + (bump + wrong + NOISE_M * rng.normal()) * normal + 0.0005 * rng.direction();
             let color = statue::color(p, normal) * (1.0 + 0.03 * rng.normal());
-            out.push(Record {
-                xyz: Record::snap(&grid, measured),
+            out.push(WrittenRecord {
+                xyz: WrittenRecord::snap(&grid, measured),
                 intensity: 0,
                 return_number: 1,
                 num_returns: 1,

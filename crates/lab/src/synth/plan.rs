@@ -1,12 +1,12 @@
-//! How many points each scan line has, before any is made: so that a file gets exactly the number asked
-//! for although some rays meet nothing and some meet three things.
+//! Shares out points to scan lines before any point is made, so that a file gets exactly the number asked for, although
+//! some rays meet nothing and some meet three things.
 
 /// Points of the lines of a scan: `num_passes` passes (stations, strips, tiles) of `lines_per_pass` lines.
 ///
 /// Every pass is cut into equally many bins along its lines, and a bin has a weight: how many points a fixed
 /// number of trial rays gave there. Points are shared out by weight, in integers, without loss.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct LinePlan {
     points: u64,
     num_passes: u64,
     lines_per_pass: u64,
@@ -16,8 +16,8 @@ pub struct Plan {
     before: Vec<u64>,
 }
 
-impl Plan {
-    /// `weights`: pass after pass, as many bins in each; not all 0.
+impl LinePlan {
+    /// Makes a plan. `weights` go pass after pass, with as many bins in each, and are not all 0.
     pub fn new(points: u64, num_passes: u64, lines_per_pass: u64, weights: Vec<u32>) -> Self {
         let mut before = vec![0];
         let mut sum = 0;
@@ -45,7 +45,7 @@ impl Plan {
         self.lines_per_pass
     }
 
-    /// Pass and number in it of a line.
+    /// Pass of a line, and the line's number in it.
     pub fn pass_and_line(&self, line: u64) -> (u64, u64) {
         (line / self.lines_per_pass, line % self.lines_per_pass)
     }
@@ -60,7 +60,7 @@ impl Plan {
     /// Points before a line; of line `i` there are `first_point(i + 1) − first_point(i)`.
     pub fn first_point(&self, line: u64) -> u64 {
         let (pass, line) = self.pass_and_line(line);
-        // Where the line begins, in bins: a whole part and a rest of 1 / lines_per_pass.
+        // Begin of the line in bins: a whole part, and a rest in units of 1 / lines_per_pass.
         let whole = pass * self.bins_per_pass + line * self.bins_per_pass / self.lines_per_pass;
         let rest = line * self.bins_per_pass % self.lines_per_pass;
         let partial = self.weights.get(whole as usize).map_or(0, |w| u128::from(*w) * u128::from(rest));
@@ -81,12 +81,12 @@ pub struct Thin {
 }
 
 impl Thin {
-    /// `keep ≤ of`.
+    /// Keeps `keep` of `of` things, where `keep ≤ of`.
     pub fn new(keep: u64, of: u64) -> Self {
         Self { keep, of: of.max(1), seen: 0, kept: 0 }
     }
 
-    /// The next `num` things have come: how many of them stay.
+    /// Number of the next `num` things that stay.
     pub fn next(&mut self, num: u64) -> u64 {
         self.seen += num;
         let due = (u128::from(self.seen) * u128::from(self.keep) / u128::from(self.of)) as u64;
@@ -108,7 +108,7 @@ mod tests {
             lines in 1_u64..700,
             weights in prop::collection::vec(1_u32..90, 2 * 36),
         ) {
-            let plan = Plan::new(points, 2, lines, weights);
+            let plan = LinePlan::new(points, 2, lines, weights);
             prop_assert_eq!(plan.first_point(0), 0);
             prop_assert_eq!(plan.first_point(plan.num_lines()), points);
             for line in 0..plan.num_lines() {
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn heavier_bins_get_more() {
-        let plan = Plan::new(400, 1, 4, vec![1, 3]);
+        let plan = LinePlan::new(400, 1, 4, vec![1, 3]);
         let points: Vec<u64> = (0..4).map(|i| plan.first_point(i + 1) - plan.first_point(i)).collect();
         assert_eq!(points, [50, 50, 150, 150]);
         assert_eq!(plan.weight(3), 3);

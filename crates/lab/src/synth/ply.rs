@@ -1,7 +1,7 @@
 //! Writes a mesh as binary PLY: points with normals and colors, then triangles.
 
-use super::Summary;
-use super::file::{SynthError, Target};
+use super::WrittenScan;
+use super::file::{SynthError, SynthFile};
 use super::mesh::{self, Mesh};
 use base::output::OutputFile;
 use base::space::Bounds;
@@ -10,12 +10,12 @@ use std::io::{self, BufWriter, Write};
 
 /// Bytes of a vertex: six floats, three bytes of color.
 const VERTEX_BYTES: u64 = 27;
-/// Bytes of a triangle: their number, three numbers of vertices.
+/// Bytes of a triangle: its number of vertices, and three numbers of vertices.
 const TRIANGLE_BYTES: u64 = 13;
 
-impl Target<'_> {
+impl SynthFile<'_> {
     /// Makes the statue's mesh and writes it.
-    pub fn write_mesh(&self, points: u64, seed: u64, progress: &Progress) -> Result<Summary, SynthError> {
+    pub fn write_mesh(&self, points: u64, seed: u64, progress: &Progress) -> Result<WrittenScan, SynthError> {
         let path = || self.output.path().to_path_buf();
         let file = self.output.begin()?;
         let mesh =
@@ -27,11 +27,11 @@ impl Target<'_> {
         self.output.keep(file)?;
         let bounds =
             mesh.vertices.iter().fold(Bounds::EMPTY, |b, vertex| b.with(vertex.p.as_vec3().as_dvec3()));
-        Ok(Summary { num_points, file_bytes, bounds })
+        Ok(WrittenScan { num_points, file_bytes, bounds })
     }
 }
 
-/// The whole file, and its size.
+/// Writes the whole file and returns it with its size.
 fn write(mesh: &Mesh, file: OutputFile) -> io::Result<(OutputFile, u64)> {
     let mut out = BufWriter::with_capacity(1 << 20, file);
     write!(

@@ -1,10 +1,10 @@
-//! The shapes that scenes are made of: what a ray meets first, and what is inside.
+//! The shapes that scenes are made of: the first surface that a ray meets, and whether a place is inside.
 
 use super::span::{Hit, NEAREST, Ray, Span, ball, bar, cuboid, slab};
 use base::space::Bounds;
 use glam::DVec3;
 
-/// A shape in world axes; lengths in metres. All are solid but the last two.
+/// A shape in world axes; lengths in metres. All are solid except the last two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// An axis-aligned box.
@@ -56,9 +56,9 @@ pub enum Shape {
     Capsule {
         /// One end.
         a: DVec3,
-        /// The other.
+        /// The other end.
         b: DVec3,
-        /// Thickness / 2.
+        /// Radius of the bar.
         radius: f64,
     },
     /// A ball.
@@ -76,7 +76,7 @@ pub enum Shape {
         u: DVec3,
         /// The other edge.
         v: DVec3,
-        /// Only the half at the corner.
+        /// True for the half at the corner alone.
         triangle: bool,
     },
     /// A flat disc.
@@ -143,7 +143,7 @@ impl Shape {
         }
     }
 
-    /// The box round it.
+    /// The box around the shape.
     pub fn bounds(&self) -> Bounds {
         let (min, max) = match *self {
             Self::Cuboid { min, max } | Self::Arch { min, max, .. } => (min, max),
@@ -170,7 +170,7 @@ impl Shape {
     }
 }
 
-/// Part of the line in an arched passage without end; convex, for the half circle stands on its diameter.
+/// Part of the line in an endless arched passage, which is convex, since the half circle stands on its diameter.
 fn passage(ray: &Ray, through: usize, middle: f64, radius: f64, spring: f64) -> Option<Span> {
     let (across, axis) = (1 - through, DVec3::AXES[through]);
     let sides = slab(ray, across, middle - radius, middle + radius);
@@ -185,7 +185,7 @@ fn passage(ray: &Ray, through: usize, middle: f64, radius: f64, spring: f64) -> 
 
 fn frustum(ray: &Ray, base: DVec3, height: f64, bottom: f64, top: f64) -> Option<Span> {
     let between = slab(ray, 2, base.z, base.z + height)?;
-    // Radius along the line: r + k·d.z·t; inside where x² + y² ≤ radius².
+    // The radius along the line is r + k·d.z·t; inside is where x² + y² ≤ radius².
     let k = (top - bottom) / height;
     let (o, d) = (ray.origin - base, ray.direction);
     let r = bottom + k * o.z;
@@ -202,7 +202,7 @@ fn frustum(ray: &Ray, base: DVec3, height: f64, bottom: f64, top: f64) -> Option
         // The line misses the cone, or (steeper than its side) stays in it.
         return if a > 0.0 { None } else { Some(between) };
     }
-    // Without cancellation, also where `a` nearly vanishes.
+    // This form of the roots loses no digits to cancellation, also where `a` nearly vanishes.
     let q = -(b + if b < 0.0 { -root.sqrt() } else { root.sqrt() });
     let (t0, t1) = (q / a, c / q);
     let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
@@ -210,7 +210,7 @@ fn frustum(ray: &Ray, base: DVec3, height: f64, bottom: f64, top: f64) -> Option
     let side = if a > 0.0 {
         Span::new(hit(near), hit(far))?
     } else if k * d.z > 0.0 {
-        // Steeper than the side: inside from the cone's surface on to where it widens for ever.
+        // A line steeper than the side is inside from the cone's surface on, towards where the cone widens for ever.
         Span { enter: hit(far), exit: end(f64::INFINITY) }
     } else {
         Span { enter: end(f64::NEG_INFINITY), exit: hit(near) }
@@ -221,7 +221,7 @@ fn frustum(ray: &Ray, base: DVec3, height: f64, bottom: f64, top: f64) -> Option
 fn capsule(ray: &Ray, a: DVec3, b: DVec3, radius: f64) -> Option<Span> {
     let length = a.distance(b);
     let axis = (b - a) / length;
-    // The bar between two planes across the axis: the slab in a frame where the axis is x.
+    // The slab between two planes across the axis is computed in a frame where the axis is x.
     let along = Ray {
         origin: DVec3::new((ray.origin - a).dot(axis), 0.0, 0.0),
         direction: DVec3::new(ray.direction.dot(axis), 0.0, 0.0),
@@ -297,7 +297,7 @@ mod tests {
         (1..).map(|i| f64::from(i) * STEP).take_while(|t| *t < 5.0).find(|t| shape.contains(ray.at(*t)))
     }
 
-    /// What is wrong with what `shape` says of the ray, `truth` being marched through; None if nothing.
+    /// Returns what is wrong with the hit that `shape` finds, by a march through `truth`; `None` if nothing is.
     fn fault(shape: &Shape, truth: &Shape, ray: &Ray) -> Option<String> {
         let (hit, walked) = (shape.intersect(ray), march(truth, ray));
         let Some(hit) = hit else { return walked.map(|t| format!("missed the surface at {t}")) };

@@ -1,16 +1,16 @@
-//! Rays, and the part of a ray that lies in a convex solid: what every shape's intersection is made of.
+//! Rays, and the span of a line in a convex solid, of which every shape's intersection is made.
 
 use glam::DVec3;
 
-/// Nearer surfaces are not seen: the ray starts on them.
+/// Distance below which no surface is seen, since the ray starts there.
 pub const NEAREST: f64 = 1e-6;
 
 /// A half line.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// Place where the ray starts.
     pub origin: DVec3,
-    /// Where it goes; unit length.
+    /// Direction of the ray, of unit length.
     pub direction: DVec3,
 }
 
@@ -33,14 +33,14 @@ pub struct Hit {
 /// Where a line enters and leaves a convex solid; distances may be negative.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
-    /// Into the solid.
+    /// Where the line goes into the solid.
     pub enter: Hit,
-    /// Out of it.
+    /// Where the line comes out of the solid.
     pub exit: Hit,
 }
 
 impl Span {
-    /// From distances and normals; None if empty.
+    /// Makes a span; `None` if it is empty.
     pub fn new(enter: Hit, exit: Hit) -> Option<Self> {
         (enter.t < exit.t).then_some(Self { enter, exit })
     }

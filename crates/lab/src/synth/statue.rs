@@ -1,20 +1,20 @@
 //! The statue that the photographs show: a robed reader on a plinth, as a distance function.
 //!
-//! Metres, z up, the plinth's foot at the origin, the face towards −y. Far off, distances are rough; near the
-//! surface distance / |gradient| is good.
+//! Coordinates are metres, z up, the plinth's foot at the origin, the face towards −y. Distances are rough far off;
+//! near the surface distance / |gradient| is good.
 
 use super::material::{rgb, smooth};
 use base::random::fractal;
 use glam::{DVec2, DVec3};
 
-/// Half the ground patch round the plinth.
+/// Radius of the ground patch round the plinth.
 pub const GROUND_M: f64 = 3.4;
 /// Top of the plinth.
 const PLINTH: f64 = 1.12;
 
-/// Part of the scene; what a color depends on.
+/// Part of the scene, on which the color depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum StatuePart {
     Ground,
     Plinth,
     Figure,
@@ -43,9 +43,9 @@ fn cuboid(p: DVec3, center: DVec3, half: DVec3, round: f64) -> f64 {
     q.max(DVec3::ZERO).length() + q.max_element().min(0.0) - round
 }
 
-/// Steps, die, mouldings.
+/// Distance to the plinth: steps, die, mouldings.
 fn plinth(p: DVec3) -> f64 {
-    // Far off its size is enough.
+    // The distance to a box around it is enough far off.
     let far = cuboid(p, DVec3::new(0.0, 0.0, 0.5 * PLINTH), DVec3::new(0.82, 0.82, 0.5 * PLINTH + 0.1), 0.0);
     if far > 0.2 {
         return far;
@@ -60,9 +60,9 @@ fn plinth(p: DVec3) -> f64 {
     body.max(-panel).min(top) + worn
 }
 
-/// The reader.
+/// Distance to the reader.
 fn figure(p: DVec3) -> f64 {
-    // Far off its size is enough.
+    // The distance to an ellipsoid around the reader is enough far off.
     let far = ellipsoid(p, DVec3::new(0.0, 0.0, PLINTH + 0.95), DVec3::new(0.62, 0.62, 1.15));
     if far > 0.3 {
         return far;
@@ -93,7 +93,7 @@ fn figure(p: DVec3) -> f64 {
     d.min(head(q))
 }
 
-/// Face and hair; slightly bowed.
+/// Distance to the head, slightly bowed: face and hair.
 fn head(q: DVec3) -> f64 {
     let h = q - DVec3::new(0.0, -0.05, 1.70);
     let skull = ellipsoid(h, DVec3::ZERO, DVec3::new(0.105, 0.125, 0.155));
@@ -120,7 +120,7 @@ fn head(q: DVec3) -> f64 {
 }
 
 fn ground(p: DVec3) -> f64 {
-    // Well above the highest bump that is enough.
+    // This distance is enough well above the highest bump.
     if p.z > 0.4 {
         return p.z - 0.2;
     }
@@ -130,8 +130,8 @@ fn ground(p: DVec3) -> f64 {
     (0.85 * (p.z - bumps - stones)).max(edge)
 }
 
-fn parts(p: DVec3) -> [(f64, Part); 3] {
-    [(ground(p), Part::Ground), (plinth(p), Part::Plinth), (figure(p), Part::Figure)]
+fn parts(p: DVec3) -> [(f64, StatuePart); 3] {
+    [(ground(p), StatuePart::Ground), (plinth(p), StatuePart::Plinth), (figure(p), StatuePart::Figure)]
 }
 
 /// Distance to the nearest surface; negative inside.
@@ -139,7 +139,7 @@ pub fn distance(p: DVec3) -> f64 {
     ground(p).min(plinth(p)).min(figure(p))
 }
 
-/// How the distance grows around `p`: differences along the corners of a tetrahedron.
+/// Gradient of the distance at `p`, from differences along the corners of a tetrahedron.
 pub fn gradient(p: DVec3) -> DVec3 {
     let step = 0.002;
     let corners = [(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)];
@@ -150,11 +150,11 @@ pub fn gradient(p: DVec3) -> DVec3 {
 /// Display color of the surface at `p`, lit by a hazy sky: weathered marble, a mossy plinth, gravel, grass.
 pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
     let nearest = parts(p).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    let part = nearest.map_or(Part::Ground, |(_, part)| part);
+    let part = nearest.map_or(StatuePart::Ground, |(_, part)| part);
     let mix = |a: DVec3, b: DVec3, t: f64| a + (b - a) * t.clamp(0.0, 1.0);
     let (broad, fine) = (fractal(2.6 * p, 4), fractal(30.0 * p, 2));
     let tint = match part {
-        Part::Ground => {
+        StatuePart::Ground => {
             let grass = smooth(
                 0.05,
                 0.3,
@@ -163,12 +163,12 @@ pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
             let gravel = mix(rgb(168, 156, 138), rgb(120, 112, 100), 0.5 + fine);
             mix(gravel, mix(rgb(86, 110, 48), rgb(136, 144, 72), 0.5 + 0.8 * fine), grass)
         }
-        Part::Plinth => {
+        StatuePart::Plinth => {
             let moss = smooth(0.1, 0.5, broad + 0.5 * smooth(0.5, 0.0, p.z));
             mix(mix(rgb(176, 168, 152), rgb(146, 138, 124), 0.5 + fine), rgb(110, 116, 76), 0.7 * moss)
         }
-        Part::Figure => {
-            // Rain washes what looks up and leaves the rest dark.
+        StatuePart::Figure => {
+            // Rain washes surfaces that face up and leaves the rest dark.
             let washed = smooth(-0.4, 0.6, normal.z + 0.5 * broad);
             let marble = mix(rgb(150, 144, 134), rgb(226, 220, 206), washed);
             mix(marble, rgb(178, 164, 92), 0.5 * smooth(0.4, 0.6, fractal(6.0 * p + DVec3::splat(3.0), 3)))
@@ -183,7 +183,8 @@ pub fn color(p: DVec3, normal: DVec3) -> DVec3 {
     tint * (0.50 * sky * DVec3::new(0.9, 0.97, 1.08) + 0.72 * sun * DVec3::new(1.1, 1.0, 0.86)).map(f64::sqrt)
 }
 
-/// The most that [`coverage`] can be up to a height: the photographer came to see the statue.
+/// The most that [`coverage`] can be up to a height: less near the ground, since the photographer came to see the
+/// statue.
 pub fn most_coverage(height: f64) -> f64 {
     0.3 + 0.7 * smooth(0.1, 0.5, height)
 }

@@ -1,16 +1,16 @@
 //! A terrestrial laser scanner on two stations in the courtyard.
 //!
-//! A mirror turns about a horizontal axis while the head turns about the vertical one: the points come in
-//! columns of constant azimuth, from −60° (below is the tripod) up to the zenith. Rays go out at equal
-//! angles, so the density falls with the square of the distance. Ranges are noisy, the more the farther;
-//! at edges some rays hit two surfaces and give a point between them, as real scanners do.
+//! A mirror turns about a horizontal axis while the head turns about the vertical one. Therefore the points come in
+//! columns of constant azimuth, from −60° (below is the tripod) up to the zenith. Rays go out at equal angles, so the
+//! density falls with the square of the distance. Ranges are noisier the farther they are. Some rays hit two surfaces
+//! at edges and give a point between them, as with real scanners.
 
 use super::Viewpoint;
 use super::courtyard::Courtyard;
-use super::device::Device;
+use super::device::MeasuringDevice;
 use super::material::{Material, rgb};
-use super::plan::{Plan, Thin};
-use super::record::{Format, Layout, Record};
+use super::plan::{LinePlan, Thin};
+use super::record::{WrittenFormat, WrittenLayout, WrittenRecord};
 use super::span::{Hit, Ray};
 use base::random::Rng;
 use glam::DVec3;
@@ -21,22 +21,22 @@ use std::sync::OnceLock;
 
 /// World position of the fountain's foot: coordinates as large as national grids have them.
 const ORIGIN: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
-/// The scanner's mirror on each station, courtyard coordinates: on the paving, and in the hall's doorway;
-/// 1.6 m above the floor.
+/// Place of the scanner's mirror on each station, in courtyard coordinates: on the paving, and in the hall's doorway,
+/// each 1.6 m above the floor.
 const STATIONS: [DVec3; 2] = [DVec3::new(-4.2, -1.2, 1.6), DVec3::new(15.28, 0.15, 1.75)];
 /// Azimuth at which each station begins.
 const START: [f64; 2] = [0.4, 2.1];
 /// Lowest elevation.
 const LOWEST: f64 = -PI / 3.0;
-/// From the lowest elevation to the zenith.
+/// Angle from the lowest elevation to the zenith.
 const SWEEP: f64 = PI / 3.0 + PI / 2.0;
-/// Farther surfaces send too little light back.
+/// Range of the scanner; farther surfaces send too little light back.
 const RANGE_M: f64 = 150.0;
 /// Pulses a second.
 const PULSES_PER_S: f64 = 1e6;
-/// Start of the first and between the starts of the stations, GPS seconds.
+/// GPS seconds: start of the first station, and time between the starts of the stations.
 const TIMES_S: [f64; 2] = [330_000_000.0, 900.0];
-/// Trial columns a station, and rays in each.
+/// Trial columns of a station, and rays in each column.
 const TRIALS: [u32; 2] = [360, 90];
 
 const fn place(x: f64, y: f64, z: f64) -> DVec3 {
@@ -53,24 +53,24 @@ pub const VIEWPOINTS: [Viewpoint; 6] = [
     Viewpoint { name: "terrace", eye: place(-7.6, 10.2, 6.3), target: place(4.0, -2.0, 1.0) },
 ];
 
-/// The scanner and what it is to do.
+/// The scanner and its plan.
 pub struct Scanner {
     court: &'static Courtyard,
-    plan: Plan,
+    plan: LinePlan,
 }
 
 impl Scanner {
-    /// One that will measure that many points in all.
+    /// Makes a scanner that will measure this many points in all.
     pub fn new(points: u64) -> Self {
-        // How much of each direction returns anything is the same every time.
+        // The share of each direction's rays that return anything is the same every time.
         static WEIGHTS: OnceLock<Vec<u32>> = OnceLock::new();
         let court = Courtyard::get();
         let weights = WEIGHTS.get_or_init(|| try_out(court)).clone();
         let rays = points as f64 * f64::from(TRIALS[1]) * weights.len() as f64
             / weights.iter().map(|w| f64::from(*w)).sum::<f64>();
-        // Equal angles both ways: columns / rows = full circle / sweep.
+        // Angles are equal both ways: columns / rows = full circle / sweep.
         let columns = (rays / STATIONS.len() as f64 * TAU / SWEEP).sqrt().ceil() as u64;
-        Self { court, plan: Plan::new(points, STATIONS.len() as u64, columns, weights) }
+        Self { court, plan: LinePlan::new(points, STATIONS.len() as u64, columns, weights) }
     }
 
     fn ray(&self, station: usize, column: f64, row: f64) -> Ray {
@@ -79,7 +79,7 @@ impl Scanner {
         Ray { origin: STATIONS[station], direction: DVec3::new(cos_e * cos_a, cos_e * sin_a, sin_e) }
     }
 
-    /// All that one column hits with `rows` rays: the row, the surface and what it is made of.
+    /// Collects all that one column hits with `rows` rays: the row, the surface and its material.
     fn column(&self, station: usize, column: f64, rows: u64, hits: &mut Vec<(u64, Hit, Material)>) {
         hits.clear();
         for row in 0..rows {
@@ -91,10 +91,10 @@ impl Scanner {
     }
 }
 
-/// Hits of the trial columns: what the points are shared out by.
+/// Hits of the trial columns, by which the points are shared out.
 fn try_out(court: &Courtyard) -> Vec<u32> {
     let bins = (0..STATIONS.len() * TRIALS[0] as usize).into_par_iter();
-    let probe = Scanner { court: Courtyard::get(), plan: Plan::new(1, 1, 1, vec![1]) };
+    let probe = Scanner { court: Courtyard::get(), plan: LinePlan::new(1, 1, 1, vec![1]) };
     bins.map(|bin| {
         let (station, column) = (bin / TRIALS[0] as usize, bin % TRIALS[0] as usize);
         let column = (column as f64 + 0.5) / f64::from(TRIALS[0]);
@@ -107,16 +107,19 @@ fn try_out(court: &Courtyard) -> Vec<u32> {
     .collect()
 }
 
-impl Device for Scanner {
-    fn layout(&self) -> Layout {
-        Layout { format: Format::Rgb7, grid: Grid { scale: DVec3::splat(0.0001), offset: ORIGIN } }
+impl MeasuringDevice for Scanner {
+    fn layout(&self) -> WrittenLayout {
+        WrittenLayout {
+            format: WrittenFormat::Rgb7,
+            grid: Grid { scale: DVec3::splat(0.0001), offset: ORIGIN },
+        }
     }
 
-    fn plan(&self) -> &Plan {
+    fn plan(&self) -> &LinePlan {
         &self.plan
     }
 
-    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<Record>) {
+    fn measure(&self, line: u64, num_points: u64, rng: &mut Rng, out: &mut Vec<WrittenRecord>) {
         let (pass, number) = self.plan.pass_and_line(line);
         let (station, lines) = (pass as usize, self.plan.lines_per_pass() as f64);
         let column = (number as f64 + 0.5) / lines;
@@ -124,8 +127,8 @@ impl Device for Scanner {
         let mut rows = (num_points as f64 / share * 1.01).ceil() as u64 + 1;
         let mut hits = Vec::new();
         self.column(station, column, rows, &mut hits);
-        // Some directions see more sky than the trial thought: closer rows. This ends, for the lowest third
-        // of every column meets the ground.
+        // Rows get closer where a direction sees more sky than the trial did. This ends, since the lowest third of
+        // every column meets the ground.
         while (hits.len() as u64) < num_points {
             rows += rows / 8 + 1;
             self.column(station, column, rows, &mut hits);
@@ -146,8 +149,8 @@ impl Device for Scanner {
             let range = hit.t + neighbor.map_or(0.0, |p| mixed(p, &ray, hit, rng));
             let noisy = range + (0.0012 + 0.000_08 * range) * rng.normal();
             let p = ORIGIN + ray.at(noisy);
-            out.push(Record {
-                xyz: Record::snap(&grid, p),
+            out.push(WrittenRecord {
+                xyz: WrittenRecord::snap(&grid, p),
                 intensity: intensity(hit, &ray, material, rng),
                 return_number: 1,
                 num_returns: 1,
@@ -169,14 +172,14 @@ impl Scanner {
         let haze = rgb(196, 208, 220);
         let color = color + (haze - color) * (hit.t / 900.0).min(1.0);
         let grain = 1.0 + 0.012 * rng.normal();
-        // Straight up to 0.8, then bending towards 1.
+        // The curve is straight up to 0.8, then bends towards 1.
         let expose = |c: f64| if c < 0.8 { c } else { 1.0 - 0.04 / (c - 0.6) };
         (color * grain).to_array().map(|c| (65_535.0 * expose(c.max(0.0)).clamp(0.0, 1.0)).round() as u16)
     }
 }
 
-/// A beam that grazes an edge sometimes measures something between its two surfaces: how much farther (or
-/// nearer) than `hit`, where `neighbor` is what the ray before met.
+/// Length by which a beam measures farther (or nearer) than `hit`: sometimes, if it grazes an edge, it measures
+/// something between the edge's two surfaces. `neighbor` is what the ray before met.
 fn mixed(neighbor: DVec3, ray: &Ray, hit: &Hit, rng: &mut Rng) -> f64 {
     let off_plane = (neighbor - ray.at(hit.t)).dot(hit.normal).abs();
     let gap = neighbor.distance(ray.origin) - hit.t;
@@ -184,7 +187,7 @@ fn mixed(neighbor: DVec3, ray: &Ray, hit: &Hit, rng: &mut Rng) -> f64 {
     if grazes && rng.unit() < 0.05 { gap * rng.unit() } else { 0.0 }
 }
 
-/// Light that returns: less from dark, slanted and far surfaces.
+/// Intensity of the light that returns: less from dark, slanted and far surfaces.
 fn intensity(hit: &Hit, ray: &Ray, material: &Material, rng: &mut Rng) -> u16 {
     let facing = hit.normal.dot(ray.direction).abs();
     let far = 1.0 / (1.0 + (hit.t / 30.0) * (hit.t / 30.0));
@@ -209,7 +212,8 @@ mod tests {
                 let mut points = Vec::new();
                 scanner.measure(line, count, &mut Rng::new(9, line), &mut points);
                 assert_eq!(points.len() as u64, count);
-                let from_station = |r: &Record| scanner.layout().grid.p_in_world(r.xyz) - ORIGIN - station;
+                let from_station =
+                    |r: &WrittenRecord| scanner.layout().grid.p_in_world(r.xyz) - ORIGIN - station;
                 let mut last_rise = -2.0;
                 for d in points.iter().map(from_station) {
                     // Snapping to the file's grid moves the angles a little.

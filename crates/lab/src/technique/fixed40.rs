@@ -12,12 +12,12 @@ use render::shaders::{self, ShaderOfSet, parts};
 use render::technique::{Clears, Nearest, Pieces, Recording};
 use std::sync::LazyLock;
 
-/// Ranges of the 40-bit depth: where each begins, world units, and steps a unit there. Nanometres up to 10 m,
-/// micrometres up to 10 km, then millimetres, where the unit is the metre [2019 §2.1].
+/// Ranges of the 40-bit depth: where each begins, in world units, and its steps per unit. Where the unit is the metre,
+/// a step is a nanometre up to 10 m, a micrometre up to 10 km, then a millimetre [2019 §2.1].
 pub const RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
 /// A depth that no point has reached.
 pub const EMPTY40: u64 = (1 << 40) - 1;
-/// In a key: the place of the depth, above a color without alpha.
+/// Bit of a key at which the depth begins, above a color without alpha.
 pub const DEPTH40_SHIFT: u32 = 24;
 
 /// The first depths of the ranges of [`RANGES`].
@@ -28,7 +28,7 @@ pub fn firsts() -> [u64; 3] {
     [0, second, second + ((c - b) * per_b) as u64]
 }
 
-/// Not every GPU knows f64 or u64: only this method's shaders hear of them.
+/// WGSL constants for this method's shaders alone, since not every GPU supports f64 and u64.
 static CONSTANTS: LazyLock<String> = LazyLock::new(|| {
     let names = ["A", "B", "C"].into_iter().zip(RANGES).zip(firsts());
     let lines = names.map(|((name, (begin, steps)), first)| {
@@ -72,12 +72,12 @@ static OF_TREE: LazyLock<[&str; 6]> = LazyLock::new(|| {
 static SHADE: LazyLock<[&str; 3]> =
     LazyLock::new(|| [&CONSTANTS, text!("methods/fixed40.inc"), text!("methods/shade40")]);
 
-/// `depth`, of nodes or of a tree.
+/// Shader pieces of `depth`, for nodes or for a point tree.
 pub(super) fn depth(is_tree: bool) -> fn(Variant) -> Pieces {
     if is_tree { |_| &*OF_TREE } else { |_| &*OF_NODES }
 }
 
-/// The step of `resolve` that makes colors of keys, and clears them.
+/// The step of `resolve` that turns keys into colors and clears the keys.
 pub const SHADE40: ShaderOfSet<Eye> = ShaderOfSet::new("shade40", &[parts::SURFACE], |_| &*SHADE);
 
 /// The method's stages.
@@ -85,9 +85,9 @@ pub const SHADE40: ShaderOfSet<Eye> = ShaderOfSet::new("shade40", &[parts::SURFA
 pub(super) struct Fixed40 {
     depth: Stage<Geometry>,
     shade: Stage<Eye>,
-    /// Of each chunk.
+    /// Bind groups of `depth`, one per chunk.
     depth_groups: Vec<wgpu::BindGroup>,
-    /// Of each eye.
+    /// Bind groups of `shade`, one per eye.
     shade_groups: Vec<wgpu::BindGroup>,
 }
 

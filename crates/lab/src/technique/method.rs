@@ -1,24 +1,24 @@
-//! The ways to put points into pixels that the papers compare. All draw the same picture, except [`Method::JustSet`],
-//! [`Method::Hqs1`] where a pixel gets more points than it can count, and two where points are equally far:
-//! [`Method::PointList`] shows any of them, [`Method::Fixed40`], to whose precision more are, the smaller color. They
-//! differ in how long it takes.
+//! The ways to put points into pixels that the papers compare. All draw the same picture, and differ in time. The
+//! exceptions are [`Method::JustSet`], [`Method::Hqs1`] where a pixel gets more points than it can count, and points
+//! that are equally far: [`Method::PointList`] shows any of them, and [`Method::Fixed40`], to whose precision more are
+//! equally far, shows the smaller color.
 
 use render::layout::Sums;
 use render::options::Quality;
 use serde::{Deserialize, Serialize};
 
-/// How early-z loads the pixel that it looks at, before it asks for it by an atomic operation.
+/// How early-z loads a pixel, before it decides whether to ask for it by an atomic operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EarlyZLoad {
-    /// By an atomic load, which a GPU may take past its first cache.
+    /// An atomic load, which may bypass the GPU's first cache.
     #[default]
     Atomic,
-    /// By a plain load, as the papers do: what it sees may be out of date, which costs an atomic operation and no more.
+    /// A plain load, as in the papers. Its value may be out of date, which costs an atomic operation and no more.
     Plain,
 }
 
-/// How points get into pixels. Names as in the papers.
+/// How points get into pixels, by the papers' names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -60,7 +60,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All that settings may name.
+    /// All methods that settings may name.
     pub const ALL: [Self; 15] = [
         Self::PointList,
         Self::Prefetch,
@@ -79,7 +79,7 @@ impl Method {
         Self::Fixed40,
     ];
 
-    /// As settings, tables and the papers write it.
+    /// The name in settings, tables and the papers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -102,7 +102,7 @@ impl Method {
         }
     }
 
-    /// The quality that it is a method of; `None`: either.
+    /// The quality that the method draws; `None` if it draws either.
     #[must_use]
     pub fn quality(self) -> Option<Quality> {
         match self {
@@ -112,11 +112,11 @@ impl Method {
         }
     }
 
-    /// The form of sums that it insists on.
+    /// The form of sums that the method requires.
     #[must_use]
     pub fn sums(self) -> Option<Sums> {
         match self {
-            // Two pairs in place of four words.
+            // Two 64-bit pairs take the place of four words.
             Self::Hqs => Some(Sums::Wide),
             Self::Hqs1 => Some(Sums::Packed),
             Self::Hqs1r => Some(Sums::Protected),
@@ -130,21 +130,21 @@ impl Method {
         !matches!(self, Self::Prefetch | Self::PrefetchJustSet)
     }
 
-    /// True if a point is always one pixel: hardware knows no other, and threads of a subgroup that ask each other must
-    /// come with as many pixels each.
+    /// True if a point is always one pixel. Hardware points have no other size, and threads of a subgroup that ask each
+    /// other must come with the same number of pixels each.
     #[must_use]
     pub fn draws_pixels(self) -> bool {
         self == Self::PointList || self.is_converged()
     }
 
-    /// True if threads of a subgroup ask each other, for which they must come to a pixel together.
+    /// True if threads of a subgroup ask each other for their pixels, which takes converged control flow.
     #[must_use]
     pub fn is_converged(self) -> bool {
         matches!(self, Self::Reduce | Self::ReduceEarlyZ | Self::Dedup)
     }
 
-    /// True if it needs 64-bit atomics of all kinds. The others take minima, which all tiers can, of depths alone if need
-    /// be; hardware points take none.
+    /// True if the method needs 64-bit atomics of all kinds. The other methods take minima, which every tier can, if
+    /// need be of depths alone; hardware points take no atomics.
     #[must_use]
     pub fn needs_int64(self) -> bool {
         use Method as M;

@@ -22,13 +22,13 @@ use render::technique::{Nearest, Own, Technique, Texts};
 use render::{Access, CloudBuffers};
 use tree::TreeUniform;
 
-/// What the texts bind besides the frame's sets, by name.
+/// Names of the resources that the texts bind besides the frame's sets.
 pub const NAMES: [&str; 4] =
     [counts::COUNT_BINS_NAME, tree::TREE_NAME, tree::SHAPES_NAME, point_list::POINTS_NAME];
-/// Pixels by which a disc of a sequential point tree may be wrong, unless the settings say otherwise.
+/// Error in pixels that a disc of a sequential point tree may have, unless the settings say otherwise.
 pub const DEFAULT_ERROR_PX: f64 = 1.0;
-/// [`Detail::fill_reach_px`] for discs beside dilation. They have the sizes that close a surface, but lie unevenly: kernels
-/// bridge two, four and six empty pixels, and where the gap comes near that there are pinholes.
+/// [`Detail::fill_reach_px`] for discs beside dilation. Discs are wide enough to close a surface, but lie unevenly.
+/// Kernels bridge two, four and six empty pixels, and gaps close to these widths leave pinholes.
 pub const DISCS_REACH_PX: [f32; 3] = [2.0, 3.5, 5.0];
 
 /// A way to draw. The default is the frame's own.
@@ -40,35 +40,35 @@ pub struct LabTechnique {
     pub early_z_load: EarlyZLoad,
     /// Batches that neither eye sees are drawn too, so that all points are read.
     pub keep_unseen: bool,
-    /// What is drawn is a sequential point tree, whose discs may be wrong by so many pixels, ε of [SPT §3.5].
+    /// If set, a sequential point tree is drawn, whose discs may be wrong by this many pixels, ε of [SPT §3.5].
     pub error_px: Option<f32>,
 }
 
-/// What a method needs and is not there.
+/// Why a method cannot be used here.
 #[derive(Debug, thiserror::Error)]
 pub enum NoSuchMethod {
-    /// Its arithmetic.
+    /// The method counts in f64, which the GPU's shaders cannot.
     #[error("frame.method: {method} counts in f64, which the shaders of the GPU '{name}' cannot")]
     F64 {
-        /// The GPU.
+        /// Name of the GPU.
         name: String,
-        /// Asked for.
+        /// Name of the method.
         method: &'static str,
     },
-    /// It and what it is to draw.
+    /// The method draws points of one pixel, and a point tree has discs and triangles.
     #[error(
         "frame.method: {method} draws points of one pixel, and a point tree has discs and triangles; set lod.method = \"octree\""
     )]
     Sizes {
-        /// Asked for.
+        /// Name of the method.
         method: &'static str,
     },
-    /// Its atomics.
+    /// The method needs 64-bit atomics.
     #[error("frame.method: {method} needs the tier int64, and this is {tier}; prefetch runs in every tier")]
     Tier {
-        /// Asked for.
+        /// Name of the method.
         method: &'static str,
-        /// What there is.
+        /// Name of the tier in use.
         tier: &'static str,
     },
 }
@@ -80,16 +80,16 @@ impl LabTechnique {
         Self { method, ..Self::default() }
     }
 
-    /// A sequential point tree, whose discs may be wrong by so many pixels.
+    /// A sequential point tree, whose discs may be wrong by `error_px` pixels.
     #[must_use]
     pub fn tree(error_px: f32) -> Self {
         Self { error_px: Some(error_px), ..Self::default() }
     }
 
-    /// Whether any GPU could do it.
+    /// Checks whether any GPU could draw this way.
     ///
     /// # Errors
-    /// What contradicts what.
+    /// Settings that contradict each other.
     pub fn check_itself(&self) -> Result<(), NoSuchMethod> {
         if self.method == Method::PointList && self.error_px.is_some() {
             return Err(NoSuchMethod::Sizes { method: self.method.name() });
@@ -97,10 +97,10 @@ impl LabTechnique {
         Ok(())
     }
 
-    /// Whether this GPU can do it in a tier.
+    /// Checks whether this GPU can draw this way in a tier.
     ///
     /// # Errors
-    /// What it lacks.
+    /// What the GPU lacks.
     pub fn check(&self, gpu: &Gpu, atomics: Atomics) -> Result<(), NoSuchMethod> {
         let method = self.method.name();
         self.check_itself()?;
@@ -113,33 +113,36 @@ impl LabTechnique {
         Ok(())
     }
 
-    /// For a renderer.
+    /// Makes the technique for a renderer.
     #[must_use]
     pub fn open(self, gpu: &Gpu) -> Box<dyn Technique> {
         if self == Self::default() {
             return Box::new(Own);
         }
-        Box::new(Open { technique: self, has_subgroups: gpu.has_subgroups(), count_bins: None })
+        Box::new(OpenTechnique { technique: self, has_subgroups: gpu.has_subgroups(), count_bins: None })
     }
 
-    /// For a renderer that counts what its frames do; with the bins of its counts, see [`counts`].
+    /// Makes the technique for a renderer that counts what its frames do, and the buffer of its bins; see [`counts`].
     #[must_use]
     pub fn counting(self, gpu: &Gpu) -> (Box<dyn Technique>, wgpu::Buffer) {
         let count_bins = counts::bins(gpu);
         let has_subgroups = gpu.has_subgroups();
-        (Box::new(Open { technique: self, has_subgroups, count_bins: Some(count_bins.clone()) }), count_bins)
+        (
+            Box::new(OpenTechnique { technique: self, has_subgroups, count_bins: Some(count_bins.clone()) }),
+            count_bins,
+        )
     }
 }
 
-/// What a renderer is told of a technique.
+/// A technique as a renderer gets it.
 #[derive(Debug)]
-struct Open {
+struct OpenTechnique {
     technique: LabTechnique,
     has_subgroups: bool,
     count_bins: Option<wgpu::Buffer>,
 }
 
-impl Technique for Open {
+impl Technique for OpenTechnique {
     fn texts(&self) -> Texts {
         texts(&self.technique, self.count_bins.is_some(), self.has_subgroups)
     }
@@ -170,7 +173,7 @@ impl Technique for Open {
         cloud: &CloudBuffers,
     ) {
         if let (Some(error_px), Some(buffer)) = (self.technique.error_px, cloud.besides(tree::TREE_NAME)) {
-            // Of the cloud's own it keeps what is behind.
+            // Only the tolerance is written: the tree's own lengths, which lie behind it, stay.
             let tolerance = TreeUniform::new(view, detail, error_px * lod_scale, 0).tolerance_bytes();
             queue.write_buffer(buffer, 0, &tolerance);
         }

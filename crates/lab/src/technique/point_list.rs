@@ -1,9 +1,9 @@
-//! The method `point-list`: `depth` by the hardware's own pipeline, into an image from which `shade` takes ids and
-//! depths. What the compute frame is measured against [2022 §4.1]: the same cull, the same points, bit for bit the
-//! same places; but each eye reads and decodes every point for itself.
+//! The method `point-list`: the hardware's own pipeline draws `depth` into an image, from which `shade` takes ids and
+//! depths. The compute frame is measured against it [2022 §4.1]. It has the same cull, and the same points in bit for
+//! bit the same places, but each eye reads and decodes every point for itself.
 
 use super::texts::text;
-use crate::hardware::{self, DEPTH_FORMAT, Points};
+use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
 use render::bindings::{Chunk, Cloud, Eye};
 use render::gpu::Gpu;
 use render::gpu::stage::{Bindings, Stage, shader_module};
@@ -15,20 +15,20 @@ use render::{Access, Parts, Targets};
 /// The pass that draws points.
 pub const POINT_LIST: ShaderOfSet<(Cloud, Chunk)> =
     ShaderOfSet::new("point-list", &[parts::POINTS], |_| &[text!("methods/point_list")]);
-/// The step of `resolve` that takes them from where they were drawn.
+/// The step of `resolve` that takes points from the images that they were drawn into.
 pub const SHADE_POINTS: ShaderOfSet<(Chunk, Eye)> =
     ShaderOfSet::new("shade-points", &[parts::SURFACE, parts::CHUNK_COLORS], |_| {
         &[text!("methods/shade_points")]
     });
 
-/// As the shader of the second names what the first drew into.
+/// Name by which [`SHADE_POINTS`] binds the image that [`POINT_LIST`] drew into.
 pub(super) const POINTS_NAME: &str = "points";
-/// Id and depth of a pixel's point.
+/// Format of an image of points: id and depth of a pixel's point.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
-/// No id, and the depth of an empty pixel, [`render::layout::EMPTY_DEPTH`].
+/// Clear value of an image of points: no id, and the depth of an empty pixel, [`render::layout::EMPTY_DEPTH`].
 const EMPTY: wgpu::Color = wgpu::Color { r: u32::MAX as f64, g: u32::MAX as f64, b: 0.0, a: 0.0 };
 
-/// Vertices, instances, first vertex, first instance.
+/// Arguments of an indirect draw: vertices, instances, first vertex, first instance.
 type DrawArguments = [u32; 4];
 
 /// The pipelines of both eyes, and what they draw into.
@@ -39,7 +39,7 @@ pub(super) struct PointList {
     images: Option<PointImages>,
     /// [`DrawArguments`] of each chunk.
     draws: Option<wgpu::Buffer>,
-    /// Of each eye, then of each chunk.
+    /// Bind groups of the draws, per eye and chunk.
     draw_groups: Vec<Vec<wgpu::BindGroup>>,
     shade_groups: Vec<Vec<wgpu::BindGroup>>,
 }
@@ -58,7 +58,7 @@ impl PointList {
         let module = shader_module(&gpu.device, "point-list", &wgsl);
         let eye = |entry| {
             let bindings = Bindings::of("point-list", &wgsl, entry);
-            let points = Points {
+            let points = PointPipeline {
                 module: &module,
                 vertex: entry,
                 buffers: &[],
@@ -182,7 +182,7 @@ impl PointImages {
     }
 }
 
-/// How much is drawn of each chunk: no instance yet.
+/// Makes the draw arguments of each chunk, with no instance yet.
 fn draws(gpu: &Gpu, num_chunks: usize) -> wgpu::Buffer {
     use wgpu::util::DeviceExt;
     let arguments: Vec<DrawArguments> = vec![[BATCH_POINTS, 0, 0, 0]; num_chunks.max(1)];

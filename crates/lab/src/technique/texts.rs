@@ -1,4 +1,4 @@
-//! The texts of the laboratory's techniques, piece by piece: what differs from the frame's, and nothing else.
+//! The shader texts of the laboratory's techniques: the pieces that differ from the frame's, and nothing else.
 
 use super::counts::COUNT_BINS;
 use super::fixed40;
@@ -21,10 +21,10 @@ macro_rules! text {
 }
 pub(super) use text;
 
-/// In a word of [`Method::Hqs`]: the place of a pair's second number.
+/// Bit at which the second number of a pair begins in a word of [`Method::Hqs`].
 const PAIR_SHIFT: u32 = 32;
 
-/// Lines of constants by their names.
+/// WGSL lines that declare the constants of these names.
 macro_rules! constants {
     ($($type:ident $suffix:literal: $($name:ident)+;)+) => {
         [$($(format!(concat!("const {}: ", stringify!($type), " = {:?}", $suffix, ";\n"), stringify!($name), $name),)+)+]
@@ -42,7 +42,7 @@ static TREE_CONSTANTS: LazyLock<String> = LazyLock::new(|| {
 static COUNT_CONSTANTS: LazyLock<String> = LazyLock::new(|| constants! { u32 "u": COUNT_BINS; });
 static PAIR_CONSTANTS: LazyLock<String> = LazyLock::new(|| constants! { u32 "u": PAIR_SHIFT; });
 
-/// What all of a tree's stages need.
+/// Pieces that all stages of a point tree need.
 static TREE: LazyLock<[&str; 3]> =
     LazyLock::new(|| [&TREE_CONSTANTS, text!("spt/layout.inc"), text!("spt/tree.inc")]);
 static COUNTS: LazyLock<[&str; 2]> = LazyLock::new(|| [&COUNT_CONSTANTS, text!("methods/counts.inc")]);
@@ -53,7 +53,7 @@ static PAIRS: LazyLock<[&str; 2]> = LazyLock::new(|| [&PAIR_CONSTANTS, text!("me
 const IS_CONVERGED: &str = "const CONVERGED: bool = true;\n";
 const IS_NOT_CONVERGED: &str = "const CONVERGED: bool = false;\n";
 
-/// The texts of a technique, which counts what it does or does not, on a GPU with or without operations of subgroups.
+/// The texts of a technique, with counters or without, on a GPU with or without subgroup operations.
 #[must_use]
 pub fn texts(technique: &LabTechnique, counts: bool, has_subgroups: bool) -> Texts {
     let LabTechnique { method, early_z_load, keep_unseen, error_px } = *technique;
@@ -85,7 +85,7 @@ fn put(method: Method) -> Pieces {
     }
 }
 
-/// The same for a tree's discs and triangles.
+/// Puts the texts for a tree's discs and triangles in place of those for points.
 fn of_tree(texts: Texts, method: Method, counts: bool) -> Texts {
     Texts {
         besides: &*TREE,
@@ -121,7 +121,7 @@ fn of_tree(texts: Texts, method: Method, counts: bool) -> Texts {
     }
 }
 
-/// `depth` with a look at the pixel, atomic or plain, before these pieces, which may ask for it.
+/// Pieces of `depth`: an early-z look at the pixel, atomic or plain, then these pieces, which may call it.
 macro_rules! with_look {
     ($is_plain:expr, $($piece:expr),+) => {
         if $is_plain {
@@ -145,7 +145,7 @@ macro_rules! with_look {
 const LOOKS_FIRST: &str = "const EARLY_Z: bool = true;\n";
 const LOOKS_NEVER: &str = "const EARLY_Z: bool = false;\n";
 
-/// `depth` of a method.
+/// Pieces of `depth` for a method.
 fn depth(method: Method, is_plain: bool, is_tree: bool, has_subgroups: bool) -> fn(Variant) -> Pieces {
     match (method, has_subgroups) {
         (Method::JustSet | Method::PrefetchJustSet, _) => |_| &[text!("keys.inc"), text!("methods/just_set")],
@@ -169,7 +169,7 @@ fn depth(method: Method, is_plain: bool, is_tree: bool, has_subgroups: bool) -> 
             with_look!(is_plain, text!("methods/subgroup_emulated.inc"), text!("methods/dedup"))
         }
         (Method::Fixed40, _) => fixed40::depth(is_tree),
-        // Those of high-quality shading too: the governor may ask for `closest`.
+        // Methods of high-quality shading have it too, since the governor may ask for `closest`.
         _ => with_look!(is_plain, text!("depth")),
     }
 }

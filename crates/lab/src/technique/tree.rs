@@ -9,30 +9,31 @@ use render::layout::{self, Detail, VISIBLE_OTHERS, WORKGROUP_SIZE};
 use render::{CloudBuffers, UploadError, Whole};
 use wgpu::util::DeviceExt;
 
-/// As shaders name the uniform.
+/// Name by which shaders bind the uniform.
 pub const TREE_NAME: &str = "tree";
-/// As shaders name the column of discs, and of words of triangles.
+/// Name by which shaders bind the column of discs and of words of triangles.
 pub const SHAPES_NAME: &str = "shapes";
-/// [`Run::flags`]: its discs have a back, which nobody is to see.
+/// [`Run::flags`]: the run's discs have a back, which is not drawn.
 pub const RUN_ONE_SIDED: u32 = 1;
-/// [`Run::flags`]: its points are corners of triangles.
+/// [`Run::flags`]: the run's points are corners of triangles.
 pub const RUN_TRIANGLES: u32 = 2;
 /// [`layout::VisibleBatch::flags`]: points are discs, each with its own size and the tolerances that it is drawn at.
 pub const VISIBLE_DISCS: u32 = VISIBLE_OTHERS;
 /// [`layout::VisibleBatch::flags`]: points are corners of triangles.
 pub const VISIBLE_TRIANGLES: u32 = VISIBLE_OTHERS << 1;
-/// Pixels that a triangle reaches over its edges: where rounding parts what meets, no pixel is to show what is behind.
+/// Pixels by which a triangle reaches over its edges, so that rounding opens no gap between triangles that meet.
 pub const TRIANGLE_SLACK_PX: f32 = 1.0 / 64.0;
-/// Pixels for which a batch of triangles gets a workgroup more: as many a thread as there are threads.
+/// Pixels for which a batch of triangles gets one more workgroup: [`WORKGROUP_SIZE`] for each thread.
 pub const SLICE_PIXELS: u32 = WORKGROUP_SIZE * WORKGROUP_SIZE;
 
-/// A run of batches on the GPU, drawn at an interval of tolerances.
+/// A run of batches on the GPU: what the cull of a point tree reads of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Run {
-    /// With [`RUN_ONE_SIDED`]: the axis of the directions in which only backs are seen, and the sine of the angle round it.
+    /// With [`RUN_ONE_SIDED`]: the axis of the cone of directions in which only backs are seen, and the sine of its
+    /// angle.
     pub behind: [f32; 4],
-    /// [`RUN_ONE_SIDED`], [`RUN_TRIANGLES`].
+    /// [`RUN_ONE_SIDED`] and [`RUN_TRIANGLES`], where they hold.
     pub flags: u32,
     /// Always 0.
     pub reserved: u32,
@@ -59,11 +60,12 @@ impl Run {
     }
 }
 
-/// A batch of discs, or of triangles, on the GPU: [`layout::Batch`], and when it is drawn.
+/// A batch of discs or triangles on the GPU: fields of [`layout::Batch`], its run, and the tolerances that it is drawn
+/// at.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct DiscBatch {
-    /// As [`layout::Batch::min_hi`], and so are the other fields but these two.
+    /// Box minimum, coarse part, as [`layout::Batch::min_hi`].
     pub min_hi: [f32; 3],
     /// First point in the chunk's planes.
     pub first_point: u32,
@@ -71,13 +73,14 @@ pub struct DiscBatch {
     pub min_lo: [f32; 3],
     /// Points in the batch.
     pub num_points: u32,
-    /// Edge of a 30-bit cell an axis.
+    /// Edge of a 30-bit cell along each axis.
     pub cell: [f32; 3],
-    /// Its run.
+    /// Number of the batch's run.
     pub run: u32,
-    /// Coarse steps of the head a world unit.
+    /// Coarse steps of the head per world unit.
     pub steps_per_unit: [f32; 3],
-    /// The steps of tolerance that some of it is drawn at: from, and until from [`cloud::format::UNTIL_SHIFT`] on.
+    /// Steps of tolerance at which some of the batch is drawn: the first, and from bit [`cloud::format::UNTIL_SHIFT`]
+    /// on the first beyond.
     pub interval: u32,
 }
 
@@ -100,10 +103,10 @@ impl DiscBatch {
 pub struct TreeUniform {
     /// Angle that an error may have in the inner ring, radians: the tolerance at a distance of 1.
     pub tolerance_rad: [f32; 2],
-    /// Between the inner and the middle ring's ends, how many radians the tolerance grows by while the cosine of the angle
-    /// from the gaze falls by 1.
+    /// Radians by which the tolerance grows while the cosine of the angle from the gaze falls by 1, between the ends of
+    /// the inner and the middle ring.
     pub tolerance_growth: [f32; 2],
-    /// Of the tree's lengths; see [`spt::Scale::base`].
+    /// Base of the tree's lengths; see [`spt::Scale::base`].
     pub step_base: u32,
     /// Always 0.
     pub reserved: u32,
@@ -112,7 +115,7 @@ pub struct TreeUniform {
 }
 
 impl TreeUniform {
-    /// For a view of one or two eyes, in which discs may be wrong by `error_px` pixels.
+    /// Makes the uniform for a view of one or two eyes, in which discs may be wrong by `error_px` pixels.
     ///
     /// # Panics
     /// If the view has no eye.
@@ -131,24 +134,24 @@ impl TreeUniform {
         }
     }
 
-    /// The bytes of what the view says.
+    /// The bytes of the fields that depend on the view.
     pub(super) fn tolerance_bytes(&self) -> [u8; 16] {
         bytemuck::cast([self.tolerance_rad, self.tolerance_growth])
     }
 }
 
-/// [`TreeUniform::tolerance_growth`] that makes a tolerance of `error_rad` in the inner ring as many times as large in the
-/// outer one as thresholds are there; less where that would be too steep for the intervals' overlap
-/// ([`spt::MAX_TOLERANCE_SLOPE`]).
+/// [`TreeUniform::tolerance_growth`] for a tolerance of `error_rad` in the inner ring. In the outer ring the tolerance
+/// is larger by the ratio of the two rings' thresholds, or by less where that would be too steep for the intervals'
+/// overlap ([`spt::MAX_TOLERANCE_SLOPE`]).
 fn tolerance_growth(detail: &Detail, error_rad: f64) -> f32 {
     let [inner, middle] = detail.ring_rad.map(f64::cos);
     let ratio = f64::from(detail.threshold_px[2] / detail.threshold_px[0]);
     let wanted = error_rad * (ratio - 1.0).max(0.0) / (inner - middle).max(1e-6);
-    // Where the middle ring ends, the tolerance grows fastest: by `error_rad` with the distance, and by this many
-    // times the growth away from the gaze.
+    // The tolerance grows fastest where the middle ring ends: by `error_rad` with the distance, and by this many times
+    // the growth away from the gaze.
     let steepness = (inner * inner + 1.0 - 2.0 * inner * middle).max(0.0).sqrt().max(1e-3);
     let spare = spt::MAX_TOLERANCE_SLOPE - error_rad;
-    // Beyond, with the distance alone.
+    // Beyond the middle ring the tolerance grows with the distance alone.
     wanted.min(spare / steepness).min(spare / (inner - middle).max(1e-6)) as f32
 }
 

@@ -12,7 +12,7 @@ use render::layout::{
     VISIBLE_WIDE, ViewUniform, VisibleBatch,
 };
 
-/// The visible batches, in batch order (the GPU's order is any).
+/// Returns the visible batches in batch order; the GPU's order is arbitrary.
 #[must_use]
 pub fn cull(view: &ViewUniform, num_eyes: usize, tree: &Tree) -> Vec<VisibleBatch> {
     let one = |(number, batch): (usize, &DiscBatch)| {
@@ -22,14 +22,14 @@ pub fn cull(view: &ViewUniform, num_eyes: usize, tree: &Tree) -> Vec<VisibleBatc
     in_slices(tree.batches.iter().enumerate().filter_map(one))
 }
 
-/// Workgroups that draw a batch of triangles.
+/// Number of workgroups that draw a batch of triangles.
 fn num_slices_of_triangles(tree: &Tree, batch: &DiscBatch, eye: &EyeUniform, depth: f32) -> u32 {
     let side_px = tree.scale().length((batch.interval >> UNTIL_SHIFT) as u8) * eye.pixels_per_radian / depth;
     let num_pixels = (side_px * side_px).min(eye.width as f32 * eye.height as f32);
     (num_pixels / SLICE_PIXELS as f32).clamp(1.0, MAX_SLICES as f32) as u32
 }
 
-/// The batch, if it is seen, and the workgroups that draw it.
+/// Returns the batch, if it is seen, and the number of workgroups that draw it.
 fn cull_batch(
     view: &ViewUniform,
     num_eyes: usize,

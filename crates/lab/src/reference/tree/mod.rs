@@ -1,4 +1,4 @@
-//! The CPU reference of what a sequential point tree has of its own: its cull, its discs and its triangles.
+//! CPU reference of what only a sequential point tree has: its cull, its discs and its triangles.
 
 pub mod cull;
 pub mod tolerance;
@@ -14,16 +14,16 @@ use render::layout::ViewUniform;
 pub struct Tree<'a> {
     /// The frame's tolerance, and the tree's lengths.
     pub uniform: TreeUniform,
-    /// Its runs.
+    /// The tree's runs.
     pub runs: Vec<Run>,
-    /// Its batches.
+    /// The tree's batches.
     pub batches: Vec<DiscBatch>,
     /// Intervals and sizes of discs, and words of triangles.
     pub shapes: &'a [u32],
 }
 
 impl<'a> Tree<'a> {
-    /// With no tolerance yet.
+    /// Makes the tree, with no tolerance yet.
     #[must_use]
     pub fn new(tree: &'a SequentialCloud) -> Self {
         let batches = tree.cloud.batches.iter().enumerate();
@@ -35,7 +35,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Its lengths.
+    /// Scale of the tree's lengths.
     #[must_use]
     pub fn scale(&self) -> StepScale {
         StepScale { base: self.uniform.step_base }
@@ -45,9 +45,9 @@ impl<'a> Tree<'a> {
 /// A disc: CPU reference of `spt/discs.inc.wgsl`.
 #[derive(Clone, Copy)]
 pub(super) struct Disc {
-    /// The first step of tolerance that it is drawn at, and the first beyond.
+    /// The first step of tolerance that the disc is drawn at, and the first beyond.
     interval: (u8, u8),
-    /// World units.
+    /// Diameter in world units.
     pub diameter: f32,
 }
 

@@ -1,10 +1,10 @@
-//! CPU reference of the tolerance in `spt/steps.inc.wgsl` and `spt/cull.wgsl`: the length that a point tree may be wrong by, by the
-//! distance from an eye and the angle from its gaze.
+//! CPU reference of the tolerance in `spt/steps.inc.wgsl` and `spt/cull.wgsl`: the length that a point tree may be
+//! wrong by, at a distance from an eye and an angle from its gaze.
 
 use crate::technique::tree::TreeUniform;
 use render::layout::ViewUniform;
 
-/// Of eye number `eye`, at a place relative to it.
+/// Tolerance of eye number `eye` at a place relative to it.
 #[must_use]
 pub fn of(view: &ViewUniform, tree: &TreeUniform, eye: usize, [x, y, z]: [f32; 3]) -> f32 {
     let gaze = view.eyes[eye].gaze_in_head;
@@ -15,13 +15,13 @@ pub fn of(view: &ViewUniform, tree: &TreeUniform, eye: usize, [x, y, z]: [f32; 3
     tree.tolerance_rad[eye] * distance + tree.tolerance_growth[eye] * outside
 }
 
-/// Radians that it spans in the outer ring.
+/// Angle that the tolerance spans in the outer ring, radians.
 #[must_use]
 pub fn outer_rad(view: &ViewUniform, tree: &TreeUniform, eye: usize) -> f32 {
     tree.tolerance_rad[eye] + tree.tolerance_growth[eye] * (view.ring_cos[0] - view.ring_cos[1])
 }
 
-/// The most that it grows by on a way of length 1.
+/// The most that the tolerance grows by over a length of 1.
 #[must_use]
 pub fn steepest(view: &ViewUniform, tree: &TreeUniform, eye: usize) -> f32 {
     let [inner, middle] = view.ring_cos;

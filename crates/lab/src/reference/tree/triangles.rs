@@ -5,17 +5,17 @@ use crate::reference::points::{Put, cells, p_in_head, without_reach};
 use crate::technique::tree::TRIANGLE_SLACK_PX;
 use render::layout::{EyeUniform, ID_ODD, ID_SHIFT, VISIBLE_BY_EYE, ViewUniform, VisibleBatch};
 
-/// What a pixel shows of a triangle beside the corner with the largest share: all of them.
+/// A triangle's corners and their shares in a pixel, from which `hqs` mixes the color; a key names one corner alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixture {
     /// The corners' points, numbers in the chunk.
     pub points: [u32; 3],
-    /// Their shares, 1 in all.
+    /// The corners' shares, which sum to 1.
     pub shares: [f32; 3],
 }
 
 impl Mixture {
-    /// The points' colors, by their shares.
+    /// The corners' colors, mixed by their shares.
     #[must_use]
     pub fn color(&self, colors: &[u32]) -> u32 {
         let channel =
@@ -69,7 +69,7 @@ pub(in crate::reference) fn triangles(
     }
 }
 
-/// The first of the largest.
+/// Index of the largest number; of equals, the first.
 fn largest([a, b, c]: [f32; 3]) -> usize {
     if a.max(b) < c {
         2
@@ -89,7 +89,7 @@ fn most(v: [f32; 3]) -> f32 {
 }
 
 impl Triangle {
-    /// `None` if it is not drawn.
+    /// The triangle of a word as an eye sees it; `None` if it is not drawn.
     fn of(
         (view, number): (&ViewUniform, usize),
         batch: &VisibleBatch,
@@ -121,7 +121,7 @@ impl Triangle {
         Some(Self { x, y, w, slack, first, last, points })
     }
 
-    /// Depth in a pixel, and the corners' shares, if it covers it.
+    /// Depth and the corners' shares in a pixel, if the triangle covers it.
     fn in_pixel(&self, near: f32, [u, v]: [i32; 2]) -> Option<(f32, [f32; 3])> {
         let from = |v: [f32; 3], px: i32| -> [f32; 3] {
             std::array::from_fn(|i| v[i] - (px as f32 + 0.5) * self.w[i])
@@ -141,7 +141,7 @@ impl Triangle {
     }
 }
 
-/// First and last of the pixels to look at.
+/// First and last of the pixels that the triangle may cover.
 fn pixels(near: f32, eye: &EyeUniform, x: [f32; 3], y: [f32; 3], w: [f32; 3]) -> Option<[[i32; 2]; 2]> {
     if least(w) > near {
         let at = |v: [f32; 3]| [0, 1, 2].map(|i| v[i] / w[i] - 0.5);

@@ -1,7 +1,7 @@
 //! The place that the terrestrial scanner sees: an old courtyard with an arcade round it.
 //!
-//! Its own coordinates: metres, x east, y north, z up, the fountain at the origin, the paving at height 0.
-//! The court measures 30 × 24 m between its walls; the arcade, 3.2 m deep, takes part of that all round.
+//! Coordinates are its own: metres, x east, y north, z up, the fountain at the origin, the paving at height 0. The
+//! court measures 30 × 24 m between its walls; the arcade, 3.2 m deep, takes part of that all round.
 
 mod arcade;
 mod garden;
@@ -32,7 +32,7 @@ pub const TERRACE: f64 = 4.6;
 /// Thickness of the walls.
 pub const WALL: f64 = 0.5;
 
-/// Everything there is, ready for rays.
+/// The whole place, ready for rays.
 pub struct Courtyard {
     bvh: Bvh,
     materials: Vec<Material>,
@@ -44,7 +44,7 @@ impl Courtyard {
     pub fn get() -> &'static Self {
         static COURTYARD: OnceLock<Courtyard> = OnceLock::new();
         COURTYARD.get_or_init(|| {
-            let mut parts = Parts::default();
+            let mut parts = Shapes::default();
             walls::add(&mut parts);
             arcade::add(&mut parts);
             rooms::add(&mut parts);
@@ -57,7 +57,7 @@ impl Courtyard {
         })
     }
 
-    /// What a ray meets within `reach`: the surface and what it is made of.
+    /// The nearest surface that a ray meets within `reach`, and its material.
     pub fn nearest(&self, ray: &Ray, reach: f64) -> Option<(Hit, Material)> {
         self.bvh.nearest(ray, reach).map(|(hit, shape)| (hit, self.materials[shape]))
     }
@@ -69,14 +69,14 @@ impl Courtyard {
     }
 }
 
-/// Shapes and what they are made of.
+/// Shapes and their materials.
 #[derive(Default)]
-struct Parts {
+struct Shapes {
     shapes: Vec<Shape>,
     materials: Vec<Material>,
 }
 
-impl Parts {
+impl Shapes {
     fn add(&mut self, shape: Shape, material: Material) {
         self.shapes.push(shape);
         self.materials.push(material);

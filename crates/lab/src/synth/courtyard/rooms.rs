@@ -1,7 +1,7 @@
-//! A hall in the east and a chamber in the south, with what stands in them.
+//! A hall in the east and a chamber in the south, with their furniture.
 
 use super::walls::Wall;
-use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Parts, WALL};
+use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Shapes, WALL};
 use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use glam::DVec3;
@@ -9,8 +9,8 @@ use glam::DVec3;
 const OAK: DVec3 = rgb(152, 108, 70);
 const WALNUT: DVec3 = rgb(108, 74, 50);
 
-/// Adds both.
-pub fn add(parts: &mut Parts) {
+/// Adds both rooms, and the benches.
+pub fn add(parts: &mut Shapes) {
     let hall = Room { min: [HALF_X + WALL, -5.2], max: [22.0, 5.2], ceiling: 4.1, tint: rgb(228, 216, 190) };
     hall.add(parts);
     hall_furniture(parts);
@@ -21,7 +21,7 @@ pub fn add(parts: &mut Parts) {
     benches(parts);
 }
 
-/// Floor, walls and ceiling; the wall towards the court is the court's own.
+/// A room's floor, walls and ceiling; the wall towards the court is the court's own.
 struct Room {
     min: [f64; 2],
     max: [f64; 2],
@@ -30,7 +30,7 @@ struct Room {
 }
 
 impl Room {
-    fn add(&self, parts: &mut Parts) {
+    fn add(&self, parts: &mut Shapes) {
         let ([x0, y0], [x1, y1], top) = (self.min, self.max, self.ceiling);
         parts.cuboid([x0, y0, -0.1], [x1, y1, ARCADE_FLOOR], Material::Checker);
         let plaster = Material::Plaster { tint: self.tint, foot: -10.0, top: 40.0 };
@@ -41,7 +41,7 @@ impl Room {
             (1, [x0 - 0.3, x0], [y0 - 0.3, y1 + 0.3]),
         ];
         for (along, faces, ends) in walls {
-            // Where the court's wall stands, the room has none of its own.
+            // The room has no wall of its own where the court's wall stands.
             let court = faces[0] < HALF_X + WALL && faces[1] > HALF_X
                 || along == 0 && faces[0] < -HALF_Y && faces[1] > -HALF_Y - WALL;
             if !court {
@@ -67,7 +67,7 @@ impl Room {
 }
 
 /// A board on four legs.
-fn table(min: [f64; 2], max: [f64; 2], height: f64, tint: DVec3, parts: &mut Parts) {
+fn table(min: [f64; 2], max: [f64; 2], height: f64, tint: DVec3, parts: &mut Shapes) {
     let top = ARCADE_FLOOR + height;
     let material = Material::Wood { grain: 1, tint };
     parts.cuboid([min[0], min[1], top - 0.05], [max[0], max[1], top], material);
@@ -80,7 +80,7 @@ fn table(min: [f64; 2], max: [f64; 2], height: f64, tint: DVec3, parts: &mut Par
 }
 
 /// A chair whose back stands on the side of `back` (a step in x and y).
-fn chair(x: f64, y: f64, back: [f64; 2], parts: &mut Parts) {
+fn chair(x: f64, y: f64, back: [f64; 2], parts: &mut Shapes) {
     table([x - 0.22, y - 0.22], [x + 0.22, y + 0.22], 0.46, OAK, parts);
     let (bx, by) = (x + 0.20 * back[0], y + 0.20 * back[1]);
     let (wx, wy) = (0.02 + 0.2 * back[1].abs(), 0.02 + 0.2 * back[0].abs());
@@ -97,13 +97,13 @@ fn chair(x: f64, y: f64, back: [f64; 2], parts: &mut Parts) {
 }
 
 /// A jug or bowl turned on a wheel.
-fn jug(foot: DVec3, size: f64, material: Material, parts: &mut Parts) {
+fn jug(foot: DVec3, size: f64, material: Material, parts: &mut Shapes) {
     let pieces = [(0.10, 0.07, 0.12), (0.12, 0.12, 0.11), (0.08, 0.11, 0.05), (0.06, 0.05, 0.07)];
     parts.stack(foot, &pieces.map(|(h, a, b)| (size * h, size * a, size * b)), material);
 }
 
 /// Shelves with books, their backs to a wall at x = `wall`.
-fn bookcase(wall: f64, from: f64, to: f64, parts: &mut Parts) {
+fn bookcase(wall: f64, from: f64, to: f64, parts: &mut Shapes) {
     let (front, foot, top) = (wall - 0.36, ARCADE_FLOOR, ARCADE_FLOOR + 2.3);
     let wood = Material::Wood { grain: 1, tint: WALNUT };
     for y in [from, to - 0.04] {
@@ -140,7 +140,7 @@ fn bookcase(wall: f64, from: f64, to: f64, parts: &mut Parts) {
     }
 }
 
-fn hall_furniture(parts: &mut Parts) {
+fn hall_furniture(parts: &mut Shapes) {
     let floor = ARCADE_FLOOR;
     table([18.2, -1.9], [19.3, 1.5], 0.76, OAK, parts);
     for y in [-1.3, -0.2, 0.9] {
@@ -207,7 +207,7 @@ fn hall_furniture(parts: &mut Parts) {
     }
 }
 
-fn chamber_furniture(parts: &mut Parts) {
+fn chamber_furniture(parts: &mut Shapes) {
     let floor = ARCADE_FLOOR;
     let (oak, linen) = (Material::Wood { grain: 0, tint: OAK }, Material::Cloth { tint: rgb(214, 206, 188) });
     // A bed with its head to the back wall.
@@ -242,7 +242,7 @@ fn chamber_furniture(parts: &mut Parts) {
 }
 
 /// Stone benches and potted plants' stands under the arcade.
-fn benches(parts: &mut Parts) {
+fn benches(parts: &mut Shapes) {
     let seat = ARCADE_FLOOR + 0.45;
     for y in [-7.4, -2.6, 2.6, 7.4] {
         parts.cuboid([-HALF_X, y - 0.9, seat - 0.1], [-HALF_X + 0.42, y + 0.9, seat], Material::Stone);

@@ -1,6 +1,6 @@
 //! The four walls with doors and windows, the roofs' edges and the tower behind.
 
-use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Parts, TERRACE, WALL};
+use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Shapes, TERRACE, WALL};
 use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use glam::DVec3;
@@ -9,20 +9,20 @@ use glam::DVec3;
 const STOREY: f64 = 4.4;
 /// Upper edge of the walls.
 const TOP: f64 = 8.4;
-/// How a window's wooden parts are painted.
+/// Color of a window's wooden parts.
 const SHUTTER: DVec3 = rgb(86, 116, 104);
 
 /// A wall along a horizontal axis, a storey high.
 pub struct Wall {
-    /// Axis along which it runs: 0 for x, 1 for y.
+    /// Axis along which the wall runs: 0 for x, 1 for y.
     pub along: usize,
-    /// Its two faces on the other axis.
+    /// The wall's two faces on the other axis.
     pub faces: [f64; 2],
-    /// Its ends.
+    /// The wall's two ends.
     pub ends: [f64; 2],
-    /// Its lower and upper edge.
+    /// The wall's lower and upper edge.
     pub heights: [f64; 2],
-    /// What it is made of.
+    /// Material of the wall.
     pub material: Material,
 }
 
@@ -33,15 +33,15 @@ pub struct Opening {
     pub middle: f64,
     /// Width.
     pub width: f64,
-    /// Sill and lintel; an arch's crown.
+    /// Heights of sill and lintel; an arch's crown stands for the lintel.
     pub heights: [f64; 2],
-    /// Round at the top.
+    /// True if it is round at the top.
     pub arched: bool,
 }
 
 impl Wall {
     /// Adds the wall with openings, in order along the wall.
-    pub fn add(&self, openings: &[Opening], parts: &mut Parts) {
+    pub fn add(&self, openings: &[Opening], parts: &mut Shapes) {
         let [foot, top] = self.heights;
         let mut start = self.ends[0];
         for opening in openings {
@@ -64,7 +64,7 @@ impl Wall {
         self.piece(start, self.ends[1], foot, top, parts);
     }
 
-    fn piece(&self, from: f64, to: f64, low: f64, high: f64, parts: &mut Parts) {
+    fn piece(&self, from: f64, to: f64, low: f64, high: f64, parts: &mut Shapes) {
         if from < to && low < high {
             let (min, max) = self.corners(from, to, low, high);
             parts.add(Shape::Cuboid { min, max }, self.material);
@@ -83,7 +83,7 @@ impl Wall {
 }
 
 /// Walls of the court, with all that hangs on them.
-pub fn add(parts: &mut Parts) {
+pub fn add(parts: &mut Shapes) {
     let yellow = rgb(222, 190, 138);
     let rose = rgb(212, 164, 132);
     for side in [Side::East, Side::West, Side::South, Side::North] {
@@ -193,7 +193,7 @@ impl Side {
 }
 
 /// A pane set back in the wall, bars before it, open shutters, a sill.
-fn glaze(wall: &Wall, outward: DVec3, window: &Opening, parts: &mut Parts) {
+fn glaze(wall: &Wall, outward: DVec3, window: &Opening, parts: &mut Shapes) {
     let [low, high] = window.heights;
     let (from, to) = (window.middle - 0.5 * window.width, window.middle + 0.5 * window.width);
     let mut panel = |from: f64, to: f64, low: f64, high: f64, depth: [f64; 2], material| {
@@ -225,7 +225,7 @@ fn glaze(wall: &Wall, outward: DVec3, window: &Opening, parts: &mut Parts) {
 }
 
 /// A closed wooden door set back in its opening, on a stone threshold.
-fn shut(wall: &Wall, outward: DVec3, door: &Opening, parts: &mut Parts) {
+fn shut(wall: &Wall, outward: DVec3, door: &Opening, parts: &mut Shapes) {
     let sign = outward.x + outward.y;
     let (from, to) = (door.middle - 0.5 * door.width, door.middle + 0.5 * door.width);
     let boards = Wall { faces: [wall.faces[0] + sign * 0.22, wall.faces[0] + sign * 0.28], ..*wall };
@@ -240,7 +240,7 @@ fn shut(wall: &Wall, outward: DVec3, door: &Opening, parts: &mut Parts) {
 }
 
 /// Cornice, rafters and the roof above a wall.
-fn eaves(side: &Side, parts: &mut Parts) {
+fn eaves(side: &Side, parts: &mut Shapes) {
     let out = side.outward();
     let along = DVec3::new(out.y.abs(), out.x.abs(), 0.0);
     let half = if out.x != 0.0 { HALF_X } else { HALF_Y };
@@ -264,7 +264,7 @@ fn eaves(side: &Side, parts: &mut Parts) {
 }
 
 /// A bell tower behind the north wall.
-fn tower(parts: &mut Parts) {
+fn tower(parts: &mut Shapes) {
     let (west, east, south, north) = (-13.4, -8.6, 13.6, 18.4);
     let (shaft, belfry) = (13.2, 17.0);
     parts.cuboid([west, south, 0.0], [east, north, shaft], Material::Brick);
