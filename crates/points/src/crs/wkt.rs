@@ -2,12 +2,12 @@
 
 use super::{Angle, Axes, Crs, length};
 
-/// What could be understood of it.
+/// Reads a coordinate system from well-known text, and looks up its codes.
 pub(crate) fn from_wkt(bytes: &[u8]) -> Crs {
     read(bytes).or_registered()
 }
 
-/// The same without looking codes up.
+/// Reads a coordinate system from well-known text, without looking up its codes.
 pub(super) fn read(bytes: &[u8]) -> Crs {
     let root = parse(&String::from_utf8_lossy(bytes));
     let is_vertical = |node: &Node| matches!(node.keyword.as_str(), "VERT_CS" | "VERTCRS" | "VERTICALCRS");
@@ -41,7 +41,7 @@ pub(super) fn read(bytes: &[u8]) -> Crs {
 enum Kind {
     Planar,
     Geocentric,
-    /// Angles, or in version 2 geocentric if its axes are Cartesian.
+    /// Geographic, or in version 2 geocentric if its axes are Cartesian.
     Earth,
 }
 
@@ -95,7 +95,7 @@ impl Node {
         Angle::of_radians(self.angle_radians())
     }
 
-    /// Radians of the unit that it states.
+    /// Radians of the unit of angle that the node states.
     fn angle_radians(&self) -> Option<f64> {
         let axis = || self.child(&["AXIS"]).and_then(|axis| axis.child(&["ANGLEUNIT", "UNIT"]));
         let unit = self.child(&["ANGLEUNIT", "UNIT"]).or_else(axis);
@@ -108,10 +108,10 @@ impl Node {
     }
 }
 
-/// Deeper nesting than this is no coordinate system, and recursion has to end.
+/// Deepest nesting that is read: no coordinate system has more, and recursion has to end.
 const DEEPEST: usize = 32;
 
-/// A node without keyword that holds what the text holds; broken text gives what could be understood.
+/// Parses text into a node without keyword that holds all others. Broken text gives what could be understood.
 fn parse(text: &str) -> Node {
     let mut open = vec![Node::default()];
     let mut word = String::new();
@@ -195,7 +195,7 @@ mod tests {
         let third = br#"PROJCRS["p",CS[Cartesian,3],AXIS["E",east,LENGTHUNIT["metre",1]],AXIS["N",north,LENGTHUNIT["metre",1]],
             AXIS["h",up,LENGTHUNIT["foot",0.3048]]]"#;
         assert_eq!(from_wkt(third).vertical_unit_m, Some(0.3048));
-        // A code alone names both.
+        // Codes alone tell both units.
         let code = from_wkt(
             br#"COMPD_CS["x",PROJCS["p",AUTHORITY["EPSG","26918"]],VERT_CS["h",AUTHORITY["EPSG","6360"]]]"#,
         );
