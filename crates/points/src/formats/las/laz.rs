@@ -1,4 +1,4 @@
-//! Compressed points: chunks in parallel, in file order; a broken chunk loses only itself.
+//! Reads compressed points: chunks in parallel, handed over in file order. A broken chunk loses only itself.
 
 use super::Outcome;
 use super::chunks::{self, Chunk, Chunks, TABLE_POSITION_BYTES};
@@ -28,22 +28,22 @@ pub(super) struct Laz {
     cut: Cut,
 }
 
-/// How the points are cut.
+/// How the points are cut into chunks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cut {
     /// All points are one chunk and there is no chunk table (LASzip 1).
     Not,
-    /// Chunks of so many points.
+    /// Each chunk except the last has this many points.
     Fixed(u32),
-    /// Chunks of as many points as the table states.
+    /// Each chunk has as many points as the table states.
     Variable,
 }
 
 impl Laz {
-    /// From the payload of the LASzip record.
+    /// Parses the payload of the LASzip record.
     ///
     /// # Errors
-    /// Why nothing of it can be decompressed, and what to do.
+    /// Why no point can be decompressed, and what to do.
     pub fn parse(payload: &[u8]) -> Result<Self, String> {
         let advice = "write it again with a current LASzip, or as LAS";
         let vlr = match guard::catch(|| LazVlr::read_from(payload)) {
@@ -51,7 +51,7 @@ impl Laz {
             Ok(Err(error)) => return Err(format!("its LASzip record says: {error}; {advice}")),
             Err(panic) => return Err(format!("its LASzip record is damaged ({panic}); {advice}")),
         };
-        // The crate keeps the kind of compression to itself; it is the record's first field.
+        // The `laz` crate does not tell the kind of compression, which is the record's first field.
         let cut = match payload.first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes)) {
             1 => Cut::Not,
             2 | 3 if vlr.uses_variable_size_chunks() => Cut::Variable,
@@ -85,7 +85,7 @@ impl Laz {
     /// Reads all points that can be read.
     ///
     /// # Errors
-    /// Stopped, no memory, nothing readable at all; what `take` reports.
+    /// The user stops it, there is no memory, nothing can be read, or `take` fails.
     pub fn read(
         &self,
         source: &Source,
@@ -125,7 +125,7 @@ impl Laz {
         }
     }
 
-    /// While a window of chunks is decompressed, the one before it is handed over.
+    /// Decompresses a window of chunks while the window before it is handed over.
     fn read_chunks(
         &self,
         reading: &Reading,
@@ -164,7 +164,7 @@ impl Laz {
         Ok(block)
     }
 
-    /// Chunk after chunk on one core, as far as it goes: no chunk says where it ends.
+    /// Reads chunk after chunk on one core, up to the first that is damaged: no chunk says where it ends.
     fn read_serially(
         &self,
         reading: &Reading,
@@ -193,7 +193,7 @@ impl Laz {
                 Ok(Err(error)) if error.kind() == io::ErrorKind::OutOfMemory => {
                     return Err(ScanError::Memory { path: source.path().to_owned(), num_points: announced });
                 }
-                // What came before the error in this chunk may be nonsense already.
+                // Points before the error in this chunk may be nonsense already.
                 Ok(Err(error)) => {
                     block.truncate(0);
                     Some(error.to_string())
@@ -239,7 +239,7 @@ struct Handover<'a, 'b> {
     outcome: Outcome,
     damaged: Vec<Damaged>,
     num_chunks: usize,
-    /// Points of the chunks so far, those of the damaged included.
+    /// Points of the chunks so far, including those of damaged chunks.
     at: u64,
 }
 
@@ -265,7 +265,7 @@ impl Handover<'_, '_> {
         Ok(())
     }
 
-    /// What was read, with a sentence for each lost chunk; an error if nothing is left.
+    /// Returns what was read, with a sentence for each lost chunk, or an error if nothing is left.
     fn finish(self, source: &Source) -> Result<Outcome, ScanError> {
         let Self { mut outcome, damaged, num_chunks, .. } = self;
         if let (Some(first), 0) = (damaged.first(), outcome.num_points) {

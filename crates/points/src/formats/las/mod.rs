@@ -22,7 +22,7 @@ use laz::Laz;
 use record::Layout;
 use vlr::{Kind, Vlr};
 
-/// The format.
+/// The format LAS, with LAZ.
 pub(super) struct Las;
 
 impl Format for Las {
@@ -84,8 +84,9 @@ struct LasFile {
 #[derive(Debug, Default)]
 struct Outcome {
     num_points: u64,
-    /// Sentences whose subject is the file: about what could not be read, about what else was odd.
+    /// Sentences about what could not be read, whose subject is the file.
     losses: Vec<String>,
+    /// Sentences about what else was odd, whose subject is the file.
     warnings: Vec<String>,
 }
 
@@ -180,11 +181,12 @@ fn crs(las: &LasHeader, vlrs: &[Vlr]) -> Crs {
     let payload = |kind| vlr::payload(vlrs, kind).unwrap_or_default();
     let wkt = crs::from_wkt(payload(Kind::Wkt));
     let keys = crs::from_geotiff(payload(Kind::GeoKeys), payload(Kind::GeoDoubles), payload(Kind::GeoTexts));
-    // The second only fills in what the first leaves open.
+    // The second system only fills in what the first leaves open.
     if las.wkt { wkt.or(keys) } else { keys.or(wkt) }
 }
 
-/// Names of what is stored for each point; extra bytes as the file names them, whether they can be read or not.
+/// Names of the attributes of each point. Extra bytes have the names that the file gives them, whether they can be read
+/// or not.
 fn attributes(schema: &Schema, extra: &[Extra]) -> Vec<String> {
     let named = extra.iter().filter(|extra| !extra.name.is_empty());
     let named = named.map(|extra| format!("extra:{}", extra.name));

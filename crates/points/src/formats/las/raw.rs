@@ -1,4 +1,4 @@
-//! Uncompressed points: pieces of records, read and parsed in parallel, straight into their place in a block.
+//! Reads uncompressed points: pieces of records, in parallel, parsed straight into their place in a block.
 
 use super::Outcome;
 use super::header::LasHeader;
@@ -15,13 +15,13 @@ use std::io;
 
 /// Points of a piece: its records (1 MiB at most) stay in a core's cache from reading to the last column.
 const PIECE_POINTS: usize = 1 << 14;
-/// Points of a block at least: fewer would not keep all cores at work.
+/// Fewest points of a block: fewer would not keep all cores at work.
 const LEAST_BLOCK_POINTS: usize = 1 << 18;
 
 /// Reads all whole records that are there.
 ///
 /// # Errors
-/// No memory, stopped, nothing readable at all; what `take` reports.
+/// The user stops it, there is no memory, nothing can be read, or `take` fails.
 pub(super) fn read(
     source: &Source,
     header: &LasHeader,
@@ -36,7 +36,7 @@ pub(super) fn read(
     let mut outcome = Outcome::default();
     while outcome.num_points < announced {
         let left = announced - outcome.num_points;
-        // The file is as long: it vouches for this memory.
+        // The file is long enough for these points, which vouches for the memory.
         let num_wanted = left.min(want.block_points().max(LEAST_BLOCK_POINTS) as u64);
         let mut block =
             usize::try_from(num_wanted).ok().and_then(|num| records.zeros(num)).ok_or_else(memory)?;
@@ -59,8 +59,8 @@ pub(super) fn read(
     Ok(outcome)
 }
 
-/// Whole records between the points' start and the end of the file, as far as the header does not say that
-/// something else follows. A header that counts too few is believed only if more than points could follow.
+/// Number of whole records from the points' start to the end of the file, or to something else that the header says
+/// follows them. A header that counts fewer points is believed only if something else could follow them.
 pub(super) fn num_points(source: &Source, header: &LasHeader) -> u64 {
     let record_bytes = u64::from(header.record_bytes).max(1);
     let available = source.len().saturating_sub(header.points_offset);
@@ -85,17 +85,17 @@ struct Records<'a> {
     progress: &'a Progress,
 }
 
-/// A part of a block.
+/// A part of a block that is read by itself.
 struct Piece<'a> {
     xyz: &'a mut [[i32; 3]],
     columns: Vec<ColumnPart<'a>>,
 }
 
-/// How far a piece got.
+/// How reading a piece ended.
 struct PieceEnd {
     num_read: usize,
     whole: bool,
-    /// What is true in it, a column each; empty for those that are numbers.
+    /// Marks of the points in the piece, for each column; empty for columns of numbers.
     marks: Vec<Marks>,
     stats: Stats,
     error: Option<io::Error>,
@@ -110,8 +110,8 @@ impl Records<'_> {
         Some(Block { grid: self.header.grid, xyz, columns, stats: Stats::EMPTY })
     }
 
-    /// Reads the points from number `first` on into a block, and shortens it to those before the first that could not be
-    /// read (a disk error, a file that shrank meanwhile). The error, if it was one.
+    /// Reads the points from number `first` on into a block, and shortens the block to the points before the first that
+    /// could not be read (a disk error, a file that shrank meanwhile). Returns the disk error, if there was one.
     fn fill(&self, block: &mut Block, first: u64) -> Result<Option<io::Error>, ScanError> {
         let record_bytes = u64::from(self.header.record_bytes);
         let start = self.header.points_offset + first * record_bytes;

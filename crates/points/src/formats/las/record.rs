@@ -11,39 +11,42 @@ use std::ops::Range;
 
 /// Bytes of a standard record, by point format 0–10.
 const RECORD_BYTES: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
-/// First byte of what only some point formats have, by point format; 0: it has none.
+/// First byte of the GPS time, by point format; 0 where a format has none.
 const GPS_TIME: [usize; 11] = [0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22];
+/// First byte of the color, by point format; 0 where a format has none.
 const RGB: [usize; 11] = [0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30];
+/// First byte of the near infrared, by point format; 0 where a format has none.
 const NIR: [usize; 11] = [0, 0, 0, 0, 0, 0, 0, 0, 36, 0, 36];
+/// First byte of the waveform, by point format; 0 where a format has none.
 const WAVEFORM: [usize; 11] = [0, 0, 0, 0, 28, 34, 0, 0, 0, 30, 38];
 /// Classes whose points are noise, in all formats: low and high.
 const NOISE_CLASSES: [u8; 2] = [7, 18];
 /// Degrees of a step of the scan angle in point formats 6–10.
 const ANGLE_STEP: f64 = 0.006;
 
-/// What the first bytes of a record are, up to where point formats differ.
+/// Kinds of the first bytes of a record, before the bytes in which point formats differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Core {
-    /// LAS 1.0: as the next, which knew no flags.
+    /// LAS 1.0: as point formats 0–5, without flags.
     First,
     /// Point formats 0–5: class and flags share a byte.
     Legacy,
-    /// Point formats 6–10.
+    /// Point formats 6–10: class and flags have bytes of their own.
     Extended,
 }
 
-/// Where a record has an attribute, from its first byte.
+/// Where a record has an attribute, counted from the record's first byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
-    /// A number, or three, at this byte.
+    /// One number or three, starting at this byte.
     At(usize),
-    /// Some bits of a byte: those of `mask`, shifted down. Of yes or no, whether any is set.
+    /// Bits of a byte, shifted down, then masked. An attribute of yes or no is true if any of them is set.
     Bits { at: usize, shift: u32, mask: u8 },
-    /// The bits of a class, which is noise or not.
+    /// Bits of a byte that hold a class, which is noise or not.
     Noise { at: usize, mask: u8 },
 }
 
-/// The parts of a record that not all have; first bytes.
+/// First bytes of the parts that not all records have.
 #[derive(Clone, Debug, Default)]
 struct Parts {
     gps_time: Option<usize>,
@@ -56,7 +59,7 @@ struct Parts {
 /// How the records of a file are made up.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
-    /// Bytes from one record to the next; at least what its parts need.
+    /// Bytes from one record to the next, at least as many as its parts need.
     pub record_bytes: usize,
     fields: Vec<(Field, Place)>,
 }
@@ -66,7 +69,7 @@ pub(super) fn standard_bytes(point_format: u8) -> Option<u16> {
     RECORD_BYTES.get(usize::from(point_format)).copied()
 }
 
-/// Bytes of a part of a decompressed record. What the item itself states is not believed.
+/// Bytes of a part of a decompressed record. The size that the item itself states is not believed.
 pub(super) fn item_bytes(item: LazItemType) -> usize {
     match item {
         LazItemType::Point10 => 20,
@@ -79,7 +82,7 @@ pub(super) fn item_bytes(item: LazItemType) -> usize {
 }
 
 impl Core {
-    /// Of a point format in a file of LAS 1.`minor`.
+    /// The core of a point format in a file of LAS 1.`minor`.
     pub fn of(point_format: u8, minor: u8) -> Self {
         match (point_format, minor) {
             (6.., _) => Self::Extended,
@@ -88,7 +91,7 @@ impl Core {
         }
     }
 
-    /// Its attributes, in the order in which lists have them.
+    /// Attributes of the core, in the order in which lists have them.
     fn fields(self) -> Vec<(Field, Place)> {
         use Attribute as A;
         let bits =
@@ -141,7 +144,7 @@ impl Core {
 }
 
 impl Layout {
-    /// Records of a LAS file; `None` if the format does not exist or the records are too short for it.
+    /// The layout of a LAS file's records; `None` if the format does not exist or the records are too short for it.
     pub fn of_format(point_format: u8, minor: u8, record_bytes: u16, extra: &[Extra]) -> Option<Self> {
         let standard = standard_bytes(point_format)?;
         if record_bytes < standard {
@@ -158,8 +161,8 @@ impl Layout {
         Some(Self::new(Core::of(point_format, minor), &parts, record_bytes.into(), extra))
     }
 
-    /// Records that are compressed as these items. They are what counts, not the point format: some writers leave out what
-    /// they do not compress (waveforms), and the rest is still readable.
+    /// The layout of records that are compressed as these items. The items count, not the point format: some writers
+    /// leave out parts that they do not compress (waveforms), and the rest is still readable.
     pub fn of_items(items: &[LazItem], minor: u8, extra: &[Extra]) -> Self {
         let (mut parts, mut at) = (Parts::default(), 0);
         let mut core = Core::Extended;
@@ -215,12 +218,12 @@ impl Layout {
         Self { record_bytes, fields }
     }
 
-    /// What the records have.
+    /// Attributes of the records.
     pub fn schema(&self) -> Schema {
         Schema { fields: self.fields.iter().map(|(field, _)| field.clone()).collect() }
     }
 
-    /// What is wanted of them.
+    /// How the wanted attributes are taken out of the records.
     pub fn cut(&self, want: &Projection) -> Cut {
         let wanted = self.fields.iter().filter(|(field, _)| want.wants(&field.attribute));
         Cut { record_bytes: self.record_bytes, fields: wanted.cloned().collect() }
@@ -245,9 +248,9 @@ impl Cut {
         self.fields.iter().map(|(field, _)| (field.attribute.clone(), field.kind))
     }
 
-    /// Parses whole records into a part of a block, of as many points.
+    /// Parses whole records into a part of a block that has as many points.
     ///
-    /// One pass a column: some records stay in the cache, and each pass is a plain strided copy.
+    /// Each column takes one pass: a few records stay in the cache, and each pass is a plain strided copy.
     pub fn parse(&self, records: &[u8], xyz: &mut [[i32; 3]], columns: &mut [ColumnPart]) {
         let records = Records { bytes: records, record_bytes: self.record_bytes };
         records.copy(xyz, 0, le_i32x3);
@@ -278,7 +281,7 @@ impl Cut {
 }
 
 impl Place {
-    /// Takes an attribute out of records. Its type goes with its place: what they are made by says so.
+    /// Takes an attribute out of records. The column's type fits the place, because the layout makes both.
     fn read(self, records: &Records, column: &mut ColumnPart) {
         match (self, column) {
             (Self::Bits { at, shift, mask }, ColumnPart::U8(values)) => {
@@ -315,7 +318,7 @@ struct Records<'a> {
 }
 
 impl Records<'_> {
-    /// The bytes from `at` on of each record as a value.
+    /// Makes a value of the bytes from `at` on of each record.
     #[inline]
     fn copy<const N: usize, T>(&self, values: &mut [T], at: usize, value: impl Fn([u8; N]) -> T) {
         for (to, record) in values.iter_mut().zip(self.bytes.chunks_exact(self.record_bytes)) {
@@ -364,7 +367,7 @@ mod tests {
     #[test]
     fn noise_and_the_withheld_are_told_by_each_core() {
         let first = Layout::of_format(1, 0, 28, &[]).unwrap();
-        // A class, noise, withheld, noise that is withheld, high noise, and other flags.
+        // The points are of a class, noise, withheld, withheld noise, high noise, and with other flags.
         let old = [[2, 9], [7, 0], [0x82, 0], [0x87, 0], [18, 0], [0x62, 7]];
         let new = [[0, 2], [0, 7], [4, 2], [6, 7], [0xf1, 18], [0xfb, 0x87]];
         let mut cases = vec![(first, old, vec![])];
@@ -380,7 +383,7 @@ mod tests {
             let records: Vec<u8> = flags.iter().flat_map(record).collect();
             let cut = layout.cut(&want);
             let mut block = cut.block(Grid::default());
-            // In two parts, so that numbers have to go on.
+            // The records come in two parts, so that the second part's numbers have to go on.
             let (some, others) = records.split_at(3 * layout.record_bytes);
             cut.append(some, &mut block).unwrap();
             cut.append(others, &mut block).unwrap();

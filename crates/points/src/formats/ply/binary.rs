@@ -1,4 +1,4 @@
-//! Rows of bytes: those of one size in parallel blocks, rows with lists one after the other.
+//! Reads rows of bytes: rows of one size in parallel blocks, rows with lists one after the other.
 
 use super::body::{Body, Sink, take};
 use super::plan::{Plan, Purpose, Row};
@@ -9,19 +9,19 @@ use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::io::{self, BufReader};
 
-/// Rows of a block, a task for a core: so many at most, and so many bytes.
+/// Most rows of a block, which is a task for a core.
 const BLOCK_ROWS: u64 = 1 << 14;
+/// Most bytes of a block, unless a single row has more.
 const BLOCK_BYTES: u64 = 1 << 20;
-/// Blocks a core that are read before they are put behind the others.
+/// Blocks per core that are read before they are appended.
 const BLOCKS_PER_THREAD: u64 = 4;
-/// Rows with lists between two looks at whether to stop.
+/// Rows with lists that are read between two looks at whether to stop.
 const ROWS_BETWEEN_LOOKS: u64 = 1 << 12;
 
-/// Reads all whole rows that are there; from `offset` on they follow each other in the
-/// order of `plans`.
+/// Reads all whole rows that are there. They follow each other from `offset` on, in the order of `plans`.
 ///
 /// # Errors
-/// No memory, stopped, nothing readable at all.
+/// The user stops it, there is no memory, or nothing can be read.
 pub(super) fn read<S: Sink>(
     source: &Source,
     plans: &[Plan],
@@ -51,7 +51,7 @@ struct File<'a, 'b, S> {
 }
 
 impl<S: Sink> File<'_, '_, S> {
-    /// Rows of `row_bytes` each; returns where the next element starts.
+    /// Reads rows of `row_bytes` each, and returns where the next element starts.
     fn read_fixed(&mut self, plan: &Plan, at: u64, row_bytes: u64) -> Result<u64, ScanError> {
         let num_rows = plan.count.min(self.source.len().saturating_sub(at) / row_bytes);
         let block_rows = (BLOCK_BYTES / row_bytes).clamp(1, BLOCK_ROWS);
@@ -70,7 +70,7 @@ impl<S: Sink> File<'_, '_, S> {
         for first in (0..num_rows).step_by(group_rows as usize) {
             let before = std::mem::take(&mut parsed);
             let end = num_rows.min(first + group_rows);
-            // One group is parsed while the one before is put behind the others.
+            // One group is parsed while the group before is appended.
             let (now, appended) =
                 rayon::join(|| blocks.parse(first, end, block_rows), || self.append(&blocks, before));
             if self.progress.is_cancelled() {
@@ -85,8 +85,8 @@ impl<S: Sink> File<'_, '_, S> {
         Ok(if is_whole { at.saturating_add(plan.count.saturating_mul(row_bytes)) } else { u64::MAX })
     }
 
-    /// Puts blocks behind the others; false if one came short: the file shrank since it was opened, or the disk
-    /// failed, so what follows has no place.
+    /// Appends blocks. Returns false if one came short, because the file shrank since it was opened or the disk failed:
+    /// later rows are not read then.
     fn append(&mut self, blocks: &Blocks<S>, parsed: Vec<Block<S>>) -> Result<bool, ScanError> {
         for block in parsed {
             self.body.sink.append(block.part);
@@ -100,7 +100,7 @@ impl<S: Sink> File<'_, '_, S> {
         Ok(true)
     }
 
-    /// Rows with lists; returns where the next element starts.
+    /// Reads rows with lists, and returns where the next element starts.
     fn read_lists(&mut self, plan: &Plan, at: u64) -> Result<u64, ScanError> {
         let mut values =
             Bytes::new(BufReader::with_capacity(1 << 18, self.source.reader(at)), self.big_endian);
@@ -136,14 +136,14 @@ struct Blocks<'a, S> {
     row_bytes: u64,
     /// Number of the first row among the points.
     first_point: u64,
-    /// What parts are made of.
+    /// Empty sink that parts are made of.
     empty: S,
 }
 
 /// What was read of a block.
 struct Block<S> {
     part: S,
-    /// Number of its first row.
+    /// Number of the block's first row.
     first: u64,
     num_rows: u64,
     wanted: u64,
@@ -151,7 +151,7 @@ struct Block<S> {
 }
 
 impl<S: Sink> Blocks<'_, S> {
-    /// The rows from `first` up to `end`.
+    /// Parses the rows from `first` up to `end`.
     fn parse(&self, first: u64, end: u64, block_rows: u64) -> Vec<Block<S>> {
         let starts: Vec<u64> = (first..end).step_by(block_rows as usize).collect();
         let blocks = starts.into_par_iter().map_init(Default::default, |(buffer, row), start| {
@@ -166,7 +166,7 @@ impl<S: Sink> Blocks<'_, S> {
         if self.progress.is_cancelled() {
             return block;
         }
-        // A block is small; the cast keeps it whole.
+        // A block is small, so the cast loses nothing.
         buffer.resize((wanted * self.row_bytes) as usize, 0);
         let num_bytes = match self.source.read_at(buffer, self.at + first * self.row_bytes) {
             Ok(num_bytes) => num_bytes,

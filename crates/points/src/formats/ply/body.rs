@@ -7,10 +7,10 @@ use std::io;
 
 /// Takes in the rows of a pass.
 pub(super) trait Sink: Send + Sync + Sized {
-    /// An empty one for about `num_rows` rows, of which the first is point `first_point`.
+    /// An empty sink for about `num_rows` rows, of which the first is point `first_point`.
     fn part(&self, first_point: u64, num_rows: usize) -> Self;
 
-    /// Adds what follows this.
+    /// Appends the rows that follow these.
     fn append(&mut self, later: Self);
 
     /// Takes in a point.
@@ -19,7 +19,7 @@ pub(super) trait Sink: Send + Sync + Sized {
     /// Takes note of a point that cannot be read, so that faces count right.
     fn bad_point(&mut self);
 
-    /// Points taken in, also those that cannot be read or shown.
+    /// Number of points taken in, including those that cannot be read or shown.
     fn num_points(&self) -> u64;
 
     /// Takes in a polygon.
@@ -34,42 +34,43 @@ pub(super) trait Sink: Send + Sync + Sized {
     /// Takes in the box of a chunk.
     fn chunk(&mut self, _row: &Row) {}
 
-    /// How much progress it is that so many points were taken in: all passes together make one.
+    /// Progress that this many points are worth in this pass: all passes together are worth one per point.
     fn progress(num_points: u64) -> u64;
 }
 
-/// What is done with a sink that has taken in more.
+/// Called with a sink that has taken in more rows.
 pub(super) type Emptied<'a, S> = dyn FnMut(&mut S) -> Result<(), ScanError> + Send + 'a;
 
-/// What came of a pass.
+/// What came of a pass so far.
 pub(super) struct Body<'a, S> {
     pub sink: S,
     emptied: Option<&'a mut Emptied<'a, S>>,
-    /// Rows of text that could not be read; the first, as the end of a sentence.
+    /// Number of rows of text that could not be read.
     pub num_bad_rows: u64,
+    /// The first row of text that could not be read, as the end of a sentence.
     pub first_bad_row: Option<String>,
     /// What could not be read, as sentences whose subject is the file.
     pub losses: Vec<String>,
-    /// What else was odd, likewise.
+    /// What else was odd, as sentences whose subject is the file.
     pub warnings: Vec<String>,
 }
 
 impl<'a, S: Sink> Body<'a, S> {
-    /// Nothing yet.
+    /// A pass that has read nothing yet.
     pub fn new(sink: S) -> Self {
         let (losses, warnings) = (Vec::new(), Vec::new());
         Self { sink, emptied: None, num_bad_rows: 0, first_bad_row: None, losses, warnings }
     }
 
-    /// The same, of which something is done with the sink whenever it has taken in more.
+    /// A pass that has read nothing yet, and calls `emptied` whenever the sink has taken in more rows.
     pub fn emptied_by(sink: S, emptied: &'a mut Emptied<'a, S>) -> Self {
         Self { emptied: Some(emptied), ..Self::new(sink) }
     }
 
-    /// To be called when the sink has taken in more.
+    /// Lets the sink be emptied; to be called when it has taken in more rows.
     ///
     /// # Errors
-    /// What it is emptied by reports.
+    /// The error of the function that empties the sink.
     pub fn empty(&mut self) -> Result<(), ScanError> {
         self.emptied.as_mut().map_or(Ok(()), |emptied| emptied(&mut self.sink))
     }
@@ -85,13 +86,13 @@ impl<'a, S: Sink> Body<'a, S> {
                 self.losses.push(format!("could not be read to its end, from byte {at} on: {error}"));
                 Ok(())
             }
-            // That points or faces are missing is said when they are counted.
+            // Missing points or faces are reported when they are counted.
             None => Ok(()),
         }
     }
 }
 
-/// Hands a row that was read to whom it is for.
+/// Hands a row to the method of the sink that is for its element.
 #[inline]
 pub(super) fn take(plan: &Plan, row: &Row, sink: &mut impl Sink) {
     match plan.purpose {
@@ -103,7 +104,7 @@ pub(super) fn take(plan: &Plan, row: &Row, sink: &mut impl Sink) {
     }
 }
 
-/// Hands over that a row could not be read.
+/// Tells the sink that a row could not be read.
 pub(super) fn take_bad(plan: &Plan, sink: &mut impl Sink) {
     match plan.purpose {
         Purpose::Points(_) => sink.bad_point(),

@@ -1,4 +1,4 @@
-//! What the header of a PLY file says of it, for people.
+//! Describes a PLY file for people by what its header says.
 
 use super::header::{Element, Encoding, PlyHeader};
 use super::plan::{Color, Kept, Plan, Purpose};

@@ -4,8 +4,8 @@
 //!  header ──▶ a Plan an element ──binary | text──▶ Survey: box, ranges ──▶ Grid ──binary | text──▶ Rows: columns
 //! ```
 //!
-//! A file is read twice: which grid its coordinates go to, and what its intensities and colors range over, is known
-//! only after the last point. So no more is held than the columns and the blocks in work.
+//! A file is read twice, because the grid of its coordinates and the ranges of its intensities and colors are known
+//! only after the last point. So only the columns and the blocks in work are held.
 
 mod binary;
 mod body;
@@ -37,7 +37,7 @@ use rows::{LeftOut, Rows};
 use survey::{Chunks, Found, Survey};
 use window::Window;
 
-/// The format.
+/// The format PLY.
 pub(super) struct Ply;
 
 impl Format for Ply {
@@ -64,7 +64,7 @@ impl Format for Ply {
         while has_color(&choices[choices.len() - 1]) {
             choices.push(plans(&source, &ply, choices.len())?);
         }
-        // The last is without the points' own colors: those of faces count then.
+        // The last choice is without the points' own colors, so that the colors of faces count.
         if choices.len() > 1 && color_of_faces(&choices[choices.len() - 1]) == Color::Absent {
             choices.pop();
         }
@@ -84,7 +84,7 @@ fn has_color(plans: &[Plan]) -> bool {
     points(plans).is_some_and(|(_, has)| has.color != Color::Absent)
 }
 
-/// What is stored for each point.
+/// Attributes that are stored for each point.
 fn schema(plans: &[Plan], (points, has): (&Plan, Kept), is_text: bool) -> Schema {
     let has_color = has.color != Color::Absent || color_of_faces(plans) != Color::Absent;
     let standard = [
@@ -102,7 +102,7 @@ fn schema(plans: &[Plan], (points, has): (&Plan, Kept), is_text: bool) -> Schema
     Schema { fields: standard.chain(named).collect() }
 }
 
-/// How faces have colors, if there are any.
+/// How the colors of faces are stored, if there are any.
 fn color_of_faces(plans: &[Plan]) -> Color {
     let mut colors = plans.iter().filter(|plan| plan.count > 0).filter_map(|plan| match plan.purpose {
         Purpose::Faces(color) => Some(color),
@@ -111,8 +111,8 @@ fn color_of_faces(plans: &[Plan]) -> Color {
     colors.next().unwrap_or(Color::Absent)
 }
 
-/// What is done with each element. The first that is named vertex has the points, or else the first that has x, y and z.
-/// Of the colors that these have, that of number `color` counts.
+/// Plans what is done with each element. The first element named vertex has the points, or else the first that has x, y
+/// and z. Number `color` of the points' colors counts.
 fn plans(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<Plan>, ScanError> {
     let is_vertex = |element: &header::Element| element.name.eq_ignore_ascii_case("vertex");
     let has_places = |element: &header::Element| {
@@ -142,7 +142,8 @@ fn plans(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<Plan>, Sc
 struct PlyFile {
     source: Source,
     ply: PlyHeader,
-    /// What to do with each element, for each of the colors that points have; there is one at least, with points.
+    /// Plans for all elements, for each of the colors that points have. There is at least one choice, and it has
+    /// points.
     choices: Vec<Vec<Plan>>,
     schema: Schema,
     header: Header,
@@ -153,7 +154,7 @@ struct Surveyed<'a> {
     plans: &'a [Plan],
     meaning: Meaning,
     found: Found,
-    /// What is to be said of the choice of colors.
+    /// A sentence about the choice of colors.
     sentence: Option<&'static str>,
 }
 
@@ -168,7 +169,7 @@ impl Dataset for PlyFile {
 
     fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
         let project = |plans: &Vec<Plan>| plans.iter().map(|plan| plan.projected(want)).collect();
-        // Without colors there is nothing to choose.
+        // There is nothing to choose if no colors are wanted.
         let num_choices = if want.wants(&Attribute::Color) { self.choices.len() } else { 1 };
         let choices: Vec<Vec<Plan>> = self.choices[..num_choices].iter().map(project).collect();
         let Surveyed { plans, meaning, found, sentence } = self.survey_best(&choices, progress)?;
@@ -183,7 +184,7 @@ impl Dataset for PlyFile {
             (has_opacity, has_faces),
             self.num_announced(),
         );
-        // Colors of faces are known behind the last point.
+        // Colors of faces are known only behind the last point.
         let awaits_faces = meaning.has.color == Color::Absent && of_faces != Color::Absent;
         let block_points = if awaits_faces { usize::MAX } else { want.block_points() };
         let mut rows = Rows::new(&how);
@@ -202,7 +203,7 @@ impl Dataset for PlyFile {
         losses.extend(bad_rows);
         let loss = columns::settle_faces(&mut rows);
         if rows.num_kept() == 0 {
-            // None can be held, or the file changed since the survey.
+            // No point can be held, or the file changed since the survey.
             return Err(self.no_points(None, rows.left_out.far));
         }
         warnings.extend(sentences(rows.left_out, loss, meaning.has.is_splat));
@@ -237,7 +238,7 @@ impl PlyFile {
         }
     }
 
-    /// What is wanted by the file's own names, and the types of its columns.
+    /// Attributes that are wanted by the file's own names, and the types of their columns.
     fn extras(&self, plans: &[Plan]) -> Vec<(Attribute, Type)> {
         let is_text = self.ply.encoding == Encoding::Ascii;
         let wanted = points(plans).map(|(plan, _)| &plan.wanted[..]).unwrap_or_default();
@@ -248,8 +249,8 @@ impl PlyFile {
         points(&self.choices[0]).map_or(0, |(plan, _)| plan.count)
     }
 
-    /// A survey with those of the points' colors that most points have; where none is more than the same at all points,
-    /// with those of faces.
+    /// Surveys with the one of the points' colors that most points have, or with the colors of faces if all points have
+    /// the same color.
     fn survey_best<'a>(
         &self,
         choices: &'a [Vec<Plan>],
@@ -278,7 +279,7 @@ impl PlyFile {
                 break;
             }
         }
-        // There is one choice at least.
+        // There is at least one choice.
         let (_, mut surveyed) = best.ok_or_else(|| self.no_points(None, 0))?;
         let is_of_faces = |plans: &Vec<Plan>| !has_color(plans) && color_of_faces(plans) != Color::Absent;
         if has_color(surveyed.plans) && choices.last().is_some_and(is_of_faces) {
@@ -288,7 +289,7 @@ impl PlyFile {
         Ok(surveyed)
     }
 
-    /// A survey that understands opacities, and leaves nearly transparent points out unless all are.
+    /// Surveys with opacities understood, and leaves nearly transparent points out unless all points are.
     fn survey_one(
         &self,
         plans: &[Plan],
@@ -312,7 +313,7 @@ impl PlyFile {
         Ok((meaning, found))
     }
 
-    /// What must be known of all points first; there is at least one.
+    /// Finds what must be known of all points first. There is at least one point.
     fn survey(
         &self,
         plans: &[Plan],
@@ -331,7 +332,7 @@ impl PlyFile {
         Ok(body.sink.found)
     }
 
-    /// The boxes of a compressed splat, for which all elements but these are passed over.
+    /// Reads the boxes of a compressed splat, and passes over all other elements.
     fn chunks(&self, plans: &[Plan], has: Kept, progress: &Progress) -> Result<Vec<Chunk>, ScanError> {
         if !has.chunked {
             return Ok(Vec::new());
@@ -342,7 +343,7 @@ impl PlyFile {
         Ok(body.sink.0)
     }
 
-    /// Why there are no points although so many were read.
+    /// The error that says why there are no points although this many were read.
     fn no_points(&self, first_bad_row: Option<String>, num_read: u64) -> ScanError {
         let announced = self.num_announced();
         let reason = match first_bad_row {

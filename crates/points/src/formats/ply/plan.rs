@@ -9,21 +9,26 @@ use crate::column::Number;
 use crate::{Attribute, Projection};
 use std::ops::Range;
 
-/// Values of a row that are kept, in this order; see [`Row`].
+/// Slots of a row's coordinates in [`Row::values`].
 pub(super) const SLOT_PLACE: Range<usize> = 0..3;
+/// Slots of a row's color; packed colors take only the first.
 pub(super) const SLOT_RGB: Range<usize> = 3..6;
+/// Slot of a row's intensity.
 pub(super) const SLOT_INTENSITY: usize = 6;
+/// Slots of a row's normal.
 pub(super) const SLOT_NORMAL: Range<usize> = 7..10;
+/// Slot of a row's opacity.
 pub(super) const SLOT_OPACITY: usize = 10;
+/// Slots of a row, as many as the box of a chunk needs.
 pub(super) const NUM_SLOTS: usize = 12;
 
 /// What the rows of an element are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     Points(Kept),
-    /// Polygons, a list of corners each, and their color.
+    /// Polygons, with a list of corners for each, and their color.
     Faces(Color),
-    /// Strips of triangles, which −1 parts.
+    /// Strips of triangles, separated by −1.
     Strips,
     /// Boxes in which 256 points each are packed.
     Chunks,
@@ -47,7 +52,7 @@ pub(super) struct Kept {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Color {
     Absent,
-    /// Integers; the largest that each of red, green, blue can be.
+    /// Integers, with the largest value that each of red, green and blue can have.
     Integers([u16; 3]),
     Floats,
     /// 32 bits: 0xAARRGGBB.
@@ -70,11 +75,11 @@ pub(super) enum Intensity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Opacity {
     Absent,
-    /// As one of the next two, which only all values tell.
+    /// A logit or a part of 1, which only all values together tell.
     Unclear,
-    /// ln(o / (1 − o)).
+    /// The logit of the opacity o: ln(o / (1 − o)).
     Logit,
-    /// As a part of this.
+    /// A part of this number.
     PartOf(u16),
     /// The lowest byte of the color.
     Chunked,
@@ -84,24 +89,24 @@ pub(super) enum Opacity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Keep(Type, usize),
-    /// The same of a value that is wanted as it is stored besides.
+    /// Keeps a value that is also wanted as it is stored.
     KeepExtra(Type, usize),
-    /// A value that stands for 32 bits.
+    /// Keeps a value that stands for 32 bits.
     KeepBits(Type, usize),
-    /// A value that only the file has a name for.
+    /// Keeps a value that only the file has a name for.
     Extra(Type),
     Skip {
         num_values: u64,
         num_bytes: u64,
     },
     Corners(Type, Type),
-    /// A list of red, green, blue and perhaps alpha.
+    /// Keeps a list of red, green, blue and perhaps alpha.
     Colors(Type, Type),
     SkipList(Type, Type),
 }
 
 impl Step {
-    /// Nothing kept of a value.
+    /// Keeps nothing of a value.
     fn skip(kind: Type) -> Self {
         Self::Skip { num_values: 1, num_bytes: kind.num_bytes() }
     }
@@ -110,15 +115,15 @@ impl Step {
 /// One of the ways in which an element may have colors: what is to be kept of its properties.
 type ColorSteps = (Color, Vec<(usize, Step)>);
 
-/// What was kept of a row; used again for the next.
+/// Values that were kept of a row; its buffers are used again for the next row.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
-    /// NaN where a value is unknown.
+    /// Values by their slots; NaN where a value is unknown.
     pub values: [f64; NUM_SLOTS],
     pub corners: Vec<f64>,
-    /// Values that only the file has names for, if they are wanted, in their order.
+    /// Wanted values that only the file has names for, in the row's order.
     pub extras: Vec<Number>,
-    /// True if a list of colors is none of red, green, blue and perhaps alpha.
+    /// True if a list of colors has neither 3 nor 4 values.
     pub has_odd_list: bool,
 }
 
@@ -144,17 +149,17 @@ pub(super) struct Plan {
     pub purpose: Purpose,
     /// Names of a point's properties that nothing is done with unless they are asked for, without those of splats.
     pub extra: Vec<String>,
-    /// All that can be asked for by name, but lists and coordinates: which property, its name, its type.
+    /// Properties that can be asked for by name, all except lists and coordinates: their numbers, names and types.
     pub scalars: Vec<(usize, String, Type)>,
-    /// Those of them that are kept.
+    /// Attributes that are asked for by name, and so are kept.
     pub wanted: Vec<(Attribute, Type)>,
-    /// Properties of a row.
+    /// Number of properties of a row.
     pub num_properties: u64,
     steps: Vec<Step>,
 }
 
 impl Plan {
-    /// For the element that holds the points, with the color that is number `color` of those that it has, or none.
+    /// The plan for the element that holds the points. Number `color` of its colors is kept, if it has as many.
     ///
     /// # Errors
     /// The names of the coordinates that are missing.
@@ -207,7 +212,7 @@ impl Plan {
                 if kind.is_float() { Intensity::Floats } else { Intensity::Integers }
             }
         };
-        // Splats have zeros there.
+        // Splats have zeros for normals.
         let normal = !is_splat && plan.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
         let chunked = chunked.is_some();
         plan.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
@@ -216,7 +221,7 @@ impl Plan {
             if is_unused && !(is_splat && is_of_splats(name)) {
                 plan.extra.push(name.clone());
             }
-            // Intensities and colors are spread over what all files have in common; their own values are to be had too.
+            // Values kept in slots are spread over a range common to all files; the stored values can be asked for too.
             let is_spread = matches!(plan.steps[at], Step::Keep(_, slot) if !SLOT_PLACE.contains(&slot));
             if let (true, Shape::Value(kind)) = (is_unused || is_spread, *shape) {
                 plan.scalars.push((at, name.clone(), kind));
@@ -225,7 +230,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// For any other element. Faces' colors matter only where points have none.
+    /// The plan for any other element. Colors of faces matter only where points have none.
     pub fn of_others(element: &Element, points_have_color: bool) -> Self {
         let mut plan = Self::unused(element);
         match element.name.to_ascii_lowercase().as_str() {
@@ -275,7 +280,7 @@ impl Plan {
         true
     }
 
-    /// Keeps the color that is number `number` of those that there are.
+    /// Keeps number `number` of the element's colors.
     fn keep_color(&mut self, element: &Element, number: usize) -> Color {
         let Some((color, steps)) = colors(element).into_iter().nth(number) else { return Color::Absent };
         steps.into_iter().for_each(|(at, step)| self.steps[at] = step);
@@ -289,8 +294,7 @@ impl Plan {
         true
     }
 
-    /// The same rows, of which only what is wanted is kept: places and opacities always, since they tell which points there
-    /// are.
+    /// The plan that keeps only wanted values, and always places and opacities, which tell which points there are.
     pub fn projected(&self, want: &Projection) -> Self {
         let mut plan = self.clone();
         let has_color = want.wants(&Attribute::Color);
@@ -306,7 +310,7 @@ impl Plan {
             }
             Purpose::Faces(color) if !has_color => *color = Color::Absent,
             Purpose::Faces(_) | Purpose::Strips | Purpose::Unused => {}
-            // Their slots have other meanings.
+            // The slots of chunks have other meanings.
             Purpose::Chunks => return plan,
         }
         let is_needed = |slot: usize| match slot {
@@ -323,7 +327,7 @@ impl Plan {
         }
         for (at, name, kind) in &self.scalars {
             let attribute = Attribute::Named(name.clone());
-            // Of several of one name, the first counts.
+            // The first of several properties of one name counts.
             if want.wants(&attribute) && !plan.wanted.iter().any(|(other, _)| *other == attribute) {
                 plan.steps[*at] = match plan.steps[*at] {
                     Step::Keep(kind, slot) => Step::KeepExtra(kind, slot),
@@ -336,8 +340,7 @@ impl Plan {
         plan
     }
 
-    /// The same rows, of which only that is kept which the grid and the ranges of columns depend on, and colors if that
-    /// is asked for.
+    /// The plan that keeps only what the grid and the ranges of columns depend on, and colors if asked for.
     pub fn for_survey(&self, with_colors: bool) -> Self {
         let mut plan = self.clone();
         let has = match plan.purpose {
@@ -373,7 +376,7 @@ impl Plan {
         plan
     }
 
-    /// The same rows, of which nothing is kept unless they are chunks.
+    /// The plan that keeps nothing unless the rows are chunks.
     pub fn for_chunks(&self) -> Self {
         let mut plan = self.for_survey(false);
         if self.purpose == Purpose::Chunks {
@@ -383,7 +386,7 @@ impl Plan {
         plan
     }
 
-    /// Makes one step of values that follow each other and are not kept.
+    /// Joins values that follow each other and are not kept into one step.
     fn join_skips(&mut self) {
         self.steps.dedup_by(|later, earlier| match (earlier, later) {
             (
@@ -398,7 +401,7 @@ impl Plan {
         });
     }
 
-    /// Size of a row in binary files: least, and whether all are of that size.
+    /// Least size of a row in binary files, and whether all rows have that size.
     pub fn row_bytes(&self) -> (u64, bool) {
         let sizes = self.steps.iter().map(|step| match step {
             Step::Keep(kind, _) | Step::KeepExtra(kind, _) | Step::KeepBits(kind, _) | Step::Extra(kind) => {
@@ -412,7 +415,7 @@ impl Plan {
         sizes.fold((0, true), |(sum, all_fixed), (size, fixed)| (sum + size, all_fixed && fixed))
     }
 
-    /// Values of a row in text files, if all have as many.
+    /// Number of values of a row in text files, if all rows have as many.
     pub fn num_words(&self) -> Option<u64> {
         self.row_bytes().1.then_some(self.num_properties)
     }
@@ -434,7 +437,7 @@ impl Plan {
                 Step::KeepBits(kind, slot) => row.values[slot] = values.bits(kind)?.into(),
                 Step::Extra(kind) => row.extras.push(values.number(kind)?),
                 Step::Skip { num_values, num_bytes } => values.skip(num_values, num_bytes)?,
-                // `as` saturates: a count below zero is none.
+                // `as` saturates, so a count below zero becomes 0.
                 Step::SkipList(count, item) => {
                     let count = values.value(count)? as u64;
                     values.skip(count, count.checked_mul(item.num_bytes())?)?;
@@ -489,7 +492,7 @@ fn colors(element: &Element) -> Vec<ColorSteps> {
     chunked.into_iter().chain(rgb).chain(harmonics).chain(listed).chain(packed).collect()
 }
 
-/// Red, green and blue of these types.
+/// How red, green and blue of these types are stored.
 fn plain(kinds: [Type; 3]) -> Color {
     let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
     let any_float = kinds.iter().any(|kind| kind.is_float());

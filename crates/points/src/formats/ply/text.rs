@@ -1,9 +1,9 @@
-//! Rows of text: values between blanks or semicolons, wherever lines end.
+//! Reads rows of text: values between blanks or semicolons, wherever lines end.
 //!
-//! By the format's rules a row may take several lines, or share one with others. Nearly all files have a line a row,
-//! so that is tried first, block by block in parallel; where every line is exactly a row, both readings agree.
-//! Otherwise: if most lines are rows, the file is damaged in places or long rows are broken, and the few lines in
-//! between are looked at one by one; if not, ends of lines mean nothing, and values are counted.
+//! By the format's rules a row may take several lines, or share one with others. Nearly all files have one line per
+//! row, so that is tried first, block by block in parallel; where every line is exactly a row, both readings agree. If
+//! only most lines are rows, the file is damaged in places or long rows are broken, and the few lines in between are
+//! looked at one by one. If fewer lines are rows, ends of lines mean nothing, and values are counted.
 
 use super::body::{Body, Sink, take, take_bad};
 use super::plan::{Plan, Purpose, Row};
@@ -14,13 +14,13 @@ use crate::source::Source;
 use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Text of a task for a core.
+/// Bytes of text that are a task for a core.
 const BLOCK_BYTES: usize = 1 << 17;
 
-/// Reads all whole rows that are there, of the first `num_elements`. Empty lines are nothing.
+/// Reads all whole rows of the first `num_elements` elements. Empty lines do not count.
 ///
 /// # Errors
-/// No memory, stopped, nothing readable at all.
+/// The user stops it, there is no memory, or nothing can be read.
 pub(super) fn read<S: Sink>(
     source: &Source,
     (plans, num_elements): (&[Plan], usize),
@@ -45,7 +45,7 @@ pub(super) fn read<S: Sink>(
     Ok(())
 }
 
-/// Rows that so many bytes can hold: a digit and a blank a value.
+/// Most rows that this many bytes can hold: a digit and a blank per value.
 pub(super) fn most_rows(plan: &Plan, num_bytes: u64) -> u64 {
     plan.count.min(num_bytes.div_ceil(2 * plan.num_properties.max(1)))
 }
@@ -59,9 +59,9 @@ struct Text<'a, 'b, S> {
 
 /// What was made of a piece of text.
 enum Taken {
-    /// So many rows, in so many bytes.
+    /// A number of rows, in a number of bytes.
     Rows(u64, usize),
-    /// Its lines are no rows.
+    /// The text's lines are no rows.
     NotLines,
     /// A row would need more text.
     TooLittle,
@@ -71,7 +71,7 @@ enum Taken {
 struct Part<S> {
     sink: S,
     num_bad: u64,
-    /// Where in the text the first bad row starts.
+    /// Byte of the text at which the first bad row starts.
     first_bad: Option<usize>,
 }
 
@@ -88,7 +88,8 @@ impl<S: Sink> Part<S> {
 }
 
 impl<S: Sink> Text<'_, '_, S> {
-    /// Reads the rows of an element; `more_follow` if there are others after it. How many are missing.
+    /// Reads the rows of an element, and returns how many are missing. `more_follow` is true if other elements have
+    /// rows behind them.
     fn read_element(&mut self, plan: &Plan, more_follow: bool) -> Result<u64, ScanError> {
         let mut left = plan.count;
         // Packed points need to know their number, which lines do not tell before they are counted.
@@ -126,7 +127,7 @@ impl<S: Sink> Text<'_, '_, S> {
         }
     }
 
-    /// True if there is anything but blanks.
+    /// True if anything is left except blanks.
     fn has_more(&mut self) -> Result<bool, ScanError> {
         while is_blank(self.window.text()) {
             if self.window.at_end {
@@ -138,7 +139,7 @@ impl<S: Sink> Text<'_, '_, S> {
         Ok(true)
     }
 
-    /// At most `left` rows, of whole lines.
+    /// Takes at most `left` rows, from whole lines.
     fn take_lines(&mut self, plan: &Plan, left: u64) -> Taken {
         let text = self.window.text();
         let end = self.window.last_line_end();
@@ -165,7 +166,8 @@ impl<S: Sink> Text<'_, '_, S> {
             parts.into_iter().for_each(|part| self.body.sink.append(part.sink));
             return Taken::Rows(num_lines, num_bytes);
         }
-        // In between, it counts whether words that are no numbers stand in the way of the other reading.
+        // If a quarter to a half of the lines are rows, the text is damaged if words that are no numbers stand in the
+        // way of the other reading.
         let num_rows = num_exact + num_wordy;
         let is_damaged = 2 * num_rows >= num_lines
             || 4 * num_rows >= num_lines
@@ -178,10 +180,11 @@ impl<S: Sink> Text<'_, '_, S> {
         Taken::Rows(num_rows, num_bytes)
     }
 
-    /// Lines of which most are rows, one after the other: rows, how many, in how many bytes.
+    /// Reads lines of which most are rows, one after the other. Returns the rows, their number, and the bytes that they
+    /// take.
     fn read_damaged(&self, plan: &Plan, text: &[u8], left: u64, empty: S) -> (Part<S>, u64, usize) {
         let (mut part, mut num_rows) = (Part::new(empty), 0);
-        // Where lines start that are no rows.
+        // Starts of the lines that are no rows.
         let mut odd: Vec<usize> = Vec::new();
         let mut row = Row::default();
         let mut at = 0;
@@ -194,7 +197,7 @@ impl<S: Sink> Text<'_, '_, S> {
             if read_exactly(plan, line, &mut row) == Some(true) {
                 num_rows += self.settle(plan, &text[..start], &odd, left - num_rows, &mut part);
                 odd.clear();
-                // Rows that were broken leave room for lines that would be too many otherwise.
+                // The element may be complete before its lines are used up, because odd lines may hold several rows.
                 if num_rows == left {
                     return (part, num_rows, start);
                 }
@@ -214,8 +217,8 @@ impl<S: Sink> Text<'_, '_, S> {
         }
     }
 
-    /// Lines in between that are no rows, up to the end of `text`: broken rows if together they are whole ones; else a
-    /// row each with something behind it, or bad. How many rows they are.
+    /// Settles what lines that are no rows are, up to the end of `text`: broken rows if together they make whole rows,
+    /// otherwise each a row with something behind it, or bad. Returns how many rows they are.
     fn settle(&self, plan: &Plan, text: &[u8], odd: &[usize], left: u64, part: &mut Part<S>) -> u64 {
         let Some(&first) = odd.first() else { return 0 };
         let mut row = Row::default();
@@ -239,7 +242,7 @@ impl<S: Sink> Text<'_, '_, S> {
         (odd.len() as u64).min(left)
     }
 
-    /// At most `left` rows, wherever lines end.
+    /// Takes at most `left` rows, wherever lines end.
     fn take_words(&mut self, plan: &Plan, left: u64, more_follow: bool) -> Taken {
         let text = &self.window.text()[..self.window.last_word_end()];
         let (parts, num_rows, num_bytes) = self.read_words(plan, text, left, more_follow);
@@ -278,8 +281,8 @@ impl<S: Sink> Text<'_, '_, S> {
     }
 }
 
-/// Whether a line is a row: nothing more if `Some(true)`; with something behind it that is no number if
-/// `Some(false)`.
+/// Reads a line as a row. Returns `Some(true)` if nothing stands behind the row, `Some(false)` if a word stands there
+/// that is no number.
 fn read_exactly(plan: &Plan, line: &[u8], row: &mut Row) -> Option<bool> {
     let mut words = Words(line);
     plan.read_row(&mut words, row)?;
@@ -298,9 +301,9 @@ struct Lines<S> {
     sink: S,
     /// Lines that are not blank.
     num_lines: u64,
-    /// Those that are a row each.
+    /// Lines that are exactly a row.
     num_exact: u64,
-    /// Those that are a row each with words behind it.
+    /// Lines that are a row with words behind it.
     num_wordy: u64,
 }
 
@@ -323,11 +326,11 @@ impl<S: Sink> Lines<S> {
     }
 }
 
-/// Parts, rows, bytes.
+/// Parts, number of rows, number of bytes.
 type Read<S> = (Vec<Part<S>>, u64, usize);
 
-/// Rows of `num_words` words each, in parallel; at most `left`. The last word is doubtful if `doubt` is there, and
-/// then not whole if rows are left or it says that others follow.
+/// Reads at most `left` rows of `num_words` words each, in parallel. The text's last word is doubtful if there is a
+/// `doubt`; its row is then not read if rows are left or `doubt` says that others follow.
 fn read_counted<S: Sink>(
     plan: &Plan,
     num_words: u64,
@@ -383,8 +386,8 @@ fn skip(words: &mut Words, count: u64) {
     }
 }
 
-/// Rows with lists, one after the other; at most `left`. `doubt` says whether a row that uses up the text is not
-/// whole if it is this one. A bad row ends where its line does.
+/// Reads at most `left` rows with lists, one after the other. `doubt` says whether the row of this number is not whole
+/// if it uses up the text. A bad row ends where its line does.
 fn read_lists<S: Sink>(
     plan: &Plan,
     text: &[u8],
@@ -400,7 +403,7 @@ fn read_lists<S: Sink>(
         let is_read = plan.read_row(&mut words, &mut row).is_some();
         let used_up = is_blank(words.0);
         if used_up && (!is_read || at_end && doubt(num_rows + 1)) {
-            // Not whole, or nobody knows yet.
+            // The row is not whole, or nobody knows yet.
             words = whole;
             break;
         }

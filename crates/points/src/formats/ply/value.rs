@@ -20,8 +20,8 @@ pub(super) enum Type {
 }
 
 impl Type {
-    /// By any of its names: the format's own, those with sizes, those of NumPy and of programming languages. `i8` and
-    /// `u8` are none: they are one byte in some places and eight in others.
+    /// The type of this name: of the format's own names, those with sizes, those of NumPy and of programming languages.
+    /// `i8` and `u8` name no type: they are one byte in some places and eight in others.
     pub fn named(name: &str) -> Option<Self> {
         let name = name.to_ascii_lowercase();
         Some(match name.strip_suffix("_t").unwrap_or(&name) {
@@ -40,7 +40,7 @@ impl Type {
         })
     }
 
-    /// Size in binary files.
+    /// Bytes of a value in binary files.
     pub fn num_bytes(self) -> u64 {
         match self {
             Self::Char | Self::UChar => 1,
@@ -50,8 +50,8 @@ impl Type {
         }
     }
 
-    /// Type of a column that holds such values: each exactly, except floats written as text that say more than their type
-    /// holds, which are believed.
+    /// Type of a column that holds these values exactly. Text may give a float more digits than its type holds, which
+    /// are believed.
     pub fn column(self, is_text: bool) -> column::Type {
         match self {
             Self::Char => column::Type::I8,
@@ -75,32 +75,32 @@ impl Type {
 
 /// The values of rows, one after the other. A f64 holds each type exactly, except whole numbers beyond 2⁵³.
 pub(super) trait Values {
-    /// The next value; `None` where there is none, or none that is a number.
+    /// The next value; `None` where there is no value, or it is no number.
     fn value(&mut self, kind: Type) -> Option<f64>;
 
     /// The next value with all its digits.
     fn number(&mut self, kind: Type) -> Option<Number>;
 
-    /// The next value where it stands for 32 bits: those of an integer, or of a float, in which some programs
+    /// The next value as the 32 bits that it stands for: those of an integer, or of a float, in which some programs
     /// pack them.
     fn bits(&mut self, kind: Type) -> Option<u32>;
 
-    /// Passes over values that have so many bytes together; `None` where there are not so many.
+    /// Passes over `num_values` values that have `num_bytes` bytes together; `None` where there are fewer.
     fn skip(&mut self, num_values: u64, num_bytes: u64) -> Option<()>;
 }
 
-/// Where bytes of values come from.
+/// A source of the bytes of values.
 pub(super) trait ByteValues {
-    /// The next bytes as they stand; `None` where there are not so many.
+    /// The next bytes as they stand; `None` where there are fewer.
     fn array<const N: usize>(&mut self) -> Option<[u8; N]>;
 
-    /// True if the first byte of a number is its largest.
+    /// True if the first byte of a number is its most significant.
     fn is_big_endian(&self) -> bool;
 
-    /// Passes over bytes; `None` where there are not so many.
+    /// Passes over bytes; `None` where there are fewer.
     fn skip_bytes(&mut self, num_bytes: u64) -> Option<()>;
 
-    /// The next bytes, the smallest first.
+    /// The next bytes, the least significant first.
     #[inline]
     fn little<const N: usize>(&mut self) -> Option<[u8; N]> {
         let mut bytes = self.array()?;
@@ -139,7 +139,7 @@ impl<B: ByteValues> Values for B {
 
     fn bits(&mut self, kind: Type) -> Option<u32> {
         match kind {
-            // As they stand: a float of these bits may be no number, whose bits conversions may change.
+            // The bits are taken as they stand: as a float they may be a NaN, whose bits a conversion may change.
             Type::Float | Type::Int | Type::UInt => Some(u32::from_le_bytes(self.little()?)),
             _ => self.value(kind).map(|value| packed_bits(value, kind)),
         }
@@ -150,7 +150,7 @@ impl<B: ByteValues> Values for B {
     }
 }
 
-/// 32 bits that a number stands for. A float between 1 and 2³² is a whole number that was converted: as bits it
+/// The 32 bits that a number stands for. A float between 1 and 2³² is a whole number that was converted: as bits it
 /// would have a nonsensical first byte.
 fn packed_bits(value: f64, kind: Type) -> u32 {
     let is_number = !kind.is_float() || value == 0.0 || (1.0..=f64::from(u32::MAX)).contains(&value);
@@ -161,14 +161,14 @@ fn packed_bits(value: f64, kind: Type) -> u32 {
 pub(super) struct Bytes<R> {
     input: R,
     big_endian: bool,
-    /// How many were read or passed over.
+    /// Number of bytes read or passed over.
     pub num_bytes: u64,
     /// Why reading failed, where it was not the file's end.
     pub error: Option<io::Error>,
 }
 
 impl<R: BufRead> Bytes<R> {
-    /// From where `input` stands.
+    /// Values from where `input` stands.
     pub fn new(input: R, big_endian: bool) -> Self {
         Self { input, big_endian, num_bytes: 0, error: None }
     }
@@ -235,13 +235,13 @@ impl ByteValues for Record<'_> {
     }
 }
 
-/// True for what stands between words: blanks, ends of lines, and semicolons, which no number has.
+/// True for a byte that separates words: a blank, an end of a line, or a semicolon, which no number has.
 #[inline]
 pub(super) fn parts_words(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b';'
 }
 
-/// What is left of a text from its first word on.
+/// The rest of a text from its first word on.
 #[inline]
 pub(super) fn without_blanks(text: &[u8]) -> &[u8] {
     let start = text.iter().position(|byte| !parts_words(byte)).unwrap_or(text.len());
@@ -265,7 +265,7 @@ impl<'a> Words<'a> {
 }
 
 impl Values for Words<'_> {
-    /// The type is not asked: text that says more than its type holds is believed.
+    /// Reads a value whatever its type: text that says more than its type holds is believed.
     #[inline]
     fn value(&mut self, _: Type) -> Option<f64> {
         self.0 = without_blanks(self.0);
@@ -294,15 +294,17 @@ impl Values for Words<'_> {
     }
 }
 
-/// The most digits behind the point of a plain number: powers of ten up to this are exact.
+/// Most digits behind the point of a plain number: a f64 holds powers of ten up to this exactly.
 const MOST_DECIMALS: usize = 22;
+/// Powers of ten by their exponents.
 const POWERS_OF_TEN: [f64; MOST_DECIMALS + 1] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
     1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The number that a text starts with, and the rest behind it, if it is of the plain kind that nearly all are: digits
-/// with a point perhaps, as a whole less than 2⁵³. Then it is a quotient of two exact numbers, so correctly rounded.
+/// The number that a text starts with, and the rest behind it, if it is as plain as nearly all are: digits, perhaps
+/// with a point, that make a whole number of at most 2⁵³. It is then a quotient of two exact numbers, so correctly
+/// rounded.
 #[inline]
 fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
     let digits = text.strip_prefix(b"-").unwrap_or(text);
@@ -331,15 +333,15 @@ fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
     Some((if digits.len() < text.len() { -value } else { value }, &digits[end..]))
 }
 
-/// A number as Fortran writes those of double and quadruple precision, with the e of others: 1.0D+00 as 1.0e+00.
+/// Replaces the exponent letter of Fortran's double and quadruple precision by an e: 1.0D+00 becomes 1.0e+00.
 fn of_fortran(word: &str) -> String {
     word.replacen(['D', 'd', 'Q', 'q'], "e", 1)
 }
 
-/// What a word says as a number.
+/// Parses a word as a number.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let word = std::str::from_utf8(word).ok()?;
-    // Between numbers there may be commas beside the blanks.
+    // A comma may stand before the blanks between numbers.
     let word = word.strip_suffix(',').unwrap_or(word);
     match word.parse().or_else(|_| of_fortran(word).parse()) {
         Ok(value) => Some(value),
