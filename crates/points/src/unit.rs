@@ -5,24 +5,24 @@ use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// Names of units, and metres of one.
+/// Names of units, each with the metres of one.
 const NAMED: [(&str, f64); 5] =
     [("m", 1.0), ("mm", 0.001), ("cm", 0.01), ("ft", FOOT_M), ("us-ft", US_SURVEY_FOOT_M)];
-/// What stands for no unit of the user's.
+/// Name that stands for no unit of the user's.
 const AUTO: &str = "auto";
 
 /// The unit of a file's coordinates: as the file states it, or as the user does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Unit {
-    /// As the file states it.
+    /// The unit that the file states.
     #[default]
     Auto,
-    /// So many metres.
+    /// A unit of this many metres.
     Metres(f64),
 }
 
 impl Unit {
-    /// Metres of one, if the user says so.
+    /// Metres of one unit, if the user says so.
     #[must_use]
     pub fn metres(self) -> Option<f64> {
         match self {

@@ -1,10 +1,10 @@
-//! Files that were given together and lie so far apart that nobody could see them together.
+//! Finds files that were given together and lie so far apart that nobody could see them together.
 
 use crate::Scan;
 use base::space::Bounds;
 use base::words;
 
-/// Files lie far apart if more than so many edges of the larger are between them.
+/// Files lie far apart if more than this many edges of the larger are between them.
 const FAR: f64 = 20.0;
 
 /// Files that lie together, and the box of their scenes.
@@ -28,8 +28,8 @@ impl Part {
     }
 }
 
-/// The files that lie together and have most points, in order, and a sentence about each other part. `boxes` are those
-/// of the files' scenes.
+/// The files that lie together and have most points, in order, and a sentence about each other part. `boxes` are the
+/// boxes of the files' scenes.
 pub(super) fn larger(scan: &Scan, boxes: &[Bounds]) -> (Vec<usize>, Vec<String>) {
     let mut parts = parts(boxes);
     let Some(largest) = (0..parts.len()).rev().max_by_key(|&part| parts[part].num_points(scan)) else {
@@ -48,12 +48,12 @@ pub(super) fn larger(scan: &Scan, boxes: &[Bounds]) -> (Vec<usize>, Vec<String>)
     (largest.files, warnings)
 }
 
-/// Files that are not far from each other, or from files that are not, are one part.
+/// Makes one part of files that are not far from each other, directly or by way of other files.
 fn parts(boxes: &[Bounds]) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     for (file, &bounds) in boxes.iter().enumerate() {
         let mut part = Part { files: vec![file], bounds };
-        // What has grown may be near to what its parts were far from.
+        // A part that has grown may be near to parts that it was far from.
         while let Some(near) = parts.iter().position(|other| !part.is_far_from(other)) {
             let near = parts.remove(near);
             part.files.extend(near.files);
@@ -96,9 +96,9 @@ mod tests {
         // Two buildings are no mistake, and neither is a small object beside a large one.
         assert_eq!(files(&[cube(0.0, 20.0), cube(200.0, 20.0)]), [[0, 1]]);
         assert_eq!(files(&[cube(0.0, 0.0), cube(200.0, 20.0)]), [[0, 1]]);
-        // From where both were seen, each would be a speck.
+        // Each would be a speck from where both are seen.
         assert_eq!(files(&[cube(0.0, 20.0), cube(700.0, 20.0)]), [[0], [1]]);
-        // A row of tiles, far apart only until those between have come.
+        // The tiles of a row are far apart only until those between have come.
         let row: Vec<Bounds> = [0, 30, 20, 10].map(|at| cube(f64::from(at), 0.9)).into();
         assert_eq!(files(&row), [[0, 1, 2, 3]]);
         assert_eq!(files(&[cube(3.0, 0.0), cube(3.0, 0.0)]), [[0, 1]]);
