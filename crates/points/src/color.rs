@@ -3,7 +3,7 @@
 use super::coloring::{Raise, Raised};
 use super::distribution::{Distribution, LESSER_WHITES, peak_of};
 use super::intensity;
-use super::merged::{self, Parts};
+use super::merged::{self, ToldBy};
 use super::stats::Stats;
 use super::white::White;
 use super::{Blank, ColorSource, Coloring, ScanFile};
@@ -78,10 +78,10 @@ fn make_one(rgb: &[[u16; 3]], known: Option<u16>, mut white: White) -> (ColorSou
     let (mut raised, mut sentences, mut full) = (Raised::default(), Vec::new(), 0);
     for _ in 0..=LESSER_WHITES.len() {
         full = white.full().max(full);
-        let White::Two { low, high, parts } = white else { break };
+        let White::Two { low, high, told_by } = white else { break };
         let color = |number: usize| raised.color(number, rgb[number]);
-        let points = merged::of_lesser_white(rgb.len(), color, low, parts);
-        sentences.push(two_whites(low, high, parts));
+        let points = merged::of_lesser_white(rgb.len(), color, low, told_by);
+        sentences.push(two_whites(low, high, told_by));
         let Some(points) = points else { break };
         raised.add(Raise { low, high, points });
         let color = |number: usize| raised.color(number, rgb[number]);
@@ -91,12 +91,12 @@ fn make_one(rgb: &[[u16; 3]], known: Option<u16>, mut white: White) -> (ColorSou
 }
 
 /// Returns a sentence about two whites.
-fn two_whites(low: u16, high: u16, parts: Parts) -> String {
+fn two_whites(low: u16, high: u16, told_by: ToldBy) -> String {
     let [low, high] = [low, high].map(|white| white.ilog2() + 1);
-    let drawn = match parts {
-        Parts::Points => "each point is drawn by its own".into(),
-        Parts::Tiles => "each tile is drawn by its own".into(),
-        Parts::Unknown => format!(
+    let drawn = match told_by {
+        ToldBy::Points => "each point is drawn by its own".into(),
+        ToldBy::Tiles => "each tile is drawn by its own".into(),
+        ToldBy::Unknown => format!(
             "which is which cannot be told, so all are drawn as of {high} and some are too dark; show the files that were \
              merged, each of which is drawn by its own"
         ),

@@ -37,7 +37,7 @@ const CUT_OFF: u64 = 50;
 
 /// How the points of a file with two whites are told apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Parts {
+pub(super) enum ToldBy {
     /// Points without a channel above the lesser white have it.
     Points,
     /// Runs of points in which next to no channel exceeds the lesser white have it.
@@ -116,12 +116,12 @@ pub(super) fn of_lesser_white(
     num_points: usize,
     color: impl Fn(usize) -> [u16; 3],
     low: u16,
-    parts: Parts,
+    told_by: ToldBy,
 ) -> Option<RaisedPoints> {
-    match parts {
-        Parts::Unknown => None,
-        Parts::Points => Some(RaisedPoints::Dark),
-        Parts::Tiles => Some(RaisedPoints::Marked(tiles(num_points, color, low))),
+    match told_by {
+        ToldBy::Unknown => None,
+        ToldBy::Points => Some(RaisedPoints::Dark),
+        ToldBy::Tiles => Some(RaisedPoints::Marked(tiles(num_points, color, low))),
     }
 }
 

@@ -27,8 +27,8 @@ fn runs(rgb: &[[u16; 3]], white: u16) -> Runs {
 }
 
 /// The colors that are drawn if those whose white is `low` are made as bright as the others.
-fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, parts: Parts) {
-    let points = of_lesser_white(rgb.len(), |at| rgb[at], low, parts);
+fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, told_by: ToldBy) {
+    let points = of_lesser_white(rgb.len(), |at| rgb[at], low, told_by);
     let mut raised = Raised::default();
     points.into_iter().for_each(|points| raised.add(Raise { low, high, points }));
     rgb.iter_mut().enumerate().for_each(|(at, rgb)| *rgb = raised.color(at, *rgb));
@@ -56,7 +56,7 @@ fn tiles_of_fewer_bits_are_told_from_those_of_more_and_made_as_bright() {
                     rgb[from + 500] = [low + 45, 7, 7];
                     rgb.iter_mut().step_by(black).for_each(|rgb| *rgb = [0; 3]);
                     assert!(runs(&rgb, low).are_merged(), "{what}: {:?}", runs(&rgb, low));
-                    raise(&mut rgb, low, high, Parts::Tiles);
+                    raise(&mut rgb, low, high, ToldBy::Tiles);
                     let is_off = |(a, b): &(&[u16; 3], &[u16; 3])| {
                         let step = f64::from(high) / f64::from(low);
                         **a != [0; 3] && (0..3).any(|c| f64::from(a[c].abs_diff(b[c])) > 0.6 * step)
@@ -73,10 +73,10 @@ fn tiles_of_fewer_bits_are_told_from_those_of_more_and_made_as_bright() {
 #[test]
 fn points_that_exceed_the_lesser_white_keep_their_own() {
     let mut rgb = [[255, 7, 0], [256, 7, 0], [65535; 3]];
-    raise(&mut rgb, 255, 65535, Parts::Points);
+    raise(&mut rgb, 255, 65535, ToldBy::Points);
     assert_eq!(rgb, [[65535, 7 * 257, 0], [256, 7, 0], [65535; 3]]);
     let unknown = rgb;
-    raise(&mut rgb, 4095, 65535, Parts::Unknown);
+    raise(&mut rgb, 4095, 65535, ToldBy::Unknown);
     assert_eq!(rgb, unknown);
 }
 

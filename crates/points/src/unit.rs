@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[derive(Deserialize, Serialize)]
-    struct Setting {
+    struct Document {
         unit: Unit,
     }
 
@@ -117,12 +117,12 @@ mod tests {
             ("\"0.9144\"", Unit::Metres(0.9144)),
             ("2", Unit::Metres(2.0)),
         ] {
-            let read: Setting = toml::from_str(&format!("unit = {text}")).unwrap();
+            let read: Document = toml::from_str(&format!("unit = {text}")).unwrap();
             assert_eq!(read.unit, unit, "{text}");
-            let again: Setting = toml::from_str(&toml::to_string(&read).unwrap()).unwrap();
+            let again: Document = toml::from_str(&toml::to_string(&read).unwrap()).unwrap();
             assert_eq!(again.unit, unit, "{text}");
         }
-        let error = toml::from_str::<Setting>("unit = \"feet\"").err().unwrap().to_string();
+        let error = toml::from_str::<Document>("unit = \"feet\"").err().unwrap().to_string();
         assert!(error.contains("expected `auto`, `m`, `mm`"), "{error}");
     }
 

@@ -4,7 +4,7 @@
 //! them. The largest value would tell, but single values are wrong in many files, and merged files have two whites.
 
 use super::distribution::{Distribution, LESSER_WHITES};
-use super::merged::{LEAST_BRIGHT, LEAST_MIDDLE, Parts, bright};
+use super::merged::{LEAST_BRIGHT, LEAST_MIDDLE, ToldBy, bright};
 
 /// Part of all channels that may lie above the white: such values are wrong.
 const MOST_WRONG: f64 = 0.002;
@@ -48,7 +48,7 @@ pub(super) enum White {
     /// One white in the whole file: 255, 1023, 4095 or 65535.
     One(u16),
     /// The white `low` in some parts of the file, `high` in others.
-    Two { low: u16, high: u16, parts: Parts },
+    Two { low: u16, high: u16, told_by: ToldBy },
 }
 
 impl White {
@@ -82,24 +82,24 @@ impl White {
             _ => u16::MAX,
         };
         let lesser = || LESSER_WHITES.into_iter().filter(|&low| low < high);
-        let two = |low, parts| Self::Two { low, high, parts };
+        let two = |low, told_by| Self::Two { low, high, told_by };
         let merged =
             LESSER_WHITES.into_iter().zip(colors.runs).find(|(low, runs)| *low < high && runs.are_merged());
         if is_two {
             let tiles = merged.is_some_and(|(low, _)| low == 255);
-            return two(255, if tiles { Parts::Tiles } else { Parts::Points });
+            return two(255, if tiles { ToldBy::Tiles } else { ToldBy::Points });
         }
         if is_made_of_bytes(colors) {
             return Self::One(high);
         }
         if let Some((low, _)) = merged {
-            return two(low, Parts::Tiles);
+            return two(low, ToldBy::Tiles);
         }
         if let Some(low) = lesser().find(|&low| has_wild(colors, low)) {
-            return two(low, Parts::Points);
+            return two(low, ToldBy::Points);
         }
-        let edge = lesser().find_map(|low| Some((low, parts_at_edge(colors, low)?)));
-        edge.map_or(Self::One(high), |(low, parts)| two(low, parts))
+        let edge = lesser().find_map(|low| Some((low, told_at_edge(colors, low)?)));
+        edge.map_or(Self::One(high), |(low, told_by)| two(low, told_by))
     }
 }
 
@@ -202,7 +202,7 @@ impl Edge {
 
 /// How points are told apart if some of them, from dark to bright, end at this white as if cut off, although others go
 /// on. `None` if none do.
-fn parts_at_edge(colors: &Distribution, white: u16) -> Option<Parts> {
+fn told_at_edge(colors: &Distribution, white: u16) -> Option<ToldBy> {
     let peaks = &colors.peaks;
     let low = peaks.between(white / 16, white);
     let part = |num: u64, least: f64| num as f64 >= least * low as f64;
@@ -216,9 +216,9 @@ fn parts_at_edge(colors: &Distribution, white: u16) -> Option<Parts> {
     let num_doubtful = u64::from(BLUNT.part) * BLUNT.beside(colors, white)[1];
     let is_clear = num_doubtful as f64 <= MOST_DOUBTFUL * peaks.between(0, white) as f64;
     (is_sharp || BLUNT.is_at(colors, white, low)).then_some(if is_sharp && is_clear {
-        Parts::Points
+        ToldBy::Points
     } else {
-        Parts::Unknown
+        ToldBy::Unknown
     })
 }
 

@@ -197,7 +197,7 @@ fn two_whites_are_found_whichever_they_are_and_however_they_are_merged() {
                 let mut rgb = written(&all[..num_low], write_low);
                 rgb.extend(written(&all[num_low..], write_high));
                 let case = format!("{num_low} of {low}, {num_high} of {high}");
-                let tiles = White::Two { low, high, parts: Parts::Tiles };
+                let tiles = White::Two { low, high, told_by: ToldBy::Tiles };
                 assert!(
                     white(&rgb) == tiles || low == 255 && high == 65535 && are_two(&rgb, low, high),
                     "{case}: {:?}",
@@ -212,21 +212,21 @@ fn two_whites_are_found_whichever_they_are_and_however_they_are_merged() {
 
 #[test]
 fn single_points_do_not_tell_their_white_where_dark_ones_may_be_of_either() {
-    let parts = |low: fn(f64) -> u16, high: fn(f64) -> u16, grey: bool| {
+    let told_by = |low: fn(f64) -> u16, high: fn(f64) -> u16, grey: bool| {
         let tone = |rgb: [f64; 3]| if grey { [rgb[0].sqrt(); 3] } else { rgb };
         let all: Vec<[f64; 3]> = scene(20_000, 1.0).into_iter().map(tone).collect();
         let mut rgb = written(&all[..10_000], low);
         rgb.extend(written(&all[10_000..], high));
         match white(&shuffled(&rgb)) {
-            White::Two { parts, .. } => parts,
+            White::Two { told_by, .. } => told_by,
             White::One(white) => panic!("{white}"),
         }
     };
     // Few points are dark in all channels, if these have nothing to do with each other.
-    assert_eq!(parts(BITS[0].1, BITS[2].1, false), Parts::Points);
-    assert_eq!(parts(BITS[0].1, BITS[3].1, true), Parts::Points);
-    assert_eq!(parts(BITS[0].1, BITS[1].1, true), Parts::Unknown);
-    assert_eq!(parts(BITS[0].1, BITS[2].1, true), Parts::Unknown);
+    assert_eq!(told_by(BITS[0].1, BITS[2].1, false), ToldBy::Points);
+    assert_eq!(told_by(BITS[0].1, BITS[3].1, true), ToldBy::Points);
+    assert_eq!(told_by(BITS[0].1, BITS[1].1, true), ToldBy::Unknown);
+    assert_eq!(told_by(BITS[0].1, BITS[2].1, true), ToldBy::Unknown);
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn wild_values_far_above_leave_the_others_as_bright_as_they_are() {
                 let rgb = written(&scene(20_000, darkness), write);
                 let wild = |at: usize| [0, 1, 2].map(|c| ((at + 1) * 40_503 + c * 17_321) as u16);
                 let rgb = spoilt(rgb, step, wild);
-                let right = White::Two { low, high: 65535, parts: Parts::Points };
+                let right = White::Two { low, high: 65535, told_by: ToldBy::Points };
                 assert_eq!(white(&rgb), right, "{low} ({at}), darkness {darkness}, every {step}th");
             }
         }

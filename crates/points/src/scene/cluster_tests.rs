@@ -124,8 +124,8 @@ fn strays_of_any_kind_share_number_and_place_do_not_count() {
 
 #[test]
 fn a_layer_above_or_a_fog_beside_a_scene_does_not_count_where_a_building_does() {
-    type Place = fn(DVec3, f64) -> DVec3;
-    let places: [(&str, Place); 4] = [
+    type Mapping = fn(DVec3, f64) -> DVec3;
+    let places: [(&str, Mapping); 4] = [
         ("a layer above", |p, far| p.with_z(0.01 * p.z + far)),
         ("a layer below", |p, far| p.with_z(0.01 * p.z - far)),
         ("a fog", |p, far| 0.5 * p + DVec3::X * far),

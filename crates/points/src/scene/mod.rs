@@ -7,11 +7,11 @@
 mod cluster;
 mod fog;
 mod nearest;
-mod parts;
 #[cfg(test)]
 mod random;
 mod rays;
 mod scattered;
+mod sites;
 
 pub(crate) use cluster::find;
 
@@ -56,7 +56,7 @@ impl Scene {
         }
         let boxes: Vec<Bounds> =
             samples.par_iter().map(|samples| find(samples.clone()).unwrap_or_default()).collect();
-        let (larger, warnings) = parts::larger(scan, &boxes);
+        let (larger, warnings) = sites::larger(scan, &boxes);
         for (file, samples) in samples.iter_mut().enumerate() {
             let bounds = if larger.contains(&file) { boxes[file] } else { Bounds::EMPTY };
             samples.retain(|&p| bounds.contains(p));

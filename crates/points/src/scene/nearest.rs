@@ -10,7 +10,7 @@ const TASK: usize = 1 << 12;
 
 /// The distance of each position to its `number`th nearest other one; infinite if there are fewer.
 pub(super) fn distances(positions: &[DVec3], number: usize) -> Vec<f64> {
-    let mut nodes: Vec<Node> = positions.iter().map(|&p| Node { p, axis: 0 }).collect();
+    let mut nodes: Vec<KdNode> = positions.iter().map(|&p| KdNode { p, axis: 0 }).collect();
     sort(&mut nodes);
     let distance = |&p: &DVec3| {
         // The nearest of all is the position itself.
@@ -23,12 +23,12 @@ pub(super) fn distances(positions: &[DVec3], number: usize) -> Vec<f64> {
 
 /// A position, which is the middle one of a run of more than [`LEAF`], and the axis along which the positions before it
 /// are below it, and those behind it above.
-struct Node {
+struct KdNode {
     p: DVec3,
     axis: usize,
 }
 
-fn sort(nodes: &mut [Node]) {
+fn sort(nodes: &mut [KdNode]) {
     if nodes.len() <= LEAF {
         return;
     }
@@ -59,7 +59,7 @@ impl Nearest {
         self.squares.last().copied().unwrap_or(0.0)
     }
 
-    fn search(&mut self, nodes: &[Node]) {
+    fn search(&mut self, nodes: &[KdNode]) {
         if nodes.len() <= LEAF {
             nodes.iter().for_each(|node| self.look_at(node));
             return;
@@ -79,7 +79,7 @@ impl Nearest {
         }
     }
 
-    fn look_at(&mut self, node: &Node) {
+    fn look_at(&mut self, node: &KdNode) {
         let square = self.p.distance_squared(node.p);
         if square < self.farthest() {
             let at = self.squares.partition_point(|&nearer| nearer <= square);

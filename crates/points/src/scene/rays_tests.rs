@@ -6,7 +6,7 @@ use base::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-type Scene = (&'static str, fn(&mut Random) -> DVec3);
+type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
 
 /// A position on flat ground, seen from one place above it with as many points at each degree of elevation.
 fn terrestrial(random: &mut Random) -> DVec3 {
@@ -15,7 +15,7 @@ fn terrestrial(random: &mut Random) -> DVec3 {
     DVec3::new(turn.cos(), turn.sin(), 0.0) * reach.min(0.5 * random.next())
 }
 
-const SCENES: [Scene; 3] = [("room", room), ("aerial", aerial), ("terrestrial", terrestrial)];
+const SCENES: [SceneMaker; 3] = [("room", room), ("aerial", aerial), ("terrestrial", terrestrial)];
 
 /// Where the points of a ray lie, as parts of its length.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ impl Spread {
 /// The box of a scene's own points, and the box that is found with strays on rays of these directions from a place in
 /// it.
 fn found(
-    scene: Scene,
+    scene: SceneMaker,
     num: usize,
     share: f64,
     rays: &[DVec3],

@@ -65,13 +65,13 @@ fn two_buildings(random: &mut Random) -> DVec3 {
     0.07 * room(random) + DVec3::X * at
 }
 
-type Scene = (&'static str, fn(&mut Random) -> DVec3);
+type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
 
 /// Scenes that are equally dense all over, or nearly so.
-const COMPACT: [Scene; 5] =
+const COMPACT: [SceneMaker; 5] =
     [("room", room), ("tower", tower), ("aerial", aerial), ("corridor", corridor), ("egg", egg)];
 /// Scenes with sparse parts.
-const THIN: [Scene; 3] =
+const THIN: [SceneMaker; 3] =
     [("terrestrial", terrestrial), ("courtyard", courtyard), ("two buildings", two_buildings)];
 
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +96,7 @@ impl Halo {
 }
 
 /// The box of a scene of `num` points, `share` of them astray, and the box that is found.
-fn found((_, scene): Scene, halo: Halo, num: usize, share: f64, size: f64) -> (Bounds, Bounds) {
+fn found((_, scene): SceneMaker, halo: Halo, num: usize, share: f64, size: f64) -> (Bounds, Bounds) {
     let random = &mut Random(num as u64);
     let num_strays = (share * num as f64).ceil() as usize;
     let mut positions: Vec<DVec3> = (num_strays..num).map(|_| scene(random)).collect();

@@ -72,14 +72,15 @@ fn of_patches(mut patches: Vec<Patch>) -> Vote {
             area: patch.area,
         });
         let bounds = Bounds::around(&[up.in_world(bounds.min), up.in_world(bounds.max)]);
-        Shape::of(&turned.collect::<Vec<_>>(), &bounds, up.in_world(DVec3::Z))
+        Surfaces::of(&turned.collect::<Vec<_>>(), &bounds, up.in_world(DVec3::Z))
     };
     let (y, minus_y) = (with(UpAxis::Y), with(UpAxis::MinusY));
-    let found = |up: UpAxis, shape: &Shape| {
-        let is_room = shape.is_room_askew() && (up == UpAxis::Y || shape.ceiling <= 0.1 * shape.floor);
-        let why = if is_room || up == UpAxis::Y && shape.is_wide_room() {
+    let found = |up: UpAxis, surfaces: &Surfaces| {
+        let is_room =
+            surfaces.is_room_askew() && (up == UpAxis::Y || surfaces.ceiling <= 0.1 * surfaces.floor);
+        let why = if is_room || up == UpAxis::Y && surfaces.is_wide_room() {
             "it has a floor and walls only so"
-        } else if shape.is_ground_with_things() {
+        } else if surfaces.is_ground_with_things() {
             "it has ground and things on it only so"
         } else {
             return None;
@@ -96,7 +97,7 @@ fn of_patches(mut patches: Vec<Patch>) -> Vote {
 
 /// What surfaces are like if an axis is up, which is z here. Areas are shares of the whole area.
 #[derive(Clone, Copy, Debug, Default)]
-struct Shape {
+struct Surfaces {
     size: DVec3,
     /// Area that faces up or down.
     level: f64,
@@ -120,21 +121,22 @@ struct Shape {
     reach: f64,
 }
 
-impl Shape {
+impl Surfaces {
     fn of(patches: &[Patch], bounds: &Bounds, other: DVec3) -> Self {
         let size = bounds.size();
         let third = DVec3::Z.cross(other);
         let part = |at: DVec3| (at - bounds.min) / size.max(DVec3::splat(f64::MIN_POSITIVE));
         let high = 0.25 * size.x.min(size.y);
-        let mut shape = Self { size, ..Self::default() };
+        let mut surfaces = Self { size, ..Self::default() };
         let mut floor = Bounds::EMPTY;
         let all: f64 = patches.iter().map(|patch| patch.area).sum();
         for Patch { at, normal, area } in patches {
             let (share, at_part) = (area / all, part(*at));
             let along = |axis: DVec3| normal.dot(axis);
             let other_part = if other.y < 0.0 { 1.0 - at_part.y } else { at_part.y };
-            let mut add =
-                |is: bool, sum: fn(&mut Self) -> &mut f64| *sum(&mut shape) += if is { share } else { 0.0 };
+            let mut add = |is: bool, sum: fn(&mut Self) -> &mut f64| {
+                *sum(&mut surfaces) += if is { share } else { 0.0 };
+            };
             let is_floor = normal.z > ALONG && at_part.z < LOW;
             add(normal.z.abs() > ALONG, |s| &mut s.level);
             add(is_floor, |s| &mut s.floor);
@@ -154,9 +156,9 @@ impl Shape {
             }
         }
         if !floor.is_empty() {
-            shape.reach = (floor.size() / size).truncate().min_element();
+            surfaces.reach = (floor.size() / size).truncate().min_element();
         }
-        shape
+        surfaces
     }
 
     fn is_room_askew(&self) -> bool {

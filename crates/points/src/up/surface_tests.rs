@@ -159,10 +159,10 @@ fn tank(seed: f64) -> Vec<Patch> {
     patches
 }
 
-type Kind = (&'static str, fn(f64) -> Vec<Patch>);
+type PatchMaker = (&'static str, fn(f64) -> Vec<Patch>);
 
-const TELLING: [Kind; 4] = [("room", room), ("house", house), ("monument", monument), ("hall", hall)];
-const SILENT: [Kind; 9] = [
+const TELLING: [PatchMaker; 4] = [("room", room), ("house", house), ("monument", monument), ("hall", hall)];
+const SILENT: [PatchMaker; 9] = [
     ("statue", |seed| blob([0.6, 0.4 + seed, 1.8], [0.0; 3])),
     ("hills", |seed| hills(200.0, 10.0 + 30.0 * seed)),
     ("trunk", |seed| tube(0.3, 4.0 + 20.0 * seed, false)),

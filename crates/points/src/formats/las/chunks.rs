@@ -69,14 +69,14 @@ fn count_last(chunks: &mut [Chunk], size: u64, announced: u64) {
     }
 }
 
-type Table = Result<Vec<Chunk>, String>;
+type TableChunks = Result<Vec<Chunk>, String>;
 
 fn table(
     source: &Source,
     codec: &Codec,
     points_offset: u64,
     chunk_points: Option<u32>,
-) -> Result<Table, ScanError> {
+) -> Result<TableChunks, ScanError> {
     let data_offset = points_offset + TABLE_POSITION_BYTES;
     let position = |offset| -> Result<Option<u64>, ScanError> {
         let bytes = source.bytes(offset, 8)?;

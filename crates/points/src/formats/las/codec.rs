@@ -2,7 +2,7 @@
 //!
 //! A chunk is checked before it is handed to the decompressor, which believes sizes that a chunk states.
 
-use super::record::{self, Cut};
+use super::record::{self, Extractor};
 use crate::block::Block;
 use crate::{Attribute, Grid};
 use base::words::counted;
@@ -107,7 +107,7 @@ impl Codec {
         if limit > most {
             return Err(format!("states {} in {}", counted(limit, "point"), counted(bytes.len(), "byte")));
         }
-        let mut block = wanted.cut.block(wanted.grid);
+        let mut block = wanted.extractor.block(wanted.grid);
         // Memory is taken at once for the points that the chunk's own bytes vouch for, and for more as they come.
         let vouched = limit.min(bytes.len() as u64 * VOUCHED_POINTS_PER_BYTE) as usize;
         block.reserve(vouched).map_err(|_| "needs more memory than there is")?;
@@ -151,7 +151,7 @@ impl Codec {
                 }
                 num_bytes += self.record_bytes;
             }
-            wanted.cut.append(&records[..num_bytes], block).map_err(|_| io::ErrorKind::OutOfMemory)?;
+            wanted.extractor.append(&records[..num_bytes], block).map_err(|_| io::ErrorKind::OutOfMemory)?;
             end?;
             left -= (num_bytes / self.record_bytes) as u64;
         }
@@ -178,16 +178,16 @@ impl Codec {
 #[derive(Clone, Debug)]
 pub(super) struct Wanted {
     pub grid: Grid,
-    pub cut: Cut,
+    pub extractor: Extractor,
     /// Layers that have to be decompressed for the wanted attributes.
     pub layers: DecompressionSelection,
 }
 
 /// The layers of LAS 1.4's chunks that hold the wanted attributes. Places are always wanted.
-pub(super) fn layers(cut: &Cut) -> DecompressionSelection {
+pub(super) fn layers(extractor: &Extractor) -> DecompressionSelection {
     use Attribute as A;
     let mut layers = DecompressionSelection::base().decompress_z();
-    for (attribute, _) in cut.columns() {
+    for (attribute, _) in extractor.columns() {
         layers = match attribute {
             A::Intensity => layers.decompress_intensity(),
             A::Classification | A::Noise => layers.decompress_classification(),

@@ -25,12 +25,12 @@ const MOST_NAMED: usize = 5;
 #[derive(Clone, Debug)]
 pub(super) struct Laz {
     codec: Codec,
-    cut: Cut,
+    chunking: Chunking,
 }
 
 /// How the points are cut into chunks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cut {
+enum Chunking {
     /// All points are one chunk and there is no chunk table (LASzip 1).
     Not,
     /// Each chunk except the last has this many points.
@@ -52,10 +52,10 @@ impl Laz {
             Err(panic) => return Err(format!("its LASzip record is damaged ({panic}); {advice}")),
         };
         // The `laz` crate does not tell the kind of compression, which is the record's first field.
-        let cut = match payload.first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes)) {
-            1 => Cut::Not,
-            2 | 3 if vlr.uses_variable_size_chunks() => Cut::Variable,
-            2 | 3 => Cut::Fixed(vlr.chunk_size()),
+        let chunking = match payload.first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes)) {
+            1 => Chunking::Not,
+            2 | 3 if vlr.uses_variable_size_chunks() => Chunking::Variable,
+            2 | 3 => Chunking::Fixed(vlr.chunk_size()),
             kind => {
                 return Err(format!(
                     "its LASzip record names compression {kind}, only 1 to 3 are known; {advice}"
@@ -63,7 +63,7 @@ impl Laz {
             }
         };
         let codec = Codec::new(vlr.items().clone()).map_err(|reason| format!("{reason}; {advice}"))?;
-        Ok(Self { codec, cut })
+        Ok(Self { codec, chunking })
     }
 
     /// Bytes of a decompressed record.
@@ -78,8 +78,8 @@ impl Laz {
 
     /// What is wanted of the points of this layout.
     pub fn wanted(header: &LasHeader, layout: &Layout, want: &Projection) -> Wanted {
-        let cut = layout.cut(want);
-        Wanted { grid: header.grid, layers: codec::layers(&cut), cut }
+        let extractor = layout.extractor(want);
+        Wanted { grid: header.grid, layers: codec::layers(&extractor), extractor }
     }
 
     /// Reads all points that can be read.
@@ -96,10 +96,10 @@ impl Laz {
     ) -> Result<Outcome, ScanError> {
         let offset = header.points_offset;
         let reading = Reading { source, announced: header.announced_points, wanted, progress };
-        let chunk_points = match self.cut {
-            Cut::Not => return self.read_serially(&reading, take, offset, None),
-            Cut::Fixed(size) => Some(size),
-            Cut::Variable => None,
+        let chunk_points = match self.chunking {
+            Chunking::Not => return self.read_serially(&reading, take, offset, None),
+            Chunking::Fixed(size) => Some(size),
+            Chunking::Variable => None,
         };
         match chunks::find(source, &self.codec, offset, chunk_points, header.announced_points)? {
             Chunks::Listed(chunks) => self.read_chunks(&reading, take, &chunks),
@@ -152,7 +152,7 @@ impl Laz {
     fn read_chunk(&self, reading: &Reading, chunk: &Chunk) -> Decoded {
         let Reading { source, progress, wanted, .. } = *reading;
         if progress.is_cancelled() {
-            return Ok(wanted.cut.block(wanted.grid));
+            return Ok(wanted.extractor.block(wanted.grid));
         }
         let bytes = source.bytes(chunk.offset, chunk.num_bytes).map_err(|error| error.to_string())?;
         if (bytes.len() as u64) < chunk.num_bytes {
@@ -183,7 +183,7 @@ impl Laz {
             }
             let left = announced - outcome.num_points;
             let num_wanted = chunk_points.map_or(left, |size| left.min(u64::from(size)));
-            let mut block = wanted.cut.block(wanted.grid);
+            let mut block = wanted.extractor.block(wanted.grid);
             let end = guard::catch(|| self.codec.decode(&mut reader, num_wanted, wanted, &mut block));
             let problem = match end {
                 Ok(Ok(())) => None,
@@ -199,7 +199,7 @@ impl Laz {
                     Some(error.to_string())
                 }
                 Err(panic) => {
-                    block = wanted.cut.block(wanted.grid);
+                    block = wanted.extractor.block(wanted.grid);
                     Some(panic)
                 }
             };

@@ -37,7 +37,7 @@ pub(super) enum Core {
 
 /// Where a record has an attribute, counted from the record's first byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum FieldPlace {
     /// One number or three, starting at this byte.
     At(usize),
     /// Bits of a byte, shifted down, then masked. An attribute of yes or no is true if any of them is set.
@@ -48,7 +48,7 @@ enum Place {
 
 /// First bytes of the parts that not all records have.
 #[derive(Clone, Debug, Default)]
-struct Parts {
+struct Offsets {
     gps_time: Option<usize>,
     rgb: Option<usize>,
     nir: Option<usize>,
@@ -61,7 +61,7 @@ struct Parts {
 pub(super) struct Layout {
     /// Bytes from one record to the next, at least as many as its parts need.
     pub record_bytes: usize,
-    fields: Vec<(Field, Place)>,
+    fields: Vec<(Field, FieldPlace)>,
 }
 
 /// Bytes of a standard record; `None` for a format that does not exist.
@@ -92,16 +92,19 @@ impl Core {
     }
 
     /// Attributes of the core, in the order in which lists have them.
-    fn fields(self) -> Vec<(Field, Place)> {
+    fn fields(self) -> Vec<(Field, FieldPlace)> {
         use Attribute as A;
-        let bits =
-            |attribute, at, shift, mask| (Field::plain(attribute, Type::U8), Place::Bits { at, shift, mask });
-        let flag =
-            |attribute, at, mask| (Field::plain(attribute, Type::Bool), Place::Bits { at, shift: 0, mask });
-        let noise = |at, mask| (Field::plain(A::Noise, Type::Bool), Place::Noise { at, mask });
+        let bits = |attribute, at, shift, mask| {
+            (Field::plain(attribute, Type::U8), FieldPlace::Bits { at, shift, mask })
+        };
+        let flag = |attribute, at, mask| {
+            (Field::plain(attribute, Type::Bool), FieldPlace::Bits { at, shift: 0, mask })
+        };
+        let noise = |at, mask| (Field::plain(A::Noise, Type::Bool), FieldPlace::Noise { at, mask });
         let byte = |attribute, at| bits(attribute, at, 0, 0xff);
-        let short = |attribute, at| (Field::plain(attribute, Type::U16), Place::At(at));
-        let angle = |kind, scale, at| (Field { scale, ..Field::plain(A::ScanAngle, kind) }, Place::At(at));
+        let short = |attribute, at| (Field::plain(attribute, Type::U16), FieldPlace::At(at));
+        let angle =
+            |kind, scale, at| (Field { scale, ..Field::plain(A::ScanAngle, kind) }, FieldPlace::At(at));
         let mut fields = vec![short(A::Intensity, 12)];
         match self {
             Self::First | Self::Legacy => {
@@ -150,65 +153,65 @@ impl Layout {
         if record_bytes < standard {
             return None;
         }
-        let part = |places: [usize; 11]| Some(places[usize::from(point_format)]).filter(|&at| at > 0);
-        let parts = Parts {
-            gps_time: part(GPS_TIME),
-            rgb: part(RGB),
-            nir: part(NIR),
-            waveform: part(WAVEFORM),
+        let offset = |places: [usize; 11]| Some(places[usize::from(point_format)]).filter(|&at| at > 0);
+        let offsets = Offsets {
+            gps_time: offset(GPS_TIME),
+            rgb: offset(RGB),
+            nir: offset(NIR),
+            waveform: offset(WAVEFORM),
             extra: usize::from(standard)..usize::from(record_bytes),
         };
-        Some(Self::new(Core::of(point_format, minor), &parts, record_bytes.into(), extra))
+        Some(Self::new(Core::of(point_format, minor), &offsets, record_bytes.into(), extra))
     }
 
     /// The layout of records that are compressed as these items. The items count, not the point format: some writers
     /// leave out parts that they do not compress (waveforms), and the rest is still readable.
     pub fn of_items(items: &[LazItem], minor: u8, extra: &[Extra]) -> Self {
-        let (mut parts, mut at) = (Parts::default(), 0);
+        let (mut offsets, mut at) = (Offsets::default(), 0);
         let mut core = Core::Extended;
         for item in items {
             match item.item_type() {
                 LazItemType::Point10 => core = Core::of(0, minor),
-                LazItemType::Point14 => parts.gps_time = Some(at + GPS_TIME[6]),
-                LazItemType::GpsTime => parts.gps_time = Some(at),
-                LazItemType::RGB12 | LazItemType::RGB14 => parts.rgb = Some(at),
-                LazItemType::RGBNIR14 => (parts.rgb, parts.nir) = (Some(at), Some(at + 6)),
-                LazItemType::WavePacket13 | LazItemType::WavePacket14 => parts.waveform = Some(at),
+                LazItemType::Point14 => offsets.gps_time = Some(at + GPS_TIME[6]),
+                LazItemType::GpsTime => offsets.gps_time = Some(at),
+                LazItemType::RGB12 | LazItemType::RGB14 => offsets.rgb = Some(at),
+                LazItemType::RGBNIR14 => (offsets.rgb, offsets.nir) = (Some(at), Some(at + 6)),
+                LazItemType::WavePacket13 | LazItemType::WavePacket14 => offsets.waveform = Some(at),
                 LazItemType::Byte(count) | LazItemType::Byte14(count) => {
-                    parts.extra = at..at + usize::from(count);
+                    offsets.extra = at..at + usize::from(count);
                 }
             }
             at += item_bytes(item.item_type());
         }
-        Self::new(core, &parts, at, extra)
+        Self::new(core, &offsets, at, extra)
     }
 
-    fn new(core: Core, parts: &Parts, record_bytes: usize, extra: &[Extra]) -> Self {
+    fn new(core: Core, offsets: &Offsets, record_bytes: usize, extra: &[Extra]) -> Self {
         use Waveform as W;
         let mut fields = core.fields();
-        let mut add = |attribute, kind, at| fields.push((Field::plain(attribute, kind), Place::At(at)));
-        parts.gps_time.into_iter().for_each(|at| add(Attribute::GpsTime, Type::F64, at));
-        parts.rgb.into_iter().for_each(|at| add(Attribute::Color, Type::U16x3, at));
-        parts.nir.into_iter().for_each(|at| add(Attribute::NearInfrared, Type::U16, at));
-        if let Some(at) = parts.waveform {
+        let mut add = |attribute, kind, at| fields.push((Field::plain(attribute, kind), FieldPlace::At(at)));
+        offsets.gps_time.into_iter().for_each(|at| add(Attribute::GpsTime, Type::F64, at));
+        offsets.rgb.into_iter().for_each(|at| add(Attribute::Color, Type::U16x3, at));
+        offsets.nir.into_iter().for_each(|at| add(Attribute::NearInfrared, Type::U16, at));
+        if let Some(at) = offsets.waveform {
             fields.push((
                 Field::plain(Attribute::Waveform(W::Description), Type::U8),
-                Place::Bits { at, shift: 0, mask: 0xff },
+                FieldPlace::Bits { at, shift: 0, mask: 0xff },
             ));
             let numbers = [(W::Offset, Type::U64, 1), (W::Size, Type::U32, 9), (W::Location, Type::F32, 13)];
             let numbers = numbers.into_iter().chain([(W::Direction, Type::F32x3, 17)]);
             fields.extend(numbers.map(|(part, kind, behind)| {
-                (Field::plain(Attribute::Waveform(part), kind), Place::At(at + behind))
+                (Field::plain(Attribute::Waveform(part), kind), FieldPlace::At(at + behind))
             }));
         }
-        let mut at = parts.extra.start;
+        let mut at = offsets.extra.start;
         for extra in extra {
             for (field, num_bytes) in &extra.fields {
-                if let Some(field) = field.clone().filter(|_| at + num_bytes <= parts.extra.end) {
+                if let Some(field) = field.clone().filter(|_| at + num_bytes <= offsets.extra.end) {
                     let place = if field.kind == Type::U8 {
-                        Place::Bits { at, shift: 0, mask: 0xff }
+                        FieldPlace::Bits { at, shift: 0, mask: 0xff }
                     } else {
-                        Place::At(at)
+                        FieldPlace::At(at)
                     };
                     fields.push((field, place));
                 }
@@ -224,20 +227,20 @@ impl Layout {
     }
 
     /// How the wanted attributes are taken out of the records.
-    pub fn cut(&self, want: &Projection) -> Cut {
+    pub fn extractor(&self, want: &Projection) -> Extractor {
         let wanted = self.fields.iter().filter(|(field, _)| want.wants(&field.attribute));
-        Cut { record_bytes: self.record_bytes, fields: wanted.cloned().collect() }
+        Extractor { record_bytes: self.record_bytes, fields: wanted.cloned().collect() }
     }
 }
 
 /// How records become columns of wanted attributes.
 #[derive(Clone, Debug)]
-pub(super) struct Cut {
+pub(super) struct Extractor {
     record_bytes: usize,
-    fields: Vec<(Field, Place)>,
+    fields: Vec<(Field, FieldPlace)>,
 }
 
-impl Cut {
+impl Extractor {
     /// A block without points.
     pub fn block(&self, grid: Grid) -> Block {
         Block::new(grid, self.columns())
@@ -280,7 +283,7 @@ impl Cut {
     }
 }
 
-impl Place {
+impl FieldPlace {
     /// Takes an attribute out of records. The column's type fits the place, because the layout makes both.
     fn read(self, records: &Records, column: &mut ColumnPart) {
         match (self, column) {
@@ -381,12 +384,12 @@ mod tests {
                 record
             };
             let records: Vec<u8> = flags.iter().flat_map(record).collect();
-            let cut = layout.cut(&want);
-            let mut block = cut.block(Grid::default());
+            let extractor = layout.extractor(&want);
+            let mut block = extractor.block(Grid::default());
             // The records come in two parts, so that the second part's numbers have to go on.
             let (some, others) = records.split_at(3 * layout.record_bytes);
-            cut.append(some, &mut block).unwrap();
-            cut.append(others, &mut block).unwrap();
+            extractor.append(some, &mut block).unwrap();
+            extractor.append(others, &mut block).unwrap();
             assert_eq!(block.xyz.len(), 6);
             assert_eq!(marked(&block, &Attribute::Withheld), withheld, "{layout:?}");
             assert_eq!(marked(&block, &Attribute::Noise), [1, 3, 4], "{layout:?}");
@@ -401,7 +404,7 @@ mod tests {
         for format in 0..=10 {
             let layout = of_format(format);
             let ends = layout.fields.iter().map(|(_, place)| match place {
-                Place::At(at) | Place::Bits { at, .. } | Place::Noise { at, .. } => at + 1,
+                FieldPlace::At(at) | FieldPlace::Bits { at, .. } | FieldPlace::Noise { at, .. } => at + 1,
             });
             assert!(ends.max().unwrap() <= layout.record_bytes, "{format}");
         }
@@ -409,7 +412,7 @@ mod tests {
 
     #[test]
     fn what_is_not_wanted_has_no_column() {
-        let cut = of_format(7).cut(&Projection::of([Attribute::Color, Attribute::Normal]));
-        assert_eq!(cut.columns().collect::<Vec<_>>(), [(Attribute::Color, Type::U16x3)]);
+        let extractor = of_format(7).extractor(&Projection::of([Attribute::Color, Attribute::Normal]));
+        assert_eq!(extractor.columns().collect::<Vec<_>>(), [(Attribute::Color, Type::U16x3)]);
     }
 }

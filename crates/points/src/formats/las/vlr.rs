@@ -17,13 +17,13 @@ const MOST_PAYLOAD: u64 = 1 << 26;
 /// A record that we know what to do with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Vlr {
-    pub kind: Kind,
+    pub kind: VlrKind,
     pub payload: Vec<u8>,
 }
 
 /// The records that matter here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum VlrKind {
     /// How the points are compressed.
     Laszip,
     /// GeoTIFF keys.
@@ -40,7 +40,7 @@ pub(super) enum Kind {
     Copc,
 }
 
-impl Kind {
+impl VlrKind {
     fn of(user: &str, record: u16) -> Option<Self> {
         match (user, record) {
             ("laszip encoded", 22204) => Some(Self::Laszip),
@@ -109,7 +109,7 @@ fn keep(
     len: u64,
     end: u64,
 ) -> Result<(), ScanError> {
-    let Some(kind) = Kind::of(user, record) else { return Ok(()) };
+    let Some(kind) = VlrKind::of(user, record) else { return Ok(()) };
     let whole = offset.checked_add(len).is_some_and(|after| after <= end);
     if whole && len <= MOST_PAYLOAD {
         found.push(Vlr { kind, payload: source.bytes(offset, len)? });
@@ -118,14 +118,14 @@ fn keep(
 }
 
 /// Payload of the first record of a kind.
-pub(super) fn payload(vlrs: &[Vlr], kind: Kind) -> Option<&[u8]> {
+pub(super) fn payload(vlrs: &[Vlr], kind: VlrKind) -> Option<&[u8]> {
     vlrs.iter().find(|vlr| vlr.kind == kind).map(|vlr| vlr.payload.as_slice())
 }
 
 /// Extra bytes that the records describe.
 pub(super) fn extra(vlrs: &[Vlr]) -> Vec<Extra> {
     vlrs.iter()
-        .filter(|vlr| vlr.kind == Kind::ExtraBytes)
+        .filter(|vlr| vlr.kind == VlrKind::ExtraBytes)
         .flat_map(|vlr| extra::parse(&vlr.payload))
         .collect()
 }

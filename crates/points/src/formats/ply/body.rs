@@ -1,6 +1,6 @@
 //! One pass over everything behind the header, in either encoding: who takes in the rows, and what went wrong.
 
-use super::plan::{Color, Plan, Purpose, Row};
+use super::reader::{Color, Purpose, RowReader, RowValues};
 use crate::ScanError;
 use crate::source::Source;
 use std::io;
@@ -14,7 +14,7 @@ pub(super) trait Sink: Send + Sync + Sized {
     fn append(&mut self, later: Self);
 
     /// Takes in a point.
-    fn point(&mut self, row: &Row);
+    fn point(&mut self, row: &RowValues);
 
     /// Takes note of a point that cannot be read, so that faces count right.
     fn bad_point(&mut self);
@@ -23,16 +23,16 @@ pub(super) trait Sink: Send + Sync + Sized {
     fn num_points(&self) -> u64;
 
     /// Takes in a polygon.
-    fn face(&mut self, _color: Color, _row: &Row) {}
+    fn face(&mut self, _color: Color, _row: &RowValues) {}
 
     /// Takes in strips of triangles.
-    fn strips(&mut self, _row: &Row) {}
+    fn strips(&mut self, _row: &RowValues) {}
 
     /// Takes note of a polygon or of strips that cannot be read.
     fn bad_face(&mut self) {}
 
     /// Takes in the box of a chunk.
-    fn chunk(&mut self, _row: &Row) {}
+    fn chunk(&mut self, _row: &RowValues) {}
 
     /// Progress that this many points are worth in this pass: all passes together are worth one per point.
     fn progress(num_points: u64) -> u64;
@@ -94,8 +94,8 @@ impl<'a, S: Sink> Body<'a, S> {
 
 /// Hands a row to the method of the sink that is for its element.
 #[inline]
-pub(super) fn take(plan: &Plan, row: &Row, sink: &mut impl Sink) {
-    match plan.purpose {
+pub(super) fn take(reader: &RowReader, row: &RowValues, sink: &mut impl Sink) {
+    match reader.purpose {
         Purpose::Points(_) => sink.point(row),
         Purpose::Faces(color) => sink.face(color, row),
         Purpose::Strips => sink.strips(row),
@@ -105,11 +105,11 @@ pub(super) fn take(plan: &Plan, row: &Row, sink: &mut impl Sink) {
 }
 
 /// Tells the sink that a row could not be read.
-pub(super) fn take_bad(plan: &Plan, sink: &mut impl Sink) {
-    match plan.purpose {
+pub(super) fn take_bad(reader: &RowReader, sink: &mut impl Sink) {
+    match reader.purpose {
         Purpose::Points(_) => sink.bad_point(),
         Purpose::Faces(_) | Purpose::Strips => sink.bad_face(),
-        Purpose::Chunks => sink.chunk(&Row::default()),
+        Purpose::Chunks => sink.chunk(&RowValues::default()),
         Purpose::Unused => {}
     }
 }

@@ -1,7 +1,7 @@
 //! Decides by what the survey found how rows become columns, and completes columns by what faces say.
 
-use super::plan::{Color, Intensity};
 use super::point::Meaning;
+use super::reader::{Color, Intensity};
 use super::rows::{How, Rows};
 use super::survey::Found;
 use crate::Attribute;

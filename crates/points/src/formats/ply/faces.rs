@@ -1,7 +1,7 @@
 //! Turns polygons and strips of a mesh into triangles, by the numbers that points have in the file.
 
-use super::plan::{Color, Row};
 use super::point;
+use super::reader::{Color, RowValues};
 
 /// Triangles and colors of the faces so far.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ impl Faces {
     }
 
     /// Adds the polygon of a row as a fan round its first corner.
-    pub fn push_face(&mut self, color: Color, row: &Row) {
+    pub fn push_face(&mut self, color: Color, row: &RowValues) {
         self.num_faces += 1;
         self.num_odd_lists += u64::from(row.has_odd_list);
         if !row.corners.iter().all(|corner| self.names_a_point(*corner)) {
@@ -44,7 +44,7 @@ impl Faces {
     }
 
     /// Adds the strips of a row: each triangle has two corners of the triangle before, and the other orientation.
-    pub fn push_strips(&mut self, row: &Row) {
+    pub fn push_strips(&mut self, row: &RowValues) {
         self.num_faces += 1;
         let mut start = 0;
         for end in 0..=row.corners.len() {
@@ -124,9 +124,9 @@ impl Faces {
 }
 
 /// A face's color. Floats, which are 0 to 1 or 0 to 255, become 16 bits.
-fn rgb(color: Color, row: &Row) -> [u16; 3] {
+fn rgb(color: Color, row: &RowValues) -> [u16; 3] {
     let rgb = point::rgb(color, row, 65535.0);
-    let is_above_one = color == Color::Floats && row.three(super::plan::SLOT_RGB).iter().any(|&c| c > 1.0);
+    let is_above_one = color == Color::Floats && row.three(super::reader::SLOT_RGB).iter().any(|&c| c > 1.0);
     if is_above_one { point::rgb(color, row, 257.0) } else { rgb }
 }
 
@@ -134,8 +134,8 @@ fn rgb(color: Color, row: &Row) -> [u16; 3] {
 mod tests {
     use super::*;
 
-    fn row(corners: &[f64]) -> Row {
-        Row { corners: corners.to_vec(), ..Row::default() }
+    fn row(corners: &[f64]) -> RowValues {
+        RowValues { corners: corners.to_vec(), ..RowValues::default() }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The header of a PLY file: lines of text that say how the rest is written.
 
-use super::value::{Type, number};
+use super::value::{Scalar, number};
 use crate::ScanError;
 use crate::source::Source;
 use base::words::counted;
@@ -22,18 +22,18 @@ pub(super) enum Encoding {
 
 /// Whether a property is one value or a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(super) enum PropertyType {
     /// One value.
-    Value(Type),
+    Value(Scalar),
     /// A count of the first type, then this many values of the second type.
-    List(Type, Type),
+    List(Scalar, Scalar),
 }
 
 /// Part of an element's rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub name: String,
-    pub shape: Shape,
+    pub kind: PropertyType,
 }
 
 /// Rows that have the same properties.
@@ -218,19 +218,19 @@ fn whole_number(word: &str) -> Option<u64> {
 }
 
 fn property(rest: &str) -> Result<Property, String> {
-    let kind = |name: Option<&str>| {
+    let scalar = |name: Option<&str>| {
         let name = name.unwrap_or_default();
         let unknown = "is no type of a PLY file (char to double, int8 to float64), so that its rows cannot be told apart: \
                        export the file again";
-        Type::named(name).ok_or_else(|| format!("{name:?} {unknown}"))
+        Scalar::named(name).ok_or_else(|| format!("{name:?} {unknown}"))
     };
     let mut words = rest.split_whitespace().peekable();
-    let shape = if words.next_if(|word| word.eq_ignore_ascii_case("list")).is_some() {
-        Shape::List(kind(words.next())?, kind(words.next())?)
+    let kind = if words.next_if(|word| word.eq_ignore_ascii_case("list")).is_some() {
+        PropertyType::List(scalar(words.next())?, scalar(words.next())?)
     } else {
-        Shape::Value(kind(words.next())?)
+        PropertyType::Value(scalar(words.next())?)
     };
-    Ok(Property { name: words.next().unwrap_or_default().to_owned(), shape })
+    Ok(Property { name: words.next().unwrap_or_default().to_owned(), kind })
 }
 
 #[cfg(test)]
@@ -255,9 +255,9 @@ mod tests {
             assert_eq!(header.encoding, Encoding::BigEndian);
             let [element] = &header.elements[..] else { panic!("{header:?}") };
             assert_eq!((element.name.as_str(), element.count, element.line), ("vertex", 3, 4));
-            let shapes: Vec<_> = element.properties.iter().map(|p| (p.name.as_str(), p.shape)).collect();
-            let list = Shape::List(Type::UChar, Type::Int);
-            assert_eq!(shapes, [("x", Shape::Value(Type::Float)), ("more", list)]);
+            let kinds: Vec<_> = element.properties.iter().map(|p| (p.name.as_str(), p.kind)).collect();
+            let list = PropertyType::List(Scalar::UChar, Scalar::Int);
+            assert_eq!(kinds, [("x", PropertyType::Value(Scalar::Float)), ("more", list)]);
             assert!(header.oddities.is_empty());
         }
     }

@@ -1,8 +1,8 @@
 //! Names by which the properties of points and faces are known.
 
-use super::header::{Element, Property, Shape};
-use super::plan::NUM_SLOTS;
-use super::value::Type;
+use super::header::{Element, Property, PropertyType};
+use super::reader::NUM_SLOTS;
+use super::value::Scalar;
 
 /// Names of coordinates.
 pub(super) const PLACE: [&str; 3] = ["x", "y", "z"];
@@ -65,22 +65,22 @@ pub(super) fn corners(element: &Element) -> Option<usize> {
 }
 
 /// Index and type of the value with this name, in whatever case.
-pub(super) fn find(element: &Element, name: &str) -> Option<(usize, Type)> {
-    element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-        Shape::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
+pub(super) fn find(element: &Element, name: &str) -> Option<(usize, Scalar)> {
+    element.properties.iter().enumerate().find_map(|(at, property)| match property.kind {
+        PropertyType::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
         _ => None,
     })
 }
 
 /// Index and type of the value that is an intensity.
-pub(super) fn intensity(element: &Element) -> Option<(usize, Type)> {
+pub(super) fn intensity(element: &Element) -> Option<(usize, Scalar)> {
     let by_part = || {
-        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-            Shape::Value(kind) => {
+        element.properties.iter().enumerate().find_map(|(at, property)| match property.kind {
+            PropertyType::Value(kind) => {
                 let name = property.name.to_ascii_lowercase();
                 INTENSITY_PARTS.iter().any(|part| name.contains(part)).then_some((at, kind))
             }
-            Shape::List(..) => None,
+            PropertyType::List(..) => None,
         })
     };
     let (likely, unlikely) = INTENSITY.split_at(6);

@@ -1,6 +1,6 @@
 //! What the values of a point's row mean: its place, its color, and whether it can be seen.
 
-use super::plan::{Color, Kept, NUM_SLOTS, Opacity, Row, SLOT_OPACITY, SLOT_PLACE, SLOT_RGB};
+use super::reader::{Color, Kept, NUM_SLOTS, Opacity, RowValues, SLOT_OPACITY, SLOT_PLACE, SLOT_RGB};
 
 /// Splats less opaque than this are left out: nine tenths of the light pass them, and as points they would be fog.
 const FAINT: f64 = 0.1;
@@ -11,13 +11,13 @@ const CHUNK_POINTS: u64 = 256;
 
 /// Smallest and largest place and color of a chunk's points, in the order of [`super::names::CHUNK`]; NaN where not
 /// given.
-pub(super) type Chunk = [f32; NUM_SLOTS];
+pub(super) type SplatBox = [f32; NUM_SLOTS];
 
 /// How to understand the points of a file.
 #[derive(Debug)]
 pub(super) struct Meaning {
     pub has: Kept,
-    pub chunks: Vec<Chunk>,
+    pub chunks: Vec<SplatBox>,
     /// False where no point is opaque enough, so that all are shown.
     pub leaves_faint_out: bool,
 }
@@ -25,7 +25,7 @@ pub(super) struct Meaning {
 impl Meaning {
     /// Coordinates of a point; not finite where they are unknown.
     #[inline]
-    pub fn place(&self, number: u64, row: &Row) -> [f64; 3] {
+    pub fn place(&self, number: u64, row: &RowValues) -> [f64; 3] {
         if !self.has.chunked {
             return row.three(SLOT_PLACE);
         }
@@ -36,19 +36,19 @@ impl Meaning {
         std::array::from_fn(|axis| between(chunk[axis], chunk[axis + 3], parts[axis]))
     }
 
-    fn chunk(&self, number: u64) -> Option<&Chunk> {
+    fn chunk(&self, number: u64) -> Option<&SplatBox> {
         self.chunks.get(usize::try_from(number / CHUNK_POINTS).ok()?)
     }
 
     /// True for a point that is nearly transparent.
     #[inline]
-    pub fn is_faint(&self, row: &Row) -> bool {
+    pub fn is_faint(&self, row: &RowValues) -> bool {
         self.leaves_faint_out && self.opacity(row).is_some_and(|opacity| opacity < FAINT)
     }
 
     /// The part of the light that a point keeps; `None` where that is unknown.
     #[inline]
-    pub fn opacity(&self, row: &Row) -> Option<f64> {
+    pub fn opacity(&self, row: &RowValues) -> Option<f64> {
         match self.has.opacity {
             Opacity::Absent | Opacity::Unclear => None,
             Opacity::Logit => Some(1.0 / (1.0 + (-row.values[SLOT_OPACITY]).exp())),
@@ -59,7 +59,7 @@ impl Meaning {
 
     /// Color of a point, of 8 or 16 bits: see [`white`](Self::white). Floats are multiplied by `factor`.
     #[inline]
-    pub fn rgb(&self, number: u64, row: &Row, factor: f64) -> [u16; 3] {
+    pub fn rgb(&self, number: u64, row: &RowValues, factor: f64) -> [u16; 3] {
         match self.has.color {
             Color::Chunked => {
                 let packed = row.values[SLOT_RGB.start] as u32;
@@ -88,7 +88,7 @@ impl Meaning {
 
 /// Color of a row that needs no chunk.
 #[inline]
-pub(super) fn rgb(color: Color, row: &Row, factor: f64) -> [u16; 3] {
+pub(super) fn rgb(color: Color, row: &RowValues, factor: f64) -> [u16; 3] {
     let rgb = row.three(SLOT_RGB);
     match color {
         Color::Absent | Color::Chunked => [0; 3],
@@ -124,15 +124,15 @@ fn unsigned(value: f64, largest: u16) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::ply::plan::Intensity;
+    use crate::formats::ply::reader::Intensity;
 
-    fn row(values: &[(usize, f64)]) -> Row {
-        let mut row = Row::default();
+    fn row(values: &[(usize, f64)]) -> RowValues {
+        let mut row = RowValues::default();
         values.iter().for_each(|&(slot, value)| row.values[slot] = value);
         row
     }
 
-    fn meaning(color: Color, opacity: Opacity, chunks: Vec<Chunk>) -> Meaning {
+    fn meaning(color: Color, opacity: Opacity, chunks: Vec<SplatBox>) -> Meaning {
         let chunked = !chunks.is_empty();
         let has =
             Kept { is_splat: true, chunked, color, intensity: Intensity::Absent, normal: false, opacity };

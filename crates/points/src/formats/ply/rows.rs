@@ -2,8 +2,8 @@
 
 use super::body::Sink;
 use super::faces::Faces;
-use super::plan::{Color, Intensity, Row, SLOT_INTENSITY, SLOT_NORMAL};
 use super::point::Meaning;
+use super::reader::{Color, Intensity, RowValues, SLOT_INTENSITY, SLOT_NORMAL};
 use crate::Attribute;
 use crate::block::Block;
 use crate::column::{Column, Type};
@@ -171,7 +171,7 @@ impl Sink for Rows<'_> {
     }
 
     #[inline]
-    fn point(&mut self, row: &Row) {
+    fn point(&mut self, row: &RowValues) {
         let number = self.first_point + self.num_points;
         self.num_points += 1;
         let How { meaning, fitted, .. } = self.how;
@@ -221,11 +221,11 @@ impl Sink for Rows<'_> {
         self.num_points
     }
 
-    fn face(&mut self, color: Color, row: &Row) {
+    fn face(&mut self, color: Color, row: &RowValues) {
         self.faces.push_face(color, row);
     }
 
-    fn strips(&mut self, row: &Row) {
+    fn strips(&mut self, row: &RowValues) {
         self.faces.push_strips(row);
     }
 

@@ -1,8 +1,8 @@
 //! The first pass over a PLY file, which finds what must be known of all points before any is put into columns.
 
 use super::body::Sink;
-use super::plan::{Color, Intensity, Opacity, Row, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
-use super::point::{Chunk, Meaning};
+use super::point::{Meaning, SplatBox};
+use super::reader::{Color, Intensity, Opacity, RowValues, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
 use crate::grid;
 use base::space::Bounds;
 use glam::DVec3;
@@ -87,7 +87,7 @@ impl Sink for Survey<'_> {
     }
 
     #[inline]
-    fn point(&mut self, row: &Row) {
+    fn point(&mut self, row: &RowValues) {
         let number = self.first_point + self.num_points;
         self.num_points += 1;
         let is_of_sample = self.until_next == 0;
@@ -149,9 +149,9 @@ fn both(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 
 /// The pass before the survey of compressed splats, which collects the boxes of their chunks.
 #[derive(Debug, Default)]
-pub(super) struct Chunks(pub Vec<Chunk>);
+pub(super) struct SplatBoxes(pub Vec<SplatBox>);
 
-impl Sink for Chunks {
+impl Sink for SplatBoxes {
     fn part(&self, _: u64, _: usize) -> Self {
         Self::default()
     }
@@ -160,11 +160,11 @@ impl Sink for Chunks {
         self.0.extend(later.0);
     }
 
-    fn chunk(&mut self, row: &Row) {
+    fn chunk(&mut self, row: &RowValues) {
         self.0.push(row.values.map(|value| value as f32));
     }
 
-    fn point(&mut self, _: &Row) {}
+    fn point(&mut self, _: &RowValues) {}
 
     fn bad_point(&mut self) {}
 
