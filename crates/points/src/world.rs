@@ -38,7 +38,7 @@ pub enum Project {
 /// How a file's coordinates become those of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WorldFromFile {
-    /// By axes that are exchanged and lengths that are scaled.
+    /// Axes are exchanged and lengths are scaled.
     Axes {
         /// The file's axis that becomes z.
         up: UpAxis,

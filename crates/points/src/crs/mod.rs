@@ -48,7 +48,7 @@ impl Angle {
         }
     }
 
-    /// For people: "degree".
+    /// Name for people: "degree".
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Degree => "degree",
@@ -67,7 +67,7 @@ impl Angle {
 /// What could be found out about a coordinate system.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Crs {
-    /// For people: "EPSG:26910, NAD83 / UTM zone 10N".
+    /// Name for people: "EPSG:26910, NAD83 / UTM zone 10N".
     pub name: Option<String>,
     /// Metres per unit of x and y; `None` also for angles.
     pub unit_m: Option<f64>,
