@@ -1,4 +1,4 @@
-//! Blocks: runs of points in file order, as formats hand them over, and what comes at the end.
+//! Blocks: points that follow each other in a file, as formats hand them over, and what comes at the file's end.
 
 use crate::column::{Column, Type};
 use crate::stats::Stats;
@@ -12,14 +12,15 @@ pub struct Block {
     pub grid: Grid,
     /// Grid coordinates.
     pub xyz: Vec<[i32; 3]>,
-    /// The wanted attributes that the file has, as it stores them; each as long as `xyz`, in all blocks the same.
+    /// The wanted attributes that the file has, with values as it stores them. Each column is as long as `xyz`; all
+    /// blocks of a file have the same columns.
     pub columns: Vec<(Attribute, Column)>,
     /// Extremes, found while the points were in the cache.
     pub stats: Stats,
 }
 
 impl Block {
-    /// Without points.
+    /// A block without points.
     pub(crate) fn new(grid: Grid, columns: impl IntoIterator<Item = (Attribute, Type)>) -> Self {
         let columns = columns.into_iter().map(|(attribute, kind)| (attribute, Column::new(kind)));
         Self { grid, xyz: Vec::new(), columns: columns.collect(), stats: Stats::EMPTY }
@@ -57,12 +58,13 @@ impl Block {
 /// What is known of a file once its last point was handed over.
 #[derive(Debug, Default)]
 pub struct Trailer {
-    /// Triangles of a mesh, of numbers of the points that were handed over; counter-clockwise where the surface is seen from.
+    /// Triangles of a mesh as numbers of the points that were handed over, counter-clockwise where the surface is seen
+    /// from.
     pub triangles: Vec<[u32; 3]>,
     /// The largest that a color can be, where the format knows it.
     pub white: Option<u16>,
     /// What the file has or announces and could not be read, as sentences whose subject is the file.
     pub losses: Vec<String>,
-    /// What else was odd, likewise.
+    /// What else was odd, as sentences whose subject is the file.
     pub warnings: Vec<String>,
 }

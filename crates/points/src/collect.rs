@@ -1,4 +1,4 @@
-//! From a file's blocks to its columns in memory: what the walk wants of a file, without the points that are deleted.
+//! Collects a file's blocks into columns in memory: the attributes that the walk wants, without deleted points.
 
 use crate::block::Block;
 use crate::column::Column;
@@ -6,7 +6,7 @@ use crate::stats::Stats;
 use crate::{Attribute, Grid, Marks, Points, Projection};
 use std::collections::TryReserveError;
 
-/// What the walk wants of each point beside its place.
+/// Attributes that the walk wants of each point beside its place.
 pub(super) fn wanted() -> Projection {
     Projection::of([
         Attribute::Color,
@@ -27,13 +27,13 @@ pub(super) struct Collected {
 }
 
 impl Collected {
-    /// None yet.
+    /// No points yet.
     pub fn new() -> Self {
         Self { grid: Grid::default(), points: Points::default(), stats: Stats::EMPTY }
     }
 
-    /// Puts a block behind the others, without the points that are withheld unless they are to be shown. The first is taken
-    /// as it is; pages of spare capacity are never touched.
+    /// Appends a block, without its withheld points unless they are to be shown. The first block is taken over as it
+    /// is, and pages of its spare capacity are never touched.
     ///
     /// # Errors
     /// There is no memory.
@@ -104,7 +104,7 @@ impl Points {
     }
 }
 
-/// Empty columns stay empty.
+/// Leaves out the values of the points that are gone. An empty column stays empty.
 fn keep<T>(column: &mut Vec<T>, gone: &Marks) {
     let mut number = 0;
     column.retain(|_| {

@@ -3,7 +3,7 @@
 use super::coloring::{Raise, Raised};
 use super::distribution::{Distribution, LESSER_WHITES, peak_of};
 use super::intensity;
-use super::merged::{self, Parts};
+use super::merged::{self, ToldBy};
 use super::stats::Stats;
 use super::white::White;
 use super::{Blank, ColorSource, Coloring, ScanFile};
@@ -11,9 +11,9 @@ use base::space::Bounds;
 use base::words::grouped;
 use rayon::prelude::*;
 
-/// Up to this part of white nobody sees a color before black, and the part of the points that have such colors where that
-/// is said.
+/// Colors up to white divided by this are nearly black: nobody sees them before black.
 const NEARLY_BLACK: u16 = 64;
+/// A file is said to be nearly black if at least this part of its points is.
 const DARK_PART: f64 = 0.9;
 /// Part of the heights that may lie beyond each end of their ramp: single outliers must not flatten the rest.
 const TAIL: f64 = 0.01;
@@ -23,13 +23,13 @@ const MOST_HEIGHTS: usize = 1 << 20;
 /// What a file is colored by, and what is to be said of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Choice {
-    /// Ranges of ramps follow in [`share_ranges`], greys in [`super::uncolored`].
+    /// The coloring. [`share_ranges`] sets the ranges of its ramps, [`super::uncolored`] its grays.
     pub coloring: Coloring,
     /// Sentences whose subject is the file, where its colors are of several kinds.
     pub sentences: Vec<String>,
 }
 
-/// Chooses for a file with these columns, of which the format may know the white.
+/// Chooses how a file with these columns is colored. `known` is its white, where the format knows it.
 pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> Choice {
     if rgb.is_empty() {
         return Choice { coloring: Coloring::by(without_rgb(stats)), ..Choice::default() };
@@ -40,7 +40,7 @@ pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> Cho
     let (source, raised, mut sentences) = match blank {
         Some(blank) if blank.is_all() => (without_rgb(stats), Raised::default(), Vec::new()),
         Some(blank) if !blank.is_black() => {
-            // The few that have a color tell their white themselves.
+            // The few points that have a color tell their white themselves.
             let numbers: Vec<usize> = (0..rgb.len()).filter(|&number| !blank.is(rgb[number])).collect();
             let few: Vec<[u16; 3]> = numbers.iter().map(|&number| rgb[number]).collect();
             let white = White::known_or_of(known, &Distribution::of(&few));
@@ -53,7 +53,7 @@ pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> Cho
     Choice { coloring: Coloring { source, blank, greys: None, raised }, sentences }
 }
 
-/// What is to be said of colors of which nearly all are so dark that nobody sees them.
+/// Returns a sentence if nearly all colors are so dark that nobody sees them.
 fn nearly_black(rgb: &[[u16; 3]], raised: &Raised, blank: Option<Blank>, white: u16) -> Option<String> {
     let darkest = white / NEARLY_BLACK;
     let is_dark = |rgb: [u16; 3]| peak_of(&rgb) <= darkest && !blank.is_some_and(|blank| blank.is(rgb));
@@ -72,15 +72,16 @@ fn nearly_black(rgb: &[[u16; 3]], raised: &Raised, blank: Option<Blank>, white: 
     })
 }
 
-/// What makes colors of several whites, of which this is the first found, those of the greatest, one after the other, and what is to be said of it.
+/// Raises colors of lesser whites to the greatest white, one white after the other, starting with `white`. Returns the
+/// column, the raises, and sentences about them.
 fn make_one(rgb: &[[u16; 3]], known: Option<u16>, mut white: White) -> (ColorSource, Raised, Vec<String>) {
     let (mut raised, mut sentences, mut full) = (Raised::default(), Vec::new(), 0);
     for _ in 0..=LESSER_WHITES.len() {
         full = white.full().max(full);
-        let White::Two { low, high, parts } = white else { break };
+        let White::Two { low, high, told_by } = white else { break };
         let color = |number: usize| raised.color(number, rgb[number]);
-        let points = merged::of_lesser_white(rgb.len(), color, low, parts);
-        sentences.push(two_whites(low, high, parts));
+        let points = merged::of_lesser_white(rgb.len(), color, low, told_by);
+        sentences.push(two_whites(low, high, told_by));
         let Some(points) = points else { break };
         raised.add(Raise { low, high, points });
         let color = |number: usize| raised.color(number, rgb[number]);
@@ -89,13 +90,13 @@ fn make_one(rgb: &[[u16; 3]], known: Option<u16>, mut white: White) -> (ColorSou
     (ColorSource::with_white(full), raised, sentences)
 }
 
-/// What is to be said of two whites.
-fn two_whites(low: u16, high: u16, parts: Parts) -> String {
+/// Returns a sentence about two whites.
+fn two_whites(low: u16, high: u16, told_by: ToldBy) -> String {
     let [low, high] = [low, high].map(|white| white.ilog2() + 1);
-    let drawn = match parts {
-        Parts::Points => "each point is drawn by its own".into(),
-        Parts::Tiles => "each tile is drawn by its own".into(),
-        Parts::Unknown => format!(
+    let drawn = match told_by {
+        ToldBy::Points => "each point is drawn by its own".into(),
+        ToldBy::Tiles => "each tile is drawn by its own".into(),
+        ToldBy::Unknown => format!(
             "which is which cannot be told, so all are drawn as of {high} and some are too dark; show the files that were \
              merged, each of which is drawn by its own"
         ),
@@ -113,8 +114,8 @@ fn without_rgb(stats: &Stats) -> ColorSource {
     }
 }
 
-/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighboring tiles match. A
-/// sentence where some need others.
+/// Gives all files of a scan the same ends of their ramps, those of its scene, so that neighboring tiles match. Returns
+/// a sentence if some files need other ends.
 pub(super) fn share_ranges(files: &mut [ScanFile], scene: &Bounds) -> Option<String> {
     let height = height_range(files, scene);
     for file in files.iter_mut() {

@@ -1,5 +1,5 @@
-//! How a file's points are colored: decided once the file, or the scan, is read, and applied where colors are needed.
-//! The columns stay as they are stored.
+//! How a file's points are colored: decided once when the file, or the scan, is read, and applied where colors are
+//! needed. The columns stay as they are stored.
 
 use super::distribution::peak_of;
 use super::ramp::{byte, pack, ramp};
@@ -16,14 +16,14 @@ pub enum ColorSource {
     Rgb12,
     /// `rgb` holds 16-bit values; 8-bit color = round(c / 257).
     Rgb16,
-    /// No color: intensity through the ramp, `low..=high` of the scan.
+    /// No color: intensity through the ramp, from `low` to `high` of the scan.
     Intensity {
         /// Value at the dark end.
         low: f64,
         /// Value at the bright end.
         high: f64,
     },
-    /// Neither: height (world z) through the ramp, `low..=high` of the scan.
+    /// Neither color nor intensity: height (world z) through the ramp, from `low` to `high` of the scan.
     Height {
         /// Height at the dark end.
         low: f64,
@@ -33,14 +33,14 @@ pub enum ColorSource {
 }
 
 impl Default for ColorSource {
-    /// By height, of no range yet.
+    /// Height, without a range yet.
     fn default() -> Self {
         Self::Height { low: 0.0, high: 0.0 }
     }
 }
 
 impl ColorSource {
-    /// Stored colors of which this is full brightness.
+    /// The source for stored colors whose full brightness is `white`.
     pub(super) fn with_white(white: u16) -> Self {
         match white {
             255 => Self::Rgb8,
@@ -65,38 +65,39 @@ impl ColorSource {
 /// How the points of a file get their colors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coloring {
-    /// The column.
+    /// The column that the file is colored by.
     pub source: ColorSource,
     /// The color that stands for none.
     pub blank: Option<Blank>,
-    /// What points without a color are drawn as, where others have one.
+    /// Grays of points without a color, where others have one.
     pub(super) greys: Option<Greys>,
-    /// What makes colors of fewer bits as bright as the others, one after the other.
+    /// Raises that make colors of fewer bits as bright as the others.
     pub(super) raised: Raised,
 }
 
 impl Coloring {
-    /// By a column, without exceptions.
+    /// Colors all points by one column, without blanks, grays or raises.
     #[must_use]
     pub fn by(source: ColorSource) -> Self {
         Self { source, ..Self::default() }
     }
 }
 
-/// Greys for points without a color.
+/// Grays for points without a color.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Greys {
-    /// By intensity, not by height.
+    /// True if the gray follows intensity, false if it follows height.
     pub by_intensity: bool,
-    /// The values at the dark and at the bright end.
+    /// Values at the dark end and at the bright end.
     pub ends: [f64; 2],
 }
 
-/// Greys that points without a color get, as parts of white: seen before black and before white.
+/// Darkest and brightest gray of points without a color, as parts of white: both are seen before black and before
+/// white.
 const GREYS: [f64; 2] = [0.25, 0.75];
 
 impl Greys {
-    /// What stands for a value beside colors of this white.
+    /// The gray that stands for a value, beside colors of this white.
     fn of(self, value: f64, white: u16) -> u16 {
         let [low, high] = self.ends;
         let t = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
@@ -104,7 +105,7 @@ impl Greys {
     }
 }
 
-/// Colors of which some are made as bright as the others.
+/// Raises that make some colors of a file as bright as the others, in the order in which they apply.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Raised {
     raises: Vec<Raise>,
@@ -112,7 +113,7 @@ pub(super) struct Raised {
     spared: Option<Blank>,
 }
 
-/// Some points of which the white is less than that of the others.
+/// Some points whose white is less than that of the others.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Raise {
     pub low: u16,
@@ -120,31 +121,31 @@ pub(super) struct Raise {
     pub points: RaisedPoints,
 }
 
-/// Which points these are.
+/// The points that a raise brightens.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum RaisedPoints {
-    /// Those that have no channel above the lesser white.
+    /// Points without a channel above the lesser white.
     Dark,
-    /// These.
+    /// Points with these marks.
     Marked(Marks),
 }
 
 impl Raise {
-    /// The color of a point.
+    /// The raised color of a point.
     fn apply(&self, number: usize, rgb: [u16; 3]) -> [u16; 3] {
         let is_low = match &self.points {
             RaisedPoints::Dark => peak_of(&rgb) <= self.low,
             RaisedPoints::Marked(marks) => marks.get(number),
         };
         let (low, high) = (u64::from(self.low), u64::from(self.high));
-        // No larger than `high`, which is a u16: `c` is no larger than `low`.
+        // The result is at most `high`, which is a u16, because `c` is at most `low`.
         let raised = |c: u16| if c > self.low { c } else { ((u64::from(c) * high + low / 2) / low) as u16 };
         if is_low { rgb.map(raised) } else { rgb }
     }
 }
 
 impl Raised {
-    /// Adds a raise, of colors as those before leave them.
+    /// Adds a raise, which applies to colors as the earlier raises leave them.
     pub fn add(&mut self, raise: Raise) {
         self.raises.push(raise);
     }
@@ -154,7 +155,7 @@ impl Raised {
         self.raises.is_empty()
     }
 
-    /// The color of a point that has this one stored.
+    /// The color of a point whose stored color is `stored`.
     #[inline]
     pub fn color(&self, number: usize, stored: [u16; 3]) -> [u16; 3] {
         if self.is_none() || self.spared.is_some_and(|blank| blank.is(stored)) {
@@ -163,7 +164,8 @@ impl Raised {
         self.raises.iter().fold(stored, |rgb, raise| raise.apply(number, rgb))
     }
 
-    /// The same of those points of a file that are not `spared`, which have these numbers in it.
+    /// Turns raises of the points that are not `spared` into raises of the whole file, in which these points have the
+    /// given numbers.
     pub fn beside(self, spared: Blank, numbers: &[usize]) -> Self {
         let renumbered = |mut raise: Raise| {
             if let RaisedPoints::Marked(marks) = &mut raise.points {

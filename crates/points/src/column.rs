@@ -1,4 +1,4 @@
-//! Columns: the values of one attribute, as they are stored, of a run of points.
+//! Columns: the values of one attribute, as they are stored, of points that follow each other.
 
 use crate::Marks;
 use std::collections::TryReserveError;
@@ -22,7 +22,7 @@ impl Number {
 
 /// A type whose values a column holds.
 pub(crate) trait Value: Copy + Default {
-    /// The nearest value to a number; 0 of NaN where there is none.
+    /// The value nearest to a number. NaN becomes 0 in a type that has no NaN.
     fn of(number: Number) -> Self;
 }
 
@@ -31,7 +31,7 @@ macro_rules! whole_numbers {
         impl Value for $value {
             fn of(number: Number) -> Self {
                 match number {
-                    // The clamped number is one of the type's.
+                    // The cast is exact, because the number is clamped to the type's range.
                     Number::Whole(whole) => whole.clamp(<$value>::MIN.into(), <$value>::MAX.into()) as $value,
                     Number::Float(float) => float.round() as $value,
                 }
@@ -61,7 +61,7 @@ impl<T: Value> Value for [T; 3] {
     }
 }
 
-/// Makes the types and, of each, the column and a part of one that is to be written.
+/// Defines `Type`, `Column` and `ColumnPart`, with one variant per type of value.
 macro_rules! columns {
     ($($(#[$doc:meta])* $name:ident: $value:ty,)*) => {
         /// Type of an attribute's values.
@@ -75,7 +75,7 @@ macro_rules! columns {
         /// The values of an attribute, one a point.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Column {
-            /// The points of which it is true.
+            /// Marks of the points for which the attribute is true.
             Bool(Marks),
             $($(#[$doc])* $name(Vec<$value>),)*
         }
@@ -83,13 +83,13 @@ macro_rules! columns {
         /// A part of a column that is to be written.
         #[derive(Debug)]
         pub(crate) enum ColumnPart<'a> {
-            /// Numbers count from the part's first point.
+            /// Marks, which count from the part's first point.
             Bool(Marks),
             $($name(&'a mut [$value]),)*
         }
 
         impl Column {
-            /// Without values.
+            /// A column without values.
             #[must_use]
             pub fn new(kind: Type) -> Self {
                 match kind {
@@ -107,7 +107,7 @@ macro_rules! columns {
                 }
             }
 
-            /// So many zeros; `None` if there is no memory for them.
+            /// A column of `len` zeros; `None` if there is no memory for them.
             pub(crate) fn zeros(kind: Type, len: usize) -> Option<Self> {
                 Some(match kind {
                     Type::Bool => Self::Bool(Marks::default()),
@@ -123,7 +123,8 @@ macro_rules! columns {
                 }
             }
 
-            /// Adds so many zeros, and gives them out to be written; [`mark`](Self::mark) takes in what is true.
+            /// Appends `more` zeros and returns them to be written. [`mark`](Self::mark) takes in the marks of a `Bool`
+            /// part.
             pub(crate) fn grow(&mut self, more: usize) -> Result<ColumnPart<'_>, TryReserveError> {
                 self.reserve(more)?;
                 Ok(match self {
@@ -136,7 +137,7 @@ macro_rules! columns {
                 })
             }
 
-            /// Parts of so many values each, of which there are `num_parts`.
+            /// Splits the column into `num_parts` parts of `len` values each.
             pub(crate) fn parts(&mut self, len: usize, num_parts: usize) -> Vec<ColumnPart<'_>> {
                 match self {
                     Self::Bool(_) => (0..num_parts).map(|_| ColumnPart::Bool(Marks::default())).collect(),
@@ -144,7 +145,7 @@ macro_rules! columns {
                 }
             }
 
-            /// Marks what is true in a part that starts at point `first`; columns of numbers are written already.
+            /// Takes in the marks of a part that starts at point `first`. Columns of numbers are written already.
             pub(crate) fn mark(&mut self, part: &Marks, first: usize) {
                 if let Self::Bool(marks) = self {
                     marks.append(part, first);
@@ -159,7 +160,7 @@ macro_rules! columns {
                 }
             }
 
-            /// Adds the values of the same attribute that follow; `len` are here already.
+            /// Appends later values of the same attribute to the `len` values that are here already.
             pub(crate) fn append(&mut self, later: Self, len: usize) {
                 match (self, later) {
                     (Self::Bool(marks), Self::Bool(later)) => marks.append(&later, len),
@@ -168,7 +169,7 @@ macro_rules! columns {
                 }
             }
 
-            /// Adds a number, as point `number`; what is not 0 is true.
+            /// Appends the value of point `number`. A `Bool` column is true for every value except 0.
             pub(crate) fn push(&mut self, value: Number, number: usize) {
                 match self {
                     Self::Bool(marks) => {
@@ -186,19 +187,19 @@ macro_rules! columns {
 columns! {
     /// Whole numbers of 8 bits.
     U8: u8,
-    /// The same with a sign.
+    /// Whole numbers of 8 bits with a sign.
     I8: i8,
     /// Whole numbers of 16 bits.
     U16: u16,
-    /// The same with a sign.
+    /// Whole numbers of 16 bits with a sign.
     I16: i16,
     /// Whole numbers of 32 bits.
     U32: u32,
-    /// The same with a sign.
+    /// Whole numbers of 32 bits with a sign.
     I32: i32,
     /// Whole numbers of 64 bits.
     U64: u64,
-    /// The same with a sign.
+    /// Whole numbers of 64 bits with a sign.
     I64: i64,
     /// Floats of 32 bits.
     F32: f32,
@@ -211,7 +212,7 @@ columns! {
 }
 
 impl ColumnPart<'_> {
-    /// What is true in it; nothing of numbers.
+    /// The marks of a `Bool` part; no marks for a part of numbers.
     pub(crate) fn into_marks(self) -> Marks {
         match self {
             Self::Bool(marks) => marks,
@@ -220,8 +221,8 @@ impl ColumnPart<'_> {
     }
 }
 
-/// `vec![zero; len]`, which takes zeroed pages from the system untouched (they become real in parallel, as they are
-/// written), after asking whether they are to be had, which `vec!` cannot say.
+/// Returns `vec![zero; len]`, or `None` if there is no memory for it, which `vec!` cannot say. Zeroed pages come from
+/// the system untouched, and become real in parallel as they are written.
 pub(crate) fn zeros<T: Copy + Default>(len: usize) -> Option<Vec<T>> {
     Vec::<T>::new().try_reserve_exact(len).ok()?;
     Some(vec![T::default(); len])

@@ -1,17 +1,17 @@
-//! How the colors of a file are distributed: what tells how bright its white is, and which points have no color.
+//! How the colors of a file are distributed, which tells how bright its white is, and which points have no color.
 
 use super::merged::{RUN, Runs};
 
-/// Points that are counted, evenly over the file: all of a small one.
+/// Largest number of points that are counted, evenly over the file; all points of a small file are counted.
 const MOST_POINTS: usize = 1 << 17;
 
-/// Whites below that of 16 bits: of 8, 10 and 12.
+/// Whites of 8, 10 and 12 bits, which are below that of 16 bits.
 pub(super) const LESSER_WHITES: [u16; 3] = [255, 1023, 4095];
 
 /// The colors of a file, or of a sample of it, counted.
 #[derive(Debug)]
 pub(super) struct Distribution {
-    /// Red, green and blue.
+    /// Red, green and blue of each point.
     channels: [Histogram; 3],
     /// The brightest channel of each point.
     pub peaks: Histogram,
@@ -20,15 +20,15 @@ pub(super) struct Distribution {
 }
 
 impl Distribution {
-    /// Of these points.
+    /// The distribution of these colors.
     pub fn of(rgb: &[[u16; 3]]) -> Self {
         Self::of_colors(rgb.len(), |number| rgb[number])
     }
 
-    /// Of so many points, which have these colors.
+    /// The distribution of the colors of this many points.
     pub fn of_colors(num_points: usize, color: impl Fn(usize) -> [u16; 3]) -> Self {
         let runs = (0..num_points).step_by(RUN).map(|first| first..num_points.min(first + RUN));
-        // An odd step, so that it is no multiple of what files repeat by.
+        // The step is odd, so that it is no multiple of an even period of the file.
         let step = runs.len().div_ceil(MOST_POINTS / RUN).max(1) | 1;
         let counted = runs.clone().step_by(step).flatten();
         let largest = counted.fold(0, |largest, number| largest.max(peak_of(&color(number))));
@@ -52,37 +52,37 @@ impl Distribution {
         Self { channels: [red, green, blue], peaks, runs: merged }
     }
 
-    /// Points that were counted.
+    /// Number of points counted.
     pub fn num_points(&self) -> u64 {
         self.peaks.num()
     }
 
-    /// Points of which all channels are 0.
+    /// Number of points whose channels are all 0.
     pub fn num_black(&self) -> u64 {
         self.peaks.up_to(0)
     }
 
-    /// Channels that were counted.
+    /// Number of channels counted.
     pub fn num_channels(&self) -> u64 {
         3 * self.num_points()
     }
 
-    /// Channels above a value.
+    /// Number of channels above a value.
     pub fn above(&self, value: u16) -> u64 {
         self.channels.iter().map(|channel| channel.above(value)).sum()
     }
 
-    /// Channels above one value, up to another.
+    /// Number of channels above `low`, up to `high`.
     pub fn between(&self, low: u16, high: u16) -> u64 {
         self.above(low) - self.above(high)
     }
 
-    /// The middle of each channel's values.
+    /// The median of each channel's values.
     pub fn middle(&self) -> [u16; 3] {
         self.channels.each_ref().map(Histogram::median)
     }
 
-    /// True if so large a part of each channel is no further than `near` from its middle.
+    /// True if at least this part of each channel's values is no further than `near` from their median.
     pub fn is_close(&self, near: u16, part: f64) -> bool {
         self.channels.iter().all(|channel| {
             let middle = channel.median();
@@ -92,7 +92,8 @@ impl Distribution {
         })
     }
 
-    /// Channels above 255 whose low byte is 0 or their high byte: 8 bits made 16, by shifting or by repeating.
+    /// Number of channels above 255 whose low byte is 0 or their high byte: 8 bits made 16, by shifting or by
+    /// repeating.
     pub fn num_bytes(&self) -> u64 {
         let at = |value: u16| self.between(value - 1, value);
         (1..=255).map(|byte| at(byte << 8) + at(byte << 8 | byte)).sum()
@@ -104,12 +105,12 @@ pub(super) fn peak_of(rgb: &[u16; 3]) -> u16 {
     rgb[0].max(rgb[1]).max(rgb[2])
 }
 
-/// How many values there are up to each, until that is all.
+/// Number of values up to each value, until all are counted.
 #[derive(Debug)]
 pub(super) struct Histogram(Vec<u32>);
 
 impl Histogram {
-    /// Of values that are so often there.
+    /// The histogram of values that occur this many times each.
     fn of(mut counts: Vec<u32>) -> Self {
         let mut sum = 0;
         for count in &mut counts {
@@ -119,7 +120,7 @@ impl Histogram {
         Self(counts)
     }
 
-    /// Values in all.
+    /// Number of all values.
     fn num(&self) -> u64 {
         self.0.last().map_or(0, |&all| u64::from(all))
     }
@@ -128,17 +129,17 @@ impl Histogram {
         self.0.get(usize::from(value)).map_or(self.num(), |&up_to| u64::from(up_to))
     }
 
-    /// Values above this.
+    /// Number of values above this.
     pub fn above(&self, value: u16) -> u64 {
         self.num() - self.up_to(value)
     }
 
-    /// Values above one, up to another.
+    /// Number of values above `low`, up to `high`.
     pub fn between(&self, low: u16, high: u16) -> u64 {
         self.up_to(high) - self.up_to(low)
     }
 
-    /// The value that half of all reach at most.
+    /// The smallest value that at least half of all values do not exceed.
     fn median(&self) -> u16 {
         let at = self.0.partition_point(|&up_to| 2 * u64::from(up_to) < self.num());
         u16::try_from(at).unwrap_or(u16::MAX)

@@ -1,15 +1,15 @@
-//! The earth as far as a scan needs it: longitude, latitude and height to places in space, and the local frame that is
-//! drawn. One ellipsoid does for all systems: those of other surveys differ by metres in place and by millionths in
-//! size, and only differences within a scan are drawn.
+//! The earth as far as a scan needs it: longitude, latitude and height turned into places in space, and the local frame
+//! that is drawn. One ellipsoid is enough for all coordinate systems: those of other surveys differ by metres in place
+//! and by millionths in size, and only differences within a scan are drawn.
 
 use glam::{DMat3, DVec3};
 use libm::{atan2, sincos};
 
 /// Equatorial radius of WGS 84 in metres.
 const EQUATOR_M: f64 = 6_378_137.0;
-/// Its flattening.
+/// Flattening of WGS 84.
 const FLATTENING: f64 = 1.0 / 298.257_223_563;
-/// Its eccentricity, squared.
+/// Eccentricity of WGS 84, squared.
 const ECCENTRICITY_2: f64 = FLATTENING * (2.0 - FLATTENING);
 
 /// Longitude and latitude in radians, height above the ellipsoid in metres.
@@ -34,17 +34,17 @@ impl Geodetic {
         DVec3::new(across * cos_lon, across * sin_lon, up)
     }
 
-    /// Of a place in metres from the earth's centre. Close to the centre, no latitude is right.
+    /// Converts a place in metres from the earth's centre. No latitude is right close to the centre.
     #[must_use]
     pub fn of_geocentric(p: DVec3) -> Self {
         let across = p.x.hypot(p.y);
         let mut latitude = atan2(p.z, across * (1.0 - ECCENTRICITY_2));
         let mut height_m = 0.0;
-        // Each round gains two digits and more, down to the last bit.
+        // Each round gains at least two digits, down to the last bit.
         for _ in 0..8 {
             let (sin_lat, cos_lat) = sincos(latitude);
             let normal_m = EQUATOR_M / (1.0 - ECCENTRICITY_2 * sin_lat * sin_lat).sqrt();
-            // Along the normal: sound at the poles as well as at the equator.
+            // The height along the normal is exact at the poles as well as at the equator.
             height_m = across * cos_lat + p.z * sin_lat - EQUATOR_M * EQUATOR_M / normal_m;
             let share = ECCENTRICITY_2 * normal_m / (normal_m + height_m);
             latitude = atan2(p.z, across * (1.0 - share));
@@ -53,7 +53,7 @@ impl Geodetic {
     }
 }
 
-/// Axes east, north and up that touch the ellipsoid at one place. Heights there are those above the ellipsoid.
+/// Axes east, north and up that touch the ellipsoid at one place. At that place, z is the height above the ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalFrame {
     origin: DVec3,
@@ -61,7 +61,7 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// Touching below or above `at`.
+    /// A frame that touches the ellipsoid below or above `at`.
     #[must_use]
     pub fn at(at: Geodetic) -> Self {
         let ((sin_lat, cos_lat), (sin_lon, cos_lon)) = (sincos(at.latitude), sincos(at.longitude));
@@ -72,19 +72,19 @@ impl LocalFrame {
         Self { origin, geocentric_from_local: DMat3::from_cols(east, north, up) }
     }
 
-    /// From metres from the earth's centre to metres along the axes.
+    /// Converts metres from the earth's centre to metres along these axes.
     #[must_use]
     pub fn p_in_local(&self, p_in_geocentric: DVec3) -> DVec3 {
         self.direction_in_local(p_in_geocentric - self.origin)
     }
 
-    /// And back.
+    /// Converts metres along these axes to metres from the earth's centre.
     #[must_use]
     pub fn p_in_geocentric(&self, p_in_local: DVec3) -> DVec3 {
         self.geocentric_from_local * p_in_local + self.origin
     }
 
-    /// A direction of the geocentric axes along these.
+    /// Converts a direction along the geocentric axes to one along these axes.
     #[must_use]
     pub fn direction_in_local(&self, direction_in_geocentric: DVec3) -> DVec3 {
         self.geocentric_from_local.transpose() * direction_in_geocentric
@@ -125,7 +125,7 @@ mod tests {
             prop_assert!((frame.p_in_local(here.geocentric()) - DVec3::Z * height).length() < 1e-8);
             let above = Geodetic { height_m: height + 6.0, ..here };
             prop_assert!((frame.p_in_local(above.geocentric()) - DVec3::Z * (height + 6.0)).length() < 1e-8);
-            // North by a second of latitude is north, by 31 metres.
+            // A second of latitude is 31 metres to the north.
             let north = frame.p_in_local(place(lon, lat + 1.0 / 3600.0, height).geocentric());
             prop_assert!(north.x.abs() < 1e-6 && (30.7..31.1).contains(&north.y) && (north.z - height).abs() < 1e-3, "{north}");
             let p = DVec3::new(120.0, -340.0, 5.0);

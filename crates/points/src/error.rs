@@ -18,23 +18,23 @@ pub enum ScanError {
         path = path.display(), formats = format_names("or")
     )]
     OnlySidecars {
-        /// The first of them.
+        /// The first of these files.
         path: PathBuf,
     },
     /// The user asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The operating system refused.
+    /// The operating system refused to open or read the file.
     #[error("{path}: cannot be read{place}: {error}{advice}", path = path.display(), place = at(*offset), advice = advice(error))]
     Io {
         /// The file.
         path: PathBuf,
         /// Byte at which reading failed; `None` while opening.
         offset: Option<u64>,
-        /// The system's words. Not a `source`: the message holds them already.
+        /// The system's error. It is not a `source`, because the message holds its words already.
         error: io::Error,
     },
-    /// A folder, a pipe, a device, a link to nothing.
+    /// The path is that of a folder, a pipe, a device, or a link to nothing.
     #[error("{path}: is {kind}, not a file: {advice}", path = path.display())]
     NotAFile {
         /// What was named.
@@ -44,7 +44,7 @@ pub enum ScanError {
         /// What to do.
         advice: &'static str,
     },
-    /// The file is something else.
+    /// The file is of no format that can be read.
     #[error(
         "{path}: is not a {formats} file: {looks_like}; {advice}",
         path = path.display(), formats = format_names("or")
@@ -74,7 +74,7 @@ pub enum ScanError {
     Line {
         /// The file.
         path: PathBuf,
-        /// Its number, from 1.
+        /// The line's number, from 1.
         line: u64,
         /// What is wrong and what to do.
         problem: String,
@@ -95,7 +95,7 @@ pub enum ScanError {
         /// Bytes that the part needs, counted from the file's start.
         needed: u64,
     },
-    /// Nothing to show.
+    /// The file has no points to show.
     #[error("{path}: holds no points: {reason}", path = path.display())]
     NoPoints {
         /// The file.
@@ -103,7 +103,7 @@ pub enum ScanError {
         /// Why, and what to do.
         reason: String,
     },
-    /// Coordinates that nothing on Earth has.
+    /// The file has coordinates that nothing on Earth has.
     #[error(
         "{path}: has points {farthest:.1e} units from zero, and {limit:e} is the most: \
          its scale or offset is broken; export it again",
@@ -116,7 +116,7 @@ pub enum ScanError {
         /// Its largest coordinate.
         farthest: f64,
     },
-    /// Compressed in a way that cannot be undone here.
+    /// The points are compressed in a way that cannot be undone here.
     #[error("{path}: its compressed points cannot be read: {reason}", path = path.display())]
     Compression {
         /// The file.
@@ -124,7 +124,7 @@ pub enum ScanError {
         /// Why, and what to do.
         reason: String,
     },
-    /// A part could not be read, and all is asked for.
+    /// A part of the file could not be read, and the user asks for all of it.
     #[error(
         "{path}: {loss}; --strict (cloud.strict) refuses files that cannot be read to their end: get it again, or show \
          what is left of it without",
@@ -151,8 +151,8 @@ pub enum ScanError {
 }
 
 impl ScanError {
-    /// True if the file is to blame, so that others can still be read. A name that no file has is a slip of whoever
-    /// named it.
+    /// True if the file is to blame, so that others can still be read. A missing file is not to blame: the name is a
+    /// slip of whoever gave it.
     pub(crate) fn is_of_one_file(&self) -> bool {
         match self {
             Self::NoFiles | Self::OnlySidecars { .. } | Self::Cancelled(_) | Self::Memory { .. } => false,
@@ -171,7 +171,7 @@ fn at(offset: Option<u64>) -> String {
     offset.map_or_else(String::new, |byte| format!(" at byte {byte}"))
 }
 
-/// What to do where that is known.
+/// What to do about an error, where that is known.
 fn advice(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::NotFound => "; check its name and folder",

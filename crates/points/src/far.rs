@@ -1,21 +1,21 @@
-//! Points too far away to be held beside the others: they are left out, so that they never cost these their precision.
+//! Leaves out points that are too far away to be held beside the others, so that these keep their precision.
 
 use super::{Marks, ScanFile};
 use base::space::Bounds;
 use base::words::{agreeing, counted};
 use std::fmt::Display;
 
-/// What to say of so many, as a sentence whose subject is the file.
+/// Says that this many points were left out, in a sentence whose subject is the file.
 pub(super) fn sentence(count: impl Display) -> String {
     left_out(count, "point", "farther away than the scan's precision allows")
 }
 
-/// The same of other things, and why.
+/// Says that this many things were left out and why, in a sentence whose subject is the file.
 pub(super) fn left_out(count: impl Display, thing: &str, why: &str) -> String {
     format!("has {} {why}; {} left out", counted(&count, thing), agreeing(&count, "it was", "they were"))
 }
 
-/// Leaves the points out that are marked, and triangles of them.
+/// Leaves out the marked points, and all triangles with such a corner.
 pub(super) fn leave_out(file: &mut ScanFile, far: &Marks) {
     if far.count() == 0 {
         return;

@@ -1,14 +1,14 @@
-//! The integer grid of coordinates, and how places of any numbers are put on one, an axis at a time.
+//! The integer grid of coordinates, and how places with any coordinates are put on a grid, one axis at a time.
 //!
-//! LAS stores whole steps of a grid. Formats that store other numbers get a grid made for their points:
+//! LAS stores whole steps of a grid. Formats that store other numbers get a grid made for their points.
 //!
-//! A step is a power of two: the smallest with which the axis' extent has at most 2³² − 3 steps. So a coordinate
-//! moves by half a step at most, which is less than the extent / 4 · 10⁹; and a f32 whose magnitude is 2²⁴ steps
-//! or more, a 128th of the extent at most, does not move at all, and no f64 does where the extent is less than a
-//! 2²¹th of the distance from zero. The grid's origin is a whole number of steps from zero.
+//! A step is the smallest power of two with which the axis' extent has at most 2³² − 3 steps. So a coordinate moves by
+//! at most half a step, which is less than the extent / 4 · 10⁹. A f32 whose magnitude is at least 2²⁴ steps, which are
+//! at most a 128th of the extent, does not move at all. No f64 moves where the extent is less than a 2²¹th of the
+//! distance from zero. The grid's origin is a whole number of steps from zero.
 //!
-//! One point far away would make the steps coarse for all others. So the extent is that of what can be held without
-//! cost to the scene: its steps are never coarser than a 2²²th of the scene. What lies beyond is left out.
+//! One point far away would make the steps coarse for all others. So the extent covers only points that can be held
+//! without cost to the scene: steps are never coarser than a 2²²th of the scene. Points beyond are left out.
 
 use crate::{FARTHEST, scene};
 use base::space::Bounds;
@@ -18,14 +18,14 @@ use glam::DVec3;
 /// readers choose it for formats that store other numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// World units a step, an axis; finite and not zero.
+    /// World units per step along each axis; finite and not zero.
     pub scale: DVec3,
     /// World position of the grid's origin; finite.
     pub offset: DVec3,
 }
 
 impl Default for Grid {
-    /// Whole units from the origin.
+    /// A grid of whole units from the origin.
     fn default() -> Self {
         Self { scale: DVec3::ONE, offset: DVec3::ZERO }
     }
@@ -39,18 +39,18 @@ impl Grid {
     }
 }
 
-/// Coordinates beyond this are no place: sums and differences of them might not be finite.
+/// Coordinates beyond this are no place: their sums and differences might not be finite.
 const MOST: f64 = 1e300;
 
 /// Step where all coordinates are equal, so that any would do: about a millimetre.
 const ANY_STEP: f64 = 1.0 / 1024.0;
 
-/// How many edges round the scene can be held: with them, steps are a 2²²th of the scene.
+/// Edges of the scene that can be held round it: steps are then a 2²²th of the scene.
 const HELD: f64 = 511.0;
-/// A flat scene's thickness counts as so large a part of its longest edge.
+/// A scene's thickness counts as at least this part of its longest edge, so that flat scenes have one.
 const LEAST_THICKNESS: f64 = 1.0 / 1024.0;
 
-/// True for what can be put on a grid.
+/// True for coordinates that can be put on a grid.
 pub(crate) fn is_place(p: &[f64; 3]) -> bool {
     // NaN compares as false.
     p.iter().all(|c| c.abs() <= MOST)
@@ -60,13 +60,13 @@ pub(crate) fn is_place(p: &[f64; 3]) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FittedGrid {
     pub grid: Grid,
-    /// Steps a unit, an axis.
+    /// Steps per unit along each axis.
     per_unit: [f64; 3],
     held: Bounds,
 }
 
 impl FittedGrid {
-    /// For places of which these are a sample, evenly from all, and that have this box.
+    /// The grid for places that have this box, and of which these are an even sample.
     pub fn over(mut sample: Vec<DVec3>, all: Bounds) -> Self {
         let most = Bounds { min: DVec3::splat(-FARTHEST), max: DVec3::splat(FARTHEST) };
         sample.retain(|&p| most.contains(p));
@@ -81,25 +81,25 @@ impl FittedGrid {
         }
         let reach = scene.grown(HELD * scene.edge());
         sample.retain(|&p| reach.contains(p));
-        // What was not looked at may be a little further out.
+        // Places outside the sample may be a little further out.
         let held = Bounds::around(&sample).grown(scene.edge());
         Self::of_box(Bounds { min: held.min.max(all.min), max: held.max.min(all.max) })
     }
 
-    /// For a box that holds something.
+    /// The grid for a box that is not empty.
     fn of_box(held: Bounds) -> Self {
         let grid = grid(held);
         // The reciprocal of a power of two is exact.
         Self { grid, per_unit: grid.scale.recip().to_array(), held }
     }
 
-    /// True of places that it holds.
+    /// True for places that the grid holds.
     #[inline]
     pub fn holds(&self, p: &[f64; 3]) -> bool {
         self.held.contains(DVec3::from_array(*p))
     }
 
-    /// The nearest grid point of a place that it holds.
+    /// The grid point nearest to a place that the grid holds.
     #[inline]
     pub fn snap(&self, p: &[f64; 3]) -> [i32; 3] {
         let offset = self.grid.offset.to_array();
@@ -107,7 +107,7 @@ impl FittedGrid {
     }
 }
 
-/// The grid for a box that holds something.
+/// The grid for a box that is not empty.
 fn grid(bounds: Bounds) -> Grid {
     let axes: [(f64, f64); 3] = std::array::from_fn(|axis| axis_grid(bounds.min[axis], bounds.max[axis]));
     Grid {
@@ -116,17 +116,17 @@ fn grid(bounds: Bounds) -> Grid {
     }
 }
 
-/// The nearest of 32-bit integers, of two the even one: adding 1.5 · 2⁵² leaves no bits for a fraction. `round` is a
-/// function call that takes longer than the rest, unless a build asks for processors with SSE 4.1.
+/// The nearest 32-bit integer, the even one of two equally near: adding 1.5 · 2⁵² leaves no bits for a fraction.
+/// `round` is a function call that takes longer than the rest, unless a build asks for processors with SSE 4.1.
 #[inline]
 fn nearest(value: f64) -> i32 {
     const NO_FRACTION: f64 = 1.5 * (1u64 << 52) as f64;
-    // Half a step beyond the box is still its last step.
+    // A value half a step beyond the box is still its last step.
     let value = value.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
     (value + NO_FRACTION).to_bits() as i32
 }
 
-/// True if the grid over everything has steps that are as good as none to the scene.
+/// True if the grid over all places has steps that are fine enough for the scene.
 fn is_fine_enough(all: &Bounds, scene: &Bounds) -> bool {
     let [of_all, of_scene] = [*all, *scene].map(|bounds| grid(bounds).scale);
     let thickness = scene.size().max(DVec3::splat(LEAST_THICKNESS * scene.edge()));
@@ -141,7 +141,8 @@ fn axis_grid(low: f64, high: f64) -> (f64, f64) {
     }
     let half_extent = 0.5 * (high - low);
     let needed = power_of_two_from(half_extent / f64::from(i32::MAX - 1));
-    // Half of the largest coordinate's last bit: the next smaller power of two has bits that fine.
+    // No step needs to be finer than half the largest coordinate's last bit: the next smaller power of two has bits
+    // that fine.
     let farthest = low.abs().max(high.abs());
     let finest = 0.5 * f64::EPSILON * power_of_two_below(farthest);
     // Positive subnormal steps would have no finite reciprocal.
@@ -156,7 +157,7 @@ fn power_of_two_from(value: f64) -> f64 {
     f64::from_bits((value.to_bits() + MANTISSA) & !MANTISSA)
 }
 
-/// The largest power of two that is not above `value`, which is positive and finite; 0 of subnormal ones.
+/// The largest power of two that is not above `value`, which is positive and finite; 0 if `value` is subnormal.
 fn power_of_two_below(value: f64) -> f64 {
     f64::from_bits(value.to_bits() & !MANTISSA)
 }
@@ -254,20 +255,20 @@ mod tests {
         assert!(!grid.holds(&[9.0, 0.0, 0.0]) && !grid.holds(&[0.0, -1e300, 0.0]));
     }
 
-    /// The grid for places that are all looked at.
+    /// The grid for places that are all in the sample.
     fn of(places: &[[f64; 3]]) -> FittedGrid {
         let sample: Vec<DVec3> = places.iter().map(|&p| DVec3::from_array(p)).collect();
         let bounds = Bounds::around(&sample);
         FittedGrid::over(sample, bounds)
     }
 
-    /// Places all over a unit cube at `origin`, `size` times as large.
+    /// Places all over a cube of edge `size` at `origin`.
     fn cube(num: usize, size: f64, origin: f64) -> Vec<[f64; 3]> {
         let part = |i: usize, step: f64| origin + size * (i as f64 * step).fract();
         (0..num).map(|i| [part(i, 0.618_034), part(i, 0.754_878), part(i, 0.569_840)]).collect()
     }
 
-    /// Largest distance that one of the first places moves by.
+    /// Largest distance along an axis that one of the places moves by.
     fn moved(grid: &FittedGrid, places: &[[f64; 3]]) -> f64 {
         let moved = |p: &[f64; 3]| (grid.grid.p_in_world(grid.snap(p)) - DVec3::from_array(*p)).abs();
         places.iter().map(|p| moved(p).max_element()).fold(0.0, f64::max)
@@ -296,14 +297,14 @@ mod tests {
 
     #[test]
     fn what_costs_nothing_is_held() {
-        // A tree, a hundred times as high as the rest: nothing is left out, and doubles stay as fine as they are.
+        // A tree is a hundred times as high as the rest: nothing is left out, and doubles stay as fine as they are.
         let places: Vec<[f64; 3]> = cube(1000, 10.0, 0.0).into_iter().chain([[5.0, 5.0, 1e3]]).collect();
         let all = of(&places);
         assert!(places.iter().all(|p| all.holds(p)) && moved(&all, &places) < 1e-6);
         // The comparison can fail: a grid over everything moves a scene that has a stray.
         let places: Vec<[f64; 3]> = cube(1000, 1.0, 0.0).into_iter().chain([[1e9; 3]]).collect();
         assert!(moved(&grid(&places), &places[..1000]) > 0.1);
-        // Nothing but places far out: none is held.
+        // No place is held if all are far out.
         assert!(!of(&[[1e20; 3]]).holds(&[1e20; 3]));
     }
 

@@ -1,8 +1,8 @@
 //! Runs decoders that may panic on broken input, and turns the panic into a reason.
 //!
-//! The LAZ crate indexes and asserts its way through corrupt data. A panic there is one lost chunk, not a
-//! crash, and it must not print a backtrace over a progress bar: while a guarded closure runs, the panic
-//! hook of its thread is silent. Needs unwinding panics (the default; `panic = "abort"` would undo it).
+//! The `laz` crate panics on corrupt data, by indexing and by assertions. Such a panic is one lost chunk, not a crash,
+//! and it must not print a backtrace over a progress bar: while a guarded closure runs, the panic hook of its thread is
+//! silent. The guard needs unwinding panics (the default; `panic = "abort"` would undo it).
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -12,7 +12,7 @@ thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What `run` returns, or the words of its panic.
+/// Returns what `run` returns, or the words of its panic.
 ///
 /// Whatever `run` changed through references is in an unknown state after a panic: callers drop it.
 pub(crate) fn catch<T>(run: impl FnOnce() -> T) -> Result<T, String> {

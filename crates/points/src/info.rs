@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What is in the format's name of splats.
+/// Part of the format's name in files of splats.
 const SPLAT: &str = "Gaussian splat";
 
 /// What `--json` prints; the names are a contract.
@@ -38,7 +38,7 @@ struct Description {
     warnings: Vec<String>,
 }
 
-/// One file of it.
+/// One file of a scan, as `--json` prints it.
 #[derive(Debug, Serialize)]
 struct FileDescription {
     path: String,
@@ -50,7 +50,7 @@ struct FileDescription {
 /// that are withheld count too.
 ///
 /// # Errors
-/// What [`super::read()`] reports; a closed standard output.
+/// [`super::read()`] fails, or standard output is closed.
 pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, task: &Task) -> anyhow::Result<()> {
     let options = ReadOptions { show_withheld: true, ..options.clone() };
     let (mut scan, headers) = read::read_with_headers(paths, &options, task)?;
@@ -93,12 +93,12 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
     }
 }
 
-/// Points of a noise class that are not withheld.
+/// Number of points of a noise class that are not withheld.
 fn num_noise(file: &ScanFile) -> usize {
     file.points.noise.count().saturating_sub(file.points.num_withheld as usize)
 }
 
-/// Sentences about points that the view does not go by, and about what is often otherwise than the file says.
+/// Sentences about points that the view does not go by, and about splats that may lie on their side.
 fn asides((file, header): (&ScanFile, &Header)) -> Vec<String> {
     let (path, num_noise, num_withheld) = (file.path.display(), num_noise(file), file.points.num_withheld);
     let mut sentences = Vec::new();
@@ -132,7 +132,7 @@ fn bbox(bounds: Bounds) -> [[f64; 3]; 2] {
     [bounds.min.to_array(), bounds.max.to_array()]
 }
 
-/// In the order of first appearance.
+/// Distinct values in the order of their first appearance.
 fn distinct(values: impl Iterator<Item = String>) -> Vec<String> {
     let mut seen = Vec::new();
     values.for_each(|value| {
@@ -144,7 +144,7 @@ fn distinct(values: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 fn for_people(scan: &Scan, headers: &[Header]) -> String {
-    // What is drawn elsewhere than its file says has a scene elsewhere too.
+    // A file that is drawn elsewhere than its coordinates say has a scene elsewhere too.
     let in_place = scan.files.iter().all(|file| file.in_file.grid == file.grid);
     let scene = in_place.then_some(scan.scene.bounds).filter(|_| !scan.scene.is_empty());
     let decimals = decimals(&scan.files, scene);
@@ -186,7 +186,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     text
 }
 
-/// Metres a unit of height, where it is another than across.
+/// Metres per unit of height, where it differs from the unit across.
 fn vertical_unit_m(scan: &Scan) -> Option<f64> {
     match scan.world_from_file() {
         WorldFromFile::Axes { across_scale, height_scale, .. } => {
@@ -198,7 +198,8 @@ fn vertical_unit_m(scan: &Scan) -> Option<f64> {
     }
 }
 
-/// The axis of the files' coordinates that points up, of the first if they differ; `None` of places on the earth.
+/// The axis of the files' coordinates (the first file's, if they differ) that points up; `None` for places on the
+/// earth.
 fn up(scan: &Scan) -> Option<UpAxis> {
     match scan.world_from_file() {
         WorldFromFile::Axes { up, .. } => Some(up),
@@ -206,7 +207,7 @@ fn up(scan: &Scan) -> Option<UpAxis> {
     }
 }
 
-/// How large the scan is in metres, along the files' axes; of coordinates on the earth along those that are drawn.
+/// Size of the scan in metres along the files' axes, or along the drawn axes if the files have places on the earth.
 fn size_m(scan: &Scan) -> Option<DVec3> {
     let size = scan.bounds().size() * scan.unit_m?;
     Some(match up(scan) {
@@ -217,10 +218,10 @@ fn size_m(scan: &Scan) -> Option<DVec3> {
 
 fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&'static str, String); 3] {
     let size = bounds.size();
-    // Decimals would show nothing of it.
+    // Decimals would show nothing of a box this small.
     let is_tiny = (1e-300..1e-8).contains(&size.max_element());
     let three = |v: DVec3, between: &str| {
-        // Of large numbers nobody reads the digits.
+        // Nobody reads the digits of large numbers.
         let texts = [0, 1, 2].map(|axis| match v[axis] {
             c if c.abs() < FARTHEST && !is_tiny => format!("{c:.*}", decimals[axis]),
             c => format!("{c:.4e}"),
@@ -232,7 +233,7 @@ fn box_lines(bounds: Bounds, size_m: Option<DVec3>, decimals: [usize; 3]) -> [(&
         if (size_m - size).abs().max_element() <= 1e-9 * size.max_element() {
             size_text += " m";
         } else {
-            // Two digits of the longest edge at least.
+            // The longest edge shows at least two digits.
             let decimals = (1.0 - size_m.max_element().log10().floor()).clamp(1.0, 9.0) as usize;
             // Writing to a string cannot fail.
             let _ = write!(
@@ -281,8 +282,8 @@ fn unit_words(scan: &Scan, vertical_unit_m: Option<f64>) -> String {
     }
 }
 
-/// Digits behind the point that the finest grid needs along each axis, within reason: seven of a file's size are
-/// enough, or of the scene's, where strays make the file larger.
+/// Digits behind the point that the finest grid needs along each axis. Seven digits of a file's size are enough, or of
+/// the scene's size where strays make the file larger.
 fn decimals(files: &[ScanFile], scene: Option<Bounds>) -> [usize; 3] {
     [0, 1, 2].map(|axis| {
         let step = |file: &ScanFile| {

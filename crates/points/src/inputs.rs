@@ -1,4 +1,4 @@
-//! Which of the named files are read: each once, and none that only belongs to a scan.
+//! Chooses which of the named files are read: each once, and no sidecars.
 
 use super::ScanError;
 use std::collections::HashMap;
@@ -11,13 +11,13 @@ const SIDECARS: [&str; 21] = [
     "lax", "lasx", "lasd", "index", "idx", "copc", "prj", "wkt", "tfw", "jgw", "pgw", "wld", "xml", "ovr",
     "shp", "shx", "dbf", "cpg", "qix", "sbn", "sbx",
 ];
-/// Names that a sentence gives before it counts the rest.
+/// Most names that a sentence gives before it counts the rest.
 const MOST_NAMED: usize = 3;
 
 /// What is read, and what a user should know about the rest.
 #[derive(Debug, Default)]
 pub(super) struct Inputs {
-    /// In the order given.
+    /// Files to read, in the order given.
     pub paths: Vec<PathBuf>,
     /// Sentences about files that are not read.
     pub remarks: Vec<String>,
@@ -26,7 +26,7 @@ pub(super) struct Inputs {
 /// Chooses among the named files.
 ///
 /// # Errors
-/// None was named, or none but sidecars.
+/// No file was named, or only sidecars.
 pub(super) fn choose(named: &[PathBuf]) -> Result<Inputs, ScanError> {
     let (sidecars, mut paths): (Vec<PathBuf>, Vec<PathBuf>) =
         named.iter().cloned().partition(|path| is_sidecar(path));
@@ -53,7 +53,7 @@ fn is_sidecar(path: &Path) -> bool {
     ending.is_some_and(|ending| SIDECARS.contains(&ending.as_str()))
 }
 
-/// "a.lax, b.lax, c.lax and 4 more".
+/// Names of files in a sentence: "a.lax, b.lax, c.lax and 4 more".
 fn names(paths: &[PathBuf]) -> String {
     let named: Vec<String> = paths.iter().take(MOST_NAMED).map(|path| path.display().to_string()).collect();
     match paths.len().saturating_sub(MOST_NAMED) {
@@ -62,8 +62,9 @@ fn names(paths: &[PathBuf]) -> String {
     }
 }
 
-/// Removes paths to files that an earlier path names, and links to files that are themselves named; returns what
-/// it removed. Links alone stay, each a file: a folder of links is a way to put a scan together.
+/// Removes paths to files that an earlier path names, and links to files that are themselves named; returns what it
+/// removed. Links to a file that is not itself named stay, each once: a folder of links is a way to put a scan
+/// together.
 fn take_once(paths: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     /// What is known of a file: whether a path names it without a link, and the links that are kept.
     #[derive(Default)]
@@ -169,7 +170,7 @@ mod tests {
         assert_eq!(taken(&["a.las", "b.las"]), ("a.las b.las".into(), 0));
         assert_eq!(taken(&["a.las", "b.las", "./a.las"]), ("a.las b.las".into(), 1));
         assert_eq!(taken(&["link.las", "a.las", "hard.las"]), ("link.las".into(), 1));
-        // Links without what they point to are tiles of their own, but each once.
+        // Links whose file is not named are tiles of their own, each taken once.
         assert_eq!(taken(&["one.las", "two.las", "./one.las"]), ("one.las two.las".into(), 1));
         assert_eq!(taken(&["missing.las", "missing.las"]), ("missing.las missing.las".into(), 0));
     }

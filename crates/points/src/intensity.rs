@@ -1,7 +1,8 @@
-//! The ends of the ramp that intensities are drawn by: the same for all files of a scan, so that neighboring tiles match.
+//! Finds the ends of the ramp that intensities are drawn by: the same for all files of a scan, so that neighboring
+//! tiles match.
 //!
-//! LAS asks for intensities of 16 bits; many programs write 8. Where a scan has files of both kinds, those of 8 bits
-//! would all be dark: 255 counts as 65535 there.
+//! LAS asks for intensities of 16 bits, but many programs write 8. Where a scan has files of both kinds, files of 8
+//! bits would all be dark, so their 255 counts as 65535.
 
 use super::{ColorSource, ScanFile};
 use base::space::Bounds;
@@ -10,18 +11,21 @@ use rayon::prelude::*;
 
 /// Part of the values that may lie beyond each end of a ramp: single outliers must not flatten the rest.
 const TAIL: f64 = 0.01;
-/// Points of a task for a core.
+/// Points that are a task for a core.
 const BLOCK: usize = 1 << 20;
-/// The largest value of 8 bits, what it counts as beside 16 bits, and the part of a file's values that may be larger.
+/// Largest intensity of 8 bits.
 const LEAST_WHITE: usize = 255;
+/// Factor of 8-bit intensities beside those of 16 bits: 65535 / 255.
 const TIMES: u16 = 257;
+/// Part of the values of a file of 8 bits that may be larger: they are taken for wrong.
 const WRONG: f64 = 0.002;
-/// But for the tail, files of 8 bits together reach this at least, and a file of 16 bits more than that: others are dim.
+/// Files of 8 bits together reach at least this without the tail; otherwise they are dim.
 const BRIGHT_OF_8: f64 = 64.0;
+/// A file of 16 bits reaches more than this without the tail; otherwise it is dim.
 const BRIGHT_OF_16: f64 = 4095.0;
 
-/// Gives the files that are drawn by intensity the ends of their ramps, those of a scene; and a sentence about files of
-/// fewer bits than others.
+/// Gives the files that are drawn by intensity the ends of their ramps, which are those of a scene. Returns a sentence
+/// about files of fewer bits than others.
 pub(super) fn share_range(files: &mut [ScanFile], scene: &Bounds) -> Option<String> {
     let times = times(files);
     let (low, high) = range(files, &times, scene);
@@ -46,7 +50,7 @@ fn is_by_intensity(file: &ScanFile) -> bool {
     matches!(file.coloring.source, ColorSource::Intensity { .. })
 }
 
-/// What the intensities of each file are multiplied by, so that they match those of the others.
+/// Factors that make the intensities of each file match those of the others.
 fn times(files: &[ScanFile]) -> Vec<u16> {
     let mut times = vec![1; files.len()];
     let by_intensity: Vec<usize> = (0..files.len()).filter(|&at| is_by_intensity(&files[at])).collect();
@@ -71,7 +75,7 @@ fn times(files: &[ScanFile]) -> Vec<u16> {
     times
 }
 
-/// How many points of a file have each intensity, multiplied; of all points, or of those in a scene.
+/// Number of points that have each intensity after multiplication, among all points of a file or those in a scene.
 fn histogram(file: &ScanFile, times: u16, scene: Option<&Bounds>) -> Vec<u64> {
     let scene = scene.filter(|scene| !(scene.contains(file.bounds.min) && scene.contains(file.bounds.max)));
     let blocks = file.points.intensity.par_chunks(BLOCK).zip(file.points.xyz.par_chunks(BLOCK));
@@ -105,7 +109,7 @@ fn range(files: &[ScanFile], times: &[u16], scene: &Bounds) -> (f64, f64) {
     if robust.0 < robust.1 {
         return robust;
     }
-    // Nearly all values are equal: let the few others show.
+    // Nearly all values are equal, so the few others set the ends.
     (beyond(all.iter().enumerate(), 0), beyond(all.iter().enumerate().rev(), 0))
 }
 
@@ -133,7 +137,7 @@ mod tests {
         made.intensity((0..1000).map(intensity).collect()).color(source).file()
     }
 
-    /// From dark to bright of a white, as every scene.
+    /// Intensities from dark to white, as every scene has them.
     fn scene(white: f64) -> impl Fn(u32) -> u16 {
         move |at| (f64::from(at * 37 % 1000) / 999.0 * white).round() as u16
     }
@@ -148,20 +152,20 @@ mod tests {
             panic!("{:?}", files[0].coloring.source)
         };
         assert!((100.0..110.0).contains(&low) && (390.0..400.0).contains(&high), "{low} {high}");
-        // Without the robust ends the outlier would decide.
+        // The outlier would decide without the robust ends.
         assert_eq!(files[0].points.intensity.iter().max(), Some(&60_000));
     }
 
     #[test]
     fn files_of_8_bits_match_those_of_16() {
-        // One wrong value is no proof of the contrary, and neither is a dark tile of a bright set.
+        // Files count as 8 bits despite one wrong value, and a dark tile does beside bright ones.
         let wrong = |at: u32| if at == 7 { 60_000 } else { scene(255.0)(at) };
         let mut files = [tile("a.las", scene(65535.0)), tile("b.las", wrong), tile("c.las", scene(20.0))];
         let sentence = share_range(&mut files, &EVERYWHERE).unwrap();
         assert!(sentence.starts_with("b.las and 1 more file: have intensities of 8 bits"), "{sentence}");
         for at in (0..1000).filter(|&at| at != 7) {
             let [a, b] = [0, 1].map(|file: usize| files[file].color(at).to_le_bytes());
-            // Steps of the ramp are 2 of green at most, and more of other channels.
+            // A step of the ramp changes green by at most 2, and other channels by more.
             assert!(a[1].abs_diff(b[1]) <= 3, "{at}: {a:?} {b:?}");
         }
         assert_eq!(files[1].coloring.source, files[2].coloring.source);
@@ -177,7 +181,7 @@ mod tests {
             assert_eq!(share_range(&mut files, &EVERYWHERE), None);
             assert_eq!(files[0].coloring.source, files[1].coloring.source);
         }
-        // Nor does anything change where none has 16 bits, or none has 8.
+        // Nothing changes either where no file has 16 bits, or none has 8.
         for [a, b] in [[255.0, 255.0], [255.0, 3000.0], [65535.0, 9000.0]] {
             let mut files = [tile("a", scene(a)), tile("b", scene(b))];
             assert_eq!(share_range(&mut files, &EVERYWHERE), None);

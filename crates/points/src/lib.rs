@@ -1,7 +1,7 @@
 //! Files to columns of points: formats hand over [`Block`]s, of which a [`Scan`] is made.
 //!
-//! Formats parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose nothing that can be
-//! read. A new format is one more entry in the list of [`formats`]; nothing else knows of formats.
+//! Formats parse raw bytes in columns and in parallel, never trust a header's counts or boxes, and lose nothing that
+//! can be read. A new format is one more entry in the list of [`formats`]; nothing else knows of formats.
 
 mod axes;
 mod block;
@@ -57,7 +57,8 @@ pub use world::{Project, WorldFromFile};
 use base::space::Bounds;
 use std::path::PathBuf;
 
-/// The points of one file, a column an attribute, in file order, as it stores them. Columns are empty or as long as `xyz`.
+/// The points of one file in file order, one column per attribute, with values as the file stores them. Columns are
+/// empty or as long as `xyz`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
     /// Grid coordinates.
@@ -77,28 +78,28 @@ pub struct Points {
 /// One file, read.
 #[derive(Clone, Debug, Default)]
 pub struct ScanFile {
-    /// Where it came from.
+    /// Path that it was read from.
     pub path: PathBuf,
-    /// For people: "LAS 1.2, point format 3".
+    /// Name of the format, for people: "LAS 1.2, point format 3".
     pub format: String,
     /// Grid of `points.xyz`.
     pub grid: Grid,
     /// The points.
     pub points: Points,
-    /// How they get their colors.
+    /// How the points get their colors.
     pub coloring: Coloring,
-    /// True box of the points read, world space.
+    /// True box of the points read, in world space.
     pub bounds: Bounds,
-    /// How the file has them.
+    /// Grid and box in the file's own coordinates.
     pub in_file: InFile,
-    /// What was done to its coordinates.
+    /// Conversion from the file's coordinates to the world's.
     pub world_from_file: WorldFromFile,
-    /// Triangles of a mesh, of point numbers in this file, each less than the number of its points; counter-clockwise
-    /// where the surface is seen from. Empty for all that is no mesh.
+    /// Triangles of a mesh: three point numbers in this file, each less than the number of its points,
+    /// counter-clockwise where the surface is seen from. Empty for a file that is no mesh.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A file's points in its own coordinates, where the world's are others.
+/// Grid and box of a file's points in its own coordinates, which may differ from the world's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InFile {
     /// Grid of its coordinates.
@@ -114,47 +115,47 @@ pub struct ReadOptions {
     pub up: Up,
     /// Unit of their lengths.
     pub unit: Unit,
-    /// Unit of their heights, where it is another.
+    /// Unit of their heights, where it differs from that of lengths.
     pub vertical_unit: Unit,
     /// Which files lie on the earth.
     pub project: Project,
-    /// Whether a file that cannot be read, or of which a part cannot, is an error although the rest can.
+    /// True if a file that cannot be read, whole or in part, is an error although the rest can be read.
     pub strict: bool,
-    /// Points that are withheld, which means deleted, are read too.
+    /// True if points that are withheld, which means deleted, are read too.
     pub show_withheld: bool,
 }
 
 /// Several files as one cloud.
 #[derive(Clone, Debug, Default)]
 pub struct Scan {
-    /// In the order given.
+    /// The files in the order given.
     pub files: Vec<ScanFile>,
     /// Sentences for people about what was odd, each naming its file.
     pub warnings: Vec<String>,
     /// Coordinate reference system, as the files name it.
     pub crs: Option<String>,
-    /// Metres a world unit where the files or the user say so.
+    /// Metres per world unit, where the files or the user say so.
     pub unit_m: Option<f64>,
-    /// What a viewer means by it; empty until it is found.
+    /// The scan's points without strays; empty until they are found.
     pub scene: Scene,
-    /// Metres a unit of the files' lengths across, where they or the user say so.
+    /// Metres per unit of the files' lengths across, where the files or the user say so.
     pub unit_in_file_m: Option<f64>,
 }
 
 impl Scan {
-    /// Of these files, of which nothing else is known.
+    /// A scan of these files, about which nothing else is known.
     #[must_use]
     pub fn of(files: Vec<ScanFile>) -> Self {
         Self { files, ..Self::default() }
     }
 
-    /// Points of all files.
+    /// Number of points of all files.
     #[must_use]
     pub fn num_points(&self) -> usize {
         self.files.iter().map(|f| f.points.xyz.len()).sum()
     }
 
-    /// Box of all files, world space.
+    /// Box of all files, in world space.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.files.iter().fold(Bounds::EMPTY, |b, f| b.union(f.bounds))
@@ -166,7 +167,7 @@ impl Scan {
         self.files.iter().fold(Bounds::EMPTY, |b, f| b.union(f.in_file.bounds))
     }
 
-    /// From the coordinates of the files, of the first if they differ, to those of the world.
+    /// Conversion from the files' coordinates (the first file's, if they differ) to the world's.
     #[must_use]
     pub fn world_from_file(&self) -> WorldFromFile {
         self.files.first().map(|file| file.world_from_file).unwrap_or_default()
@@ -176,21 +177,21 @@ impl Scan {
 /// What a file says of itself, known before its points are read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
-    /// Where it came from.
+    /// Path of the file.
     pub path: PathBuf,
-    /// For people: "LAS 1.2, point format 3".
+    /// Name of the format, for people: "LAS 1.2, point format 3".
     pub format: String,
     /// Points that are to be expected; only [`read()`] knows how many there are.
     pub num_points: u64,
-    /// Names of what is stored for each point beside its place.
+    /// Names of the attributes that are stored for each point beside its place.
     pub attributes: Vec<String>,
     /// Coordinate reference system.
     pub crs: Option<String>,
-    /// Metres a unit of x and y.
+    /// Metres per unit of x and y.
     pub unit_m: Option<f64>,
-    /// Metres a unit of height, where that is stated by itself.
+    /// Metres per unit of height, where that is stated by itself.
     pub vertical_unit_m: Option<f64>,
-    /// What the coordinates are.
+    /// What x, y and z are.
     pub axes: Option<Axes>,
     /// True if the format stores whole steps of a grid that its writer chose, which tells how exact coordinates are.
     pub is_on_fixed_grid: bool,
@@ -200,9 +201,9 @@ pub struct Header {
     pub software: Option<String>,
     /// Day on which it was written, "2024-05-09".
     pub created: Option<String>,
-    /// What was odd, as sentences whose subject is the file.
+    /// Sentences about what was odd, whose subject is the file.
     pub warnings: Vec<String>,
 }
 
-/// Largest coordinate: far more than any planet, and f32 still holds its square.
+/// Largest coordinate that is read: far larger than any planet, and f32 still holds its square.
 pub const FARTHEST: f64 = 1e15;

@@ -1,4 +1,4 @@
-//! A few marked among many points: one bit each, up to the last that is marked.
+//! Marks of a few among many points: one bit for each point, up to the last that is marked.
 
 /// Numbers that are marked.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -15,19 +15,19 @@ impl Marks {
         self.words[number / 64] |= 1 << (number % 64);
     }
 
-    /// True if it is marked.
+    /// True if a number is marked.
     #[must_use]
     pub fn get(&self, number: usize) -> bool {
         self.words.get(number / 64).is_some_and(|word| word >> (number % 64) & 1 == 1)
     }
 
-    /// How many are marked.
+    /// Number of marks.
     #[must_use]
     pub fn count(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// Marks what another has marked, `offset` further on.
+    /// Marks the numbers that another has marked, plus `offset`.
     pub fn append(&mut self, other: &Self, offset: usize) {
         for (at, &word) in other.words.iter().enumerate() {
             let mut left = word;

@@ -1,9 +1,9 @@
-//! Tests of which files were merged, and of what is made of them.
+//! Tests of finding merged files, and of the colors that are made of them.
 
 use super::*;
 use crate::coloring::{Raise, Raised};
 
-/// Anything from 0 to 1 that is not regular: a multiplicative hash.
+/// A number from 0 to 1 that looks irregular: a multiplicative hash.
 fn part(at: usize) -> f64 {
     let hash = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (hash >> 40) as f64 / (1u64 << 24) as f64
@@ -27,8 +27,8 @@ fn runs(rgb: &[[u16; 3]], white: u16) -> Runs {
 }
 
 /// The colors that are drawn if those whose white is `low` are made as bright as the others.
-fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, parts: Parts) {
-    let points = of_lesser_white(rgb.len(), |at| rgb[at], low, parts);
+fn raise(rgb: &mut [[u16; 3]], low: u16, high: u16, told_by: ToldBy) {
+    let points = of_lesser_white(rgb.len(), |at| rgb[at], low, told_by);
     let mut raised = Raised::default();
     points.into_iter().for_each(|points| raised.add(Raise { low, high, points }));
     rgb.iter_mut().enumerate().for_each(|(at, rgb)| *rgb = raised.color(at, *rgb));
@@ -52,17 +52,17 @@ fn tiles_of_fewer_bits_are_told_from_those_of_more_and_made_as_bright() {
                     let what = format!("{from} to {to} of {low}, others of {high}, {darkness}, {black}");
                     let mut rgb = right.clone();
                     rgb[from..to].copy_from_slice(&written(&all[from..to], low));
-                    // One wrong value, and points without a color.
+                    // The file has one wrong value, and points without a color.
                     rgb[from + 500] = [low + 45, 7, 7];
                     rgb.iter_mut().step_by(black).for_each(|rgb| *rgb = [0; 3]);
                     assert!(runs(&rgb, low).are_merged(), "{what}: {:?}", runs(&rgb, low));
-                    raise(&mut rgb, low, high, Parts::Tiles);
+                    raise(&mut rgb, low, high, ToldBy::Tiles);
                     let is_off = |(a, b): &(&[u16; 3], &[u16; 3])| {
                         let step = f64::from(high) / f64::from(low);
                         **a != [0; 3] && (0..3).any(|c| f64::from(a[c].abs_diff(b[c])) > 0.6 * step)
                     };
                     let num_off = rgb.iter().zip(&right).filter(is_off).count();
-                    // Where a tile ends, a few dark points may be taken for those of the other.
+                    // A few dark points at a tile's end may be taken for those of the other tile.
                     assert!(num_off <= 1 + 40, "{what}: {num_off} are wrong");
                 }
             }
@@ -73,10 +73,10 @@ fn tiles_of_fewer_bits_are_told_from_those_of_more_and_made_as_bright() {
 #[test]
 fn points_that_exceed_the_lesser_white_keep_their_own() {
     let mut rgb = [[255, 7, 0], [256, 7, 0], [65535; 3]];
-    raise(&mut rgb, 255, 65535, Parts::Points);
+    raise(&mut rgb, 255, 65535, ToldBy::Points);
     assert_eq!(rgb, [[65535, 7 * 257, 0], [256, 7, 0], [65535; 3]]);
     let unknown = rgb;
-    raise(&mut rgb, 4095, 65535, Parts::Unknown);
+    raise(&mut rgb, 4095, 65535, ToldBy::Unknown);
     assert_eq!(rgb, unknown);
 }
 
@@ -104,7 +104,7 @@ fn what_has_one_white_is_not_merged() {
                 assert!(!is_merged(&written(&lit, white)), "{white} {length} {sharp}");
             }
         }
-        // A dark room, then a light one: its colors thin out.
+        // A dark room comes before a light one; its colors thin out.
         for stops in 0..40 {
             let light = (-0.25 * f64::from(stops)).exp2();
             let mut rgb = written(&scene(20_000, 1.0), white);
@@ -114,7 +114,7 @@ fn what_has_one_white_is_not_merged() {
             }
             assert!(!is_merged(&rgb), "{white}, {light}");
         }
-        // Dark materials of one shade.
+        // The scene has a dark material of one shade.
         for shade in [190, 220, 800, 3000, 3700] {
             let asphalt = |at: usize| {
                 [at, at + 1, at + 2].map(|i| shade + (f64::from(shade) * 0.2 * part(3 * i)) as u16)
@@ -122,7 +122,7 @@ fn what_has_one_white_is_not_merged() {
             let mut rgb = written(&scene(20_000, 1.0), white);
             (5000..9000).for_each(|at| rgb[at] = asphalt(at));
             assert!(!is_merged(&rgb), "{white} {shade}");
-            // And a darker one behind it.
+            // A darker material follows it.
             (9000..14_000).for_each(|at| rgb[at] = asphalt(at).map(|c| c / 7));
             assert!(!is_merged(&rgb), "{white} {shade}, and a darker one");
         }

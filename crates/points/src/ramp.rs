@@ -1,8 +1,8 @@
-//! Values to 8-bit colors: by a white, or through the ramp of what has no color.
+//! Turns values into 8-bit colors: by a white, or through the ramp for points without a color.
 
 use std::sync::LazyLock;
 
-/// round(c · 255 / white), in integers: no white here is even, so no tie exists. Above the white is white.
+/// round(c · 255 / white), in integers: no white here is even, so no tie exists. Values above the white become white.
 pub(super) fn byte(c: u16, white: u16) -> u8 {
     let (c, white) = (u32::from(c.min(white)), u32::from(white));
     ((2 * 255 * c + white) / (2 * white)) as u8
@@ -19,8 +19,8 @@ pub(super) fn ramp(value: f64, low: f64, high: f64) -> u32 {
     RAMP[((t * 255.0 + 0.5) as usize).min(255)]
 }
 
-/// Violet to yellow by way of green: lightness rises evenly in Oklab, so equal steps look equal, also to
-/// those who do not see all hues, and also printed in grey.
+/// Violet to yellow by way of green. Lightness rises evenly in Oklab, so equal steps look equal, also to people who do
+/// not see all hues, and when printed in gray.
 pub(super) static RAMP: LazyLock<[u32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|index| {
         let t = index as f64 / 255.0;
@@ -31,7 +31,7 @@ pub(super) static RAMP: LazyLock<[u32; 256]> = LazyLock::new(|| {
     })
 });
 
-/// Oklab to 8-bit sRGB, clamped to what can be shown.
+/// Converts Oklab to 8-bit sRGB, clamped to what can be shown.
 fn srgb_of_oklab(lightness: f64, a: f64, b: f64) -> [u8; 3] {
     let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);

@@ -1,4 +1,4 @@
-//! Several files of any format to one [`Scan`].
+//! Reads several files of any format into one [`Scan`].
 
 use super::block::Trailer;
 use super::collect::{self, Collected};
@@ -12,12 +12,12 @@ use base::task::{Progress, Task};
 use base::words::{agreeing, counted};
 use std::path::{Path, PathBuf};
 
-/// Reads files as one scan with z up and one scale on all axes, in the order given; shows its progress, and ends soon
-/// after the job is told to stop.
+/// Reads files as one scan with z up and one scale on all axes, in the order given. Shows its progress, and ends soon
+/// after the task is cancelled.
 ///
 /// Unless `options` are strict, a file of which only a part can be read gives that part and a warning in
-/// [`Scan::warnings`], and a file of which nothing can be read a warning, if others can. All headers are checked before
-/// the first point is read. One file is open at a time.
+/// [`Scan::warnings`], and a file of which nothing can be read gives only a warning, if others can be read. All headers
+/// are checked before the first point is read. One file is open at a time.
 ///
 /// # Errors
 /// The first file of which nothing can be read, or not all if `options` are strict, with the reason and what to do;
@@ -34,7 +34,7 @@ pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
     inputs::choose(paths)?.paths.iter().map(|path| Ok(open(path)?.header().clone())).collect()
 }
 
-/// The scan, and what each file in it says of itself.
+/// Reads the scan, and what each file in it says of itself.
 pub(super) fn read_with_headers(
     paths: &[PathBuf],
     options: &ReadOptions,
@@ -51,7 +51,7 @@ pub(super) fn read_with_headers(
     let progress = task.into().begin("reading", "points", expected);
     let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
     for (path, _) in announced {
-        // Opened again: the system allows fewer open files than a scan may have.
+        // The file is opened again, because the system allows fewer open files than a scan may have.
         if let Some(file) = failures.sort(file(path, options, &progress))? {
             headers.push(file.header.clone());
             add(&mut scan, file, options.show_withheld);
@@ -73,7 +73,7 @@ struct Failures {
 }
 
 impl Failures {
-    /// What was read; `None` for a file that is left out.
+    /// Returns what was read; `None` for a file that is left out.
     fn sort<T>(&mut self, read: Result<T, ScanError>) -> Result<Option<T>, ScanError> {
         match read {
             Ok(read) => Ok(Some(read)),
@@ -85,7 +85,7 @@ impl Failures {
         }
     }
 
-    /// A sentence for each; the first as an error if nothing else was read.
+    /// Returns a sentence for each failure, or the first as an error if nothing else was read.
     fn warnings(self, nothing_read: bool) -> Result<Vec<String>, ScanError> {
         let mut errors = self.errors.into_iter().peekable();
         match errors.next_if(|_| nothing_read) {
@@ -171,14 +171,14 @@ fn bounds(collected: &Collected) -> Bounds {
     Bounds::around(&corners.map(|xyz| collected.grid.p_in_world(xyz)))
 }
 
-/// Refuses a file whose points nothing can show.
+/// Refuses a file whose points are too far away to be shown.
 fn within_reach(path: &Path, collected: &Collected) -> Result<(), ScanError> {
     let bounds = bounds(collected);
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if farthest > FARTHEST { Err(ScanError::TooFar { path: path.to_owned(), farthest }) } else { Ok(()) }
 }
 
-/// The coordinate system of the first file that names one; a warning for files that differ in it.
+/// Sets the coordinate system of the first file that names one, and warns of files that name another.
 fn name_system(scan: &mut Scan, headers: &[Header]) {
     scan.crs = headers.iter().find_map(|header| header.crs.clone());
     for header in headers {

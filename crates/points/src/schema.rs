@@ -15,59 +15,59 @@ pub enum Attribute {
     NearInfrared,
     /// How little light a splat lets pass: 0 to 1.
     Opacity,
-    /// Which of a pulse's returns it is, from 1.
+    /// Number of the return among those of its pulse, from 1.
     ReturnNumber,
-    /// How many returns its pulse has.
+    /// Number of returns of the pulse.
     NumReturns,
-    /// What it is of, as a class of the ASPRS.
+    /// Class of what the point is of, by the ASPRS.
     Classification,
-    /// Made by other means than by scanning.
+    /// True if the point was made by other means than scanning.
     Synthetic,
-    /// A key point of a model.
+    /// True for a key point of a model.
     KeyPoint,
-    /// Deleted.
+    /// True for a deleted point.
     Withheld,
-    /// Where swaths overlap.
+    /// True where swaths overlap.
     Overlap,
-    /// Of a class that is noise: no part of the scene.
+    /// True for a point of a noise class, which is no part of the scene.
     Noise,
-    /// Which scanner of several.
+    /// Number of the scanner, where there are several.
     ScannerChannel,
-    /// The mirror moved in the positive direction.
+    /// True if the mirror moved in the positive direction.
     ScanDirection,
-    /// The last point before the mirror turned.
+    /// True for the last point before the mirror turned.
     EdgeOfFlightLine,
     /// Degrees from the nadir.
     ScanAngle,
-    /// Whatever the user liked.
+    /// Anything that the user stored.
     UserData,
-    /// Which flight line or station it is from.
+    /// Flight line or station that the point is from.
     SourceId,
-    /// Seconds.
+    /// GPS time in seconds.
     GpsTime,
-    /// A part of what leads to the pulse's waveform.
+    /// A part of the reference to the pulse's waveform.
     Waveform(Waveform),
-    /// What only the file has a name for.
+    /// An attribute that only the file has a name for.
     Named(String),
 }
 
-/// What leads to a pulse's waveform [LAS 1.4 R15, table 12].
+/// The parts of a reference to a pulse's waveform [LAS 1.4 R15, table 12].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Waveform {
-    /// Number of its description; 0 where there is none.
+    /// Number of the waveform's description; 0 where there is none.
     Description,
-    /// First byte of its packet.
+    /// First byte of the waveform's packet.
     Offset,
-    /// Bytes of its packet.
+    /// Bytes of the waveform's packet.
     Size,
-    /// Picoseconds from its start to the point.
+    /// Picoseconds from the waveform's start to the point.
     Location,
-    /// What the place changes by in a picosecond.
+    /// Change of the place per picosecond.
     Direction,
 }
 
 impl Attribute {
-    /// Its name in lists for people and programs; attributes that belong together share one, flags have none.
+    /// Name in lists for people and programs. Attributes that belong together share a name; flags have none.
     #[must_use]
     pub fn listed_as(&self) -> Option<&str> {
         Some(match self {
@@ -99,20 +99,20 @@ impl Attribute {
 /// An attribute that a file has, and how it is stored: the value is `offset + scale · stored`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// What it is.
+    /// The attribute.
     pub attribute: Attribute,
     /// Type of its column.
     pub kind: Type,
-    /// What a stored 1 counts.
+    /// Value of a stored 1, without the offset.
     pub scale: f64,
-    /// What a stored 0 stands for.
+    /// Value of a stored 0.
     pub offset: f64,
     /// The stored value that stands for none, where the file states one.
     pub no_data: Option<f64>,
 }
 
 impl Field {
-    /// Whose stored values are what they say.
+    /// A field whose stored values need no scale and no offset.
     #[must_use]
     pub fn plain(attribute: Attribute, kind: Type) -> Self {
         Self { attribute, kind, scale: 1.0, offset: 0.0, no_data: None }
@@ -122,12 +122,13 @@ impl Field {
 /// The attributes that a file has, known from its header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Schema {
-    /// In the order in which the format lists them.
+    /// Fields in the order in which the format lists them.
     pub fields: Vec<Field>,
 }
 
 impl Schema {
-    /// How an attribute is stored; `None` if the file has none. Of several of one name, the first counts.
+    /// How an attribute is stored; `None` if the file does not have it. The first of several attributes of one name
+    /// counts.
     #[must_use]
     pub fn field(&self, attribute: &Attribute) -> Option<&Field> {
         self.fields.iter().find(|field| field.attribute == *attribute)
@@ -148,7 +149,8 @@ impl Schema {
     }
 }
 
-/// Which attributes are wanted of a file, and in how large pieces. What is not asked for costs nothing.
+/// Which attributes are wanted of a file, and in blocks of how many points. Attributes that are not asked for cost
+/// nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Projection {
     attributes: Vec<Attribute>,
@@ -156,13 +158,13 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// These attributes of as many points at once as the format likes: of all, if that is the quickest way to have all.
+    /// These attributes in blocks as large as the format likes: of all points, if that is the quickest way to have all.
     pub fn of(attributes: impl IntoIterator<Item = Attribute>) -> Self {
         Self { attributes: attributes.into_iter().collect(), block_points: usize::MAX }
     }
 
-    /// The same in blocks of about so many points, so that no more need be in memory at once. A format goes beyond where it
-    /// can only decode more together.
+    /// Asks for blocks of about this many points, so that no more points need be in memory at once. A format makes
+    /// larger blocks where it can only decode more points together.
     #[must_use]
     pub fn in_blocks_of(self, block_points: usize) -> Self {
         Self { block_points: block_points.max(1), ..self }
@@ -174,7 +176,7 @@ impl Projection {
         self.attributes.contains(attribute)
     }
 
-    /// Points of a block at most, or somewhat more.
+    /// Most points of a block, which may have somewhat more.
     #[must_use]
     pub fn block_points(&self) -> usize {
         self.block_points

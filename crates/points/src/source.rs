@@ -1,14 +1,14 @@
 //! A file that is read by position, from any thread.
 //!
-//! Not memory-mapped on purpose: a file that shrinks while it is mapped (a network share, a sync tool) kills
-//! the process with SIGBUS, whereas a positioned read just comes back short.
+//! The file is not memory-mapped on purpose: a file that shrinks while it is mapped (a network share, a sync tool)
+//! kills the process with SIGBUS, whereas a positioned read just comes back short.
 
 use super::ScanError;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// What is named where there is only a link.
+/// What a path names that is a link to nothing.
 const DANGLING: &str = "a link to a file that is not there";
 
 /// An open file and its size.
@@ -20,10 +20,10 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Opens a regular file. Looks before it opens: opening a pipe would wait for a writer.
+    /// Opens a regular file. Looks at the kind of file first, because opening a pipe would wait for a writer.
     ///
     /// # Errors
-    /// Not found, no permission, a folder, a pipe, a device, a link to nothing.
+    /// The file is not found, may not be read, or is a folder, a pipe, a device or a link to nothing.
     pub fn open(path: &Path) -> Result<Self, ScanError> {
         let fail = |source| ScanError::io(path, None, source);
         let metadata = match std::fs::metadata(path) {
@@ -46,12 +46,12 @@ impl Source {
         Ok(Self { path: path.to_owned(), file, len: metadata.len() })
     }
 
-    /// Where it came from.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Size in bytes when it was opened.
+    /// Size of the file in bytes when it was opened.
     pub fn len(&self) -> u64 {
         self.len
     }
@@ -59,7 +59,7 @@ impl Source {
     /// Fills `buffer` from `offset` as far as the file reaches; returns how many bytes that were.
     ///
     /// # Errors
-    /// What the system reports; nothing is read then.
+    /// The system cannot read the file; nothing is read then.
     pub fn read_at(&self, mut buffer: &mut [u8], mut offset: u64) -> io::Result<usize> {
         let mut num_read = 0;
         while !buffer.is_empty() {
@@ -77,10 +77,10 @@ impl Source {
         Ok(num_read)
     }
 
-    /// Up to `limit` bytes from `offset`: fewer where the file ends before.
+    /// Reads up to `limit` bytes from `offset`, fewer where the file ends before.
     ///
     /// # Errors
-    /// What the system reports, with the byte.
+    /// The system cannot read the file; the error has the byte.
     pub fn bytes(&self, offset: u64, limit: u64) -> Result<Vec<u8>, ScanError> {
         let wanted = limit.min(self.len.saturating_sub(offset));
         let fail = |source| ScanError::io(&self.path, Some(offset), source);

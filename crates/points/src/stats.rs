@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-/// Points of a task for a core.
+/// Points that are a task for a core.
 const TASK_POINTS: usize = 1 << 16;
 
-/// What there is in a run of points.
+/// Extremes of the columns of some points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stats {
     /// Smallest grid coordinates.
@@ -19,11 +19,11 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Of no points; the neutral element of [`Stats::union`].
+    /// Extremes of no points, the neutral element of [`Stats::union`].
     pub const EMPTY: Self =
         Self { xyz_min: [i32::MAX; 3], xyz_max: [i32::MIN; 3], intensity_min: u16::MAX, intensity_max: 0 };
 
-    /// Of these columns.
+    /// Extremes of these columns.
     #[must_use]
     pub fn of(xyz: &[[i32; 3]], intensity: &[u16]) -> Self {
         let mut stats = Self::EMPTY;
@@ -36,14 +36,14 @@ impl Stats {
         stats
     }
 
-    /// Of long columns, on all cores.
+    /// Extremes of long columns, found on all cores.
     pub(crate) fn of_all(xyz: &[[i32; 3]], intensity: &[u16]) -> Self {
         let xyz = xyz.par_chunks(TASK_POINTS).map(|block| Self::of(block, &[]));
         let intensity = intensity.par_chunks(TASK_POINTS).map(|block| Self::of(&[], block));
         xyz.chain(intensity).reduce(|| Self::EMPTY, Self::union)
     }
 
-    /// Of both runs together.
+    /// Extremes of the points of both together.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self {

@@ -1,6 +1,6 @@
-//! Points without a color: where exporters have none, they write black, white or any other color at all of them. A file
-//! may have colors besides at a few points: marked ones, wrong ones, or a scan that was merged from several of which few
-//! had photographs.
+//! Finds points without a color. Exporters that have no colors write black, white or any other color at all points.
+//! Such a file may have colors besides at a few points: marked points, wrong points, or those of a merged scan that had
+//! photographs, among several that had none.
 
 use super::coloring::Greys;
 use super::distribution::Distribution;
@@ -10,43 +10,48 @@ use super::{ColorSource, Scan, ScanFile};
 use base::words::grouped;
 use rayon::prelude::*;
 
-/// Part of the channels that are near to their middle where it is worth counting points.
+/// Part of each channel's values that are near their median where it is worth counting points.
 const NEARLY_ALL: f64 = 0.9;
-/// Levels of 255 that colors may differ by for nobody to see it.
+/// Levels of 255 by which colors may differ without anybody seeing it.
 const UNSEEN: u16 = 2;
-/// Points that may have another color than nearly all: a share of all, and a number; in small files not so many.
+/// Part of the points that may have another color than nearly all.
 const FEW: f64 = 0.002;
+/// Number of points that may have another color than nearly all, if [`FEW`] are fewer.
 const FEW_NUM: f64 = 3.0;
+/// Part of a small file's points that may have another color than nearly all, if [`FEW_NUM`] are more.
 const FEW_OF_SMALL: f64 = 0.01;
-/// Part of the points that are black where black may be the lack of a color, and how many times as many they are as those
-/// that are nearly black: in a dark scene the one goes over into the other. Of fewer, nobody knows.
+/// Least part of the points that are black, where black may be the lack of a color.
 const LEAST_BLACK: f64 = 0.1;
+/// Fewest black points that can tell.
 const FEWEST_BLACK: u64 = 20;
+/// Black points are at least this many times as many as nearly black ones, where black is the lack of a color: in a
+/// dark scene the one goes over into the other.
 const BLACK_ALONE: u64 = 8;
-/// Up to this part of white a point is nearly black: 3 of 255.
+/// A point is nearly black up to white divided by this: 3 of 255.
 const NEARLY_BLACK: u16 = 64;
-/// Values looked at, evenly over the file, to find the ends of the greys.
+/// Most values that are looked at, evenly over the file, to find the ends of the grays.
 const MOST_VALUES: usize = 1 << 18;
-/// Part of the values that may lie beyond each end.
+/// Part of the values that may lie beyond each end of the grays.
 const TAIL: f64 = 0.01;
 
 /// The color that stands for none in a file, as it is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blank {
-    /// Black, if many points are and few nearly; or what all points have, or all but a few, as nearly as can be seen.
+    /// Black, if many points are black and few are nearly black; or the color that all points have, or all except a
+    /// few, as nearly as can be seen.
     pub color: [u16; 3],
-    /// How far the channels of such points are from it at most.
+    /// Largest distance of such points' channels from the color.
     pub near: u16,
-    /// The stored value of full brightness, as all colors of the file tell it.
+    /// The stored value of full brightness, told by all colors of the file.
     pub white: u16,
-    /// Points that have another one.
+    /// Number of points that have another color.
     pub num_others: usize,
-    /// True if these are drawn by intensity, in greys where others have colors, and not by height.
+    /// True if points without a color are drawn by intensity, false if by height: in grays where others have colors.
     pub by_intensity: bool,
 }
 
 impl Blank {
-    /// Of a file with these colors, if it has one.
+    /// The blank of a file with these colors, if it has one.
     pub(super) fn of(
         colors: &Distribution,
         white: White,
@@ -63,7 +68,7 @@ impl Blank {
             .or_else(|| lacks_where_black(colors, white).then(black))
     }
 
-    /// The color that all points have but a few, as nearly as can be seen.
+    /// The color that all points have except a few, as nearly as can be seen.
     fn of_nearly_all(colors: &Distribution, white: u16, rgb: &[[u16; 3]]) -> Option<Self> {
         let unseen = (u32::from(UNSEEN) * u32::from(white) / 255) as u16;
         // A single point tells nothing by being like all others.
@@ -92,7 +97,7 @@ impl Blank {
         distance(rgb, self.color) <= self.near
     }
 
-    /// True if it is black, which is the same with any white.
+    /// True if the blank is black, which is the same with any white.
     pub(super) fn is_black(&self) -> bool {
         self.color == [0; 3] && self.near == 0
     }
@@ -111,7 +116,7 @@ impl Blank {
         self.color.map(|c| byte(c, self.white))
     }
 
-    /// What is to be said of it, with the file as the subject.
+    /// A sentence about the blank, whose subject is the file.
     fn sentence(&self, num_all: usize) -> Option<String> {
         let Self { color, near, num_others, .. } = *self;
         let same = if near > 0 { "nearly the same" } else { "the same" };
@@ -141,12 +146,12 @@ pub(super) fn part_without(rgb: &[[u16; 3]], known: Option<u16>) -> f64 {
     blank.map_or(0.0, |blank| 1.0 - blank.num_others as f64 / rgb.len() as f64)
 }
 
-/// How far the channels of two colors are apart at most.
+/// Largest difference between the channels of two colors.
 fn distance(a: [u16; 3], b: [u16; 3]) -> u16 {
     a.iter().zip(b).fold(0, |far, (a, b)| far.max(a.abs_diff(b)))
 }
 
-/// True if black is the lack of a color: where most points are, or where many are and next to none nearly.
+/// True if black is the lack of a color: if most points are black, or if many are and next to none is nearly black.
 fn lacks_where_black(colors: &Distribution, white: White) -> bool {
     let (num_all, num_black) = (colors.num_points(), colors.num_black());
     let num_nearly = colors.peaks.between(0, white.least() / NEARLY_BLACK);
@@ -161,8 +166,9 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| u16::from(a.abs_diff(b)) <= UNSEEN)
 }
 
-/// Decides about files of which each has a single color, or nearly. Where these differ, or other files have colors of many
-/// kinds, they tell the files apart and stay; otherwise they tell nothing. Greys are what exporters fill in.
+/// Decides about files that have a single color each, or nearly. Single colors tell the files apart and stay where they
+/// differ, or where other files have colors of many kinds; otherwise they tell nothing. Grays tell nothing either,
+/// because exporters fill them in.
 pub(super) fn settle(scan: &mut Scan) {
     let is_grey = |[r, g, b]: [u8; 3]| are_alike([r, g, b], [g, b, r]);
     let colors = scan.files.iter().filter_map(|file| file.coloring.blank.map(|blank| blank.shown()));
@@ -187,8 +193,8 @@ pub(super) fn settle(scan: &mut Scan) {
     }
 }
 
-/// Finds the greys that the points without a color are drawn in, if others of the file have colors: by intensity, or by
-/// height where that is the same everywhere.
+/// Finds the grays that the points without a color are drawn in, if others of the file have colors: by intensity, or by
+/// height where the intensity is the same everywhere.
 pub(super) fn find_greys(file: &mut ScanFile) {
     let (Some(mut blank), Some(_)) = (file.coloring.blank, file.coloring.source.white()) else { return };
     let num_points = file.points.xyz.len();
@@ -199,7 +205,7 @@ pub(super) fn find_greys(file: &mut ScanFile) {
     file.coloring.blank = Some(blank);
 }
 
-/// The values between which all but the tails lie.
+/// The values between which all lie except the tails.
 fn ends(value: impl Fn(usize) -> f64, num_points: usize) -> [f64; 2] {
     let step = num_points.div_ceil(MOST_VALUES).max(1);
     let mut values: Vec<f64> = (0..num_points).step_by(step).map(value).collect();

@@ -1,4 +1,4 @@
-//! Tests of which points have no color, and what is done about them.
+//! Tests of finding points without a color, and of what is done about them.
 
 use super::*;
 use crate::color::choose;
@@ -40,7 +40,7 @@ fn a_color_that_all_points_have_or_all_but_a_few_is_none() {
     {
         for (num, most) in [(2, 0), (99, 0), (100, 1), (500, 3), (6000, 12), (100_000, 200)] {
             for num_others in [0, 1, most, most + 1, 2 * most + 1] {
-                // The last of the file, and one now and then.
+                // The others are the last points of the file, or one now and then.
                 let step = num / num_others.max(1);
                 let spread = |at: usize| at % step == step / 2 && at / step < num_others;
                 let last = |at: usize| at >= num - num_others;
@@ -49,7 +49,7 @@ fn a_color_that_all_points_have_or_all_but_a_few_is_none() {
                     let rgb: Vec<[u16; 3]> =
                         (0..num).map(|at| if is_other(at) { other } else { color }).collect();
                     let found = blank(&rgb).map(|blank| (blank.color, blank.num_others));
-                    // Black is none, too, where many points are something else.
+                    // Black is no color either where many points have another.
                     let is_none = num_others <= most || color == [0; 3] && 2 * num_others < num;
                     let expected = is_none.then_some((color, num_others));
                     assert_eq!(found, expected, "{color:?}: {num_others} of {num}");
@@ -61,7 +61,7 @@ fn a_color_that_all_points_have_or_all_but_a_few_is_none() {
 
 #[test]
 fn what_is_alike_without_being_the_same_has_colors() {
-    // Snow: overexposed but for some points.
+    // Snow is overexposed except at some points.
     for share in [3, 30, 300] {
         let snow = |at: usize| if at % share == 1 { [250, (at % 200) as u16, 90] } else { [255; 3] };
         assert_eq!(blank(&(0..6000).map(snow).collect::<Vec<_>>()), None, "one in {share}");
@@ -81,7 +81,8 @@ fn colored(made: ScanBuilder, rgb: Vec<[u16; 3]>, stats: &Stats) -> ScanFile {
     file
 }
 
-/// Files of one color each, but for `num_others` points: which of them keep their colors, and how many warnings there are.
+/// Settles files of one color each, except at `num_others` points. Returns which files keep their colors, and the
+/// number of warnings.
 fn settled(colors: &[[u16; 3]], num_others: usize) -> (Vec<bool>, usize) {
     let tile = |rgb| {
         let (mut rgb, xyz) = (vec![rgb; 2000], vec![[0; 3]; 2000]);
@@ -144,7 +145,7 @@ fn the_bits_of_a_few_colors_are_their_own() {
     assert_eq!(source([0; 3], [60_000, 200, 9]), ColorSource::Rgb16);
 }
 
-/// Black at some points, and at the others brightnesses of 255 that `bright` makes of anything from 0 to 1.
+/// Points of which some are black, and the others have brightnesses of 255 that `bright` makes of numbers from 0 to 1.
 fn partly_black(share: f64, bright: impl Fn(f64) -> f64, white: f64) -> Vec<[u16; 3]> {
     let part = |at: usize| {
         let hash = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -189,7 +190,7 @@ fn the_black_of_a_dark_scene_is_a_color() {
             let rgb = partly_black(0.0, bright, white);
             assert_eq!(blank(&rgb), None, "{name}, {white}");
         }
-        // A few black points among bright ones, such as those of a mask's edge, are what they are.
+        // A few black points among bright ones, such as those of a mask's edge, keep their color.
         assert_eq!(blank(&partly_black(0.05, |u| 60.0 + 195.0 * u, white)), None);
     }
 }
@@ -216,7 +217,7 @@ fn colors_that_nobody_can_tell_apart_are_none() {
             }
         }
     }
-    // What can be told apart is a color, if barely.
+    // Colors that can barely be told apart are colors.
     for (low, high) in [([0; 3], [0, 0, 6]), ([65535; 3], [65535, 65535, 64000]), ([10; 3], [16, 10, 10])] {
         let rgb: Vec<[u16; 3]> = (0..2000).map(|at| if at % 2 == 0 { low } else { high }).collect();
         assert!(blank(&rgb).is_none_or(|blank| blank.near == 0), "{low:?} {high:?}");

@@ -5,24 +5,24 @@ use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// Names of units, and metres of one.
+/// Names of units, each with the metres of one.
 const NAMED: [(&str, f64); 5] =
     [("m", 1.0), ("mm", 0.001), ("cm", 0.01), ("ft", FOOT_M), ("us-ft", US_SURVEY_FOOT_M)];
-/// What stands for no unit of the user's.
+/// Name that stands for no unit of the user's.
 const AUTO: &str = "auto";
 
 /// The unit of a file's coordinates: as the file states it, or as the user does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Unit {
-    /// As the file states it.
+    /// The unit that the file states.
     #[default]
     Auto,
-    /// So many metres.
+    /// A unit of this many metres.
     Metres(f64),
 }
 
 impl Unit {
-    /// Metres of one, if the user says so.
+    /// Metres of one unit, if the user says so.
     #[must_use]
     pub fn metres(self) -> Option<f64> {
         match self {
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[derive(Deserialize, Serialize)]
-    struct Setting {
+    struct Document {
         unit: Unit,
     }
 
@@ -117,12 +117,12 @@ mod tests {
             ("\"0.9144\"", Unit::Metres(0.9144)),
             ("2", Unit::Metres(2.0)),
         ] {
-            let read: Setting = toml::from_str(&format!("unit = {text}")).unwrap();
+            let read: Document = toml::from_str(&format!("unit = {text}")).unwrap();
             assert_eq!(read.unit, unit, "{text}");
-            let again: Setting = toml::from_str(&toml::to_string(&read).unwrap()).unwrap();
+            let again: Document = toml::from_str(&toml::to_string(&read).unwrap()).unwrap();
             assert_eq!(again.unit, unit, "{text}");
         }
-        let error = toml::from_str::<Setting>("unit = \"feet\"").err().unwrap().to_string();
+        let error = toml::from_str::<Document>("unit = \"feet\"").err().unwrap().to_string();
         assert!(error.contains("expected `auto`, `m`, `mm`"), "{error}");
     }
 

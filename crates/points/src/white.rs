@@ -1,68 +1,72 @@
-//! How bright a file's white is, told by the distribution of its colors.
+//! Tells how bright a file's white is by the distribution of its colors.
 //!
-//! LAS has 16 bits for a channel and says how many are used nowhere: cameras and exporters write 8, 10, 12 or 16 of
+//! LAS has 16 bits for a channel and nowhere says how many are used: cameras and exporters write 8, 10, 12 or 16 of
 //! them. The largest value would tell, but single values are wrong in many files, and merged files have two whites.
 
 use super::distribution::{Distribution, LESSER_WHITES};
-use super::merged::{LEAST_BRIGHT, LEAST_MIDDLE, Parts, bright};
+use super::merged::{LEAST_BRIGHT, LEAST_MIDDLE, ToldBy, bright};
 
 /// Part of all channels that may lie above the white: such values are wrong.
 const MOST_WRONG: f64 = 0.002;
-/// The same as a part of the channels that are not zero: in a mostly black file, few values are many.
+/// Part of the channels that are not zero that may lie above the white: in a mostly black file, a few values are many.
 const MOST_WRONG_OF_NONZERO: f64 = 0.1;
-/// Part of the channels above 255 that repeat a byte, above which all were made of bytes.
+/// All colors were made of bytes if at least this part of the channels above 255 are bytes, shifted or repeated.
 const MADE_OF_BYTES: f64 = 0.99;
 /// Fewer channels than this are no second distribution.
 const FEWEST_OF_TWO: u64 = 60;
-/// Part of all channels that a second distribution of 8 bits has for its channels alone to tell.
+/// Least part of all channels that a second distribution of 8 bits has, where its channels alone tell it.
 const LARGE_PART: f64 = 0.1;
-/// Fewer points than this, or a lesser part of all, are no second distribution.
+/// Fewer points than this are no second distribution.
 const FEWEST_POINTS_OF_TWO: u64 = 20;
+/// A lesser part of all points than this is no second distribution.
 const LEAST_OF_TWO: f64 = 0.003;
-/// So many times as many points are in the brightest quarter of 8 bits as in what follows up to 319: what thins out towards
-/// 255 and beyond is the noise of black of 16 bits.
+/// Points in the brightest quarter of 8 bits are more than this many times as many as points above, up to 319: points
+/// that thin out towards 255 and beyond are the noise of black of 16 bits.
 const CUT_OFF: u64 = 8;
-/// So many times as many channels from 16 to 255 as from 256 to 511, and few above: those are whites that were rounded up.
+/// Channels from 256 to 511 are whites that were rounded up if channels from 16 to 255 are more than this many times as
+/// many, and few lie above.
 const ROUNDED_UP: u64 = 20;
-/// Where full brightness is cut off, an octave has so many times as many channels as the next.
+/// An octave has at least this many times as many channels as the next where full brightness is cut off.
 const CUT_OFF_OCTAVE: u64 = 50;
-/// Wild values above a white: part of all channels that they may be; what of them is in the next octave; part of the
-/// channels that are not zero that the octave below the white has, if it is one.
+/// Largest part of all channels that may be wild values above a white.
 const MOST_WILD: f64 = 0.05;
+/// Wild values are at least this many times as many as the channels in the octave above the white.
 const WILD_NEXT: u64 = 4;
+/// Least part that the octave below a white has of the channels that are not zero.
 const LEAST_TOP: f64 = 0.1;
-/// Edges at a white: points within a part of it below are at least so large a part of the darker ones, and so many times
-/// as many as above. At a sharp one there is no doubt; a shade of a single scene may look like the other.
+/// A sharp edge at a white, which leaves no doubt.
 const SHARP: Edge = Edge { part: 64, least: 0.005, times: 4 };
+/// A blunt edge at a white, which a shade of a single scene may look like.
 const BLUNT: Edge = Edge { part: 16, least: 0.03, times: 8 };
-/// Part of the points up to the lesser white that may be dark ones of the greater, for single points to tell their white.
+/// Largest part of the points up to the lesser white that may be dark points of the greater, where single points tell
+/// their white.
 const MOST_DOUBTFUL: f64 = 0.05;
 
 /// The stored value that stands for full brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum White {
-    /// The same in the whole file: 255, 1023, 4095 or 65535.
+    /// One white in the whole file: 255, 1023, 4095 or 65535.
     One(u16),
-    /// `low` in some parts of the file, `high` in others.
-    Two { low: u16, high: u16, parts: Parts },
+    /// The white `low` in some parts of the file, `high` in others.
+    Two { low: u16, high: u16, told_by: ToldBy },
 }
 
 impl White {
-    /// The greatest of the file.
+    /// The greatest white of the file.
     pub fn full(self) -> u16 {
         match self {
             Self::One(white) | Self::Two { high: white, .. } => white,
         }
     }
 
-    /// The least of the file.
+    /// The least white of the file.
     pub fn least(self) -> u16 {
         match self {
             Self::One(white) | Self::Two { low: white, .. } => white,
         }
     }
 
-    /// What the reader knows, or else that of colors with this distribution.
+    /// The white that the reader knows, or else that of colors with this distribution.
     pub fn known_or_of(known: Option<u16>, colors: &Distribution) -> Self {
         known.map_or_else(|| Self::of(colors), Self::One)
     }
@@ -78,40 +82,41 @@ impl White {
             _ => u16::MAX,
         };
         let lesser = || LESSER_WHITES.into_iter().filter(|&low| low < high);
-        let two = |low, parts| Self::Two { low, high, parts };
+        let two = |low, told_by| Self::Two { low, high, told_by };
         let merged =
             LESSER_WHITES.into_iter().zip(colors.runs).find(|(low, runs)| *low < high && runs.are_merged());
         if is_two {
             let tiles = merged.is_some_and(|(low, _)| low == 255);
-            return two(255, if tiles { Parts::Tiles } else { Parts::Points });
+            return two(255, if tiles { ToldBy::Tiles } else { ToldBy::Points });
         }
         if is_made_of_bytes(colors) {
             return Self::One(high);
         }
         if let Some((low, _)) = merged {
-            return two(low, Parts::Tiles);
+            return two(low, ToldBy::Tiles);
         }
         if let Some(low) = lesser().find(|&low| has_wild(colors, low)) {
-            return two(low, Parts::Points);
+            return two(low, ToldBy::Points);
         }
-        let edge = lesser().find_map(|low| Some((low, parts_at_edge(colors, low)?)));
-        edge.map_or(Self::One(high), |(low, parts)| two(low, parts))
+        let edge = lesser().find_map(|low| Some((low, told_at_edge(colors, low)?)));
+        edge.map_or(Self::One(high), |(low, told_by)| two(low, told_by))
     }
 }
 
-/// True if so few channels are no proof. A single point is none beside ten.
+/// True if this few channels are no proof. A single point is no proof beside ten.
 fn is_wrong(colors: &Distribution, num_channels: u64) -> bool {
     let (all, nonzero) = (colors.num_channels() as f64, colors.above(0) as f64);
     let few = num_channels as f64 <= (MOST_WRONG * all).max(3.0);
     num_channels == 0 || few && num_channels as f64 <= MOST_WRONG_OF_NONZERO * nonzero
 }
 
-/// True if all are 8 bits, but some of the brightest came out as 256 or a little more.
+/// True if all channels have 8 bits, but some of the brightest came out as 256 or a little more.
 fn is_rounded_up(colors: &Distribution) -> bool {
     is_wrong(colors, colors.above(511)) && colors.between(15, 255) > ROUNDED_UP * colors.between(255, 511)
 }
 
-/// True if full brightness is cut off at this white. Next to nothing follows then; the highlights of a dark scan thin out.
+/// True if full brightness is cut off at this white, so that next to nothing follows. The highlights of a dark scan
+/// thin out instead.
 fn ends(colors: &Distribution, white: u16) -> bool {
     is_wrong(colors, colors.above(white)) && is_cut_off(colors, white)
 }
@@ -121,12 +126,12 @@ fn is_cut_off(colors: &Distribution, white: u16) -> bool {
     next <= 3 + top / CUT_OFF_OCTAVE
 }
 
-/// Channels of the octave below a white, and of that above.
+/// Number of channels in the octave below a white, and in the octave above.
 fn octaves(colors: &Distribution, white: u16) -> [u64; 2] {
     [colors.between(white / 2, white), colors.between(white, 2 * white + 1)]
 }
 
-/// True if full brightness is cut off at this white, but for some wild values far above.
+/// True if full brightness is cut off at this white, except for some wild values far above.
 fn has_wild(colors: &Distribution, white: u16) -> bool {
     let [top, next] = octaves(colors, white);
     let beyond = colors.above(2 * white + 1);
@@ -136,19 +141,20 @@ fn has_wild(colors: &Distribution, white: u16) -> bool {
         && top as f64 >= LEAST_TOP * colors.above(0) as f64
 }
 
-/// True if points of 8 and of 16 bits are mixed: then there is a valley between what is dark to bright of 8 bits
-/// and what is bright of 16, at what is almost black of 16. A single scene has its values side by side.
+/// True if points of 8 and of 16 bits are mixed. There is then a valley between the values of 8 bits, from dark to
+/// bright, and the bright values of 16, where values of 16 bits are almost black. A single scene has its values side by
+/// side.
 fn has_two(colors: &Distribution) -> bool {
     let (low, valley, high) = (colors.between(15, 255), colors.between(255, 1023), colors.above(4095));
     let are_many = low >= FEWEST_OF_TWO && !is_wrong(colors, low) && !is_wrong(colors, high);
-    // Bytes made 16 bits have nothing below 256 of their own.
+    // Bytes that were made 16 bits have no values of their own below 256.
     let is_large = low as f64 >= LARGE_PART * colors.num_channels() as f64;
     let is_valley = is_large && low > 2 * valley && high > valley || is_made_of_bytes(colors);
     are_many && is_valley || has_few_of_two(colors)
 }
 
-/// The same where one kind is a small part. Its channels drown among the dark channels of bright points; its points
-/// do not, since few points are dark in all channels.
+/// True if points of 8 and of 16 bits are mixed and one kind is a small part. Its channels drown among the dark
+/// channels of bright points, but its points do not, since few points are dark in all channels.
 fn has_few_of_two(colors: &Distribution) -> bool {
     let peaks = &colors.peaks;
     let (low, bright, next) =
@@ -170,7 +176,8 @@ fn is_made_of_bytes(colors: &Distribution) -> bool {
     colors.num_bytes() as f64 >= MADE_OF_BYTES * colors.above(255) as f64
 }
 
-/// What the points near a white are like if it is that of some points.
+/// An edge at a white in the distribution of points. Points below, within the white divided by `part`, are at least
+/// `least` of all points up to the white, and more than `times` as many as the points above.
 struct Edge {
     part: u16,
     least: f64,
@@ -178,13 +185,13 @@ struct Edge {
 }
 
 impl Edge {
-    /// Points that are so near to a white: below, and above.
+    /// Number of points this near to a white, below and above.
     fn beside(&self, colors: &Distribution, white: u16) -> [u64; 2] {
         let width = (white + 1) / self.part;
         [colors.peaks.between(white - width, white), colors.peaks.between(white, white + width)]
     }
 
-    /// True if of `num_low` points up to a white many are near to it, and few above.
+    /// True if many of the `num_low` points up to a white are near to it, and few are above.
     fn is_at(&self, colors: &Distribution, white: u16, num_low: u64) -> bool {
         let [below, above] = self.beside(colors, white);
         below >= FEWEST_POINTS_OF_TWO
@@ -193,9 +200,9 @@ impl Edge {
     }
 }
 
-/// Whether some points, from dark to bright, end at this white as if cut off, although others go on; and whether single
-/// points tell which of the two they are.
-fn parts_at_edge(colors: &Distribution, white: u16) -> Option<Parts> {
+/// How points are told apart if some of them, from dark to bright, end at this white as if cut off, although others go
+/// on. `None` if none do.
+fn told_at_edge(colors: &Distribution, white: u16) -> Option<ToldBy> {
     let peaks = &colors.peaks;
     let low = peaks.between(white / 16, white);
     let part = |num: u64, least: f64| num as f64 >= least * low as f64;
@@ -205,13 +212,13 @@ fn parts_at_edge(colors: &Distribution, white: u16) -> Option<Parts> {
         return None;
     }
     let is_sharp = SHARP.is_at(colors, white, low);
-    // As many at each value as there are just above the edge.
+    // Points of the greater white may be as many at each value as there are just above the edge.
     let num_doubtful = u64::from(BLUNT.part) * BLUNT.beside(colors, white)[1];
     let is_clear = num_doubtful as f64 <= MOST_DOUBTFUL * peaks.between(0, white) as f64;
     (is_sharp || BLUNT.is_at(colors, white, low)).then_some(if is_sharp && is_clear {
-        Parts::Points
+        ToldBy::Points
     } else {
-        Parts::Unknown
+        ToldBy::Unknown
     })
 }
 

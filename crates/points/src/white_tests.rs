@@ -2,10 +2,10 @@
 
 use super::*;
 
-/// Colors of a scene: what 16-bit channels would be, `darkness` of full brightness at most, some of it cut off.
+/// Colors of a scene, from 0 to `darkness`, of which some are cut off.
 fn scene(num_points: usize, darkness: f64) -> Vec<[f64; 3]> {
     let channel = |at: usize| {
-        // Anything that is not regular: a multiplicative hash.
+        // `u` looks irregular: a multiplicative hash.
         let hash = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let u = (hash >> 40) as f64 / (1u64 << 24) as f64;
         // Dark values are frequent, and the brightest twentieth is cut off.
@@ -49,13 +49,13 @@ fn spoilt(mut rgb: Vec<[u16; 3]>, step: usize, color: impl Fn(usize) -> [u16; 3]
 fn the_white_is_that_of_the_writer_whatever_the_outliers_the_darkness_and_the_share_of_black() {
     let num_points = 20_000;
     for (name, write, right) in WRITERS {
-        // Down to what the next smaller white could be, too.
+        // The darkest scene could be of the next smaller white, too.
         let darkest = if right == 65535 { 0.1 } else { 0.5 };
         for darkness in [1.0, 0.7, darkest] {
             for black in [0, 2, 10, 50] {
                 for outliers in [usize::MAX / 2, num_points, 1000] {
                     let mut rgb = written(&scene(num_points, darkness), write);
-                    // All but every `black`-th point.
+                    // All points become black except every `black`-th.
                     rgb.iter_mut()
                         .enumerate()
                         .filter(|(at, _)| black > 0 && at % black > 0)
@@ -87,7 +87,7 @@ fn a_dark_scan_of_16_bits_with_highlights_is_not_12_bits() {
     };
     let rgb: Vec<[u16; 3]> = (0..20_000).map(|at| [3 * at, 3 * at + 1, 3 * at + 2].map(dark)).collect();
     assert_eq!(white(&rgb), White::One(65535));
-    // Dark to the last byte: what is made of bytes is of 16 bits.
+    // Colors made of bytes are of 16 bits, however dark.
     let dim = written(&scene(20_000, 0.01), WRITERS[5].1);
     assert!(dim.iter().flatten().all(|&c| c < 1023));
     assert_eq!(white(&dim), White::One(65535));
@@ -117,7 +117,7 @@ fn a_small_part_of_the_other_bits_is_seen() {
                 for (eight, sixteen) in [(few, all as usize - few), (all as usize - few, few)] {
                     let mut rgb = written(&scene(eight, darkness), WRITERS[0].1);
                     rgb.extend(written(&scene(sixteen, darkness), WRITERS[writer].1));
-                    // As one tile behind the other, and all among each other.
+                    // Points come as one tile behind the other, then mixed.
                     let case = format!("{eight}, {sixteen}, {darkness}, {}", WRITERS[writer].0);
                     assert!(are_two(&rgb, 255, 65535), "{case}: {:?}", white(&rgb));
                     let mixed: Vec<[u16; 3]> = (0..rgb.len()).map(|at| rgb[at * 7919 % rgb.len()]).collect();
@@ -130,7 +130,7 @@ fn a_small_part_of_the_other_bits_is_seen() {
 
 #[test]
 fn the_noise_of_black_is_no_second_distribution() {
-    // splitmix64.
+    // The hash is splitmix64.
     let part = |at: usize| {
         let z = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -177,7 +177,7 @@ fn a_handful_of_points_is_believed() {
     }
 }
 
-/// Points one behind the other, in an order that has nothing to do with them.
+/// The points in an order that has nothing to do with them.
 fn shuffled(rgb: &[[u16; 3]]) -> Vec<[u16; 3]> {
     (0..rgb.len()).map(|at| rgb[at * 7919 % rgb.len()]).collect()
 }
@@ -197,7 +197,7 @@ fn two_whites_are_found_whichever_they_are_and_however_they_are_merged() {
                 let mut rgb = written(&all[..num_low], write_low);
                 rgb.extend(written(&all[num_low..], write_high));
                 let case = format!("{num_low} of {low}, {num_high} of {high}");
-                let tiles = White::Two { low, high, parts: Parts::Tiles };
+                let tiles = White::Two { low, high, told_by: ToldBy::Tiles };
                 assert!(
                     white(&rgb) == tiles || low == 255 && high == 65535 && are_two(&rgb, low, high),
                     "{case}: {:?}",
@@ -212,21 +212,21 @@ fn two_whites_are_found_whichever_they_are_and_however_they_are_merged() {
 
 #[test]
 fn single_points_do_not_tell_their_white_where_dark_ones_may_be_of_either() {
-    let parts = |low: fn(f64) -> u16, high: fn(f64) -> u16, grey: bool| {
+    let told_by = |low: fn(f64) -> u16, high: fn(f64) -> u16, grey: bool| {
         let tone = |rgb: [f64; 3]| if grey { [rgb[0].sqrt(); 3] } else { rgb };
         let all: Vec<[f64; 3]> = scene(20_000, 1.0).into_iter().map(tone).collect();
         let mut rgb = written(&all[..10_000], low);
         rgb.extend(written(&all[10_000..], high));
         match white(&shuffled(&rgb)) {
-            White::Two { parts, .. } => parts,
+            White::Two { told_by, .. } => told_by,
             White::One(white) => panic!("{white}"),
         }
     };
     // Few points are dark in all channels, if these have nothing to do with each other.
-    assert_eq!(parts(BITS[0].1, BITS[2].1, false), Parts::Points);
-    assert_eq!(parts(BITS[0].1, BITS[3].1, true), Parts::Points);
-    assert_eq!(parts(BITS[0].1, BITS[1].1, true), Parts::Unknown);
-    assert_eq!(parts(BITS[0].1, BITS[2].1, true), Parts::Unknown);
+    assert_eq!(told_by(BITS[0].1, BITS[2].1, false), ToldBy::Points);
+    assert_eq!(told_by(BITS[0].1, BITS[3].1, true), ToldBy::Points);
+    assert_eq!(told_by(BITS[0].1, BITS[1].1, true), ToldBy::Unknown);
+    assert_eq!(told_by(BITS[0].1, BITS[2].1, true), ToldBy::Unknown);
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn wild_values_far_above_leave_the_others_as_bright_as_they_are() {
                 let rgb = written(&scene(20_000, darkness), write);
                 let wild = |at: usize| [0, 1, 2].map(|c| ((at + 1) * 40_503 + c * 17_321) as u16);
                 let rgb = spoilt(rgb, step, wild);
-                let right = White::Two { low, high: 65535, parts: Parts::Points };
+                let right = White::Two { low, high: 65535, told_by: ToldBy::Points };
                 assert_eq!(white(&rgb), right, "{low} ({at}), darkness {darkness}, every {step}th");
             }
         }
@@ -246,7 +246,7 @@ fn wild_values_far_above_leave_the_others_as_bright_as_they_are() {
 
 #[test]
 fn a_scene_of_one_white_stays_of_one() {
-    // splitmix64.
+    // The hash is splitmix64.
     let part = |at: usize| {
         let z = (at as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -254,7 +254,7 @@ fn a_scene_of_one_white_stays_of_one() {
         (((z ^ z >> 31) >> 40) as f64 / (1u64 << 24) as f64).max(1e-9)
     };
     let bell = |at: usize| (-2.0 * part(at).ln()).sqrt() * (std::f64::consts::TAU * part(at + 99_991)).cos();
-    // A dark material somewhere about the lesser whites, of a spread of its own, and a scene in light or beside shadows.
+    // A dark material has a shade near the lesser whites and a spread of its own; the scene around it is bright or dim.
     for (bits, shades) in [
         (1, &[150.0, 190.0, 230.0, 250.0][..]),
         (2, &[150.0, 190.0, 230.0, 250.0, 700.0, 900.0, 1000.0]),
@@ -278,7 +278,7 @@ fn a_scene_of_one_white_stays_of_one() {
             }
         }
     }
-    // Night, and lamps in it.
+    // The scene is a night with lamps in it.
     for scale in [250.0, 400.0, 659.0, 1200.0, 3000.0] {
         for step in [20, 50, 100, 1000] {
             let night = |at: usize| [0, 1, 2].map(|c| (-scale * part(3 * at + c).ln()).min(65535.0) as u16);

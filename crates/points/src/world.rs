@@ -1,7 +1,8 @@
-//! From the files' coordinates to the world that is drawn: z up, one scale on all axes, lengths and no angles.
+//! Converts the files' coordinates to those of the world that is drawn: z up, one scale on all axes, lengths and no
+//! angles.
 //!
-//! Files with lengths keep their stored integers: turning and scaling change the grid only. Those on the earth are
-//! put onto a new grid, along axes east, north and up about the scan's middle that all files of the scan share.
+//! Files with lengths keep their stored integers: turning and scaling change the grid only. Files on the earth are put
+//! onto a new grid, along axes east, north and up about the scan's middle that all files of the scan share.
 
 use super::crs::{Angle, Axes};
 use super::earth::{Geodetic, LocalFrame};
@@ -14,52 +15,52 @@ use rayon::prelude::*;
 
 /// Units that differ by less are one: a foot and a US survey foot are, for what can be seen.
 const SAME_UNIT: f64 = 1e-5;
-/// Points of a file that are looked at to find the scan's middle.
+/// Most points of a file that are looked at to find the scan's middle.
 const MOST_SAMPLES: usize = 1 << 14;
-/// Points of a task for a core.
+/// Points that are a task for a core.
 const BLOCK: usize = 1 << 16;
 
 /// Which files are put from the earth onto axes east, north and up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Project {
-    /// Those whose coordinate system says so, and those without one whose coordinates leave no doubt.
+    /// Files whose coordinate system says so, and files without one whose coordinates leave no doubt.
     #[default]
     Auto,
-    /// None: coordinates are drawn as they are.
+    /// No files: coordinates are drawn as they are.
     Off,
-    /// All: x and y are longitude and latitude in degrees, whatever the files say.
+    /// All files: x and y are longitude and latitude in degrees, whatever the files say.
     Degrees,
-    /// All: x, y and z are lengths from the earth's centre, whatever the files say.
+    /// All files: x, y and z are lengths from the earth's centre, whatever the files say.
     Geocentric,
 }
 
 /// How a file's coordinates become those of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WorldFromFile {
-    /// By axes that are exchanged and lengths that are scaled.
+    /// Axes are exchanged and lengths are scaled.
     Axes {
         /// The file's axis that becomes z.
         up: UpAxis,
-        /// World units a unit across.
+        /// World units per unit across.
         across_scale: f64,
-        /// And one of height.
+        /// World units per unit of height.
         height_scale: f64,
     },
     /// Longitude, latitude and height.
     Geographic {
         /// Unit of x and y.
         angle: Angle,
-        /// x is the latitude, y the longitude.
+        /// True if x is the latitude and y the longitude.
         latitude_first: bool,
-        /// Metres a unit of z.
+        /// Metres per unit of z.
         height_m: f64,
         /// The world's axes.
         frame: LocalFrame,
     },
     /// Lengths from the earth's centre.
     Geocentric {
-        /// Metres a unit.
+        /// Metres per unit.
         unit_m: f64,
         /// The world's axes.
         frame: LocalFrame,
@@ -67,14 +68,14 @@ pub enum WorldFromFile {
 }
 
 impl Default for WorldFromFile {
-    /// As the file has them.
+    /// The file's coordinates as they are.
     fn default() -> Self {
         Self::Axes { up: UpAxis::Z, across_scale: 1.0, height_scale: 1.0 }
     }
 }
 
 impl WorldFromFile {
-    /// A place of the file in the world.
+    /// Converts a place in the file to one in the world.
     #[must_use]
     pub fn p_in_world(&self, p_in_file: DVec3) -> DVec3 {
         match self {
@@ -87,8 +88,8 @@ impl WorldFromFile {
         }
     }
 
-    /// A direction along the file's axes as one along the world's. Longitude, latitude and height are directions east,
-    /// north and up.
+    /// Converts a direction along the file's axes to one along the world's. Longitude, latitude and height are
+    /// directions east, north and up.
     #[must_use]
     pub fn direction_in_world(&self, direction_in_file: DVec3) -> DVec3 {
         match self {
@@ -108,7 +109,7 @@ impl WorldFromFile {
         }
     }
 
-    /// Metres a unit of length of what is on the earth; for angles, of height.
+    /// Metres per unit of length of a file on the earth; per unit of height, if it has angles.
     fn scale(&self) -> f64 {
         match self {
             Self::Axes { .. } => 1.0,
@@ -118,7 +119,7 @@ impl WorldFromFile {
 }
 
 impl Axes {
-    /// Metres from the earth's centre, of coordinates on the earth.
+    /// Converts coordinates on the earth to metres from the earth's centre.
     fn geocentric(self, p_in_file: DVec3, unit_m: f64) -> DVec3 {
         let (angle, longitude, latitude) = match self {
             Self::Planar | Self::Geocentric => return p_in_file * unit_m,
@@ -178,10 +179,11 @@ struct Units {
 }
 
 impl Units {
-    /// As the user states them, or else the file. What the user says of all axes holds for heights too.
+    /// The units that the user states, or else the file. A unit that the user states for all axes holds for heights
+    /// too.
     fn of(header: &Header, axes: Axes, options: &ReadOptions) -> Self {
         let (unit_m, vertical_m) = (options.unit.metres(), options.vertical_unit.metres());
-        // Who states a unit of heights only, has metres across, unless the file says otherwise.
+        // A user who states only a unit of heights has metres across, unless the file says otherwise.
         let metre = vertical_m.map(|_| 1.0);
         // A map's unit says nothing of places on the earth.
         let in_file_m = header.unit_m.filter(|_| axes == Axes::Planar || header.axes != Some(Axes::Planar));
@@ -191,15 +193,15 @@ impl Units {
         }
     }
 
-    /// Units of the world, which are so many metres, a unit across and of height of planar axes. What is not known is taken
-    /// for the world's.
+    /// World units, of `world_m` metres each, per unit across and per unit of height of planar axes. A unit that is not
+    /// known is taken for the world's.
     fn planar(&self, world_m: Option<f64>) -> [f64; 2] {
         let (Some(across), Some(world)) = (self.across_m, world_m) else { return [1.0; 2] };
         let ratio = |own: f64| if (own / world - 1.0).abs() > SAME_UNIT { own / world } else { 1.0 };
         [ratio(across), ratio(self.up_m.unwrap_or(across))]
     }
 
-    /// Metres a unit of lengths of coordinates on the earth.
+    /// Metres per unit of the lengths of coordinates on the earth.
     fn scale(&self, axes: Axes) -> f64 {
         match axes {
             Axes::Planar => 1.0,
@@ -215,7 +217,7 @@ pub(super) fn samples(file: &ScanFile) -> impl Iterator<Item = DVec3> {
     file.points.xyz.iter().step_by(step).map(|&xyz| file.grid.p_in_world(xyz))
 }
 
-/// Half of the points lie on each side, along each axis: strays do not move it.
+/// The median along each axis, which strays do not move.
 pub(super) fn median(points: Vec<DVec3>) -> DVec3 {
     let along = |axis: usize| {
         let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
@@ -225,7 +227,7 @@ pub(super) fn median(points: Vec<DVec3>) -> DVec3 {
     DVec3::new(along(0), along(1), along(2))
 }
 
-/// The middle of files on the earth, each with its axes and metres a unit.
+/// The middle of files on the earth, each with its axes and metres per unit.
 fn middle<'a>(files: impl Iterator<Item = (&'a ScanFile, Axes, f64)>) -> Geodetic {
     let places =
         files.flat_map(|(file, axes, unit_m)| samples(file).map(move |p| axes.geocentric(p, unit_m)));
@@ -240,7 +242,7 @@ fn regrid(file: &mut ScanFile) {
     }
     let WorldFromFile::Axes { up, across_scale, height_scale } = world_from_file else { return };
     let Grid { scale, offset } = file.grid;
-    // The sign is the scale's: a negated coordinate might not fit.
+    // The scale takes the sign, because a negated coordinate might not fit.
     file.grid = Grid { scale: world_from_file.p_in_world(scale), offset: world_from_file.p_in_world(offset) };
     if up != UpAxis::Z {
         file.points.xyz.par_iter_mut().for_each(|p| p.swap(1, 2));
@@ -249,8 +251,8 @@ fn regrid(file: &mut ScanFile) {
     rebound(file);
 }
 
-/// Puts a file's points from the earth onto a new grid along the world's axes, made for its scene; how many are too far
-/// away to be held by it and were left out.
+/// Puts a file's points from the earth onto a new grid along the world's axes, made for its scene. Returns how many
+/// points were left out because they are too far away for the grid.
 fn project(file: &mut ScanFile) -> usize {
     let (world_from_file, grid) = (file.world_from_file, file.grid);
     let place = |xyz: [i32; 3]| world_from_file.p_in_world(grid.p_in_world(xyz));
@@ -278,18 +280,18 @@ fn is_far_anywhere(fitted: &FittedGrid, bounds: &Bounds) -> bool {
     !fitted.holds(&bounds.min.to_array()) || !fitted.holds(&bounds.max.to_array())
 }
 
-/// Normals along the world's axes. Those of a scaled surface lean the other way: `scale` is the reciprocal.
+/// Turns normals to the world's axes. Normals of a scaled surface lean the other way, so `scale` is the reciprocal.
 fn turn_normals(file: &mut ScanFile, scale: DVec3) {
     let world_from_file = file.world_from_file;
     file.points.normals.par_iter_mut().for_each(|normal| {
         let turned = world_from_file.direction_in_world(DVec3::from_array(normal.map(f64::from))) * scale;
-        // Where all is as long as before, keep the last bit.
+        // Normals keep their last bit where all is as long as before.
         let turned = if scale == DVec3::ONE { turned } else { turned.normalize() };
         *normal = turned.as_vec3().to_array();
     });
 }
 
-/// The box again, of the points as they now are.
+/// Finds the file's box again, of the points as they now are.
 fn rebound(file: &mut ScanFile) {
     let grid = file.grid;
     let box_of = |block: &[[i32; 3]]| {
@@ -312,7 +314,7 @@ fn of_units(scan: &Scan, units: &[Units]) -> Vec<String> {
     scan.files.iter().zip(units).filter_map(sentence).collect()
 }
 
-/// What was done, once for the scan, and where the rest is odd.
+/// Sentences about what was done, once for the scan, and about files that do not fit.
 fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geodetic) -> Vec<String> {
     let mut sentences = Vec::new();
     let all = || scan.files.iter().zip(headers);

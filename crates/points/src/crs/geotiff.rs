@@ -3,7 +3,7 @@
 use super::units::{angle, length_m};
 use super::{Angle, Axes, Crs};
 
-/// From GeoTIFF keys: the key directory, its numbers, its texts.
+/// Reads a coordinate system from GeoTIFF keys: the key directory, its numbers and its texts.
 pub(crate) fn from_geotiff(keys: &[u8], doubles: &[u8], texts: &[u8]) -> Crs {
     let u16_at = |at: usize| keys.get(at..at + 2).map(|b| u16::from_le_bytes([b[0], b[1]]));
     let entries = usize::from(u16_at(6).unwrap_or(0)).min(keys.len() / 8);

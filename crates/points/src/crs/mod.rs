@@ -1,5 +1,5 @@
-//! Coordinate systems as scans name them: GeoTIFF keys or well-known text, to a name, axes and units. What a file
-//! leaves out, the EPSG's register says by the system's number.
+//! Coordinate systems as scans name them, by GeoTIFF keys or well-known text, read into a name, axes and units. The
+//! EPSG's register says by the system's number what a file leaves out.
 
 mod geotiff;
 mod units;
@@ -20,7 +20,7 @@ pub enum Axes {
     Planar,
     /// Longitude, latitude and a height.
     Geographic(Angle),
-    /// Latitude, longitude and a height. No system here says so; some files have it.
+    /// Latitude, longitude and a height. No coordinate system is read as this, but some files store it.
     LatitudeFirst(Angle),
     /// Lengths from the earth's centre: to longitude 0 on the equator, to 90 degrees east, to the north pole.
     Geocentric,
@@ -29,16 +29,16 @@ pub enum Axes {
 /// A unit of angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Angle {
-    /// 360 are a turn.
+    /// A turn has 360.
     Degree,
-    /// 400 are a turn.
+    /// A turn has 400.
     Gradian,
-    /// 2 π are a turn.
+    /// A turn has 2 π.
     Radian,
 }
 
 impl Angle {
-    /// Radians of one.
+    /// Radians of one unit.
     #[must_use]
     pub fn radians(self) -> f64 {
         match self {
@@ -48,7 +48,7 @@ impl Angle {
         }
     }
 
-    /// For people: "degree".
+    /// Name for people: "degree".
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Degree => "degree",
@@ -57,25 +57,25 @@ impl Angle {
         }
     }
 
-    /// The unit that is about so many radians: files round the number. Degrees unless another fits.
+    /// The unit that is about this many radians, which files round. Degrees unless another unit fits.
     fn of_radians(radians: Option<f64>) -> Self {
         let fits = |unit: &Self| radians.is_some_and(|value| (value / unit.radians() - 1.0).abs() < 0.01);
         [Self::Gradian, Self::Radian].into_iter().find(fits).unwrap_or(Self::Degree)
     }
 }
 
-/// What could be found out.
+/// What could be found out about a coordinate system.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Crs {
-    /// For people: "EPSG:26910, NAD83 / UTM zone 10N".
+    /// Name for people: "EPSG:26910, NAD83 / UTM zone 10N".
     pub name: Option<String>,
-    /// Metres a unit of x and y; `None` for angles too.
+    /// Metres per unit of x and y; `None` also for angles.
     pub unit_m: Option<f64>,
-    /// Metres a unit of height, where that is stated by itself.
+    /// Metres per unit of height, where that is stated by itself.
     pub vertical_unit_m: Option<f64>,
-    /// What the coordinates are.
+    /// What x, y and z are.
     pub axes: Option<Axes>,
-    /// The unit of angles is not stated: degrees were taken.
+    /// True if the unit of angles is not stated, so that degrees were taken.
     lacks_angle: bool,
     code: Option<u32>,
     vertical_code: Option<u32>,
@@ -97,12 +97,12 @@ impl Crs {
         Self { name, unit_m, vertical_unit_m, axes: Some(axes), code, ..Self::default() }
     }
 
-    /// With what the register says of the numbers, where the file says nothing itself.
+    /// Adds what the register says by the numbers, where the file says nothing itself.
     fn or_registered(self) -> Self {
         let system = self.code.and_then(registered).unwrap_or_default();
         let vertical = self.vertical_code.and_then(registered).unwrap_or_default();
-        // A number of a geocentric system counts more than the kind that a file calls it, and tells an angle that it does not
-        // name.
+        // The number of a geocentric system counts more than the kind that the file states. A number also tells the
+        // unit of angle where the file names none.
         let counts_more = |axes: &Axes| match axes {
             Axes::Geocentric => true,
             Axes::Geographic(_) | Axes::LatitudeFirst(_) => self.lacks_angle,
@@ -119,7 +119,7 @@ impl Crs {
         }
     }
 
-    /// With what `other` says, where this says nothing.
+    /// Adds what `other` says, where this says nothing.
     pub fn or(self, other: Self) -> Self {
         if self.name.is_none() && self.unit_m.is_none() && self.axes.is_none() {
             return Self { vertical_unit_m: self.vertical_unit_m.or(other.vertical_unit_m), ..other };
@@ -144,7 +144,7 @@ fn named_with(code: Option<u32>, name: Option<String>) -> Option<String> {
     }
 }
 
-/// A length in metres that makes sense, feet to their last digit: files round them.
+/// Returns a length in metres if it makes sense. Feet get back the last digits that files round off.
 fn length(metres: f64) -> Option<f64> {
     let close = |unit: &f64| (metres / unit - 1.0).abs() < 1e-7;
     let unit_m = [FOOT_M, US_SURVEY_FOOT_M].into_iter().find(close).unwrap_or(metres);

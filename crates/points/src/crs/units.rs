@@ -2,8 +2,8 @@
 
 use super::{Angle, FOOT_M, US_SURVEY_FOOT_M};
 
-/// Feet of several times and countries: metres of one, and the numbers of the foot, the yard (3 feet), the chain (66) and the
-/// link (a hundredth of a chain). 0: it has none.
+/// Feet of several times and countries: metres of one foot, and the numbers of the foot, the yard (3 feet), the chain
+/// (66 feet) and the link (a hundredth of a chain). 0 stands for no number.
 const FEET: [(f64, [u16; 4]); 14] = [
     (FOOT_M, [9002, 9096, 9097, 9098]),
     (US_SURVEY_FOOT_M, [9003, 0, 9033, 9034]),
@@ -11,23 +11,23 @@ const FEET: [(f64, [u16; 4]); 14] = [
     (12.000_458_4 / 39.37, [9004, 0, 0, 0]),
     // Clarke.
     (0.304_797_265_4, [9005, 9037, 9038, 9039]),
-    // Sears 1922, also truncated.
+    // Sears 1922, and its truncated form.
     (12.0 / 39.370_147, [9041, 9040, 9042, 9043]),
     (0.914_398 / 3.0, [9300, 9099, 9301, 9302]),
-    // Benoit 1895 A, B.
+    // Benoit 1895 A and B.
     (0.914_399_2 / 3.0, [9051, 9050, 9052, 9053]),
     (12.0 / 39.370_113, [9061, 9060, 9062, 9063]),
-    // British 1865, 1936; Gold Coast.
+    // British 1865, British 1936, Gold Coast.
     (0.914_402_5 / 3.0, [9070, 0, 0, 0]),
     (0.304_800_749_1, [9095, 0, 0, 0]),
     (6_378_300.0 / 20_926_201.0, [9094, 0, 0, 0]),
-    // Indian: from of old, 1937, 1962; below 1975.
+    // Indian, Indian 1937, Indian 1962; Indian 1975 is in [`OTHERS`].
     (12.0 / 39.370_142, [9080, 9084, 0, 0]),
     (0.304_798_41, [9081, 9085, 0, 0]),
     (0.304_799_6, [9082, 9086, 0, 0]),
 ];
 
-/// Metres of all others.
+/// Metres of all other units of length.
 const OTHERS: [(u16, f64); 11] = [
     (1025, 0.001),
     (1033, 0.01),
@@ -43,7 +43,7 @@ const OTHERS: [(u16, f64); 11] = [
     (9093, 5280.0 * FOOT_M),
 ];
 
-/// Numbers of the first version of GeoTIFF that the register gave up, and those that mean the same.
+/// Numbers from the first version of GeoTIFF that the register gave up, each with the number that means the same.
 const OLDER: [(u16, u16); 8] = [
     (9006, 9080),
     (9008, 9053),
@@ -55,7 +55,7 @@ const OLDER: [(u16, u16); 8] = [
     (9015, 9030),
 ];
 
-/// Metres of a unit of length.
+/// Metres of the unit of length with this number.
 pub(super) fn length_m(number: u16) -> Option<f64> {
     let number = OLDER.iter().find(|(older, _)| *older == number).map_or(number, |(_, newer)| *newer);
     let of_feet = FEET.iter().flat_map(|(foot_m, numbers)| {
@@ -65,7 +65,7 @@ pub(super) fn length_m(number: u16) -> Option<f64> {
     of_feet.chain(OTHERS).find(|(known, _)| *known == number && number != 0).map(|(_, metres)| metres)
 }
 
-/// A unit of angle.
+/// The unit of angle with this number.
 pub(super) fn angle(number: u16) -> Option<Angle> {
     match number {
         9101 => Some(Angle::Radian),

@@ -2,50 +2,50 @@
 
 use super::{Angle, Axes, Crs, length};
 
-/// What could be understood of it.
+/// Reads a coordinate system from well-known text, and looks up its codes.
 pub(crate) fn from_wkt(bytes: &[u8]) -> Crs {
     read(bytes).or_registered()
 }
 
-/// The same without looking codes up.
+/// Reads a coordinate system from well-known text, without looking up its codes.
 pub(super) fn read(bytes: &[u8]) -> Crs {
     let root = parse(&String::from_utf8_lossy(bytes));
-    let is_vertical = |node: &Node| matches!(node.keyword.as_str(), "VERT_CS" | "VERTCRS" | "VERTICALCRS");
+    let is_vertical = |node: &WktNode| matches!(node.keyword.as_str(), "VERT_CS" | "VERTCRS" | "VERTICALCRS");
     let vertical = root.find(&is_vertical);
-    let vertical_unit_m = vertical.and_then(Node::unit_m).and_then(length);
-    let Some(system) = root.find(&|node| Kind::of(&node.keyword).is_some()) else {
+    let vertical_unit_m = vertical.and_then(WktNode::unit_m).and_then(length);
+    let Some(system) = root.find(&|node| SystemKind::of(&node.keyword).is_some()) else {
         return Crs { vertical_unit_m, ..Crs::default() };
     };
     let code = system.code();
     let is = |kind: &str| system.child(&["CS"]).is_some_and(|cs| cs.text(0).eq_ignore_ascii_case(kind));
-    let axes = match Kind::of(&system.keyword) {
-        Some(Kind::Earth) if is("Cartesian") => Axes::Geocentric,
-        Some(Kind::Earth) => Axes::Geographic(system.angle()),
-        Some(Kind::Geocentric) => Axes::Geocentric,
+    let axes = match SystemKind::of(&system.keyword) {
+        Some(SystemKind::Earth) if is("Cartesian") => Axes::Geocentric,
+        Some(SystemKind::Earth) => Axes::Geographic(system.angle()),
+        Some(SystemKind::Geocentric) => Axes::Geocentric,
         _ if is("ellipsoidal") => Axes::Geographic(system.angle()),
         _ => Axes::Planar,
     };
     // A third axis of the system itself is its height.
     let third = system.children.iter().filter(|child| child.keyword == "AXIS").nth(2);
     let vertical_unit_m =
-        vertical_unit_m.or_else(|| third.and_then(Node::unit_m).filter(|_| axes != Axes::Geocentric));
+        vertical_unit_m.or_else(|| third.and_then(WktNode::unit_m).filter(|_| axes != Axes::Geocentric));
     let name = Some(system.text(0).to_owned());
     Crs {
         lacks_angle: system.angle_radians().is_none(),
-        vertical_code: vertical.and_then(Node::code),
+        vertical_code: vertical.and_then(WktNode::code),
         ..Crs::new(code, name, axes, system.unit_m(), vertical_unit_m)
     }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum SystemKind {
     Planar,
     Geocentric,
-    /// Angles, or in version 2 geocentric if its axes are Cartesian.
+    /// Geographic, or in version 2 geocentric if its axes are Cartesian.
     Earth,
 }
 
-impl Kind {
+impl SystemKind {
     fn of(keyword: &str) -> Option<Self> {
         match keyword {
             "PROJCS" | "PROJCRS" | "PROJECTEDCRS" | "LOCAL_CS" | "ENGCRS" | "ENGINEERINGCRS" => {
@@ -60,20 +60,20 @@ impl Kind {
 
 /// `KEYWORD["text", 1.0, CHILD[...]]`; texts and numbers are both texts here.
 #[derive(Debug, Default)]
-struct Node {
+struct WktNode {
     keyword: String,
     texts: Vec<String>,
-    children: Vec<Node>,
+    children: Vec<WktNode>,
 }
 
-impl Node {
+impl WktNode {
     /// The `index`-th text or number; empty if there is none.
     fn text(&self, index: usize) -> &str {
         self.texts.get(index).map_or("", String::as_str)
     }
 
     /// The first direct child with one of these keywords.
-    fn child(&self, keywords: &[&str]) -> Option<&Node> {
+    fn child(&self, keywords: &[&str]) -> Option<&WktNode> {
         self.children.iter().find(|child| keywords.contains(&child.keyword.as_str()))
     }
 
@@ -95,7 +95,7 @@ impl Node {
         Angle::of_radians(self.angle_radians())
     }
 
-    /// Radians of the unit that it states.
+    /// Radians of the unit of angle that the node states.
     fn angle_radians(&self) -> Option<f64> {
         let axis = || self.child(&["AXIS"]).and_then(|axis| axis.child(&["ANGLEUNIT", "UNIT"]));
         let unit = self.child(&["ANGLEUNIT", "UNIT"]).or_else(axis);
@@ -103,17 +103,17 @@ impl Node {
     }
 
     /// The first node from the top that `wanted` accepts.
-    fn find(&self, wanted: &dyn Fn(&Node) -> bool) -> Option<&Node> {
+    fn find(&self, wanted: &dyn Fn(&WktNode) -> bool) -> Option<&WktNode> {
         if wanted(self) { Some(self) } else { self.children.iter().find_map(|child| child.find(wanted)) }
     }
 }
 
-/// Deeper nesting than this is no coordinate system, and recursion has to end.
+/// Deepest nesting that is read: no coordinate system has more, and recursion has to end.
 const DEEPEST: usize = 32;
 
-/// A node without keyword that holds what the text holds; broken text gives what could be understood.
-fn parse(text: &str) -> Node {
-    let mut open = vec![Node::default()];
+/// Parses text into a node without keyword that holds all others. Broken text gives what could be understood.
+fn parse(text: &str) -> WktNode {
+    let mut open = vec![WktNode::default()];
     let mut word = String::new();
     let mut quoted = false;
     for c in text.chars() {
@@ -122,7 +122,7 @@ fn parse(text: &str) -> Node {
             _ if quoted => word.push(c),
             '[' | '(' if open.len() < DEEPEST => {
                 let keyword = std::mem::take(&mut word).to_ascii_uppercase();
-                open.push(Node { keyword, ..Node::default() });
+                open.push(WktNode { keyword, ..WktNode::default() });
             }
             '[' | '(' => break,
             ',' => end_word(&mut open, &mut word),
@@ -140,7 +140,7 @@ fn parse(text: &str) -> Node {
     open.pop().unwrap_or_default()
 }
 
-fn end_word(open: &mut [Node], word: &mut String) {
+fn end_word(open: &mut [WktNode], word: &mut String) {
     if let Some(node) = open.last_mut()
         && !word.is_empty()
     {
@@ -148,7 +148,7 @@ fn end_word(open: &mut [Node], word: &mut String) {
     }
 }
 
-fn close(open: &mut Vec<Node>) {
+fn close(open: &mut Vec<WktNode>) {
     if open.len() > 1
         && let Some(node) = open.pop()
         && let Some(parent) = open.last_mut()
@@ -195,7 +195,7 @@ mod tests {
         let third = br#"PROJCRS["p",CS[Cartesian,3],AXIS["E",east,LENGTHUNIT["metre",1]],AXIS["N",north,LENGTHUNIT["metre",1]],
             AXIS["h",up,LENGTHUNIT["foot",0.3048]]]"#;
         assert_eq!(from_wkt(third).vertical_unit_m, Some(0.3048));
-        // A code alone names both.
+        // Codes alone tell both units.
         let code = from_wkt(
             br#"COMPD_CS["x",PROJCS["p",AUTHORITY["EPSG","26918"]],VERT_CS["h",AUTHORITY["EPSG","6360"]]]"#,
         );

@@ -24,20 +24,21 @@ pub(crate) trait Format: Sync {
 
 /// An opened file.
 ///
-/// A format decodes on all cores as it sees fit, and holds no more than the block that it hands over and those in work: memory
-/// is taken for what can be read, never for what a header claims. What is damaged is left out and told at the end.
-/// (A tree of nodes, each a block, is a dataset too: its nodes come in the order of the file.)
+/// A format decodes on all cores as it sees fit, and holds only the block that it hands over and those in work. Memory
+/// is taken for points that can be read, never for those that a header claims. Damaged points are left out and reported
+/// at the end. (A tree of nodes, each a block, is a dataset too: its nodes come in the order of the file.)
 pub trait Dataset {
-    /// What it says of itself.
+    /// What the file says of itself.
     fn header(&self) -> &Header;
 
-    /// What it stores for each point.
+    /// The attributes that the file stores for each point.
     fn schema(&self) -> &Schema;
 
-    /// Hands over all points that can be read, at least one, in file order, with those of the wanted attributes that there are.
+    /// Hands over all points that can be read, at least one, in file order, with the wanted attributes that the file
+    /// has.
     ///
     /// # Errors
-    /// Nothing readable at all, stopped, no memory; what `take` reports.
+    /// Nothing can be read, the user stops it, there is no memory, or `take` fails.
     fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError>;
 }
 

@@ -1,17 +1,19 @@
-//! What a file that is no scan of ours looks like, in words, so that the message helps.
+//! Says in words what a file of no readable format looks like, so that the message helps.
 
 use super::format_names;
 use crate::ScanError;
 use std::path::Path;
 
-/// What is to be done about a file of a kind; [`NAMES`] stands for the names of all that can be read.
+/// Advice for a file of a kind that other programs convert; [`NAMES`] stands for the names of all readable formats.
 const CONVERT: &str = "this is not supported yet, convert it to FORMATS";
+/// Advice for an archive.
 const UNPACK: &str = "unpack it, and name the FORMATS files in it";
+/// Advice for a file that is no scan.
 const OTHER: &str = "name a FORMATS file";
-/// Where an advice names the formats that can be read.
+/// Stands in an advice for the names of the formats that can be read.
 const NAMES: &str = "FORMATS";
 
-/// First bytes, what they mean, what to do.
+/// First bytes of a file, what it is, and what to do.
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"PK\x03\x04", "it is a ZIP archive", UNPACK),
     (b"PK\x05\x06", "it is an empty ZIP archive", OTHER),
@@ -48,9 +50,10 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"%PDF", "it is a PDF document", OTHER),
 ];
 
-/// Endings of files that begin as archives do, or with nothing that tells them: how they begin, what they are, what to do.
+/// Files that begin as archives do, or with nothing that tells them: their ending, their first bytes, what they are,
+/// and what to do.
 const ENDINGS: &[(&str, &[u8], &str, &str)] = &[
-    // Packed inside, but nothing that a user could unpack.
+    // An SPZ file is packed with gzip, but holds nothing that a user could unpack.
     ("spz", b"\x1f\x8b", "it is a compressed Gaussian splat (SPZ)", "export it as PLY"),
     ("splat", b"", "it is a Gaussian splat without a header", "export it as PLY"),
     ("ksplat", b"", "it is a compressed Gaussian splat (KSPLAT)", "export it as PLY"),
@@ -59,7 +62,7 @@ const ENDINGS: &[(&str, &[u8], &str, &str)] = &[
     ("kmz", b"PK", "it is a KMZ file of places on a map", OTHER),
 ];
 
-/// Where a tar archive says that it is one, and how.
+/// The byte at which a tar archive says that it is one, and the bytes there.
 const TAR: (usize, &[u8]) = (257, b"ustar");
 
 /// The error for a file that starts with `head` and has no reader.
@@ -99,7 +102,7 @@ fn describe(head: &[u8]) -> (String, &'static str) {
             "save it as plain text (ASCII or UTF-8)",
         );
     }
-    // Some editors write a mark first.
+    // Some editors write a byte order mark first.
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     if head.starts_with(b"<") {
         return ("it is XML or a web page".into(), "check where it was downloaded from");
@@ -115,12 +118,12 @@ fn describe(head: &[u8]) -> (String, &'static str) {
     (looks_like, "it is damaged or of another kind; get it again or convert it to FORMATS")
 }
 
-/// By the first lines that are no comments.
+/// Describes text by its first lines that are no comments.
 fn describe_text(text: &str) -> (String, &'static str) {
     let is_said = |line: &&str| !line.is_empty() && !line.starts_with('#');
     let mut lines = text.lines().map(str::trim).filter(is_said);
     let first = lines.next().unwrap_or_default();
-    // Canadian Well Logging Society: "Log ASCII Standard", with sections from ~V on.
+    // Canadian Well Logging Society: a "Log ASCII Standard" file has sections that start at ~V.
     if first.starts_with('~') {
         let what =
             "it is a well log (CWLS Log ASCII Standard), which has only the ending .las in common with scans";
@@ -148,7 +151,8 @@ fn describe_text(text: &str) -> (String, &'static str) {
     ("it is text, but no rows of numbers".into(), "check that this is the file you mean; name a FORMATS file")
 }
 
-/// Printable characters and white space only. A cut multi-byte character at the end is no counter-proof.
+/// True if all characters are printable or white space. A multi-byte character cut off at the end does not count
+/// against it.
 fn is_text(head: &[u8]) -> bool {
     let text = match std::str::from_utf8(head) {
         Ok(text) => text,

@@ -1,11 +1,12 @@
-//! Which of many positions are the scene, and which are strays.
+//! Finds which of many positions are the scene, and which are strays.
 //!
-//! Strays that are **scattered** all around are left out (`scattered.rs`). The **core** is the smallest block that still
-//! holds most of the others: whatever is denser than the rest, wherever it lies. Then it **grows** outwards for as long
-//! as there is no empty space that is large against what has been gathered. Not density decides there but emptiness: a
-//! terrestrial scan thins out with the square of the distance, yet each ring of it begins where the one before ends, and
-//! a tower, a strip, a wood do the same. What grows so along few **rays** only does not count (`rays.rs`).
-//! Positions that many points share count once: a scanner writes zeros for what it did not see.
+//! Strays that are **scattered** all around are left out (`scattered.rs`). The **core** is the smallest block that
+//! still holds most of the other positions: the part that is denser than the rest, wherever it lies. The core then
+//! **grows** outwards for as long as there is no empty space that is large against what has been gathered. Emptiness
+//! decides there, not density: a terrestrial scan thins out with the square of the distance, yet each of its rings
+//! begins where the ring before ends, and a tower, a strip, a wood do the same. Growth along a few **rays** only does
+//! not count (`rays.rs`). Positions that many points share count once, because a scanner writes zeros where it saw
+//! nothing.
 
 use super::fog::is_fog;
 use super::rays;
@@ -13,28 +14,30 @@ use super::scattered::gathered;
 use base::space::Bounds;
 use glam::DVec3;
 
-/// Positions that the core holds, a share and a number: strays may be the rest, and a little of the scene with them.
-/// Of four, none may be astray; of five, one.
+/// Share of the positions that the core holds, beside [`CORE_NUM`]: the rest may be strays, and a little of the scene.
 const CORE_SHARE: f64 = 0.75;
+/// Number of positions that the core holds beside their share: of four positions none may be astray, of five one.
 const CORE_NUM: f64 = 0.25;
 /// Share of the core's positions at either end of an axis that may be strays: a block is up to four times too large.
 const CORE_TAIL: f64 = 0.01;
 /// Empty space that is bridged, in edges of what has been gathered, and the share of the positions that must be found
-/// beyond it: the further the more.
+/// beyond it, which is larger for wider space.
 const BRIDGES: [(f64, f64); 3] = [(0.05, 0.0), (0.25, 1e-4), (2.0, 1e-3)];
-/// Few points lie further apart than many: of the shortest bridge it is at least this over their number.
+/// The shortest bridge is at least this over the number of positions, because few positions lie further apart than
+/// many.
 const BRIDGE_OF_FEW: f64 = 20.0;
-/// If nothing lies further away than so many edges, nothing is astray.
+/// Nothing is astray if nothing lies further away than this many edges.
 const FAR: f64 = 1.0;
-/// Empty space that is bridged to reach something that is built like what has been gathered: a second building, and no
-/// fog.
+/// Empty space, in edges, that is bridged to reach something that is built like what has been gathered: a second
+/// building, but no fog.
 const TWIN_GAP: f64 = 20.0;
-/// Share of the positions that such a thing has at least, and its edge against that of what has been gathered.
+/// Least share of the positions that must lie around the scene for a twin.
 const TWIN_SHARE: f64 = 0.02;
+/// Least and largest edge of a twin, against that of what has been gathered.
 const TWIN_EDGE: [f64; 2] = [0.125, 2.0];
-/// Nothing further from the core than so many of its edges belongs to the scene.
+/// Nothing further from the core than this many of its edges belongs to the scene.
 const REACH: f64 = 64.0;
-/// Cells an axis of the grid that the densest block is sought in; a block has half as many.
+/// Cells per axis of the grid in which the densest block is sought; a block has half as many.
 const GRID: usize = 4;
 
 /// The box of the scene among `positions`, all finite; `None` if there are none.
@@ -48,7 +51,7 @@ pub(crate) fn find(mut positions: Vec<DVec3>) -> Option<Bounds> {
     Some(if is_all(&scene, &all) { all } else { scene })
 }
 
-/// The core of positions and what follows without large empty space.
+/// The box of the core, and of all that follows it without large empty space.
 fn grown(all: &[DVec3]) -> Option<Bounds> {
     let core = core(all)?;
     let num = all.len() as f64;
@@ -75,7 +78,7 @@ fn is_all(scene: &Bounds, all: &Bounds) -> bool {
     near.contains(all.min) && near.contains(all.max)
 }
 
-/// The box of what is denser than the rest.
+/// The box of the part that is denser than the rest.
 fn core(positions: &[DVec3]) -> Option<Bounds> {
     let needed = CORE_SHARE * positions.len() as f64 + CORE_NUM;
     Some(trimmed(positions, &densest(positions, needed)?))
@@ -95,7 +98,7 @@ fn trimmed(positions: &[DVec3], block: &Bounds) -> Bounds {
     core
 }
 
-/// Box of the positions that a gap of so many edges parts from the scene, if they are at least `needed`.
+/// Box of the positions that are at most `gap` edges from the scene, if there are at least `needed`.
 fn beyond(positions: &[DVec3], scene: &Bounds, gap: f64, needed: f64) -> Option<Bounds> {
     let reach = scene.grown(gap * scene.edge());
     let found = positions.iter().filter(|p| reach.contains(**p));
@@ -103,13 +106,13 @@ fn beyond(positions: &[DVec3], scene: &Bounds, gap: f64, needed: f64) -> Option<
     (num > 0 && f64::from(num) >= needed).then_some(bounds)
 }
 
-/// True of what is higher above a scene than beside it, or lower: no building is, but clouds are.
+/// True for a position that is further above or below a scene than beside it, as clouds are and no building is.
 fn hangs(p: DVec3, scene: &Bounds) -> bool {
     let gap = (scene.min - p).max(p - scene.max).max(DVec3::ZERO);
     gap.z > gap.truncate().length()
 }
 
-/// Box of what lies further away, but is built like the scene.
+/// Box of something that lies further away, but is built like the scene.
 fn reference(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bounds> {
     let edge = scene.edge();
     let around = scene.grown(TWIN_GAP * edge);
@@ -126,7 +129,7 @@ fn reference(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bound
     is_alike.then_some(reference)
 }
 
-/// The box of the densest block with at least `needed` positions: again and again the half that has them.
+/// The box of the densest block with at least `needed` positions: takes the half that has them again and again.
 fn densest(positions: &[DVec3], needed: f64) -> Option<Bounds> {
     let mut inside = positions.to_vec();
     let mut bounds = Bounds::around(&inside);
@@ -153,7 +156,7 @@ fn densest(positions: &[DVec3], needed: f64) -> Option<Bounds> {
     }
 }
 
-/// First cell and count of the block of half the grid's edge that has most; of equal ones the first.
+/// First cell and count of the block with most positions, of half the grid's edge; the first of equal blocks.
 fn densest_block(counts: &[u32; GRID * GRID * GRID]) -> ([usize; 3], u32) {
     let places = GRID / 2 + 1;
     let mut best = ([0; 3], 0);
@@ -171,7 +174,7 @@ fn densest_block(counts: &[u32; GRID * GRID * GRID]) -> ([usize; 3], u32) {
     best
 }
 
-/// Sorts, and keeps one of each.
+/// Sorts positions, and keeps one of each.
 fn distinct(positions: &mut Vec<DVec3>) {
     let order =
         |a: &DVec3, b: &DVec3| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));

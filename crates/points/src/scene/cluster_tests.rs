@@ -6,7 +6,7 @@ use base::space::Bounds;
 use glam::DVec3;
 
 impl Random {
-    /// Within the cube from −1 to 1.
+    /// A position in the cube from −1 to 1.
     fn in_cube(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
     }
@@ -21,7 +21,7 @@ impl Random {
     }
 }
 
-/// A floor and four walls, of edge 1 round zero, half as high.
+/// A position on a floor and four walls round zero, of edge 1 and half as high.
 fn building(random: &mut Random) -> DVec3 {
     let [u, v] = [random.next() - 0.5, random.next() - 0.5];
     let height = 0.5 * (v + 0.5);
@@ -36,19 +36,19 @@ fn building(random: &mut Random) -> DVec3 {
 
 #[derive(Clone, Copy, Debug)]
 enum Strays {
-    /// All of them in one place, a scene's edge wide.
+    /// All strays in one place.
     Clump,
-    /// In seven places.
+    /// Strays in seven places.
     Clumps,
-    /// Round about, all as far away.
+    /// Strays all around, equally far away.
     Shell,
-    /// Evenly through a cube.
+    /// Strays evenly through a cube.
     Dust,
-    /// Each ten times as far away as the one before, up to 1e38.
+    /// Each stray ten times as far away as the one before, up to 1e38.
     Rows,
     /// The same point over and over.
     Zeros,
-    /// Above.
+    /// Strays above the scene.
     HighNoise,
 }
 
@@ -63,7 +63,7 @@ const ALL: [Strays; 7] = [
 ];
 
 impl Strays {
-    /// The stray of number `i`, in edges of the scene, `far` of them away.
+    /// Stray number `i`, in edges of the scene, `far` edges away.
     fn at(self, i: usize, far: f64, random: &mut Random) -> DVec3 {
         let direction = |number: usize| Random(number as u64).direction();
         match self {
@@ -80,10 +80,10 @@ impl Strays {
     }
 }
 
-/// The scene's own box is found: all of it, and at most an edge more, by strays that happen to be near.
+/// Asserts that the scene's own box is found: all of it, and at most an edge more, by strays that happen to be near.
 fn assert_found(scene: &Bounds, found: Option<Bounds>, what: &str) {
     let found = found.expect("a scene");
-    // Of coordinates at 5e6, f64 tells a nanometre.
+    // f64 resolves a nanometre at coordinates of 5e6.
     let slack = 1e-8 + scene.edge();
     assert!(found.contains(scene.min) && found.contains(scene.max), "{what}: {found:?} cuts {scene:?}");
     let most = scene.grown(slack);
@@ -103,7 +103,7 @@ fn strays_of_any_kind_share_number_and_place_do_not_count() {
                     (20.0, DVec3::new(5e5, 5e6, 300.0)),
                     (5e4, DVec3::ZERO),
                 ] {
-                    // The largest number is slow without optimisation: fewer of its cases.
+                    // The largest number is slow without optimisation, so only some of its cases are run.
                     if num == 100_000 && (edge != 20.0 || ![1e-5, 0.2].contains(&share)) {
                         continue;
                     }
@@ -124,8 +124,8 @@ fn strays_of_any_kind_share_number_and_place_do_not_count() {
 
 #[test]
 fn a_layer_above_or_a_fog_beside_a_scene_does_not_count_where_a_building_does() {
-    type Place = fn(DVec3, f64) -> DVec3;
-    let places: [(&str, Place); 4] = [
+    type Mapping = fn(DVec3, f64) -> DVec3;
+    let places: [(&str, Mapping); 4] = [
         ("a layer above", |p, far| p.with_z(0.01 * p.z + far)),
         ("a layer below", |p, far| p.with_z(0.01 * p.z - far)),
         ("a fog", |p, far| 0.5 * p + DVec3::X * far),
@@ -158,7 +158,7 @@ fn a_splat_with_floaters() {
     }
 }
 
-/// Nothing is cut: the box is the true one.
+/// Asserts that nothing is cut: the box is the true one.
 fn assert_whole(positions: Vec<DVec3>, what: &str) {
     let all = Bounds::around(&positions);
     assert_eq!(find(positions), Some(all), "{what}");
@@ -175,7 +175,7 @@ fn honest_scenes_stay_whole() {
         }
         let strip = (0..num).map(|_| random.in_cube() * DVec3::new(15_000.0, 200.0, 20.0));
         assert_whole(strip.collect(), "an aerial strip");
-        // Two points could be birds.
+        // A mast needs more points than two, which could be birds.
         let mast = (0..num).map(|i| match i % (num / 30).min(100) {
             0 => DVec3::Z * 150.0 * random.next(),
             _ => building(random) * 20.0,
@@ -192,7 +192,8 @@ fn honest_scenes_stay_whole() {
 
 #[test]
 fn the_far_field_of_a_terrestrial_scan_belongs_to_it() {
-    // A scanner 1.7 above flat ground: as many points a degree of elevation; half of them on a wall near by.
+    // A scanner stands 1.7 above flat ground and sees as many points at each degree of elevation, some on a wall near
+    // by.
     for (num, reach) in [(3_000, 60.0), (50_000, 150.0), (100_000, 300.0)] {
         let random = &mut Random(2);
         let ground = (0..num).map(|i| {
@@ -222,7 +223,7 @@ fn few_points_are_all_the_scene() {
             assert_whole((0..num).map(|_| random.in_cube()).collect(), &format!("{num} points"));
         }
     }
-    // Most of a file may be what the scanner did not see.
+    // Most points of a file may be zeros, where the scanner saw nothing.
     let mut random = Random(5);
     let seen: Vec<DVec3> = (0..300).map(|_| one + building(&mut random)).collect();
     let scene = Bounds::around(&seen);

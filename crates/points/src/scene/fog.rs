@@ -1,17 +1,20 @@
-//! Whether points fill a space, as noise does, or lie on surfaces, as what a scanner sees.
+//! Tells whether points fill a space, as noise does, or lie on surfaces, as those that a scanner sees.
 //!
 //! On a surface there are four times as many points within twice the distance, in a space eight times as many.
 
 use super::nearest::distances;
 use glam::DVec3;
 
-/// Among fewer points nobody can tell; more are not looked at.
+/// Fewest positions that can tell.
 const FEWEST: usize = 200;
+/// Most positions that are looked at.
 const MOST: usize = 4096;
-/// Neighbors whose distances are compared.
+/// Number of the near neighbor whose distance is compared.
 const NEAR: usize = 4;
+/// Number of the far neighbor whose distance is compared.
 const FAR: usize = 24;
-/// Powers of the distance that numbers of neighbors grow with: 2 on a surface; near 3 in a space, at its sides less.
+/// Power of the distance that the number of neighbors grows with in fog, at least: it is 2 on a surface and near 3 in a
+/// space, less at the sides of a space.
 const OF_FOG: f64 = 2.4;
 
 /// True if most of many positions have neighbors on all sides.
@@ -43,7 +46,7 @@ mod tests {
         };
         for num in [300, 3_000, 30_000] {
             assert!(is_fog_of(num, |p| p), "{num}");
-            // As dense all over a ball.
+            // The cube becomes a ball.
             assert!(is_fog_of(num, |p| p * p.abs().max_element() / p.length()), "{num}");
             for surface in [
                 |p: DVec3| p.with_z(0.0),

@@ -7,11 +7,11 @@
 mod cluster;
 mod fog;
 mod nearest;
-mod parts;
 #[cfg(test)]
 mod random;
 mod rays;
 mod scattered;
+mod sites;
 
 pub(crate) use cluster::find;
 
@@ -22,22 +22,22 @@ use rayon::prelude::*;
 
 /// Points looked at, of all files together.
 const NUM_SAMPLES: usize = 1 << 17;
-/// And of each file at least, if it has as many.
+/// Fewest points looked at of each file, if it has as many.
 const NUM_FILE_SAMPLES: usize = 64;
-/// Where not all points were looked at, those belong to the scene that are within so many edges of its samples' box.
+/// Where not all points are looked at, points within this many edges of the samples' box belong to the scene.
 const MARGIN: f64 = 0.25;
-/// If nothing lies further away than so many edges, nothing is astray.
+/// Nothing is astray if nothing lies further away than this many edges.
 const FAR: f64 = 1.0;
 
-/// World units: no scan is smaller, and a f32 still holds its square.
+/// Edge of a scene in world units below which it is a point: no scan is smaller, and a f32 still holds its square.
 const SMALLEST: f64 = 1e-18;
 
 /// What a person means by a scan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// True box of its points, world space.
+    /// True box of the scene's points, in world space.
     pub bounds: Bounds,
-    /// World positions of some of them, at most about 130 000, evenly from the files.
+    /// World positions of some of the scene's points, at most about 130 000, evenly from the files.
     pub samples: Vec<DVec3>,
 }
 
@@ -56,7 +56,7 @@ impl Scene {
         }
         let boxes: Vec<Bounds> =
             samples.par_iter().map(|samples| find(samples.clone()).unwrap_or_default()).collect();
-        let (larger, warnings) = parts::larger(scan, &boxes);
+        let (larger, warnings) = sites::larger(scan, &boxes);
         for (file, samples) in samples.iter_mut().enumerate() {
             let bounds = if larger.contains(&file) { boxes[file] } else { Bounds::EMPTY };
             samples.retain(|&p| bounds.contains(p));
@@ -70,8 +70,8 @@ impl Scene {
         (Self { bounds, samples }, warnings)
     }
 
-    /// The values along an axis below which a quarter, half and three quarters of its points are; `None` if there are
-    /// none.
+    /// The values along an axis below which a quarter, half and three quarters of the scene's points are; `None` if it
+    /// has no points.
     #[must_use]
     pub fn quarters(&self, axis: usize) -> Option<[f64; 3]> {
         let mut values: Vec<f64> = self.samples.iter().map(|p| p[axis]).collect();
@@ -86,7 +86,7 @@ impl Scene {
         self.bounds.edge() < SMALLEST
     }
 
-    /// True of no points.
+    /// True if the scene has no points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
@@ -105,13 +105,13 @@ impl Scan {
     }
 }
 
-/// Of how many points of a file one is looked at.
+/// Length of the runs of a file's points, of each of which one point is looked at.
 fn run(num_points: usize, num_file_points: usize) -> usize {
     (num_points / NUM_SAMPLES).min(num_file_points / NUM_FILE_SAMPLES).max(1)
 }
 
-/// Positions from all over a file of a scan of `num_points`, with or without those of noise: one of each run of equal length, not always the same
-/// of it, because scanners write columns of equal length too.
+/// Positions from all over a file of a scan of `num_points`, with or without noise. One of each run of equal length is
+/// taken, not always the same one, because scanners write columns of equal length too.
 fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
     let xyz = &file.points.xyz;
     let run = run(num_points, xyz.len());
@@ -122,8 +122,8 @@ fn samples(file: &ScanFile, num_points: usize, with_noise: bool) -> Vec<DVec3> {
     numbers.map(|number| file.grid.p_in_world(xyz[number])).collect()
 }
 
-/// The box of all points that are not far from the box of samples, with or without those of noise; if some are, of those
-/// within a margin.
+/// The box of all points, with or without noise, if none is far from the box of samples; otherwise of the points within
+/// a margin of that box.
 fn exact(files: &[&ScanFile], samples: &Bounds, margin: f64, with_noise: bool) -> Bounds {
     let all = files.iter().fold(Bounds::EMPTY, |bounds, file| bounds.union(file.bounds));
     let far = samples.grown(FAR * samples.edge());

@@ -1,16 +1,16 @@
-//! How far away positions have their neighbors: a kd-tree, which no range of distances troubles.
+//! Finds how far positions are from their neighbors by a kd-tree, which works with any range of distances.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Positions of a leaf.
+/// Most positions of a leaf.
 const LEAF: usize = 8;
-/// Positions that one thread sorts alone.
+/// Most positions that one thread sorts alone.
 const TASK: usize = 1 << 12;
 
-/// The distance of each position to its `number`th nearest other one; infinite if there are not so many.
+/// The distance of each position to its `number`th nearest other one; infinite if there are fewer.
 pub(super) fn distances(positions: &[DVec3], number: usize) -> Vec<f64> {
-    let mut nodes: Vec<Node> = positions.iter().map(|&p| Node { p, axis: 0 }).collect();
+    let mut nodes: Vec<KdNode> = positions.iter().map(|&p| KdNode { p, axis: 0 }).collect();
     sort(&mut nodes);
     let distance = |&p: &DVec3| {
         // The nearest of all is the position itself.
@@ -21,14 +21,14 @@ pub(super) fn distances(positions: &[DVec3], number: usize) -> Vec<f64> {
     positions.par_iter().map(distance).collect()
 }
 
-/// A position, and the axis along which those before it are below it and those behind it above: it is the middle one of
-/// a run of more than [`LEAF`].
-struct Node {
+/// A position, which is the middle one of a run of more than [`LEAF`], and the axis along which the positions before it
+/// are below it, and those behind it above.
+struct KdNode {
     p: DVec3,
     axis: usize,
 }
 
-fn sort(nodes: &mut [Node]) {
+fn sort(nodes: &mut [KdNode]) {
     if nodes.len() <= LEAF {
         return;
     }
@@ -48,7 +48,7 @@ fn sort(nodes: &mut [Node]) {
     }
 }
 
-/// The squared distances of the nearest that have been found, ascending.
+/// A search for the nearest positions, with the squares of the distances that have been found, ascending.
 struct Nearest {
     p: DVec3,
     squares: Vec<f64>,
@@ -59,7 +59,7 @@ impl Nearest {
         self.squares.last().copied().unwrap_or(0.0)
     }
 
-    fn search(&mut self, nodes: &[Node]) {
+    fn search(&mut self, nodes: &[KdNode]) {
         if nodes.len() <= LEAF {
             nodes.iter().for_each(|node| self.look_at(node));
             return;
@@ -79,7 +79,7 @@ impl Nearest {
         }
     }
 
-    fn look_at(&mut self, node: &Node) {
+    fn look_at(&mut self, node: &KdNode) {
         let square = self.p.distance_squared(node.p);
         if square < self.farthest() {
             let at = self.squares.partition_point(|&nearer| nearer <= square);
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn neighbors_are_those_that_a_look_at_all_pairs_finds() {
-        // Evenly in a cube, on a plane, in a line, and each twice as far as the one before.
+        // Positions lie evenly in a cube, on a plane, in a line, and each twice as far as the one before.
         let at =
             |i: usize| [0.754_877_666, 0.569_840_291, 0.430_159_709].map(|step| (i as f64 * step).fract());
         let shapes: [fn(usize, DVec3) -> DVec3; 4] = [

@@ -6,7 +6,7 @@ use glam::DVec3;
 pub(super) struct Random(pub u64);
 
 impl Random {
-    /// From 0 to 1.
+    /// The next number, from 0 to 1.
     pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -15,7 +15,7 @@ impl Random {
     }
 }
 
-/// A floor, four walls and a ceiling, 1 by 1 by 0.5.
+/// A position on a floor, four walls and a ceiling, 1 by 1 by 0.5.
 pub(super) fn room(random: &mut Random) -> DVec3 {
     let [u, v] = [random.next() - 0.5, random.next() - 0.5];
     let height = 0.5 * (v + 0.5);
@@ -29,7 +29,7 @@ pub(super) fn room(random: &mut Random) -> DVec3 {
     }
 }
 
-/// Hills from above.
+/// A position on hills, seen from above.
 pub(super) fn aerial(random: &mut Random) -> DVec3 {
     let [u, v] = [random.next() - 0.5, random.next() - 0.5];
     DVec3::new(u, v, 0.02 * ((9.0 * u).sin() + (7.0 * v).cos()))

@@ -1,42 +1,49 @@
-//! Strays on few rays: a mirror, the sun or a pane gives a scanner thousands of points along one line, out to a hundred
-//! times the size of what it stands in. They touch the scene and leave no empty space, and they are not scattered.
+//! Leaves out strays on few rays: a mirror, the sun or a pane gives a scanner thousands of points along one line, out
+//! to a hundred times the size of what it stands in. Such strays touch the scene and leave no empty space, and they are
+//! not scattered.
 //!
-//! What tells them is that nothing else lies where they do: a line through the scene, thin against its length, holds
-//! nearly all that there is around it. So does a wire. A wire that holds few of the points and would make the scene
-//! several times as large is left out too: it is drawn all the same.
+//! A ray is told by having nothing else around it: a line through the scene, thin against its length, holds nearly all
+//! positions near it. A wire does so too. A wire that holds few of the points and would make the scene several times as
+//! large is left out too, but it is drawn all the same.
 
 use base::space::Bounds;
 use glam::DVec3;
 
-/// Rays that are sought at most.
+/// Most rays that are sought.
 const MOST_RAYS: usize = 16;
-/// Share of the positions that may be strays: of five, one.
+/// Largest share of the positions that may be strays: one of five.
 const MOST: f64 = 0.25;
-/// Without its rays a scene is so many times as small, or they are a part of it.
+/// Rays are strays only if the scene is at least this many times smaller without them.
 const SEVERAL: f64 = 3.0;
-/// What lies further from the middle than this part of a scene is on rays, if the scene is so large for them.
+/// Rays are sought among positions further from the core's middle than this part of the scene's edge.
 const AWAY: f64 = 0.25;
-/// How many of the positions so far away a ray has at least: a share, and a number.
+/// Least share of the positions away from the core that a ray has.
 const RAY_SHARE: f64 = 1.0 / 16.0;
+/// Least number of the positions away from the core that a ray has.
 const FEWEST: usize = 5;
-/// How far from a ray its points are, against their distance from the core; near it, as a part of its edge, but of the
-/// ray's length at most. Within so many times as much there is little else.
+/// How far from a ray its points are, as a part of their distance from the core's middle.
 const THIN: f64 = 1.0 / 250.0;
+/// How far from a ray its points are near the core, as a part of the core's edge, if that is less than [`THIN`] of the
+/// ray's length.
 const THIN_NEAR: f64 = 0.1;
+/// Little else lies within this many times a ray's width.
 const AROUND: f64 = 8.0;
+/// Least share that a ray has of the positions around it.
 const ALONE: f64 = 0.5;
-/// Two points tell a direction if they are so far apart, as a part of the way from the core to the farther.
+/// Two points tell a direction if they are this far apart, as a part of the way from the core to the farther point.
 const APART: f64 = 0.3;
-/// A ray passes so many edges from the core's middle at most.
+/// Most edges of the core that a ray passes from the core's middle.
 const ASIDE: f64 = 1.5;
-/// What is so steep is a mast, unless it is more than so many times as high as the core is wide.
+/// A ray with more than this rise along its length is taken for a mast.
 const STEEP: f64 = 0.999;
+/// A mast is less than this many times as high as the core is wide.
 const MAST: f64 = 16.0;
-/// Positions that are looked at to find a ray, and pairs of them.
+/// Most positions that are looked at to find a ray.
 const MOST_LOOKED_AT: usize = 1024;
+/// Most pairs of positions that are looked at to find a ray.
 const NUM_PAIRS: usize = 256;
 
-/// A line that passes by the core's middle, and how far from it its points are near the core.
+/// A line that passes by the core's middle, and how far from the line its points are near the core.
 #[derive(Clone, Copy, Debug)]
 struct Ray {
     from: DVec3,
@@ -50,13 +57,14 @@ impl Ray {
         (p - self.from).reject_from_normalized(self.direction).length()
     }
 
-    /// True if a position is within so many times the ray's width.
+    /// True if a position is within `times` times the ray's width.
     fn has(&self, p: DVec3, times: f64) -> bool {
         self.distance(p) <= times * self.radius.max(THIN * p.distance(self.middle))
     }
 }
 
-/// The scene of positions, at least one, without rays that make it several times as large. `scene` finds it with them.
+/// The box of the scene of positions, at least one, without rays that make it several times as large. `scene` finds the
+/// box with rays.
 pub(super) fn without(positions: &[DVec3], scene: impl Fn(&[DVec3]) -> Bounds) -> Bounds {
     let (all, core) = (scene(positions), core(positions));
     let near = core.grown(core.edge());
@@ -76,8 +84,8 @@ pub(super) fn without(positions: &[DVec3], scene: impl Fn(&[DVec3]) -> Bounds) -
     if are_few && all.edge() >= SEVERAL * smaller.edge() { smaller } else { all }
 }
 
-/// The box around the middle half of the positions along each axis, and a quarter of it on all sides: strays widen it
-/// little.
+/// The box around the middle half of the positions along each axis, grown by a quarter of its edge on all sides: strays
+/// widen it little.
 fn core(positions: &[DVec3]) -> Bounds {
     let mut half = Bounds::EMPTY;
     for axis in 0..3 {
@@ -100,7 +108,7 @@ fn find(mut away: Vec<DVec3>, core: &Bounds) -> Option<Ray> {
     let part = |number: usize, step: f64| ((number as f64 + 0.5) * step).fract();
     let mut best = None;
     for number in 0..NUM_PAIRS.min(away.len() * away.len()) {
-        // One of the farther half; and one that a ray may have with it.
+        // Each pair is a position of the farther half, and one that a ray may have with it.
         let half = away.len() / 2;
         let far = away[half + (part(number, 0.754_877_666) * (away.len() - half) as f64) as usize];
         let length = far.distance(middle);

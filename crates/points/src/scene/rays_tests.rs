@@ -6,26 +6,26 @@ use base::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-type Scene = (&'static str, fn(&mut Random) -> DVec3);
+type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
 
-/// As many points a degree of elevation, seen from one place above flat ground.
+/// A position on flat ground, seen from one place above it with as many points at each degree of elevation.
 fn terrestrial(random: &mut Random) -> DVec3 {
     let turn = TAU * random.next();
     let reach = 0.0125 / (std::f64::consts::FRAC_PI_3 * random.next()).tan();
     DVec3::new(turn.cos(), turn.sin(), 0.0) * reach.min(0.5 * random.next())
 }
 
-const SCENES: [Scene; 3] = [("room", room), ("aerial", aerial), ("terrestrial", terrestrial)];
+const SCENES: [SceneMaker; 3] = [("room", room), ("aerial", aerial), ("terrestrial", terrestrial)];
 
 /// Where the points of a ray lie, as parts of its length.
 #[derive(Clone, Copy, Debug)]
 enum Spread {
     Even,
-    /// Fewer and fewer.
+    /// Fewer points further away.
     Thinning,
-    /// As many from one to two times as far as from two to four times.
+    /// As many points from one to two times as far as from two to four times.
     Logarithmic,
-    /// Beyond a tenth only.
+    /// Points beyond a tenth of the length only.
     Beyond,
 }
 
@@ -43,9 +43,10 @@ impl Spread {
     }
 }
 
-/// The box of a scene's own points, and the box that is found with strays on rays of these directions from a place in it.
+/// The box of a scene's own points, and the box that is found with strays on rays of these directions from a place in
+/// it.
 fn found(
-    scene: Scene,
+    scene: SceneMaker,
     num: usize,
     share: f64,
     rays: &[DVec3],
@@ -59,7 +60,7 @@ fn found(
     let eye = DVec3::new(0.0, 0.0, 0.0125);
     positions.extend((0..num_strays).map(|i| {
         let ray = rays[i % rays.len()];
-        // Within a milliradian.
+        // Strays lie within a milliradian of the ray.
         let off = DVec3::new(random.next(), random.next(), random.next()) - 0.5;
         eye + (ray.normalize() + off * 1e-3) * length * spread.at(random)
     }));
@@ -93,7 +94,7 @@ fn strays_on_few_rays_do_not_count() {
                         );
                         let most = bounds.grown(1.5 * bounds.edge());
                         assert!(most.contains(found.min) && most.contains(found.max), "{what}");
-                        // Its thin parts may get lost among them.
+                        // The scene's thin parts may get lost among strays.
                         assert!(found.edge() > 0.6 * bounds.edge() || scene.0 == "terrestrial", "{what}");
                         num_cases += 1;
                     }
@@ -104,7 +105,7 @@ fn strays_on_few_rays_do_not_count() {
     assert!(num_cases > 500);
 }
 
-/// A tunnel 100 times as long as wide, seen from one place: as many points a degree.
+/// A tunnel 100 times as long as wide, seen from one place with as many points at each degree.
 fn tunnel(random: &mut Random) -> DVec3 {
     let (turn, along) = (TAU * random.next(), std::f64::consts::PI * (random.next() - 0.5));
     let at = (0.005 * along.tan()).clamp(-0.5, 0.5) * (0.9 + 0.1 * random.next());

@@ -1,28 +1,30 @@
-//! Strays that are scattered round a scene, as far away as they are from each other: they leave no empty space between
-//! them and the scene that could tell them apart, but they are lonely.
+//! Leaves out strays that are scattered round a scene, as far away from it as from each other. No empty space between
+//! them and the scene could tell them apart, but they are lonely.
 //!
-//! Points of a scanned surface have neighbors near by, many times nearer than scattered strays have, for these fill
-//! a space instead of a surface. So the distances to neighbors fall into two groups with next to nothing in between.
-//! A scanner's own points thin out without such a jump. Where they do jump, from a yard to the trees beyond its
-//! gate, those beyond lie side by side: far nearer to each other than if they were strewn all around.
+//! Points of a scanned surface have neighbors near by, many times nearer than scattered strays have, which fill a space
+//! instead of a surface. So the distances to neighbors fall into two groups with next to nothing in between. A
+//! scanner's own points thin out without such a jump. Where their distances do jump, from a yard to the trees beyond
+//! its gate, the points beyond lie side by side, far nearer to each other than if they were strewn all around.
 
 use super::nearest::distances;
 use glam::DVec3;
 
-/// Among fewer points nobody can tell.
+/// Fewest points that can tell.
 const FEWEST: usize = 30;
-/// Which neighbor tells how lonely a point is: strays may come in pairs. Of few points there are fewer.
+/// Number of the neighbor that tells how lonely a point is: strays may come in pairs.
 const NEIGHBOR: usize = 4;
+/// Share of the points that the neighbor's number is at most, so that few points are enough.
 const NEIGHBOR_SHARE: f64 = 0.125;
-/// Share of the positions that may be strays, and a number: of five, one.
+/// Largest share of the positions that may be strays: one of five.
 const MOST: f64 = 0.25;
-/// They are so many times as far from their neighbors as all others; in between there are at most so many, as a share
-/// of them.
+/// Strays are this many times as far from their neighbors as all other positions.
 const JUMP: f64 = 2.0;
+/// Most positions whose distances lie in between, as a share of the strays.
 const BETWEEN: f64 = 0.3;
-/// How far away the nearest of points is that are strewn evenly over a disc, in its radius over the root of their
-/// number, and the part of that which makes points lonely: those strewn through space are further apart.
+/// Distance to the nearest of points that are strewn evenly over a disc, as a part of its radius over the root of their
+/// number.
 const STREWN: f64 = 0.886;
+/// Part of [`STREWN`] from which on points are lonely: points strewn through space are further apart.
 const LONELY: f64 = 0.5;
 
 /// The positions that are not scattered; they must be distinct.
@@ -40,7 +42,7 @@ pub(super) fn gathered(positions: &[DVec3]) -> Vec<DVec3> {
     }
 }
 
-/// The least distance to neighbors beyond the jump that leaves most on the other side.
+/// The least distance to neighbors beyond a jump: of several jumps, the first that leaves few enough beyond it.
 fn limit(mut lonely: Vec<f64>) -> Option<f64> {
     lonely.sort_unstable_by(f64::total_cmp);
     let num = lonely.len();
@@ -52,7 +54,7 @@ fn limit(mut lonely: Vec<f64>) -> Option<f64> {
     })
 }
 
-/// What a number that came about by chance could have been at most.
+/// The largest value that a number that came about by chance could have had.
 fn surely(num: f64) -> f64 {
     num + 2.0 * num.sqrt()
 }

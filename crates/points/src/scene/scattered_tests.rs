@@ -1,4 +1,5 @@
-//! Halos of strays round scenes of every kind: ratio of sizes, share, number of points, shape; and scans without strays.
+//! Halos of strays round scenes of every kind, by ratio of sizes, share, number of points and shape, and scans without
+//! strays.
 
 use super::super::cluster::find;
 use super::super::random::{Random, aerial, room};
@@ -7,7 +8,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 impl Random {
-    /// Normally distributed along each axis.
+    /// A position that is normally distributed along each axis.
     fn bell(&mut self) -> DVec3 {
         DVec3::from_array(
             [0; 3].map(|_| (-2.0 * (1.0 - self.next()).ln()).sqrt() * (TAU * self.next()).cos()),
@@ -24,7 +25,7 @@ fn tower(random: &mut Random) -> DVec3 {
     }
 }
 
-/// Two hundred times as long as wide.
+/// A corridor two hundred times as long as wide.
 fn corridor(random: &mut Random) -> DVec3 {
     DVec3::new(room(random).x, 0.005 * room(random).x, 0.005 * room(random).z)
 }
@@ -33,7 +34,8 @@ fn egg(random: &mut Random) -> DVec3 {
     0.5 * random.bell().normalize()
 }
 
-/// As many points a degree of elevation, seen from one place above flat ground; a near wall, far trees.
+/// Flat ground, seen from one place above it with as many points at each degree of elevation, a near wall, and far
+/// trees.
 fn terrestrial(random: &mut Random) -> DVec3 {
     let turn = TAU * random.next();
     let direction = DVec3::new(turn.cos(), turn.sin(), 0.0);
@@ -63,22 +65,22 @@ fn two_buildings(random: &mut Random) -> DVec3 {
     0.07 * room(random) + DVec3::X * at
 }
 
-type Scene = (&'static str, fn(&mut Random) -> DVec3);
+type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
 
-/// Scenes as dense all over, or nearly so.
-const COMPACT: [Scene; 5] =
+/// Scenes that are equally dense all over, or nearly so.
+const COMPACT: [SceneMaker; 5] =
     [("room", room), ("tower", tower), ("aerial", aerial), ("corridor", corridor), ("egg", egg)];
 /// Scenes with sparse parts.
-const THIN: [Scene; 3] =
+const THIN: [SceneMaker; 3] =
     [("terrestrial", terrestrial), ("courtyard", courtyard), ("two buildings", two_buildings)];
 
 #[derive(Clone, Copy, Debug)]
 enum Halo {
     Bell,
     Ball,
-    /// Thinning out from the middle on.
+    /// A halo that thins out from the middle on.
     Exponential,
-    /// As flat as what an aerial scanner sees.
+    /// A halo as flat as what an aerial scanner sees.
     Disc,
 }
 
@@ -94,7 +96,7 @@ impl Halo {
 }
 
 /// The box of a scene of `num` points, `share` of them astray, and the box that is found.
-fn found((_, scene): Scene, halo: Halo, num: usize, share: f64, size: f64) -> (Bounds, Bounds) {
+fn found((_, scene): SceneMaker, halo: Halo, num: usize, share: f64, size: f64) -> (Bounds, Bounds) {
     let random = &mut Random(num as u64);
     let num_strays = (share * num as f64).ceil() as usize;
     let mut positions: Vec<DVec3> = (num_strays..num).map(|_| scene(random)).collect();
@@ -103,7 +105,7 @@ fn found((_, scene): Scene, halo: Halo, num: usize, share: f64, size: f64) -> (B
     (bounds, find(positions).expect("a scene"))
 }
 
-/// All of the scene, and at most an edge around it.
+/// True if all of the scene is found, and at most an edge around it.
 fn is_found((scene, found): (Bounds, Bounds)) -> bool {
     let most = scene.grown(scene.edge());
     found.contains(scene.min)
@@ -171,23 +173,24 @@ fn thin_parts_may_get_lost_among_strays_but_the_view_stays_near() {
     }
 }
 
-/// Where a scanner stands in scenes of 1 by 1 by 0.5, and by how many times farther it goes astray.
+/// Where a scanner stands in scenes of 1 by 1 by 0.5.
 const EYE: DVec3 = DVec3::new(0.1, 0.05, 0.1);
+/// Largest distance by which a scanner's points go astray.
 const ASTRAY: f64 = 75.0;
 
 #[derive(Clone, Copy, Debug)]
 enum Rays {
-    /// To all sides, at any distance.
+    /// Strays to all sides, at any distance.
     Around,
-    /// Into the sky.
+    /// Strays into the sky.
     Up,
-    /// Within a narrow part of it.
+    /// Strays within a narrow part of the sky.
     Cone,
-    /// Beyond the points of the scene: what is behind a pane, or was reflected by it.
+    /// Strays beyond the points of the scene: points behind a pane, or reflected by it.
     Beyond,
-    /// As many from one to two times as far as from two to four times.
+    /// As many strays from one to two times as far as from two to four times.
     Logarithmic,
-    /// Few directions, each with many.
+    /// Many strays in each of hundreds of directions.
     Hundreds,
 }
 
@@ -210,8 +213,8 @@ impl Rays {
     }
 }
 
-/// Rays touch the scene: where they begin, strays are as dense as its points. (Thousands of strays in each of a few
-/// directions are left: so are wires.)
+/// Rays touch the scene, so strays are as dense as its points where rays begin. (`rays_tests.rs` has thousands of
+/// strays in each of a few directions.)
 #[test]
 fn strays_along_a_scanners_rays_do_not_count() {
     for scene in [COMPACT[0], COMPACT[1], COMPACT[2], THIN[0]] {
@@ -227,7 +230,7 @@ fn strays_along_a_scanners_rays_do_not_count() {
                     let what = format!("{} {rays:?} {num} {share}: {found:.2?} of {bounds:.2?}", scene.0);
                     let most = bounds.grown(bounds.edge());
                     assert!(most.contains(found.min) && most.contains(found.max), "{what}");
-                    // Its thin parts may get lost among them.
+                    // The scene's thin parts may get lost among strays.
                     assert!(found.edge() > 0.6 * bounds.edge() || scene.0 == THIN[0].0, "{what}");
                 }
             }

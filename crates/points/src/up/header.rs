@@ -1,19 +1,20 @@
-//! What a header's remarks say of up.
+//! Finds which axis points up by a header's remarks.
 
 use super::{Evidence, UpAxis};
 
-/// The remark of the program that merged the models of Stanford's repository (Bunny, Dragon, Armadillo), which have y up.
+/// The remark of the program `zipper`, which merged the models of Stanford's repository (Bunny, Dragon, Armadillo).
+/// These have y up.
 const ZIPPER: &str = "zipper output";
-/// What that program writes of each point; others who copied the remark do not.
+/// Column that the program `zipper` writes for each point; others who copied its remark do not.
 const ZIPPERS_COLUMN: &str = "confidence";
-/// Remarks that begin so name the axis.
+/// Remarks that begin with one of these name the axis.
 const KEYS: [&str; 6] = ["vertical axis", "up axis", "upaxis", "up vector", "world up", "up"];
-/// This program names y whatever is up.
+/// Remark of a program that names y whatever is up.
 const NAMES_Y_ALWAYS: &str = "exported from brush";
 
 /// The axis that must be up by the remarks and the columns of points of a header; `None` where that is not evident.
 ///
-/// The names of programs are no evidence: what they write has the axes of what they have read.
+/// The names of programs are no evidence: a program writes the axes of the files that it has read.
 pub(crate) fn stated(remarks: &[String], columns: &[String]) -> Option<Evidence> {
     let lines: Vec<String> = remarks.iter().map(|remark| plain(remark)).collect();
     let is_zippered = lines.iter().any(|line| line == ZIPPER)
@@ -28,14 +29,14 @@ pub(crate) fn stated(remarks: &[String], columns: &[String]) -> Option<Evidence>
     Some(Evidence { up, why: "its header names it" })
 }
 
-/// Lower case, and a blank for all that only parts words.
+/// Makes a remark lower case, with blanks for all characters that only separate words.
 fn plain(remark: &str) -> String {
     let parts = |c: char| if c.is_whitespace() || "_:=,;()[]".contains(c) { ' ' } else { c };
     let words: String = remark.to_lowercase().chars().map(parts).collect();
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// "vertical axis z", "up axis 0 1 0".
+/// The axis in "vertical axis z" or "up axis 0 1 0".
 fn named_behind_key(line: &str) -> Option<UpAxis> {
     let rest = KEYS.iter().find_map(|key| line.strip_prefix(key)?.strip_prefix(' '))?;
     let words: Vec<&str> = rest.split(' ').collect();
@@ -51,7 +52,7 @@ fn named_behind_key(line: &str) -> Option<UpAxis> {
     }
 }
 
-/// "y-up", "z up", "y down".
+/// The axis in "y-up", "z up" or "y down".
 fn named_before_up(line: &str) -> Option<UpAxis> {
     let words: Vec<&str> = line.split(' ').collect();
     let ends = |word: &str, end: &str| match axis(word.strip_suffix(end)?)? {

@@ -1,30 +1,34 @@
-//! Whether points alone look as if y pointed up, or −y: ground in the plane y = 0, and things on it. That is no proof: a
-//! wall with what stands before it looks so too. So nothing is turned; but somebody may want to know.
+//! Tells whether points alone look as if y or −y pointed up: ground in the plane y = 0, and things on it. That is no
+//! proof, because a wall with things before it looks the same. So nothing is turned, but the user is told.
 
 use super::UpAxis;
 use crate::{ScanFile, scene, world};
 use glam::DVec3;
 
-/// Fewer points tell nothing.
+/// Fewer points than this tell nothing.
 const LEAST: usize = 200;
-/// How thick ground is, how far from y = 0 it lies, and how high the things on it are at least: parts of the scan's longest
-/// edge.
+/// Largest distance of ground from its level, as a part of the scan's longest edge.
 const THICK: f64 = 0.005;
+/// Largest distance of the ground's level from y = 0, as a part of the scan's longest edge.
 const FROM_ZERO: f64 = 0.05;
+/// Least height of high things on the ground, as a part of the scan's longest edge.
 const HIGH: f64 = 0.05;
-/// Parts of the points that are in the plane, and on the other side of it than the things.
+/// Least part of the points that is in the plane.
 const IN_PLANE: f64 = 0.4;
+/// Largest part of the points that is in the plane.
 const MOST_IN_PLANE: f64 = 0.95;
+/// Largest part of the points that is on the other side of the plane than the things.
 const BELOW: f64 = 0.01;
-/// Cells an axis that the plane is cut into, and the part of them that has ground in it.
+/// Cells per axis that the plane is cut into.
 const CELLS: usize = 8;
+/// Least part of the cells that has ground in it.
 const COVERED: f64 = 0.7;
-/// Parts of the plane's width and depth at its sides, and the part of the things that stand in one: before a wall there is
-/// ground, and at its end another wall.
+/// Part of the plane's width and depth that is its side.
 const SIDE: f64 = 0.03;
+/// Largest part of the things that stands at one side: there is ground before a wall, and another wall at its end.
 const AT_SIDE: f64 = 0.12;
 
-/// The axis that may be up in a file, where it is not z as it seems.
+/// The axis that may be up in a file instead of z.
 pub(super) fn likely_up(file: &ScanFile) -> Option<UpAxis> {
     of_positions(world::samples(file).collect())
 }
@@ -44,7 +48,7 @@ fn of_positions(mut positions: Vec<DVec3>) -> Option<UpAxis> {
 /// True if half of the points are level ground at zero, and all others are above it and not at its sides.
 fn is_ground_with_things(positions: &[DVec3]) -> bool {
     let mut heights: Vec<f64> = positions.iter().map(|p| p.z).collect();
-    // In the midst of those of the ground, if they are as many as they must be.
+    // The height at this index is in the midst of the ground's, if ground has as many points as it must.
     let at = (0.5 * IN_PLANE * heights.len() as f64) as usize;
     let ground = *heights.select_nth_unstable_by(at, f64::total_cmp).1;
     let bounds = base::space::Bounds::around(positions);
@@ -81,7 +85,7 @@ fn is_ground_with_things(positions: &[DVec3]) -> bool {
 mod tests {
     use super::*;
 
-    /// Any numbers from 0 to 1.
+    /// Numbers from 0 to 1 that look irregular.
     fn part(at: usize, step: f64) -> f64 {
         ((at as f64 + 0.5) * step).fract()
     }
@@ -140,7 +144,7 @@ mod tests {
             assert_eq!(found(num, |at| box_of(at).with_y(7.0)), None, "{num}: one plane");
             let away = DVec3::new(0.0, 50.0, 0.0);
             assert_eq!(found(num, |at| facade(at) + away), None, "{num}: away from zero");
-            // Two walls of a house.
+            // The points are on two walls of a house.
             let corner = |at: usize| {
                 if at.is_multiple_of(2) {
                     facade(0).with_x(part(at, 0.7549) * 40.0).with_z(15.0 * part(at, 0.5698))

@@ -1,4 +1,4 @@
-//! Which axis of a file points up. Everything here has z up; models and many photogrammetry programs have y.
+//! Finds which axis of a file points up. The world has z up; models and many photogrammetry programs have y.
 //!
 //! A file's header may say it, or its surfaces may leave no doubt. Files that could be parts of one model are turned
 //! together. A guess must be certain: a scan that is turned wrongly is worse than one that somebody has to turn.
@@ -17,7 +17,7 @@ use surface::Vote;
 /// What is known or said of the axis of the files' coordinates that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 pub enum Up {
-    /// That which a file's header or its surfaces leave no doubt of, else z.
+    /// The axis that a file's header or its surfaces leave no doubt of, or else z.
     #[default]
     #[serde(rename = "auto")]
     Auto,
@@ -45,7 +45,7 @@ pub enum UpAxis {
 }
 
 impl UpAxis {
-    /// Along x, y and z of a file to along those of the world; no number is rounded.
+    /// Converts a vector along the file's axes to one along the world's. No number is rounded.
     #[must_use]
     pub fn in_world(self, v: DVec3) -> DVec3 {
         match self {
@@ -55,7 +55,7 @@ impl UpAxis {
         }
     }
 
-    /// For people: "y".
+    /// Name for people: "y".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -69,19 +69,19 @@ impl UpAxis {
 /// Why an axis must point up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Evidence {
-    /// The axis.
+    /// The axis that must point up.
     pub up: UpAxis,
     /// The end of a sentence: y is taken for up, since …
     pub why: &'static str,
 }
 
-/// Above this many units nothing on the earth has a height; it is an offset.
+/// Coordinates above this many units are an offset: nothing on the earth is that high.
 const OFFSET: f64 = 100_000.0;
-/// And below this an offset of heights stays.
+/// Heights are below this many units, also with an offset.
 const HEIGHT: f64 = 10_000.0;
 
-/// The axis that points up in each file, and sentences about those that were turned without being asked. `axes` are those
-/// of the files' coordinates: what lies on the earth has its own up.
+/// The axis that points up in each file, and sentences about files that were turned without being asked. `axes` says
+/// what the files' coordinates are: places on the earth have their own up.
 pub(super) fn of_files(
     files: &[ScanFile],
     headers: &[Header],
@@ -138,7 +138,7 @@ fn lying<'a>(files: impl Iterator<Item = &'a ScanFile>) -> Option<String> {
     ))
 }
 
-/// What the votes of parts of one model come to, and the first that has it.
+/// The evidence that the votes of parts of one model come to, and the number of the first part that has it.
 fn together(votes: impl Iterator<Item = Vote>) -> Option<(usize, Evidence)> {
     let mut found: Option<(usize, Evidence)> = None;
     for (at, vote) in votes.enumerate() {

@@ -1,14 +1,15 @@
-//! Whether a scan's surfaces can only be what they are if y points up, or −y: a floor and walls, ground and what stands on it.
+//! Tells whether a scan's surfaces can only be a floor and walls, or ground and things on it, if y or −y points up.
 //!
-//! Most shapes are no proof. A wall that faces north in a file with z up is, point by point, ground in a file with y up;
-//! a box is a room either way; a statue may lie. Three shapes are, because the other reading has no floor at all:
+//! Most shapes are no proof. A wall that faces north in a file with z up is, point by point, ground in a file with y
+//! up; a box is a room either way; a statue may lie. Three shapes are proof, because the other reading has no floor at
+//! all:
 //!
-//! - level surfaces across the axis, and walls all around it of which none is level in the other reading, although as many
-//!   hang over as face up: a room that stands askew to the axes;
-//! - a floor and a ceiling much wider than what is between them is high: with z up, a gap between two walls, closed above
-//!   and below, three times as high as wide;
-//! - ground that reaches all over the scan, with things on it that are as high as a quarter of its width and have walls to
-//!   all sides: with z up, a wall from which they stick out, and nothing below.
+//! - level surfaces across the axis, and walls all around it of which none is level in the other reading, where as
+//!   many surfaces hang over as face up: a room that stands askew to the axes;
+//! - a floor and a ceiling that are much wider than the space between them is high: with z up, a gap between two walls,
+//!   closed above and below, three times as high as wide;
+//! - ground that reaches all over the scan, with things on it that are as high as a quarter of its width and have walls
+//!   to all sides: with z up, a wall from which they stick out, and nothing below.
 
 use super::{Evidence, UpAxis};
 use crate::{ScanFile, scene};
@@ -16,29 +17,30 @@ use base::space::Bounds;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Surface elements that are looked at; fewer than the least prove nothing.
+/// Most surface patches that are looked at.
 const MOST: usize = 1 << 16;
+/// Fewer surface patches than this prove nothing.
 const LEAST: usize = 100;
 /// Places on all triangles together that are looked at, beside one on each.
 const PLACES: f64 = 4096.0;
-/// Cells along the longest edge within which points share a weight: scanners see what is near more often.
+/// Cells along the longest edge within which points share a weight: scanners see near surfaces more often.
 const CELLS: f64 = 64.0;
 
-/// cos 8°: what deviates less faces along an axis.
+/// cos 8°: a surface that deviates less faces along an axis.
 const ALONG: f64 = 0.990_27;
-/// sin 10°: what deviates less faces across it.
+/// sin 10°: a surface that deviates less faces across an axis.
 const ACROSS: f64 = 0.173_65;
-/// Parts of the height in which floors and ceilings are.
+/// Part of the height at the bottom in which floors are, and at the top in which ceilings are.
 const LOW: f64 = 0.2;
 
 /// What a file says of its up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Vote {
-    /// Nothing.
+    /// The file says nothing.
     Unsure,
-    /// That it is z.
+    /// The file says that z is up.
     Against,
-    /// That it is another.
+    /// The file says that another axis is up.
     For(Evidence),
 }
 
@@ -50,7 +52,7 @@ struct Patch {
     area: f64,
 }
 
-/// What a file's triangles say, or else its normals.
+/// The vote of a file's triangles, or else of its normals.
 pub(super) fn vote(file: &ScanFile) -> Vote {
     of_patches(if file.triangles.is_empty() { of_points(file) } else { of_triangles(file) })
 }
@@ -70,14 +72,15 @@ fn of_patches(mut patches: Vec<Patch>) -> Vote {
             area: patch.area,
         });
         let bounds = Bounds::around(&[up.in_world(bounds.min), up.in_world(bounds.max)]);
-        Shape::of(&turned.collect::<Vec<_>>(), &bounds, up.in_world(DVec3::Z))
+        Surfaces::of(&turned.collect::<Vec<_>>(), &bounds, up.in_world(DVec3::Z))
     };
     let (y, minus_y) = (with(UpAxis::Y), with(UpAxis::MinusY));
-    let found = |up: UpAxis, shape: &Shape| {
-        let is_room = shape.is_room_askew() && (up == UpAxis::Y || shape.ceiling <= 0.1 * shape.floor);
-        let why = if is_room || up == UpAxis::Y && shape.is_wide_room() {
+    let found = |up: UpAxis, surfaces: &Surfaces| {
+        let is_room =
+            surfaces.is_room_askew() && (up == UpAxis::Y || surfaces.ceiling <= 0.1 * surfaces.floor);
+        let why = if is_room || up == UpAxis::Y && surfaces.is_wide_room() {
             "it has a floor and walls only so"
-        } else if shape.is_ground_with_things() {
+        } else if surfaces.is_ground_with_things() {
             "it has ground and things on it only so"
         } else {
             return None;
@@ -92,47 +95,48 @@ fn of_patches(mut patches: Vec<Patch>) -> Vote {
     }
 }
 
-/// What surfaces are like if an axis is up: here it is z. Shares of the whole area.
+/// What surfaces are like if an axis is up, which is z here. Areas are shares of the whole area.
 #[derive(Clone, Copy, Debug, Default)]
-struct Shape {
+struct Surfaces {
     size: DVec3,
-    /// Faces up or down.
+    /// Area that faces up or down.
     level: f64,
-    /// Faces up, and lies low.
+    /// Area that faces up and lies low.
     floor: f64,
-    /// Faces down, and lies high.
+    /// Area that faces down and lies high.
     ceiling: f64,
-    /// Faces along the axis that would be up instead, either way.
+    /// Area that faces along the axis that would be up instead, either way.
     across_other: f64,
-    /// Would be floor instead.
+    /// Area that would be floor instead.
     other_floor: f64,
-    /// Faces along the third axis.
+    /// Area that faces along the third axis.
     across_third: f64,
-    /// Stands upright.
+    /// Area that stands upright.
     walls: f64,
-    /// Of them, what faces each way of the other axis and of the third.
+    /// Areas of the walls that face each way along the other axis, and each way along the third.
     facing: [f64; 4],
-    /// Higher above the floor than a quarter of the scan's lesser width.
+    /// Area that is higher above the floor than a quarter of the scan's lesser width.
     high: f64,
     /// The part of the scan's width and depth that the floor reaches over.
     reach: f64,
 }
 
-impl Shape {
+impl Surfaces {
     fn of(patches: &[Patch], bounds: &Bounds, other: DVec3) -> Self {
         let size = bounds.size();
         let third = DVec3::Z.cross(other);
         let part = |at: DVec3| (at - bounds.min) / size.max(DVec3::splat(f64::MIN_POSITIVE));
         let high = 0.25 * size.x.min(size.y);
-        let mut shape = Self { size, ..Self::default() };
+        let mut surfaces = Self { size, ..Self::default() };
         let mut floor = Bounds::EMPTY;
         let all: f64 = patches.iter().map(|patch| patch.area).sum();
         for Patch { at, normal, area } in patches {
             let (share, at_part) = (area / all, part(*at));
             let along = |axis: DVec3| normal.dot(axis);
             let other_part = if other.y < 0.0 { 1.0 - at_part.y } else { at_part.y };
-            let mut add =
-                |is: bool, sum: fn(&mut Self) -> &mut f64| *sum(&mut shape) += if is { share } else { 0.0 };
+            let mut add = |is: bool, sum: fn(&mut Self) -> &mut f64| {
+                *sum(&mut surfaces) += if is { share } else { 0.0 };
+            };
             let is_floor = normal.z > ALONG && at_part.z < LOW;
             add(normal.z.abs() > ALONG, |s| &mut s.level);
             add(is_floor, |s| &mut s.floor);
@@ -152,9 +156,9 @@ impl Shape {
             }
         }
         if !floor.is_empty() {
-            shape.reach = (floor.size() / size).truncate().min_element();
+            surfaces.reach = (floor.size() / size).truncate().min_element();
         }
-        shape
+        surfaces
     }
 
     fn is_room_askew(&self) -> bool {
@@ -203,10 +207,10 @@ fn of_triangles(file: &ScanFile) -> Vec<Patch> {
     let all: f64 = triangles.iter().map(|(_, twice)| 0.5 * twice.length()).sum();
     let patches = |([a, b, c], twice): ([DVec3; 3], DVec3)| {
         let area = 0.5 * twice.length();
-        // A floor may be two triangles: the larger one is, the more places on it count.
+        // A floor may be two triangles, so a larger triangle has more places that count.
         let num = 1 + (area / all * PLACES) as usize;
         let at = move |i: usize| {
-            // Evenly over the unit square, and folded into its lower half.
+            // Places lie evenly over the unit square, folded into its lower half.
             let u = (i as f64 + 0.5) / num as f64;
             let v = (0.5 + i as f64 * 0.618_033_988_749_895).fract();
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
@@ -217,7 +221,7 @@ fn of_triangles(file: &ScanFile) -> Vec<Patch> {
     triangles.into_iter().flat_map(patches).collect()
 }
 
-/// Points with normals: those of a cell share the weight of one.
+/// Patches of points with normals; the points of a cell share the weight of one.
 fn of_points(file: &ScanFile) -> Vec<Patch> {
     let normals = &file.points.normals;
     let step = normals.len().div_ceil(MOST).max(1);

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// A surface: a corner, two edges, and how many patches; it faces along the cross product of the edges.
+/// Patches of a surface with this corner and these two edges; it faces along the cross product of the edges.
 fn sheet(corner: [f64; 3], u: [f64; 3], v: [f64; 3], seed: u32) -> Vec<Patch> {
     let [corner, u, v] = [corner, u, v].map(DVec3::from_array);
     let cross = u.cross(v);
@@ -25,7 +25,7 @@ fn sheet(corner: [f64; 3], u: [f64; 3], v: [f64; 3], seed: u32) -> Vec<Patch> {
 fn block(low: [f64; 3], high: [f64; 3], inside: bool, bottom: bool) -> Vec<Patch> {
     let [dx, dy, dz] = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let (x, y, z) = ([dx, 0.0, 0.0], [0.0, dy, 0.0], [0.0, 0.0, dz]);
-    // Facing out.
+    // The sheets face out.
     let mut sheets = vec![
         sheet(low, x, z, 1),
         sheet(high, z.map(|c| -c), x.map(|c| -c), 2),
@@ -43,7 +43,7 @@ fn block(low: [f64; 3], high: [f64; 3], inside: bool, bottom: bool) -> Vec<Patch
     patches
 }
 
-/// Round about, as a statue is: a sphere `size` wide, deep and high.
+/// A rounded thing, as a statue is: an ellipsoid `size` wide, deep and high.
 fn blob(size: [f64; 3], center: [f64; 3]) -> Vec<Patch> {
     let size = DVec3::from_array(size);
     let patch = |i: u32| {
@@ -81,7 +81,8 @@ fn hills(edge: f64, height: f64) -> Vec<Patch> {
     patches
 }
 
-/// All made with z up. Kinds whose surfaces say which axis is up when they stand askew.
+/// A room, the first of the kinds whose surfaces say which axis is up when they stand askew. All kinds are made with z
+/// up.
 fn room(seed: f64) -> Vec<Patch> {
     let (width, depth) = (4.0 + 3.0 * seed, 5.0);
     let mut patches = block([0.0; 3], [width, depth, 2.5], true, true);
@@ -111,7 +112,7 @@ fn hall(seed: f64) -> Vec<Patch> {
     block([0.0; 3], [10.0 + 5.0 * seed, 12.0, 3.0], true, true)
 }
 
-/// Kinds that say nothing, or that only z explains.
+/// A facade, the first of the kinds that say nothing, or that only z explains.
 fn facade(seed: f64) -> Vec<Patch> {
     let mut patches = sheet([0.0; 3], [20.0, 0.0, 0.0], [0.0, 0.0, 12.0], 11);
     for i in 0..6 {
@@ -158,10 +159,10 @@ fn tank(seed: f64) -> Vec<Patch> {
     patches
 }
 
-type Kind = (&'static str, fn(f64) -> Vec<Patch>);
+type PatchMaker = (&'static str, fn(f64) -> Vec<Patch>);
 
-const TELLING: [Kind; 4] = [("room", room), ("house", house), ("monument", monument), ("hall", hall)];
-const SILENT: [Kind; 9] = [
+const TELLING: [PatchMaker; 4] = [("room", room), ("house", house), ("monument", monument), ("hall", hall)];
+const SILENT: [PatchMaker; 9] = [
     ("statue", |seed| blob([0.6, 0.4 + seed, 1.8], [0.0; 3])),
     ("hills", |seed| hills(200.0, 10.0 + 30.0 * seed)),
     ("trunk", |seed| tube(0.3, 4.0 + 20.0 * seed, false)),
@@ -173,7 +174,7 @@ const SILENT: [Kind; 9] = [
     ("lying tank", tank),
 ];
 
-/// Turned about z, moved, and with noise on the normals.
+/// Turns patches about z, moves them, and adds noise to the normals.
 fn placed(patches: Vec<Patch>, yaw: f64, noise: f64) -> Vec<Patch> {
     let turn = glam::DQuat::from_rotation_z(yaw);
     let place = |(i, patch): (usize, Patch)| {
@@ -184,7 +185,7 @@ fn placed(patches: Vec<Patch>, yaw: f64, noise: f64) -> Vec<Patch> {
     patches.into_iter().enumerate().map(place).collect()
 }
 
-/// The same as a file has it in which another axis is up.
+/// Patches as a file has them in which another axis is up.
 fn stored(patches: &[Patch], up: UpAxis) -> Vec<Patch> {
     let in_file = |v: DVec3| match up {
         UpAxis::Z => v,
@@ -202,7 +203,7 @@ fn found(patches: &[Patch], up: UpAxis) -> Option<UpAxis> {
     }
 }
 
-/// Which way the kinds face that have walls: askew to the axes or along them.
+/// Angles by which kinds with walls are turned: askew to the axes or along them.
 fn yaw() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(std::f64::consts::FRAC_PI_2), 0.0..std::f64::consts::TAU]
 }

@@ -1,4 +1,5 @@
-//! Where the chunks of a LAZ file lie: by its chunk table, or, where that is lost, by what chunks say themselves.
+//! Finds where the chunks of a LAZ file lie: by its chunk table, or, where that is lost, by the sizes that chunks
+//! state.
 
 use super::codec::Codec;
 use crate::source::Source;
@@ -7,38 +8,38 @@ use base::words::counted;
 use laz::laszip::ChunkTable;
 use std::io::Cursor;
 
-/// Bytes before the first chunk: the position of the chunk table.
+/// Bytes before the first chunk, which hold the position of the chunk table.
 pub(super) const TABLE_POSITION_BYTES: u64 = 8;
-/// Bytes of an entry of the chunk table at most: two numbers of 32 bits, entropy coded.
+/// Most bytes of an entry of the chunk table: two numbers of 32 bits, entropy coded.
 const MOST_ENTRY_BYTES: u64 = 16;
 
-/// A chunk.
+/// A chunk of compressed points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Chunk {
     /// First byte in the file.
     pub offset: u64,
     /// Size in bytes.
     pub num_bytes: u64,
-    /// Points, where known.
+    /// Number of points, where it is known.
     pub num_points: Option<u64>,
 }
 
 /// What is known of the chunks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Chunks {
-    /// All of them.
+    /// All chunks, from the chunk table.
     Listed(Vec<Chunk>),
-    /// Those found by following the chunks themselves, and why.
+    /// Chunks found by following the sizes that they state, and why the table was of no use.
     Followed(Vec<Chunk>, String),
-    /// Nothing: they must be decompressed one after the other; and why.
+    /// No chunks, so that points must be decompressed one after the other, and why.
     Unknown(String),
 }
 
-/// Finds the chunks of points that start at `points_offset`. `chunk_points`: the same number in each but the
-/// last, or `None` if the table states them.
+/// Finds the chunks of points that start at `points_offset`. `chunk_points` is the number of points of each chunk
+/// except the last, or `None` if the table states the numbers.
 ///
 /// # Errors
-/// Only those of the system.
+/// The system cannot read the file.
 pub(super) fn find(
     source: &Source,
     codec: &Codec,
@@ -59,7 +60,8 @@ pub(super) fn find(
     if codec.layered { follow(source, codec, data_offset, reason) } else { Ok(Chunks::Unknown(reason)) }
 }
 
-/// The last of the chunks of fixed size holds the rest, if the header's count fits the number of chunks.
+/// Counts the points of the last chunk of fixed size: it holds the rest, if the header's count fits the number of
+/// chunks.
 fn count_last(chunks: &mut [Chunk], size: u64, announced: u64) {
     let before = (chunks.len() as u64).saturating_sub(1).saturating_mul(size);
     if let Some(last) = chunks.last_mut() {
@@ -67,21 +69,21 @@ fn count_last(chunks: &mut [Chunk], size: u64, announced: u64) {
     }
 }
 
-type Table = Result<Vec<Chunk>, String>;
+type TableChunks = Result<Vec<Chunk>, String>;
 
 fn table(
     source: &Source,
     codec: &Codec,
     points_offset: u64,
     chunk_points: Option<u32>,
-) -> Result<Table, ScanError> {
+) -> Result<TableChunks, ScanError> {
     let data_offset = points_offset + TABLE_POSITION_BYTES;
     let position = |offset| -> Result<Option<u64>, ScanError> {
         let bytes = source.bytes(offset, 8)?;
         let value = bytes.first_chunk().map(|bytes| u64::from_le_bytes(*bytes));
         Ok(value.filter(|at| (data_offset..source.len().saturating_sub(7)).contains(at)))
     };
-    // Writers that could not go back leave the table's position in the last 8 bytes.
+    // Writers that could not seek back leave the table's position in the last 8 bytes.
     let found = match position(points_offset)? {
         Some(found) => Some(found),
         None => position(source.len().saturating_sub(8))?,
@@ -110,7 +112,7 @@ fn table(
     let mut chunks = Vec::with_capacity(entries.len());
     let mut offset = data_offset;
     for entry in &entries {
-        // The crate widens numbers of 32 bits with their sign.
+        // The `laz` crate widens numbers of 32 bits with their sign.
         let num_bytes = entry.byte_count & 0xffff_ffff;
         let num_points = chunk_points.map_or(entry.point_count & 0xffff_ffff, u64::from);
         if num_bytes > table_offset - offset {
@@ -124,7 +126,7 @@ fn table(
     Ok(Ok(chunks))
 }
 
-/// Layered chunks state their size: goes from one to the next until one is not whole or not plausible.
+/// Follows layered chunks, which state their size, from one to the next until one is not whole or not plausible.
 fn follow(source: &Source, codec: &Codec, data_offset: u64, reason: String) -> Result<Chunks, ScanError> {
     let mut chunks = Vec::new();
     let mut offset = data_offset;

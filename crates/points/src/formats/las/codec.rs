@@ -2,7 +2,7 @@
 //!
 //! A chunk is checked before it is handed to the decompressor, which believes sizes that a chunk states.
 
-use super::record::{self, Cut};
+use super::record::{self, Extractor};
 use crate::block::Block;
 use crate::{Attribute, Grid};
 use base::words::counted;
@@ -13,9 +13,10 @@ use std::io::{self, Cursor, Read, Seek};
 
 /// Records that are decompressed before they become columns: few enough to stay in a core's cache.
 const RUN_POINTS: u64 = 1 << 12;
-/// Points that a chunk may hold per byte, and on top of that. Real chunks hold less than one a byte; only
-/// made-up ones with thousands of equal points come near.
+/// Most points that a chunk may hold per byte. Real chunks hold less than one; only made-up chunks with thousands of
+/// equal points come near.
 const MOST_POINTS_PER_BYTE: u64 = 1000;
+/// Points that a chunk may hold on top of those per byte.
 const POINTS_FOR_FREE: u64 = 1 << 16;
 /// Points that memory is taken for at once, per byte that was really read.
 const VOUCHED_POINTS_PER_BYTE: u64 = 2;
@@ -39,7 +40,7 @@ pub(super) struct LayeredHead {
 }
 
 impl Codec {
-    /// From the items of the LASzip record.
+    /// The codec of the items in a LASzip record.
     pub fn new(items: Vec<LazItem>) -> Result<Self, String> {
         let first = items.first().ok_or("its LASzip record lists no items")?;
         let layered = first.version() >= 3;
@@ -61,7 +62,7 @@ impl Codec {
         Ok(Self { items, record_bytes, layered, num_layers })
     }
 
-    /// Bytes that every chunk has: its first point uncompressed, and the head of a layered one.
+    /// Bytes that every chunk has: its first point uncompressed, and a layered chunk's head.
     pub fn least_bytes(&self) -> usize {
         self.record_bytes + if self.layered { 4 + 4 * self.num_layers } else { 0 }
     }
@@ -74,7 +75,7 @@ impl Codec {
         Some(LayeredHead { num_points, num_bytes: self.least_bytes() as u64 + words.sum::<u64>() })
     }
 
-    /// The points of a whole chunk; `announced` of them if that is known.
+    /// Decompresses the points of a whole chunk: `announced` points, if their number is known.
     ///
     /// # Errors
     /// Why the chunk is damaged, as the end of a sentence. May panic on damaged chunks.
@@ -106,8 +107,8 @@ impl Codec {
         if limit > most {
             return Err(format!("states {} in {}", counted(limit, "point"), counted(bytes.len(), "byte")));
         }
-        let mut block = wanted.cut.block(wanted.grid);
-        // All at once if the chunk's own bytes vouch for it, otherwise as they come.
+        let mut block = wanted.extractor.block(wanted.grid);
+        // Memory is taken at once for the points that the chunk's own bytes vouch for, and for more as they come.
         let vouched = limit.min(bytes.len() as u64 * VOUCHED_POINTS_PER_BYTE) as usize;
         block.reserve(vouched).map_err(|_| "needs more memory than there is")?;
         let mut cursor = Cursor::new(bytes);
@@ -127,7 +128,8 @@ impl Codec {
     /// Reads up to `num_points` points of one chunk that starts where `source` stands, and appends them.
     ///
     /// # Errors
-    /// The end of the source (the points before it are whole), damage, no memory. May panic on damage.
+    /// The source ends (the points before its end are whole), the chunk is damaged, or there is no memory. May panic on
+    /// damage.
     pub fn decode<R: Read + Seek + Send + Sync>(
         &self,
         source: R,
@@ -149,7 +151,7 @@ impl Codec {
                 }
                 num_bytes += self.record_bytes;
             }
-            wanted.cut.append(&records[..num_bytes], block).map_err(|_| io::ErrorKind::OutOfMemory)?;
+            wanted.extractor.append(&records[..num_bytes], block).map_err(|_| io::ErrorKind::OutOfMemory)?;
             end?;
             left -= (num_bytes / self.record_bytes) as u64;
         }
@@ -176,16 +178,16 @@ impl Codec {
 #[derive(Clone, Debug)]
 pub(super) struct Wanted {
     pub grid: Grid,
-    pub cut: Cut,
-    /// Layers that have to be decompressed for it.
+    pub extractor: Extractor,
+    /// Layers that have to be decompressed for the wanted attributes.
     pub layers: DecompressionSelection,
 }
 
-/// The layers of LAS 1.4's chunks that have what is wanted. Whatever is wanted, places are.
-pub(super) fn layers(cut: &Cut) -> DecompressionSelection {
+/// The layers of LAS 1.4's chunks that hold the wanted attributes. Places are always wanted.
+pub(super) fn layers(extractor: &Extractor) -> DecompressionSelection {
     use Attribute as A;
     let mut layers = DecompressionSelection::base().decompress_z();
-    for (attribute, _) in cut.columns() {
+    for (attribute, _) in extractor.columns() {
         layers = match attribute {
             A::Intensity => layers.decompress_intensity(),
             A::Classification | A::Noise => layers.decompress_classification(),

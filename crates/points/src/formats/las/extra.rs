@@ -1,4 +1,5 @@
-//! Extra bytes: what files have behind the standard record, as a record of theirs describes it [LAS 1.4 R15, table 24].
+//! Extra bytes: values behind the standard point record, as a record of the file describes them [LAS 1.4 R15, table
+//! 24].
 
 use super::header::text;
 use crate::column::Type;
@@ -19,20 +20,22 @@ const TYPES: [(Type, usize); 10] = [
     (Type::F32, 4),
     (Type::F64, 8),
 ];
-/// Bits that say which parts of a description count.
+/// Option bit of a description that states a value for no data.
 const HAS_NO_DATA: u8 = 1;
+/// Option bit of a description that states a scale.
 const HAS_SCALE: u8 = 1 << 3;
+/// Option bit of a description that states an offset.
 const HAS_OFFSET: u8 = 1 << 4;
 
 /// Values that a description names together.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Extra {
     pub name: String,
-    /// Each value and its bytes; `None` for bytes of which nobody knows what they mean.
+    /// Each value's field and number of bytes; no field for bytes whose meaning is unknown.
     pub fields: Vec<(Option<Field>, usize)>,
 }
 
-/// What a record that describes extra bytes says.
+/// Parses a record that describes extra bytes.
 pub(super) fn parse(payload: &[u8]) -> Vec<Extra> {
     payload.chunks_exact(DESCRIPTION_BYTES).map(describe).collect()
 }
@@ -42,10 +45,10 @@ fn describe(entry: &[u8]) -> Extra {
     let name = text(&entry[4..36]);
     let Some((number, rest)) = kind.checked_sub(1).map(|kind| (kind % TYPES.len(), kind / TYPES.len()))
     else {
-        // The options are a number of bytes here.
+        // The options of this type are a number of bytes.
         return Extra { name, fields: vec![(None, usize::from(options))] };
     };
-    // Two or three values of a type are deprecated; more are unknown.
+    // Types of two or three values are deprecated; types of more values are unknown.
     if rest > 2 {
         return Extra { name, fields: vec![(None, 0)] };
     }

@@ -1,7 +1,7 @@
-//! The public header block of LAS 1.0–1.4, read for what it is worth.
+//! Reads the public header block of LAS 1.0–1.4.
 //!
-//! Only what decides where the bytes of the points lie is believed, and only as far as the file's size bears
-//! it out. Boxes and return counts are not even parsed.
+//! Only the fields that decide where the bytes of the points lie are believed, and only as far as the file's size bears
+//! them out. Boxes and return counts are not even parsed.
 
 use super::record;
 use crate::source::Source;
@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// Bytes of the shortest header (LAS 1.0–1.2).
 const SHORTEST: u64 = 227;
-/// Bytes of the longest (LAS 1.4).
+/// Bytes of the longest header (LAS 1.4).
 const LONGEST: u64 = 375;
 
 /// Extended variable length records: where they start, how many are announced.
@@ -31,7 +31,7 @@ pub(super) struct LasHeader {
     pub points_offset: u64,
     /// Variable length records announced.
     pub announced_vlrs: u32,
-    /// 0–10.
+    /// Point format, 0–10.
     pub point_format: u8,
     /// Bytes of a record when not compressed.
     pub record_bytes: u16,
@@ -39,11 +39,11 @@ pub(super) struct LasHeader {
     pub compressed: bool,
     /// Points announced.
     pub announced_points: u64,
-    /// Where the coordinates' grid lies.
+    /// Grid of the coordinates.
     pub grid: Grid,
     /// Where the points end at the latest, if something else is announced to follow them.
     pub points_end: Option<u64>,
-    /// LAS 1.4 only.
+    /// Extended variable length records, which only LAS 1.4 has.
     pub evlrs: Option<Evlrs>,
     /// True if the coordinate system is given as WKT.
     pub wkt: bool,
@@ -56,10 +56,11 @@ pub(super) struct LasHeader {
 }
 
 impl LasHeader {
-    /// Reads and checks it.
+    /// Reads and checks the header.
     ///
     /// # Errors
-    /// Too short, an unknown version or point format, a grid that is none, points before the header's end.
+    /// The file is too short, has an unknown version or point format, a grid that is none, or points before the
+    /// header's end.
     pub fn read(source: &Source) -> Result<Self, ScanError> {
         let bytes = source.bytes(0, LONGEST)?;
         if (bytes.len() as u64) < SHORTEST {
@@ -88,7 +89,7 @@ impl LasHeader {
         }
     }
 
-    /// "2024, day 130 of the year" as a date.
+    /// Day of creation as a date, "2024-05-09".
     pub fn created_date(&self) -> Option<String> {
         let (year, mut day) = self.created?;
         let leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
@@ -134,7 +135,8 @@ impl LasHeader {
     }
 }
 
-/// Little-endian fields by their byte; the first [`SHORTEST`] bytes exist, later ones read as 0.
+/// Little-endian fields of the header by their first byte. The first [`SHORTEST`] bytes exist; later bytes that are
+/// missing read as 0.
 struct Fields<'a> {
     source: &'a Source,
     bytes: &'a [u8],
@@ -181,7 +183,7 @@ impl Fields<'_> {
             evlrs,
             wkt: minor >= 4 && self.u16(6) & 0x10 != 0,
             software: text(&self.bytes[58..90]),
-            // Some writers fill in a date before there was any LAS.
+            // Some writers fill in a date from before there was any LAS.
             created: (created.0 >= 2000 && created.1 > 0).then_some(created),
             oddities,
         })

@@ -1,4 +1,4 @@
-//! Compressed points: chunks in parallel, in file order; a broken chunk loses only itself.
+//! Reads compressed points: chunks in parallel, handed over in file order. A broken chunk loses only itself.
 
 use super::Outcome;
 use super::chunks::{self, Chunk, Chunks, TABLE_POSITION_BYTES};
@@ -25,25 +25,25 @@ const MOST_NAMED: usize = 5;
 #[derive(Clone, Debug)]
 pub(super) struct Laz {
     codec: Codec,
-    cut: Cut,
+    chunking: Chunking,
 }
 
-/// How the points are cut.
+/// How the points are cut into chunks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cut {
+enum Chunking {
     /// All points are one chunk and there is no chunk table (LASzip 1).
     Not,
-    /// Chunks of so many points.
+    /// Each chunk except the last has this many points.
     Fixed(u32),
-    /// Chunks of as many points as the table states.
+    /// Each chunk has as many points as the table states.
     Variable,
 }
 
 impl Laz {
-    /// From the payload of the LASzip record.
+    /// Parses the payload of the LASzip record.
     ///
     /// # Errors
-    /// Why nothing of it can be decompressed, and what to do.
+    /// Why no point can be decompressed, and what to do.
     pub fn parse(payload: &[u8]) -> Result<Self, String> {
         let advice = "write it again with a current LASzip, or as LAS";
         let vlr = match guard::catch(|| LazVlr::read_from(payload)) {
@@ -51,11 +51,11 @@ impl Laz {
             Ok(Err(error)) => return Err(format!("its LASzip record says: {error}; {advice}")),
             Err(panic) => return Err(format!("its LASzip record is damaged ({panic}); {advice}")),
         };
-        // The crate keeps the kind of compression to itself; it is the record's first field.
-        let cut = match payload.first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes)) {
-            1 => Cut::Not,
-            2 | 3 if vlr.uses_variable_size_chunks() => Cut::Variable,
-            2 | 3 => Cut::Fixed(vlr.chunk_size()),
+        // The `laz` crate does not tell the kind of compression, which is the record's first field.
+        let chunking = match payload.first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes)) {
+            1 => Chunking::Not,
+            2 | 3 if vlr.uses_variable_size_chunks() => Chunking::Variable,
+            2 | 3 => Chunking::Fixed(vlr.chunk_size()),
             kind => {
                 return Err(format!(
                     "its LASzip record names compression {kind}, only 1 to 3 are known; {advice}"
@@ -63,7 +63,7 @@ impl Laz {
             }
         };
         let codec = Codec::new(vlr.items().clone()).map_err(|reason| format!("{reason}; {advice}"))?;
-        Ok(Self { codec, cut })
+        Ok(Self { codec, chunking })
     }
 
     /// Bytes of a decompressed record.
@@ -78,14 +78,14 @@ impl Laz {
 
     /// What is wanted of the points of this layout.
     pub fn wanted(header: &LasHeader, layout: &Layout, want: &Projection) -> Wanted {
-        let cut = layout.cut(want);
-        Wanted { grid: header.grid, layers: codec::layers(&cut), cut }
+        let extractor = layout.extractor(want);
+        Wanted { grid: header.grid, layers: codec::layers(&extractor), extractor }
     }
 
     /// Reads all points that can be read.
     ///
     /// # Errors
-    /// Stopped, no memory, nothing readable at all; what `take` reports.
+    /// The user stops it, there is no memory, nothing can be read, or `take` fails.
     pub fn read(
         &self,
         source: &Source,
@@ -96,10 +96,10 @@ impl Laz {
     ) -> Result<Outcome, ScanError> {
         let offset = header.points_offset;
         let reading = Reading { source, announced: header.announced_points, wanted, progress };
-        let chunk_points = match self.cut {
-            Cut::Not => return self.read_serially(&reading, take, offset, None),
-            Cut::Fixed(size) => Some(size),
-            Cut::Variable => None,
+        let chunk_points = match self.chunking {
+            Chunking::Not => return self.read_serially(&reading, take, offset, None),
+            Chunking::Fixed(size) => Some(size),
+            Chunking::Variable => None,
         };
         match chunks::find(source, &self.codec, offset, chunk_points, header.announced_points)? {
             Chunks::Listed(chunks) => self.read_chunks(&reading, take, &chunks),
@@ -125,7 +125,7 @@ impl Laz {
         }
     }
 
-    /// While a window of chunks is decompressed, the one before it is handed over.
+    /// Decompresses a window of chunks while the window before it is handed over.
     fn read_chunks(
         &self,
         reading: &Reading,
@@ -152,7 +152,7 @@ impl Laz {
     fn read_chunk(&self, reading: &Reading, chunk: &Chunk) -> Decoded {
         let Reading { source, progress, wanted, .. } = *reading;
         if progress.is_cancelled() {
-            return Ok(wanted.cut.block(wanted.grid));
+            return Ok(wanted.extractor.block(wanted.grid));
         }
         let bytes = source.bytes(chunk.offset, chunk.num_bytes).map_err(|error| error.to_string())?;
         if (bytes.len() as u64) < chunk.num_bytes {
@@ -164,7 +164,7 @@ impl Laz {
         Ok(block)
     }
 
-    /// Chunk after chunk on one core, as far as it goes: no chunk says where it ends.
+    /// Reads chunk after chunk on one core, up to the first that is damaged: no chunk says where it ends.
     fn read_serially(
         &self,
         reading: &Reading,
@@ -183,7 +183,7 @@ impl Laz {
             }
             let left = announced - outcome.num_points;
             let num_wanted = chunk_points.map_or(left, |size| left.min(u64::from(size)));
-            let mut block = wanted.cut.block(wanted.grid);
+            let mut block = wanted.extractor.block(wanted.grid);
             let end = guard::catch(|| self.codec.decode(&mut reader, num_wanted, wanted, &mut block));
             let problem = match end {
                 Ok(Ok(())) => None,
@@ -193,13 +193,13 @@ impl Laz {
                 Ok(Err(error)) if error.kind() == io::ErrorKind::OutOfMemory => {
                     return Err(ScanError::Memory { path: source.path().to_owned(), num_points: announced });
                 }
-                // What came before the error in this chunk may be nonsense already.
+                // Points before the error in this chunk may be nonsense already.
                 Ok(Err(error)) => {
                     block.truncate(0);
                     Some(error.to_string())
                 }
                 Err(panic) => {
-                    block = wanted.cut.block(wanted.grid);
+                    block = wanted.extractor.block(wanted.grid);
                     Some(panic)
                 }
             };
@@ -239,7 +239,7 @@ struct Handover<'a, 'b> {
     outcome: Outcome,
     damaged: Vec<Damaged>,
     num_chunks: usize,
-    /// Points of the chunks so far, those of the damaged included.
+    /// Points of the chunks so far, including those of damaged chunks.
     at: u64,
 }
 
@@ -265,7 +265,7 @@ impl Handover<'_, '_> {
         Ok(())
     }
 
-    /// What was read, with a sentence for each lost chunk; an error if nothing is left.
+    /// Returns what was read, with a sentence for each lost chunk, or an error if nothing is left.
     fn finish(self, source: &Source) -> Result<Outcome, ScanError> {
         let Self { mut outcome, damaged, num_chunks, .. } = self;
         if let (Some(first), 0) = (damaged.first(), outcome.num_points) {

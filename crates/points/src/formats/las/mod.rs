@@ -20,9 +20,9 @@ use extra::Extra;
 use header::LasHeader;
 use laz::Laz;
 use record::Layout;
-use vlr::{Kind, Vlr};
+use vlr::{Vlr, VlrKind};
 
-/// The format.
+/// The format LAS, with LAZ.
 pub(super) struct Las;
 
 impl Format for Las {
@@ -59,7 +59,7 @@ enum Packing {
 impl Packing {
     fn of(source: &Source, las: &LasHeader, vlrs: &[Vlr]) -> Result<Self, ScanError> {
         let fail = |reason| ScanError::Compression { path: source.path().to_owned(), reason };
-        match (vlr::payload(vlrs, Kind::Laszip), las.compressed) {
+        match (vlr::payload(vlrs, VlrKind::Laszip), las.compressed) {
             (Some(payload), true) => Ok(Self::Laz(Box::new(Laz::parse(payload).map_err(fail)?))),
             (None, true) => {
                 let reason = "the record that says how (\"laszip encoded\") is missing; get the file again";
@@ -84,8 +84,9 @@ struct LasFile {
 #[derive(Debug, Default)]
 struct Outcome {
     num_points: u64,
-    /// Sentences whose subject is the file: about what could not be read, about what else was odd.
+    /// Sentences about what could not be read, whose subject is the file.
     losses: Vec<String>,
+    /// Sentences about what else was odd, whose subject is the file.
     warnings: Vec<String>,
 }
 
@@ -112,7 +113,7 @@ impl Dataset for LasFile {
             });
         }
         let Outcome { num_points, mut losses, mut warnings } = match packing {
-            Packing::Raw => raw::read(source, las, &layout.cut(want), want, take, progress)?,
+            Packing::Raw => raw::read(source, las, &layout.extractor(want), want, take, progress)?,
             Packing::Laz(laz) => laz.read(source, las, &Laz::wanted(las, layout, want), take, progress)?,
         };
         if num_points == 0 {
@@ -143,7 +144,7 @@ fn describe(
 ) -> Header {
     let kind = match packing {
         Packing::Raw => "LAS",
-        Packing::Laz(_) if vlr::payload(vlrs, Kind::Copc).is_some() => "COPC (LAZ)",
+        Packing::Laz(_) if vlr::payload(vlrs, VlrKind::Copc).is_some() => "COPC (LAZ)",
         Packing::Laz(_) => "LAZ",
     };
     let mut warnings = las.oddities.clone();
@@ -178,13 +179,18 @@ fn describe(
 
 fn crs(las: &LasHeader, vlrs: &[Vlr]) -> Crs {
     let payload = |kind| vlr::payload(vlrs, kind).unwrap_or_default();
-    let wkt = crs::from_wkt(payload(Kind::Wkt));
-    let keys = crs::from_geotiff(payload(Kind::GeoKeys), payload(Kind::GeoDoubles), payload(Kind::GeoTexts));
-    // The second only fills in what the first leaves open.
+    let wkt = crs::from_wkt(payload(VlrKind::Wkt));
+    let keys = crs::from_geotiff(
+        payload(VlrKind::GeoKeys),
+        payload(VlrKind::GeoDoubles),
+        payload(VlrKind::GeoTexts),
+    );
+    // The second system only fills in what the first leaves open.
     if las.wkt { wkt.or(keys) } else { keys.or(wkt) }
 }
 
-/// Names of what is stored for each point; extra bytes as the file names them, whether they can be read or not.
+/// Names of the attributes of each point. Extra bytes have the names that the file gives them, whether they can be read
+/// or not.
 fn attributes(schema: &Schema, extra: &[Extra]) -> Vec<String> {
     let named = extra.iter().filter(|extra| !extra.name.is_empty());
     let named = named.map(|extra| format!("extra:{}", extra.name));

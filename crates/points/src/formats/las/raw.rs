@@ -1,8 +1,8 @@
-//! Uncompressed points: pieces of records, read and parsed in parallel, straight into their place in a block.
+//! Reads uncompressed points: parts of a block, in parallel, parsed straight into their place.
 
 use super::Outcome;
 use super::header::LasHeader;
-use super::record::Cut;
+use super::record::Extractor;
 use crate::block::Block;
 use crate::column::{self, Column, ColumnPart};
 use crate::formats::Take;
@@ -13,30 +13,30 @@ use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::io;
 
-/// Points of a piece: its records (1 MiB at most) stay in a core's cache from reading to the last column.
-const PIECE_POINTS: usize = 1 << 14;
-/// Points of a block at least: fewer would not keep all cores at work.
+/// Points of a part: its records (1 MiB at most) stay in a core's cache from reading to the last column.
+const PART_POINTS: usize = 1 << 14;
+/// Fewest points of a block: fewer would not keep all cores at work.
 const LEAST_BLOCK_POINTS: usize = 1 << 18;
 
 /// Reads all whole records that are there.
 ///
 /// # Errors
-/// No memory, stopped, nothing readable at all; what `take` reports.
+/// The user stops it, there is no memory, nothing can be read, or `take` fails.
 pub(super) fn read(
     source: &Source,
     header: &LasHeader,
-    cut: &Cut,
+    extractor: &Extractor,
     want: &Projection,
     take: &mut Take,
     progress: &Progress,
 ) -> Result<Outcome, ScanError> {
     let announced = num_points(source, header);
     let memory = || ScanError::Memory { path: source.path().to_owned(), num_points: announced };
-    let records = Records { source, header, cut, progress };
+    let records = Records { source, header, extractor, progress };
     let mut outcome = Outcome::default();
     while outcome.num_points < announced {
         let left = announced - outcome.num_points;
-        // The file is as long: it vouches for this memory.
+        // The file is long enough for these points, which vouches for the memory.
         let num_wanted = left.min(want.block_points().max(LEAST_BLOCK_POINTS) as u64);
         let mut block =
             usize::try_from(num_wanted).ok().and_then(|num| records.zeros(num)).ok_or_else(memory)?;
@@ -59,8 +59,8 @@ pub(super) fn read(
     Ok(outcome)
 }
 
-/// Whole records between the points' start and the end of the file, as far as the header does not say that
-/// something else follows. A header that counts too few is believed only if more than points could follow.
+/// Number of whole records from the points' start to the end of the file, or to something else that the header says
+/// follows them. A header that counts fewer points is believed only if something else could follow them.
 pub(super) fn num_points(source: &Source, header: &LasHeader) -> u64 {
     let record_bytes = u64::from(header.record_bytes).max(1);
     let available = source.len().saturating_sub(header.points_offset);
@@ -81,21 +81,21 @@ pub(super) fn num_points(source: &Source, header: &LasHeader) -> u64 {
 struct Records<'a> {
     source: &'a Source,
     header: &'a LasHeader,
-    cut: &'a Cut,
+    extractor: &'a Extractor,
     progress: &'a Progress,
 }
 
-/// A part of a block.
-struct Piece<'a> {
+/// A part of a block that is read by itself.
+struct BlockPart<'a> {
     xyz: &'a mut [[i32; 3]],
     columns: Vec<ColumnPart<'a>>,
 }
 
-/// How far a piece got.
-struct PieceEnd {
+/// How reading a part of a block ended.
+struct BlockPartEnd {
     num_read: usize,
     whole: bool,
-    /// What is true in it, a column each; empty for those that are numbers.
+    /// Marks of the points in the part, for each column; empty for columns of numbers.
     marks: Vec<Marks>,
     stats: Stats,
     error: Option<io::Error>,
@@ -104,24 +104,26 @@ struct PieceEnd {
 impl Records<'_> {
     /// A block of zeros, or `None` if there is no memory for it.
     fn zeros(&self, num_points: usize) -> Option<Block> {
-        let columns =
-            self.cut.columns().map(|(attribute, kind)| Some((attribute, Column::zeros(kind, num_points)?)));
+        let columns = self
+            .extractor
+            .columns()
+            .map(|(attribute, kind)| Some((attribute, Column::zeros(kind, num_points)?)));
         let (xyz, columns) = (column::zeros(num_points)?, columns.collect::<Option<_>>()?);
         Some(Block { grid: self.header.grid, xyz, columns, stats: Stats::EMPTY })
     }
 
-    /// Reads the points from number `first` on into a block, and shortens it to those before the first that could not be
-    /// read (a disk error, a file that shrank meanwhile). The error, if it was one.
+    /// Reads the points from number `first` on into a block, and shortens the block to the points before the first that
+    /// could not be read (a disk error, a file that shrank meanwhile). Returns the disk error, if there was one.
     fn fill(&self, block: &mut Block, first: u64) -> Result<Option<io::Error>, ScanError> {
         let record_bytes = u64::from(self.header.record_bytes);
         let start = self.header.points_offset + first * record_bytes;
-        let piece_bytes = PIECE_POINTS as u64 * record_bytes;
+        let part_bytes = PART_POINTS as u64 * record_bytes;
         let intensity = block.columns.iter().position(|(attribute, _)| *attribute == Attribute::Intensity);
-        let ends: Vec<PieceEnd> = pieces(block)
+        let ends: Vec<BlockPartEnd> = parts(block)
             .into_par_iter()
             .enumerate()
-            .map_init(Vec::new, |buffer, (number, piece)| {
-                let end = self.read_piece(piece, start + number as u64 * piece_bytes, intensity, buffer);
+            .map_init(Vec::new, |buffer, (number, part)| {
+                let end = self.read_part(part, start + number as u64 * part_bytes, intensity, buffer);
                 self.progress.add(end.num_read as u64);
                 end
             })
@@ -145,16 +147,16 @@ impl Records<'_> {
         Ok(failure)
     }
 
-    fn read_piece(
+    fn read_part(
         &self,
-        mut piece: Piece,
+        mut part: BlockPart,
         offset: u64,
         intensity: Option<usize>,
         buffer: &mut Vec<u8>,
-    ) -> PieceEnd {
-        let (num_wanted, record_bytes) = (piece.xyz.len(), usize::from(self.header.record_bytes));
+    ) -> BlockPartEnd {
+        let (num_wanted, record_bytes) = (part.xyz.len(), usize::from(self.header.record_bytes));
         let mut end =
-            PieceEnd { num_read: 0, whole: false, marks: Vec::new(), stats: Stats::EMPTY, error: None };
+            BlockPartEnd { num_read: 0, whole: false, marks: Vec::new(), stats: Stats::EMPTY, error: None };
         if self.progress.is_cancelled() {
             return end;
         }
@@ -168,25 +170,25 @@ impl Records<'_> {
         };
         end.num_read = num_bytes / record_bytes;
         end.whole = end.num_read == num_wanted;
-        self.cut.parse(&buffer[..end.num_read * record_bytes], piece.xyz, &mut piece.columns);
-        let intensity = match intensity.map(|at| &piece.columns[at]) {
+        self.extractor.parse(&buffer[..end.num_read * record_bytes], part.xyz, &mut part.columns);
+        let intensity = match intensity.map(|at| &part.columns[at]) {
             Some(ColumnPart::U16(values)) => &values[..end.num_read],
             _ => &[],
         };
-        end.stats = Stats::of(&piece.xyz[..end.num_read], intensity);
-        end.marks = piece.columns.into_iter().map(ColumnPart::into_marks).collect();
+        end.stats = Stats::of(&part.xyz[..end.num_read], intensity);
+        end.marks = part.columns.into_iter().map(ColumnPart::into_marks).collect();
         end
     }
 }
 
 /// The parts of a block that are read by themselves.
-fn pieces(block: &mut Block) -> Vec<Piece<'_>> {
-    let num_pieces = block.xyz.len().div_ceil(PIECE_POINTS);
-    let pieces = block.xyz.chunks_mut(PIECE_POINTS).map(|xyz| Piece { xyz, columns: Vec::new() });
-    let mut pieces: Vec<Piece> = pieces.collect();
+fn parts(block: &mut Block) -> Vec<BlockPart<'_>> {
+    let num_parts = block.xyz.len().div_ceil(PART_POINTS);
+    let parts = block.xyz.chunks_mut(PART_POINTS).map(|xyz| BlockPart { xyz, columns: Vec::new() });
+    let mut parts: Vec<BlockPart> = parts.collect();
     for (_, column) in &mut block.columns {
-        let parts = column.parts(PIECE_POINTS, num_pieces);
-        pieces.iter_mut().zip(parts).for_each(|(piece, part)| piece.columns.push(part));
+        let columns = column.parts(PART_POINTS, num_parts);
+        parts.iter_mut().zip(columns).for_each(|(part, column)| part.columns.push(column));
     }
-    pieces
+    parts
 }

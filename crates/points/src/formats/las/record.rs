@@ -11,41 +11,44 @@ use std::ops::Range;
 
 /// Bytes of a standard record, by point format 0–10.
 const RECORD_BYTES: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
-/// First byte of what only some point formats have, by point format; 0: it has none.
+/// First byte of the GPS time, by point format; 0 where a format has none.
 const GPS_TIME: [usize; 11] = [0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22];
+/// First byte of the color, by point format; 0 where a format has none.
 const RGB: [usize; 11] = [0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30];
+/// First byte of the near infrared, by point format; 0 where a format has none.
 const NIR: [usize; 11] = [0, 0, 0, 0, 0, 0, 0, 0, 36, 0, 36];
+/// First byte of the waveform, by point format; 0 where a format has none.
 const WAVEFORM: [usize; 11] = [0, 0, 0, 0, 28, 34, 0, 0, 0, 30, 38];
 /// Classes whose points are noise, in all formats: low and high.
 const NOISE_CLASSES: [u8; 2] = [7, 18];
 /// Degrees of a step of the scan angle in point formats 6–10.
 const ANGLE_STEP: f64 = 0.006;
 
-/// What the first bytes of a record are, up to where point formats differ.
+/// Kinds of the first bytes of a record, before the bytes in which point formats differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Core {
-    /// LAS 1.0: as the next, which knew no flags.
+    /// LAS 1.0: as point formats 0–5, without flags.
     First,
     /// Point formats 0–5: class and flags share a byte.
     Legacy,
-    /// Point formats 6–10.
+    /// Point formats 6–10: class and flags have bytes of their own.
     Extended,
 }
 
-/// Where a record has an attribute, from its first byte.
+/// Where a record has an attribute, counted from the record's first byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
-    /// A number, or three, at this byte.
+enum FieldPlace {
+    /// One number or three, starting at this byte.
     At(usize),
-    /// Some bits of a byte: those of `mask`, shifted down. Of yes or no, whether any is set.
+    /// Bits of a byte, shifted down, then masked. An attribute of yes or no is true if any of them is set.
     Bits { at: usize, shift: u32, mask: u8 },
-    /// The bits of a class, which is noise or not.
+    /// Bits of a byte that hold a class, which is noise or not.
     Noise { at: usize, mask: u8 },
 }
 
-/// The parts of a record that not all have; first bytes.
+/// First bytes of the parts that not all records have.
 #[derive(Clone, Debug, Default)]
-struct Parts {
+struct Offsets {
     gps_time: Option<usize>,
     rgb: Option<usize>,
     nir: Option<usize>,
@@ -56,9 +59,9 @@ struct Parts {
 /// How the records of a file are made up.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
-    /// Bytes from one record to the next; at least what its parts need.
+    /// Bytes from one record to the next, at least as many as its parts need.
     pub record_bytes: usize,
-    fields: Vec<(Field, Place)>,
+    fields: Vec<(Field, FieldPlace)>,
 }
 
 /// Bytes of a standard record; `None` for a format that does not exist.
@@ -66,7 +69,7 @@ pub(super) fn standard_bytes(point_format: u8) -> Option<u16> {
     RECORD_BYTES.get(usize::from(point_format)).copied()
 }
 
-/// Bytes of a part of a decompressed record. What the item itself states is not believed.
+/// Bytes of a part of a decompressed record. The size that the item itself states is not believed.
 pub(super) fn item_bytes(item: LazItemType) -> usize {
     match item {
         LazItemType::Point10 => 20,
@@ -79,7 +82,7 @@ pub(super) fn item_bytes(item: LazItemType) -> usize {
 }
 
 impl Core {
-    /// Of a point format in a file of LAS 1.`minor`.
+    /// The core of a point format in a file of LAS 1.`minor`.
     pub fn of(point_format: u8, minor: u8) -> Self {
         match (point_format, minor) {
             (6.., _) => Self::Extended,
@@ -88,17 +91,20 @@ impl Core {
         }
     }
 
-    /// Its attributes, in the order in which lists have them.
-    fn fields(self) -> Vec<(Field, Place)> {
+    /// Attributes of the core, in the order in which lists have them.
+    fn fields(self) -> Vec<(Field, FieldPlace)> {
         use Attribute as A;
-        let bits =
-            |attribute, at, shift, mask| (Field::plain(attribute, Type::U8), Place::Bits { at, shift, mask });
-        let flag =
-            |attribute, at, mask| (Field::plain(attribute, Type::Bool), Place::Bits { at, shift: 0, mask });
-        let noise = |at, mask| (Field::plain(A::Noise, Type::Bool), Place::Noise { at, mask });
+        let bits = |attribute, at, shift, mask| {
+            (Field::plain(attribute, Type::U8), FieldPlace::Bits { at, shift, mask })
+        };
+        let flag = |attribute, at, mask| {
+            (Field::plain(attribute, Type::Bool), FieldPlace::Bits { at, shift: 0, mask })
+        };
+        let noise = |at, mask| (Field::plain(A::Noise, Type::Bool), FieldPlace::Noise { at, mask });
         let byte = |attribute, at| bits(attribute, at, 0, 0xff);
-        let short = |attribute, at| (Field::plain(attribute, Type::U16), Place::At(at));
-        let angle = |kind, scale, at| (Field { scale, ..Field::plain(A::ScanAngle, kind) }, Place::At(at));
+        let short = |attribute, at| (Field::plain(attribute, Type::U16), FieldPlace::At(at));
+        let angle =
+            |kind, scale, at| (Field { scale, ..Field::plain(A::ScanAngle, kind) }, FieldPlace::At(at));
         let mut fields = vec![short(A::Intensity, 12)];
         match self {
             Self::First | Self::Legacy => {
@@ -141,71 +147,71 @@ impl Core {
 }
 
 impl Layout {
-    /// Records of a LAS file; `None` if the format does not exist or the records are too short for it.
+    /// The layout of a LAS file's records; `None` if the format does not exist or the records are too short for it.
     pub fn of_format(point_format: u8, minor: u8, record_bytes: u16, extra: &[Extra]) -> Option<Self> {
         let standard = standard_bytes(point_format)?;
         if record_bytes < standard {
             return None;
         }
-        let part = |places: [usize; 11]| Some(places[usize::from(point_format)]).filter(|&at| at > 0);
-        let parts = Parts {
-            gps_time: part(GPS_TIME),
-            rgb: part(RGB),
-            nir: part(NIR),
-            waveform: part(WAVEFORM),
+        let offset = |places: [usize; 11]| Some(places[usize::from(point_format)]).filter(|&at| at > 0);
+        let offsets = Offsets {
+            gps_time: offset(GPS_TIME),
+            rgb: offset(RGB),
+            nir: offset(NIR),
+            waveform: offset(WAVEFORM),
             extra: usize::from(standard)..usize::from(record_bytes),
         };
-        Some(Self::new(Core::of(point_format, minor), &parts, record_bytes.into(), extra))
+        Some(Self::new(Core::of(point_format, minor), &offsets, record_bytes.into(), extra))
     }
 
-    /// Records that are compressed as these items. They are what counts, not the point format: some writers leave out what
-    /// they do not compress (waveforms), and the rest is still readable.
+    /// The layout of records that are compressed as these items. The items count, not the point format: some writers
+    /// leave out parts that they do not compress (waveforms), and the rest is still readable.
     pub fn of_items(items: &[LazItem], minor: u8, extra: &[Extra]) -> Self {
-        let (mut parts, mut at) = (Parts::default(), 0);
+        let (mut offsets, mut at) = (Offsets::default(), 0);
         let mut core = Core::Extended;
         for item in items {
             match item.item_type() {
                 LazItemType::Point10 => core = Core::of(0, minor),
-                LazItemType::Point14 => parts.gps_time = Some(at + GPS_TIME[6]),
-                LazItemType::GpsTime => parts.gps_time = Some(at),
-                LazItemType::RGB12 | LazItemType::RGB14 => parts.rgb = Some(at),
-                LazItemType::RGBNIR14 => (parts.rgb, parts.nir) = (Some(at), Some(at + 6)),
-                LazItemType::WavePacket13 | LazItemType::WavePacket14 => parts.waveform = Some(at),
+                LazItemType::Point14 => offsets.gps_time = Some(at + GPS_TIME[6]),
+                LazItemType::GpsTime => offsets.gps_time = Some(at),
+                LazItemType::RGB12 | LazItemType::RGB14 => offsets.rgb = Some(at),
+                LazItemType::RGBNIR14 => (offsets.rgb, offsets.nir) = (Some(at), Some(at + 6)),
+                LazItemType::WavePacket13 | LazItemType::WavePacket14 => offsets.waveform = Some(at),
                 LazItemType::Byte(count) | LazItemType::Byte14(count) => {
-                    parts.extra = at..at + usize::from(count);
+                    offsets.extra = at..at + usize::from(count);
                 }
             }
             at += item_bytes(item.item_type());
         }
-        Self::new(core, &parts, at, extra)
+        Self::new(core, &offsets, at, extra)
     }
 
-    fn new(core: Core, parts: &Parts, record_bytes: usize, extra: &[Extra]) -> Self {
+    fn new(core: Core, offsets: &Offsets, record_bytes: usize, extra: &[Extra]) -> Self {
         use Waveform as W;
         let mut fields = core.fields();
-        let mut add = |attribute, kind, at| fields.push((Field::plain(attribute, kind), Place::At(at)));
-        parts.gps_time.into_iter().for_each(|at| add(Attribute::GpsTime, Type::F64, at));
-        parts.rgb.into_iter().for_each(|at| add(Attribute::Color, Type::U16x3, at));
-        parts.nir.into_iter().for_each(|at| add(Attribute::NearInfrared, Type::U16, at));
-        if let Some(at) = parts.waveform {
+        let mut add = |attribute, kind, at| fields.push((Field::plain(attribute, kind), FieldPlace::At(at)));
+        offsets.gps_time.into_iter().for_each(|at| add(Attribute::GpsTime, Type::F64, at));
+        offsets.rgb.into_iter().for_each(|at| add(Attribute::Color, Type::U16x3, at));
+        offsets.nir.into_iter().for_each(|at| add(Attribute::NearInfrared, Type::U16, at));
+        if let Some(at) = offsets.waveform {
             fields.push((
                 Field::plain(Attribute::Waveform(W::Description), Type::U8),
-                Place::Bits { at, shift: 0, mask: 0xff },
+                FieldPlace::Bits { at, shift: 0, mask: 0xff },
             ));
             let numbers = [(W::Offset, Type::U64, 1), (W::Size, Type::U32, 9), (W::Location, Type::F32, 13)];
             let numbers = numbers.into_iter().chain([(W::Direction, Type::F32x3, 17)]);
             fields.extend(numbers.map(|(part, kind, behind)| {
-                (Field::plain(Attribute::Waveform(part), kind), Place::At(at + behind))
+                (Field::plain(Attribute::Waveform(part), kind), FieldPlace::At(at + behind))
             }));
         }
-        let mut at = parts.extra.start;
+        let mut at = offsets.extra.start;
         for extra in extra {
             for (field, num_bytes) in &extra.fields {
-                if let Some(field) = field.clone().filter(|_| at + num_bytes <= parts.extra.end) {
+                if let Some(field) = field.clone().filter(|_| at + num_bytes <= offsets.extra.end) {
                     let place = if field.kind == Type::U8 {
-                        Place::Bits { at, shift: 0, mask: 0xff }
+                        FieldPlace::Bits { at, shift: 0, mask: 0xff }
                     } else {
-                        Place::At(at)
+                        FieldPlace::At(at)
                     };
                     fields.push((field, place));
                 }
@@ -215,26 +221,26 @@ impl Layout {
         Self { record_bytes, fields }
     }
 
-    /// What the records have.
+    /// Attributes of the records.
     pub fn schema(&self) -> Schema {
         Schema { fields: self.fields.iter().map(|(field, _)| field.clone()).collect() }
     }
 
-    /// What is wanted of them.
-    pub fn cut(&self, want: &Projection) -> Cut {
+    /// How the wanted attributes are taken out of the records.
+    pub fn extractor(&self, want: &Projection) -> Extractor {
         let wanted = self.fields.iter().filter(|(field, _)| want.wants(&field.attribute));
-        Cut { record_bytes: self.record_bytes, fields: wanted.cloned().collect() }
+        Extractor { record_bytes: self.record_bytes, fields: wanted.cloned().collect() }
     }
 }
 
 /// How records become columns of wanted attributes.
 #[derive(Clone, Debug)]
-pub(super) struct Cut {
+pub(super) struct Extractor {
     record_bytes: usize,
-    fields: Vec<(Field, Place)>,
+    fields: Vec<(Field, FieldPlace)>,
 }
 
-impl Cut {
+impl Extractor {
     /// A block without points.
     pub fn block(&self, grid: Grid) -> Block {
         Block::new(grid, self.columns())
@@ -245,9 +251,9 @@ impl Cut {
         self.fields.iter().map(|(field, _)| (field.attribute.clone(), field.kind))
     }
 
-    /// Parses whole records into a part of a block, of as many points.
+    /// Parses whole records into a part of a block that has as many points.
     ///
-    /// One pass a column: some records stay in the cache, and each pass is a plain strided copy.
+    /// Each column takes one pass: a few records stay in the cache, and each pass is a plain strided copy.
     pub fn parse(&self, records: &[u8], xyz: &mut [[i32; 3]], columns: &mut [ColumnPart]) {
         let records = Records { bytes: records, record_bytes: self.record_bytes };
         records.copy(xyz, 0, le_i32x3);
@@ -277,8 +283,8 @@ impl Cut {
     }
 }
 
-impl Place {
-    /// Takes an attribute out of records. Its type goes with its place: what they are made by says so.
+impl FieldPlace {
+    /// Takes an attribute out of records. The column's type fits the place, because the layout makes both.
     fn read(self, records: &Records, column: &mut ColumnPart) {
         match (self, column) {
             (Self::Bits { at, shift, mask }, ColumnPart::U8(values)) => {
@@ -315,7 +321,7 @@ struct Records<'a> {
 }
 
 impl Records<'_> {
-    /// The bytes from `at` on of each record as a value.
+    /// Makes a value of the bytes from `at` on of each record.
     #[inline]
     fn copy<const N: usize, T>(&self, values: &mut [T], at: usize, value: impl Fn([u8; N]) -> T) {
         for (to, record) in values.iter_mut().zip(self.bytes.chunks_exact(self.record_bytes)) {
@@ -364,7 +370,7 @@ mod tests {
     #[test]
     fn noise_and_the_withheld_are_told_by_each_core() {
         let first = Layout::of_format(1, 0, 28, &[]).unwrap();
-        // A class, noise, withheld, noise that is withheld, high noise, and other flags.
+        // The points are of a class, noise, withheld, withheld noise, high noise, and with other flags.
         let old = [[2, 9], [7, 0], [0x82, 0], [0x87, 0], [18, 0], [0x62, 7]];
         let new = [[0, 2], [0, 7], [4, 2], [6, 7], [0xf1, 18], [0xfb, 0x87]];
         let mut cases = vec![(first, old, vec![])];
@@ -378,12 +384,12 @@ mod tests {
                 record
             };
             let records: Vec<u8> = flags.iter().flat_map(record).collect();
-            let cut = layout.cut(&want);
-            let mut block = cut.block(Grid::default());
-            // In two parts, so that numbers have to go on.
+            let extractor = layout.extractor(&want);
+            let mut block = extractor.block(Grid::default());
+            // The records come in two parts, so that the second part's numbers have to go on.
             let (some, others) = records.split_at(3 * layout.record_bytes);
-            cut.append(some, &mut block).unwrap();
-            cut.append(others, &mut block).unwrap();
+            extractor.append(some, &mut block).unwrap();
+            extractor.append(others, &mut block).unwrap();
             assert_eq!(block.xyz.len(), 6);
             assert_eq!(marked(&block, &Attribute::Withheld), withheld, "{layout:?}");
             assert_eq!(marked(&block, &Attribute::Noise), [1, 3, 4], "{layout:?}");
@@ -398,7 +404,7 @@ mod tests {
         for format in 0..=10 {
             let layout = of_format(format);
             let ends = layout.fields.iter().map(|(_, place)| match place {
-                Place::At(at) | Place::Bits { at, .. } | Place::Noise { at, .. } => at + 1,
+                FieldPlace::At(at) | FieldPlace::Bits { at, .. } | FieldPlace::Noise { at, .. } => at + 1,
             });
             assert!(ends.max().unwrap() <= layout.record_bytes, "{format}");
         }
@@ -406,7 +412,7 @@ mod tests {
 
     #[test]
     fn what_is_not_wanted_has_no_column() {
-        let cut = of_format(7).cut(&Projection::of([Attribute::Color, Attribute::Normal]));
-        assert_eq!(cut.columns().collect::<Vec<_>>(), [(Attribute::Color, Type::U16x3)]);
+        let extractor = of_format(7).extractor(&Projection::of([Attribute::Color, Attribute::Normal]));
+        assert_eq!(extractor.columns().collect::<Vec<_>>(), [(Attribute::Color, Type::U16x3)]);
     }
 }

@@ -1,4 +1,4 @@
-//! Variable length records, of both kinds: walked by where they really lie, not by how many are announced.
+//! Reads variable length records, also extended ones, by where they really lie, not by how many are announced.
 
 use super::extra::{self, Extra};
 use super::header::{LasHeader, text};
@@ -7,38 +7,40 @@ use crate::source::Source;
 
 /// Bytes before the payload of a variable length record.
 const VLR_HEADER: u64 = 54;
-/// Bytes before the payload of an extended one.
+/// Bytes before the payload of an extended variable length record.
 const EVLR_HEADER: u64 = 60;
-/// More records than any real file has: each costs a read, so there is an end to it.
+/// Most records that are read, more than any real file has: each costs a read.
 const MOST_RECORDS: u32 = 100_000;
-/// Payload that is kept, if the file is as long; well-known text of compound systems can take more than a mebibyte.
+/// Most bytes of a payload that is kept; well-known text of compound systems can take more than a mebibyte.
 const MOST_PAYLOAD: u64 = 1 << 26;
 
 /// A record that we know what to do with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Vlr {
-    pub kind: Kind,
+    pub kind: VlrKind,
     pub payload: Vec<u8>,
 }
 
 /// The records that matter here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum VlrKind {
     /// How the points are compressed.
     Laszip,
-    /// GeoTIFF keys, their numbers, their texts.
+    /// GeoTIFF keys.
     GeoKeys,
+    /// Numbers of the GeoTIFF keys.
     GeoDoubles,
+    /// Texts of the GeoTIFF keys.
     GeoTexts,
     /// Coordinate system as well-known text.
     Wkt,
     /// What the bytes behind the standard record are.
     ExtraBytes,
-    /// This is a COPC file.
+    /// Marks a COPC file.
     Copc,
 }
 
-impl Kind {
+impl VlrKind {
     fn of(user: &str, record: u16) -> Option<Self> {
         match (user, record) {
             ("laszip encoded", 22204) => Some(Self::Laszip),
@@ -56,7 +58,7 @@ impl Kind {
 /// The known records of a file; records that run beyond its end or into the points are left out.
 ///
 /// # Errors
-/// Only those of the system.
+/// The system cannot read the file.
 pub(super) fn read_all(source: &Source, header: &LasHeader) -> Result<Vec<Vlr>, ScanError> {
     let mut found = Vec::new();
     let end = header.points_offset.min(source.len());
@@ -67,7 +69,7 @@ pub(super) fn read_all(source: &Source, header: &LasHeader) -> Result<Vec<Vlr>, 
         }
         let head = source.bytes(offset, VLR_HEADER)?;
         let Some((user, record)) = identity(&head) else { break };
-        // Some writers count too few; but what follows the counted ones must at least look like a record.
+        // Some writers count too few records, but bytes behind the counted records must at least look like one.
         let counted = index < header.announced_vlrs;
         if !counted
             && (user.is_empty() || head[2..18].iter().any(|&b| b != 0 && !b.is_ascii_graphic() && b != b' '))
@@ -107,7 +109,7 @@ fn keep(
     len: u64,
     end: u64,
 ) -> Result<(), ScanError> {
-    let Some(kind) = Kind::of(user, record) else { return Ok(()) };
+    let Some(kind) = VlrKind::of(user, record) else { return Ok(()) };
     let whole = offset.checked_add(len).is_some_and(|after| after <= end);
     if whole && len <= MOST_PAYLOAD {
         found.push(Vlr { kind, payload: source.bytes(offset, len)? });
@@ -115,15 +117,15 @@ fn keep(
     Ok(())
 }
 
-/// The first record of a kind.
-pub(super) fn payload(vlrs: &[Vlr], kind: Kind) -> Option<&[u8]> {
+/// Payload of the first record of a kind.
+pub(super) fn payload(vlrs: &[Vlr], kind: VlrKind) -> Option<&[u8]> {
     vlrs.iter().find(|vlr| vlr.kind == kind).map(|vlr| vlr.payload.as_slice())
 }
 
-/// The additional dimensions that are described.
+/// Extra bytes that the records describe.
 pub(super) fn extra(vlrs: &[Vlr]) -> Vec<Extra> {
     vlrs.iter()
-        .filter(|vlr| vlr.kind == Kind::ExtraBytes)
+        .filter(|vlr| vlr.kind == VlrKind::ExtraBytes)
         .flat_map(|vlr| extra::parse(&vlr.payload))
         .collect()
 }

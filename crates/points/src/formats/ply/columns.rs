@@ -1,7 +1,7 @@
-//! From what the survey found to how rows become columns, and from rows to the columns of a scan.
+//! Decides by what the survey found how rows become columns, and completes columns by what faces say.
 
-use super::plan::{Color, Intensity};
 use super::point::Meaning;
+use super::reader::{Color, Intensity};
 use super::rows::{How, Rows};
 use super::survey::Found;
 use crate::Attribute;
@@ -28,19 +28,19 @@ pub(super) fn how<'a>(
     }
 }
 
-/// What is left out with faces.
+/// What is left out of faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Loss {
     /// Triangles of points that are left out.
     pub num_triangles: u64,
-    /// Faces that name points which there are not.
+    /// Faces that name points that do not exist.
     pub num_faces: u64,
-    /// Colors of faces: lists of other than red, green, blue and perhaps alpha.
+    /// Colors of faces in lists of neither 3 nor 4 values.
     pub num_colors: u64,
 }
 
-/// Leaves out triangles of points that there are not, and gives points without a color those of their faces. To be called
-/// once all rows were taken in.
+/// Leaves out triangles of points that are left out, and gives points without a color those of their faces. To be
+/// called once all rows are taken in.
 pub(super) fn settle_faces(rows: &mut Rows) -> Loss {
     let (num_points, num_triangles) = (rows.num_kept(), rows.faces.triangles.len());
     rows.faces.renumber(&rows.gone, num_points);
@@ -51,7 +51,8 @@ pub(super) fn settle_faces(rows: &mut Rows) -> Loss {
     Loss { num_triangles, num_faces: rows.faces.num_bad, num_colors: rows.faces.num_odd_lists }
 }
 
-/// The largest that a color can be, where the file, whose faces have colors of this kind, or its format says so.
+/// The largest value of a color, where the file or its format says so. The colors of the file's faces are stored as
+/// `of_faces`.
 pub(super) fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option<u16> {
     match (meaning.has.color, of_faces) {
         (Color::Floats, _) => Some(float_factor(found.channels, found.num_kept).1),
@@ -60,9 +61,10 @@ pub(super) fn white(meaning: &Meaning, found: &Found, of_faces: Color) -> Option
     }
 }
 
-/// What float colors are multiplied by, and what white is then: 0 to 1 is what float colors should be, but some
-/// programs write 0 to 255, or to 65535. Single values beyond an end are wrong and prove nothing; nor do overexposed ones
-/// above 1, while more channels lie between 0 and 1. `channels`: how many do, how many are above 1, and above 255.
+/// The factor of float colors, and the white that they have then. Float colors should be 0 to 1, but some programs
+/// write 0 to 255, or to 65535. Single values beyond an end are wrong and prove nothing. Overexposed channels above 1
+/// prove nothing either, while more channels lie between 0 and 1. The array counts channels between 0 and 1, above 1,
+/// and above 255.
 fn float_factor([within, above_one, above_255]: [u64; 3], num_points: u64) -> (f64, u16) {
     let most_wrong = 3 * num_points / 500;
     if above_one <= most_wrong.max(within) {
@@ -74,12 +76,12 @@ fn float_factor([within, above_one, above_255]: [u64; 3], num_points: u64) -> (f
     }
 }
 
-/// The ends of a file's intensities, of which these are the least, the largest and some. A few that lie far beyond the
-/// others, such as -1e10 for "none", are not looked at.
+/// The ends of a file's intensities, given the least, the largest and some of them. A few values far beyond the others,
+/// such as -1e10 for "none", do not count.
 fn intensity_ends((least, most): (f64, f64), some: &[f64]) -> (f64, f64) {
     let mut sample = some.to_vec();
     sample.sort_unstable_by(f64::total_cmp);
-    // Of so few, none can be said to be beyond the others.
+    // None of so few values can be said to lie beyond the others.
     if sample.len() < 20 {
         return (least, most);
     }
@@ -92,16 +94,16 @@ fn intensity_ends((least, most): (f64, f64), some: &[f64]) -> (f64, f64) {
     (least.max(low - width), most.min(high + width))
 }
 
-/// What intensities have subtracted, and are then multiplied by. Integers stay if 16 bits hold them; others are
-/// spread so that the smallest becomes 0 and the largest 65535.
+/// The number that is subtracted from intensities, and the factor that they are then multiplied by. Integers stay if 16
+/// bits hold them; other intensities are spread so that the smallest becomes 0 and the largest 65535.
 fn intensity_ramp((low, high): (f64, f64), kind: Intensity) -> (f64, f64) {
     if kind == Intensity::Integers && low >= 0.0 && high <= 65535.0 {
         (0.0, 1.0)
     } else if low < high {
-        // Halved first: the difference need not be finite.
+        // The ends are halved first, because their difference need not be finite.
         (low, 32767.5 / (0.5 * high - 0.5 * low))
     } else {
-        // The same everywhere says nothing.
+        // An intensity that is the same everywhere says nothing.
         (low, 0.0)
     }
 }
@@ -135,7 +137,7 @@ mod tests {
         // Single values beyond the end are wrong.
         assert_eq!(float_factor([0, 12, 12], 2000), (65535.0, u16::MAX));
         assert_eq!(float_factor([0, 6000, 12], 2000), (1.0, 255));
-        // Overexposed, from some points to a third of all; a dark scene of 0 to 255.
+        // Scenes are overexposed from some channels to a third of all; a dark scene has colors of 0 to 255.
         for overexposed in [20, 300, 2000] {
             assert_eq!(float_factor([6000 - overexposed, overexposed, 0], 2000), (65535.0, u16::MAX));
         }
@@ -157,7 +159,7 @@ mod tests {
                 assert_eq!(is_close, num < 6, "{wild} {num}: {low} {high}");
             }
         }
-        // Bright spots that are no accident stay; so do the ends of a few points.
+        // Bright spots that are no accident stay, and so do the ends of a few points.
         assert_eq!(ends(&[even.clone(), vec![1.9; 30]].concat()), (0.0, 1.9));
         assert_eq!(ends(&[0.0, 1.0, 1e9]), (0.0, 1e9));
         assert_eq!(ends(&[vec![5.0; 100], vec![9.0]].concat()), (5.0, 9.0));

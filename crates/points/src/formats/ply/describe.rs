@@ -1,7 +1,7 @@
-//! What the header of a PLY file says of it, for people.
+//! Describes a PLY file for people by what its header says.
 
 use super::header::{Element, Encoding, PlyHeader};
-use super::plan::{Color, Kept, Plan, Purpose};
+use super::reader::{Color, Kept, Purpose, RowReader};
 use super::text;
 use crate::source::Source;
 use crate::{Attribute, Header, Schema, up};
@@ -10,8 +10,8 @@ use crate::{Attribute, Header, Schema, up};
 pub(super) fn header(
     source: &Source,
     ply: &PlyHeader,
-    plans: &[Plan],
-    (points, has): (&Plan, Kept),
+    readers: &[RowReader],
+    (points, has): (&RowReader, Kept),
     schema: &Schema,
 ) -> Header {
     let kind = match ply.encoding {
@@ -33,7 +33,7 @@ pub(super) fn header(
         path: source.path().to_owned(),
         format: format!("PLY, {kind}{splat}"),
         num_points,
-        attributes: attributes(plans, points, has, schema),
+        attributes: attributes(readers, points, has, schema),
         up: up::stated(&ply.remarks, &points.extra),
         software: software(&ply.remarks),
         created: created(&ply.remarks),
@@ -68,15 +68,15 @@ fn texture(ply: &PlyHeader, has: Kept) -> Option<String> {
     })
 }
 
-fn attributes(plans: &[Plan], points: &Plan, has: Kept, schema: &Schema) -> Vec<String> {
+fn attributes(readers: &[RowReader], points: &RowReader, has: Kept, schema: &Schema) -> Vec<String> {
     let mut names = schema.standard_names();
     // Colors of faces have a name of their own.
     names.retain(|name| has.color != Color::Absent || Some(&name[..]) != Attribute::Color.listed_as());
-    for plan in plans.iter().filter(|plan| plan.count > 0) {
-        match plan.purpose {
+    for reader in readers.iter().filter(|reader| reader.count > 0) {
+        match reader.purpose {
             Purpose::Faces(color) => {
                 names.extend((color != Color::Absent).then(|| "rgb of faces".to_owned()));
-                names.push(format!("faces: {}", plan.count));
+                names.push(format!("faces: {}", reader.count));
             }
             Purpose::Strips => names.push("triangle strips".into()),
             Purpose::Points(_) | Purpose::Chunks | Purpose::Unused => {}

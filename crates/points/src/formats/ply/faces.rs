@@ -1,32 +1,32 @@
-//! Polygons and strips of a mesh to triangles, by the numbers that points have in the file.
+//! Turns polygons and strips of a mesh into triangles, by the numbers that points have in the file.
 
-use super::plan::{Color, Row};
 use super::point;
+use super::reader::{Color, RowValues};
 
-/// What faces said so far.
+/// Triangles and colors of the faces so far.
 #[derive(Debug, Default)]
 pub(super) struct Faces {
     pub triangles: Vec<[u32; 3]>,
-    /// One a triangle, or none at all.
+    /// One color per triangle, or none at all.
     pub colors: Vec<[u16; 3]>,
     /// Rows of faces or strips, also those without triangles.
     pub num_faces: u64,
-    /// Faces and strips that name points which there are not.
+    /// Faces and strips that name points that do not exist.
     pub num_bad: u64,
-    /// Faces with a list of colors that is none of red, green, blue and perhaps alpha.
+    /// Faces with a list of colors of neither 3 nor 4 values.
     pub num_odd_lists: u64,
     /// Numbers that faces may name are less than this.
     pub num_points: u64,
 }
 
 impl Faces {
-    /// None yet, of a file with so many points.
+    /// No faces yet, in a file with this many points.
     pub fn new(num_points: u64) -> Self {
         Self { num_points, ..Self::default() }
     }
 
     /// Adds the polygon of a row as a fan round its first corner.
-    pub fn push_face(&mut self, color: Color, row: &Row) {
+    pub fn push_face(&mut self, color: Color, row: &RowValues) {
         self.num_faces += 1;
         self.num_odd_lists += u64::from(row.has_odd_list);
         if !row.corners.iter().all(|corner| self.names_a_point(*corner)) {
@@ -43,8 +43,8 @@ impl Faces {
         }
     }
 
-    /// Adds the strips of a row: each triangle has two corners of the one before, and the other orientation.
-    pub fn push_strips(&mut self, row: &Row) {
+    /// Adds the strips of a row: each triangle has two corners of the triangle before, and the other orientation.
+    pub fn push_strips(&mut self, row: &RowValues) {
         self.num_faces += 1;
         let mut start = 0;
         for end in 0..=row.corners.len() {
@@ -63,7 +63,7 @@ impl Faces {
         }
     }
 
-    /// Adds what follows this.
+    /// Appends the faces that follow these.
     pub fn append(&mut self, mut later: Self) {
         self.triangles.append(&mut later.triangles);
         self.colors.append(&mut later.colors);
@@ -73,11 +73,11 @@ impl Faces {
     }
 
     fn names_a_point(&self, corner: f64) -> bool {
-        // NaN is none; numbers beyond u32 cannot be kept.
+        // NaN names no point, and numbers beyond u32 cannot be kept.
         corner >= 0.0 && corner < self.num_points.min(1 << 32) as f64
     }
 
-    /// Adds a triangle of three checked places in `corners`, unless it has no area.
+    /// Adds a triangle of the corners at three indices, unless two of them are the same.
     fn push_triangle(&mut self, corners: &[f64], at: [usize; 3]) {
         let [a, b, c] = at.map(|i| corners[i] as u32);
         if a != b && b != c && c != a {
@@ -85,8 +85,8 @@ impl Faces {
         }
     }
 
-    /// Leaves out triangles of points that are gone, whose numbers rise, and gives the others the numbers that points
-    /// have then: less than `num_left`.
+    /// Leaves out triangles of points that are `gone`, which has rising numbers, and gives the others the numbers that
+    /// points have then, less than `num_left`.
     pub fn renumber(&mut self, gone: &[u32], num_left: usize) {
         let new = |corner: u32| {
             let before = if gone.is_empty() { 0 } else { gone.binary_search(&corner).err()? };
@@ -123,10 +123,10 @@ impl Faces {
     }
 }
 
-/// A face's color; of floats, which are 0 to 1 or 0 to 255, as 16 bits.
-fn rgb(color: Color, row: &Row) -> [u16; 3] {
+/// A face's color. Floats, which are 0 to 1 or 0 to 255, become 16 bits.
+fn rgb(color: Color, row: &RowValues) -> [u16; 3] {
     let rgb = point::rgb(color, row, 65535.0);
-    let is_above_one = color == Color::Floats && row.three(super::plan::SLOT_RGB).iter().any(|&c| c > 1.0);
+    let is_above_one = color == Color::Floats && row.three(super::reader::SLOT_RGB).iter().any(|&c| c > 1.0);
     if is_above_one { point::rgb(color, row, 257.0) } else { rgb }
 }
 
@@ -134,8 +134,8 @@ fn rgb(color: Color, row: &Row) -> [u16; 3] {
 mod tests {
     use super::*;
 
-    fn row(corners: &[f64]) -> Row {
-        Row { corners: corners.to_vec(), ..Row::default() }
+    fn row(corners: &[f64]) -> RowValues {
+        RowValues { corners: corners.to_vec(), ..RowValues::default() }
     }
 
     #[test]

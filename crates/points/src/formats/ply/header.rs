@@ -1,15 +1,15 @@
 //! The header of a PLY file: lines of text that say how the rest is written.
 
-use super::value::{Type, number};
+use super::value::{Scalar, number};
 use crate::ScanError;
 use crate::source::Source;
 use base::words::counted;
 
-/// Part of a file that is looked through first for the header's end; most headers take a few kilobytes.
+/// Bytes of a file that are searched first for the header's end; most headers take a few kilobytes.
 const FIRST_BYTES: u64 = 1 << 16;
-/// Where a header must have ended: comments may be long, but not without end.
+/// Most bytes of a header: comments may be long, but not without end.
 const MOST_BYTES: u64 = 1 << 24;
-/// What some editors write at the start of a text, to say that it is UTF-8.
+/// Mark that some editors write at the start of a text to say that it is UTF-8.
 pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// How the rows behind the header are written.
@@ -20,30 +20,30 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// What a property is.
+/// Whether a property is one value or a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(super) enum PropertyType {
     /// One value.
-    Value(Type),
-    /// A count of the first type, then so many values of the second.
-    List(Type, Type),
+    Value(Scalar),
+    /// A count of the first type, then this many values of the second type.
+    List(Scalar, Scalar),
 }
 
 /// Part of an element's rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub name: String,
-    pub shape: Shape,
+    pub kind: PropertyType,
 }
 
-/// Rows that are alike.
+/// Rows that have the same properties.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Element {
     pub name: String,
     /// Rows announced.
     pub count: u64,
     pub properties: Vec<Property>,
-    /// Where the header names it, from 1.
+    /// Line of the header that names it, from 1.
     pub line: u64,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Element {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PlyHeader {
     pub encoding: Encoding,
-    /// In the order of their rows.
+    /// Elements in the order of their rows.
     pub elements: Vec<Element>,
     /// Comments and obj_infos, without these words.
     pub remarks: Vec<String>,
@@ -66,10 +66,10 @@ pub(super) struct PlyHeader {
 }
 
 impl PlyHeader {
-    /// Reads it.
+    /// Reads the header.
     ///
     /// # Errors
-    /// No end, no format, a line that makes the rows' size unknown; each with its line.
+    /// The header has no end, no format, or a line that makes the rows' size unknown. The error names the line.
     pub fn read(source: &Source) -> Result<Self, ScanError> {
         let fail = |(line, problem)| ScanError::Line { path: source.path().to_owned(), line, problem };
         let mut limit = FIRST_BYTES;
@@ -96,8 +96,8 @@ impl PlyHeader {
         }
     }
 
-    /// The header at the start of `bytes`, if its end is among them; or the line that is wrong and why. The last line
-    /// counts only if it has its end, or if these are all bytes.
+    /// Parses the header at the start of `bytes`; `None` if its end is not among them. The error is the number of the
+    /// wrong line, and why. The last line counts only if it has its end, or if these are all bytes.
     fn parse(bytes: &[u8], is_all: bool) -> Result<Option<Self>, (u64, String)> {
         let first_end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
         let only_returns =
@@ -141,12 +141,12 @@ struct Lines {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
     remarks: Vec<String>,
-    /// Lines that mean nothing: how many, the first one's number.
+    /// Number of lines that mean nothing, and the first one's number.
     meaningless: (u64, u64),
 }
 
 impl Lines {
-    /// Takes in a line; false for the last. The error is what is wrong with it.
+    /// Takes in a line; returns false for the header's last line. The error says what is wrong with the line.
     fn take(&mut self, line: &str, number: u64) -> Result<bool, String> {
         let (keyword, rest) = line.split_once(|c: char| c.is_whitespace()).unwrap_or((line, ""));
         let rest = rest.trim();
@@ -162,7 +162,7 @@ impl Lines {
                     .ok_or("a property before the first element: the header is damaged")?;
                 element.properties.push(property(rest)?);
             }
-            // The first line, or this would not be read.
+            // This is the first line, or the file would not be read.
             "" | "ply" => {}
             _ => {
                 let (count, first) = self.meaningless;
@@ -208,7 +208,7 @@ fn element(rest: &str, line: u64) -> Result<Element, String> {
     Ok(Element { name: name.to_owned(), count, properties: Vec::new(), line })
 }
 
-/// A count; some programs write theirs as 5e+03, 5D+03 or 5000.0.
+/// Parses a count, which some programs write as 5e+03, 5D+03 or 5000.0.
 fn whole_number(word: &str) -> Option<u64> {
     let as_float = || {
         let value = number(word.as_bytes())?;
@@ -218,19 +218,19 @@ fn whole_number(word: &str) -> Option<u64> {
 }
 
 fn property(rest: &str) -> Result<Property, String> {
-    let kind = |name: Option<&str>| {
+    let scalar = |name: Option<&str>| {
         let name = name.unwrap_or_default();
         let unknown = "is no type of a PLY file (char to double, int8 to float64), so that its rows cannot be told apart: \
                        export the file again";
-        Type::named(name).ok_or_else(|| format!("{name:?} {unknown}"))
+        Scalar::named(name).ok_or_else(|| format!("{name:?} {unknown}"))
     };
     let mut words = rest.split_whitespace().peekable();
-    let shape = if words.next_if(|word| word.eq_ignore_ascii_case("list")).is_some() {
-        Shape::List(kind(words.next())?, kind(words.next())?)
+    let kind = if words.next_if(|word| word.eq_ignore_ascii_case("list")).is_some() {
+        PropertyType::List(scalar(words.next())?, scalar(words.next())?)
     } else {
-        Shape::Value(kind(words.next())?)
+        PropertyType::Value(scalar(words.next())?)
     };
-    Ok(Property { name: words.next().unwrap_or_default().to_owned(), shape })
+    Ok(Property { name: words.next().unwrap_or_default().to_owned(), kind })
 }
 
 #[cfg(test)]
@@ -255,9 +255,9 @@ mod tests {
             assert_eq!(header.encoding, Encoding::BigEndian);
             let [element] = &header.elements[..] else { panic!("{header:?}") };
             assert_eq!((element.name.as_str(), element.count, element.line), ("vertex", 3, 4));
-            let shapes: Vec<_> = element.properties.iter().map(|p| (p.name.as_str(), p.shape)).collect();
-            let list = Shape::List(Type::UChar, Type::Int);
-            assert_eq!(shapes, [("x", Shape::Value(Type::Float)), ("more", list)]);
+            let kinds: Vec<_> = element.properties.iter().map(|p| (p.name.as_str(), p.kind)).collect();
+            let list = PropertyType::List(Scalar::UChar, Scalar::Int);
+            assert_eq!(kinds, [("x", PropertyType::Value(Scalar::Float)), ("more", list)]);
             assert!(header.oddities.is_empty());
         }
     }

@@ -1,11 +1,11 @@
 //! PLY: points and meshes as scanners' programs and photogrammetry write them, as text or binary.
 //!
 //! ```text
-//!  header ──▶ a Plan an element ──binary | text──▶ Survey: box, ranges ──▶ Grid ──binary | text──▶ Rows: columns
+//!  header ──▶ RowReaders ──binary | text──▶ Survey: box, ranges ──▶ Grid ──binary | text──▶ Rows: columns
 //! ```
 //!
-//! A file is read twice: which grid its coordinates go to, and what its intensities and colors range over, is known
-//! only after the last point. So no more is held than the columns and the blocks in work.
+//! A file is read twice, because the grid of its coordinates and the ranges of its intensities and colors are known
+//! only after the last point. So only the columns and the blocks in work are held.
 
 mod binary;
 mod body;
@@ -14,8 +14,8 @@ mod describe;
 mod faces;
 mod header;
 mod names;
-mod plan;
 mod point;
+mod reader;
 mod rows;
 mod survey;
 mod text;
@@ -31,13 +31,13 @@ use base::task::Progress;
 use base::words::{agreeing, counted};
 use body::{Body, Sink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
-use plan::{Color, Intensity, Kept, Opacity, Plan, Purpose};
-use point::{Chunk, Meaning};
+use point::{Meaning, SplatBox};
+use reader::{Color, Intensity, Kept, Opacity, Purpose, RowReader};
 use rows::{LeftOut, Rows};
-use survey::{Chunks, Found, Survey};
+use survey::{Found, SplatBoxes, Survey};
 use window::Window;
 
-/// The format.
+/// The format PLY.
 pub(super) struct Ply;
 
 impl Format for Ply {
@@ -53,7 +53,7 @@ impl Format for Ply {
 
     fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError> {
         let ply = PlyHeader::read(&source)?;
-        let mut choices = vec![plans(&source, &ply, 0)?];
+        let mut choices = vec![readers(&source, &ply, 0)?];
         let no_points = || ScanError::NoPoints {
             path: source.path().to_owned(),
             reason: "its header has no element named vertex; export it again, with points".into(),
@@ -62,9 +62,9 @@ impl Format for Ply {
         let schema = schema(&choices[0], (points, has), ply.encoding == Encoding::Ascii);
         let header = describe::header(&source, &ply, &choices[0], (points, has), &schema);
         while has_color(&choices[choices.len() - 1]) {
-            choices.push(plans(&source, &ply, choices.len())?);
+            choices.push(readers(&source, &ply, choices.len())?);
         }
-        // The last is without the points' own colors: those of faces count then.
+        // The last choice is without the points' own colors, so that the colors of faces count.
         if choices.len() > 1 && color_of_faces(&choices[choices.len() - 1]) == Color::Absent {
             choices.pop();
         }
@@ -73,20 +73,20 @@ impl Format for Ply {
 }
 
 /// The element that has the points, and what they have.
-fn points(plans: &[Plan]) -> Option<(&Plan, Kept)> {
-    plans.iter().find_map(|plan| match plan.purpose {
-        Purpose::Points(has) => Some((plan, has)),
+fn points(readers: &[RowReader]) -> Option<(&RowReader, Kept)> {
+    readers.iter().find_map(|reader| match reader.purpose {
+        Purpose::Points(has) => Some((reader, has)),
         _ => None,
     })
 }
 
-fn has_color(plans: &[Plan]) -> bool {
-    points(plans).is_some_and(|(_, has)| has.color != Color::Absent)
+fn has_color(readers: &[RowReader]) -> bool {
+    points(readers).is_some_and(|(_, has)| has.color != Color::Absent)
 }
 
-/// What is stored for each point.
-fn schema(plans: &[Plan], (points, has): (&Plan, Kept), is_text: bool) -> Schema {
-    let has_color = has.color != Color::Absent || color_of_faces(plans) != Color::Absent;
+/// Attributes that are stored for each point.
+fn schema(readers: &[RowReader], (points, has): (&RowReader, Kept), is_text: bool) -> Schema {
+    let has_color = has.color != Color::Absent || color_of_faces(readers) != Color::Absent;
     let standard = [
         (has_color, Attribute::Color, Type::U16x3),
         (has.intensity != Intensity::Absent, Attribute::Intensity, Type::U16),
@@ -102,18 +102,19 @@ fn schema(plans: &[Plan], (points, has): (&Plan, Kept), is_text: bool) -> Schema
     Schema { fields: standard.chain(named).collect() }
 }
 
-/// How faces have colors, if there are any.
-fn color_of_faces(plans: &[Plan]) -> Color {
-    let mut colors = plans.iter().filter(|plan| plan.count > 0).filter_map(|plan| match plan.purpose {
-        Purpose::Faces(color) => Some(color),
-        _ => None,
-    });
+/// How the colors of faces are stored, if there are any.
+fn color_of_faces(readers: &[RowReader]) -> Color {
+    let mut colors =
+        readers.iter().filter(|reader| reader.count > 0).filter_map(|reader| match reader.purpose {
+            Purpose::Faces(color) => Some(color),
+            _ => None,
+        });
     colors.next().unwrap_or(Color::Absent)
 }
 
-/// What is done with each element. The first that is named vertex has the points, or else the first that has x, y and z.
-/// Of the colors that these have, that of number `color` counts.
-fn plans(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<Plan>, ScanError> {
+/// Plans what is done with each element. The first element named vertex has the points, or else the first that has x, y
+/// and z. Number `color` of the points' colors counts.
+fn readers(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<RowReader>, ScanError> {
     let is_vertex = |element: &header::Element| element.name.eq_ignore_ascii_case("vertex");
     let has_places = |element: &header::Element| {
         let has = |axis| element.properties.iter().any(|property| property.name.eq_ignore_ascii_case(axis));
@@ -127,33 +128,34 @@ fn plans(source: &Source, ply: &PlyHeader, color: usize) -> Result<Vec<Plan>, Sc
             line: element.line,
             problem: format!("the element vertex has no {missing}: export the file again, with x, y and z"),
         };
-        Plan::of_points(element, color).map_err(fail)
+        RowReader::of_points(element, color).map_err(fail)
     });
     let mut points = points.transpose()?;
     let has_color = points.as_ref().is_some_and(|points| has_color(std::slice::from_ref(points)));
-    let plan = |(at, element): (usize, &header::Element)| {
+    let reader = |(at, element): (usize, &header::Element)| {
         let points = if Some(at) == vertex { points.take() } else { None };
-        points.unwrap_or_else(|| Plan::of_others(element, has_color))
+        points.unwrap_or_else(|| RowReader::of_others(element, has_color))
     };
-    Ok(ply.elements.iter().enumerate().map(plan).collect())
+    Ok(ply.elements.iter().enumerate().map(reader).collect())
 }
 
 /// An opened file.
 struct PlyFile {
     source: Source,
     ply: PlyHeader,
-    /// What to do with each element, for each of the colors that points have; there is one at least, with points.
-    choices: Vec<Vec<Plan>>,
+    /// Plans for all elements, for each of the colors that points have. There is at least one choice, and it has
+    /// points.
+    choices: Vec<Vec<RowReader>>,
     schema: Schema,
     header: Header,
 }
 
 /// A file once it was surveyed.
 struct Surveyed<'a> {
-    plans: &'a [Plan],
+    readers: &'a [RowReader],
     meaning: Meaning,
     found: Found,
-    /// What is to be said of the choice of colors.
+    /// A sentence about the choice of colors.
     sentence: Option<&'static str>,
 }
 
@@ -167,23 +169,24 @@ impl Dataset for PlyFile {
     }
 
     fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
-        let project = |plans: &Vec<Plan>| plans.iter().map(|plan| plan.projected(want)).collect();
-        // Without colors there is nothing to choose.
+        let project =
+            |readers: &Vec<RowReader>| readers.iter().map(|reader| reader.projected(want)).collect();
+        // There is nothing to choose if no colors are wanted.
         let num_choices = if want.wants(&Attribute::Color) { self.choices.len() } else { 1 };
-        let choices: Vec<Vec<Plan>> = self.choices[..num_choices].iter().map(project).collect();
-        let Surveyed { plans, meaning, found, sentence } = self.survey_best(&choices, progress)?;
-        let mut faces = plans.iter().filter(|plan| plan.count > 0);
-        let has_faces = faces.any(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let choices: Vec<Vec<RowReader>> = self.choices[..num_choices].iter().map(project).collect();
+        let Surveyed { readers, meaning, found, sentence } = self.survey_best(&choices, progress)?;
+        let mut faces = readers.iter().filter(|reader| reader.count > 0);
+        let has_faces = faces.any(|reader| matches!(reader.purpose, Purpose::Faces(_) | Purpose::Strips));
         let has_opacity = want.wants(&Attribute::Opacity) && meaning.has.opacity != Opacity::Absent;
-        let of_faces = color_of_faces(plans);
+        let of_faces = color_of_faces(readers);
         let how = columns::how(
             &meaning,
             &found,
-            self.extras(plans),
+            self.extras(readers),
             (has_opacity, has_faces),
             self.num_announced(),
         );
-        // Colors of faces are known behind the last point.
+        // Colors of faces are known only behind the last point.
         let awaits_faces = meaning.has.color == Color::Absent && of_faces != Color::Absent;
         let block_points = if awaits_faces { usize::MAX } else { want.block_points() };
         let mut rows = Rows::new(&how);
@@ -195,14 +198,14 @@ impl Dataset for PlyFile {
             _ => take(rows.hand_over()),
         };
         let mut body = Body::emptied_by(rows, &mut hand_over);
-        self.pass(plans, plans.len(), &mut body, progress)?;
+        self.pass(readers, readers.len(), &mut body, progress)?;
         let bad_rows = bad_rows(&body);
         let Body { sink: mut rows, mut losses, mut warnings, .. } = body;
         losses.extend(self.cut_off(rows.num_points(), rows.faces.num_faces));
         losses.extend(bad_rows);
         let loss = columns::settle_faces(&mut rows);
         if rows.num_kept() == 0 {
-            // None can be held, or the file changed since the survey.
+            // No point can be held, or the file changed since the survey.
             return Err(self.no_points(None, rows.left_out.far));
         }
         warnings.extend(sentences(rows.left_out, loss, meaning.has.is_splat));
@@ -219,7 +222,7 @@ impl PlyFile {
     /// Goes once over the rows of the first elements.
     fn pass<S: Sink>(
         &self,
-        plans: &[Plan],
+        readers: &[RowReader],
         num_elements: usize,
         body: &mut Body<'_, S>,
         progress: &Progress,
@@ -228,41 +231,41 @@ impl PlyFile {
         match ply.encoding {
             Encoding::Ascii => {
                 let window = Window::new(ply.body_offset, ply.body_line, ply.line_end);
-                text::read(source, (plans, num_elements), window, body, progress)
+                text::read(source, (readers, num_elements), window, body, progress)
             }
             encoding => {
                 let place = (ply.body_offset, encoding == Encoding::BigEndian);
-                binary::read(source, &plans[..num_elements], place, body, progress)
+                binary::read(source, &readers[..num_elements], place, body, progress)
             }
         }
     }
 
-    /// What is wanted by the file's own names, and the types of its columns.
-    fn extras(&self, plans: &[Plan]) -> Vec<(Attribute, Type)> {
+    /// Attributes that are wanted by the file's own names, and the types of their columns.
+    fn extras(&self, readers: &[RowReader]) -> Vec<(Attribute, Type)> {
         let is_text = self.ply.encoding == Encoding::Ascii;
-        let wanted = points(plans).map(|(plan, _)| &plan.wanted[..]).unwrap_or_default();
+        let wanted = points(readers).map(|(reader, _)| &reader.wanted[..]).unwrap_or_default();
         wanted.iter().map(|(attribute, kind)| (attribute.clone(), kind.column(is_text))).collect()
     }
 
     fn num_announced(&self) -> u64 {
-        points(&self.choices[0]).map_or(0, |(plan, _)| plan.count)
+        points(&self.choices[0]).map_or(0, |(reader, _)| reader.count)
     }
 
-    /// A survey with those of the points' colors that most points have; where none is more than the same at all points,
-    /// with those of faces.
+    /// Surveys with the one of the points' colors that most points have, or with the colors of faces if all points have
+    /// the same color.
     fn survey_best<'a>(
         &self,
-        choices: &'a [Vec<Plan>],
+        choices: &'a [Vec<RowReader>],
         progress: &Progress,
     ) -> Result<Surveyed<'a>, ScanError> {
         let mut best: Option<(f64, Surveyed)> = None;
-        for (number, plans) in choices.iter().enumerate() {
-            let is_of_points = has_color(plans);
+        for (number, readers) in choices.iter().enumerate() {
+            let is_of_points = has_color(readers);
             let least = best.as_ref().map(|(least, _)| *least);
             if !is_of_points && least.is_some_and(|least| least < 1.0) {
                 break;
             }
-            let (meaning, found) = self.survey_one(plans, choices.len() > 1, progress)?;
+            let (meaning, found) = self.survey_one(readers, choices.len() > 1, progress)?;
             let lacking = uncolored::part_without(&found.colors, meaning.white());
             if least.is_none_or(|least| lacking < least || !is_of_points) {
                 let sentence = match number {
@@ -272,77 +275,83 @@ impl PlyFile {
                     }
                     _ => Some("has the same color at all points: those of its faces are shown"),
                 };
-                best = Some((lacking, Surveyed { plans, meaning, found, sentence }));
+                best = Some((lacking, Surveyed { readers, meaning, found, sentence }));
             }
             if lacking == 0.0 {
                 break;
             }
         }
-        // There is one choice at least.
+        // There is at least one choice.
         let (_, mut surveyed) = best.ok_or_else(|| self.no_points(None, 0))?;
-        let is_of_faces = |plans: &Vec<Plan>| !has_color(plans) && color_of_faces(plans) != Color::Absent;
-        if has_color(surveyed.plans) && choices.last().is_some_and(is_of_faces) {
+        let is_of_faces =
+            |readers: &Vec<RowReader>| !has_color(readers) && color_of_faces(readers) != Color::Absent;
+        if has_color(surveyed.readers) && choices.last().is_some_and(is_of_faces) {
             surveyed.sentence =
                 Some("has colors of faces beside those of its points: those of faces are not read");
         }
         Ok(surveyed)
     }
 
-    /// A survey that understands opacities, and leaves nearly transparent points out unless all are.
+    /// Surveys with opacities understood, and leaves nearly transparent points out unless all points are.
     fn survey_one(
         &self,
-        plans: &[Plan],
+        readers: &[RowReader],
         with_colors: bool,
         progress: &Progress,
     ) -> Result<(Meaning, Found), ScanError> {
-        let has = points(plans).map(|(_, has)| has).ok_or_else(|| self.no_points(None, 0))?;
-        let chunks = self.chunks(plans, has, progress)?;
+        let has = points(readers).map(|(_, has)| has).ok_or_else(|| self.no_points(None, 0))?;
+        let chunks = self.chunks(readers, has, progress)?;
         let mut meaning = Meaning { has, chunks, leaves_faint_out: true };
-        let mut found = self.survey(plans, &meaning, with_colors, progress)?;
+        let mut found = self.survey(readers, &meaning, with_colors, progress)?;
         if has.opacity == Opacity::Unclear {
             let (low, high) = found.opacity;
             let is_part = low >= 0.0 && high <= 1.0;
             meaning.has.opacity = if is_part { Opacity::PartOf(1) } else { Opacity::Logit };
-            found = self.survey(plans, &meaning, with_colors, progress)?;
+            found = self.survey(readers, &meaning, with_colors, progress)?;
         }
         if found.num_kept == 0 && found.num_faint > 0 {
             meaning.leaves_faint_out = false;
-            found = self.survey(plans, &meaning, with_colors, progress)?;
+            found = self.survey(readers, &meaning, with_colors, progress)?;
         }
         Ok((meaning, found))
     }
 
-    /// What must be known of all points first; there is at least one.
+    /// Finds what must be known of all points first. There is at least one point.
     fn survey(
         &self,
-        plans: &[Plan],
+        readers: &[RowReader],
         meaning: &Meaning,
         with_colors: bool,
         progress: &Progress,
     ) -> Result<Found, ScanError> {
-        let plans: Vec<Plan> = plans.iter().map(|plan| plan.for_survey(with_colors)).collect();
-        let is_points = |plan: &Plan| matches!(plan.purpose, Purpose::Points(_));
-        let num_elements = plans.iter().position(is_points).map_or(0, |at| at + 1);
+        let readers: Vec<RowReader> = readers.iter().map(|reader| reader.for_survey(with_colors)).collect();
+        let is_points = |reader: &RowReader| matches!(reader.purpose, Purpose::Points(_));
+        let num_elements = readers.iter().position(is_points).map_or(0, |at| at + 1);
         let mut body = Body::new(Survey::new(meaning, self.header.num_points, with_colors));
-        self.pass(&plans, num_elements, &mut body, progress)?;
+        self.pass(&readers, num_elements, &mut body, progress)?;
         if body.sink.found.num_kept + body.sink.found.num_faint == 0 {
             return Err(self.no_points(body.first_bad_row, body.sink.num_points()));
         }
         Ok(body.sink.found)
     }
 
-    /// The boxes of a compressed splat, for which all elements but these are passed over.
-    fn chunks(&self, plans: &[Plan], has: Kept, progress: &Progress) -> Result<Vec<Chunk>, ScanError> {
+    /// Reads the boxes of a compressed splat, and passes over all other elements.
+    fn chunks(
+        &self,
+        readers: &[RowReader],
+        has: Kept,
+        progress: &Progress,
+    ) -> Result<Vec<SplatBox>, ScanError> {
         if !has.chunked {
             return Ok(Vec::new());
         }
-        let plans: Vec<Plan> = plans.iter().map(Plan::for_chunks).collect();
-        let mut body = Body::new(Chunks::default());
-        self.pass(&plans, plans.len(), &mut body, progress)?;
+        let readers: Vec<RowReader> = readers.iter().map(RowReader::for_chunks).collect();
+        let mut body = Body::new(SplatBoxes::default());
+        self.pass(&readers, readers.len(), &mut body, progress)?;
         Ok(body.sink.0)
     }
 
-    /// Why there are no points although so many were read.
+    /// The error that says why there are no points although this many were read.
     fn no_points(&self, first_bad_row: Option<String>, num_read: u64) -> ScanError {
         let announced = self.num_announced();
         let reason = match first_bad_row {
@@ -373,9 +382,10 @@ impl PlyFile {
             let announced = counted(announced, what);
             format!("announces {announced}, but only {read} could be read (the file has {end} bytes)")
         };
-        let faces =
-            self.choices[0].iter().filter(|plan| matches!(plan.purpose, Purpose::Faces(_) | Purpose::Strips));
-        let num_faces_announced = faces.map(|plan| plan.count).fold(0, u64::saturating_add);
+        let faces = self.choices[0]
+            .iter()
+            .filter(|reader| matches!(reader.purpose, Purpose::Faces(_) | Purpose::Strips));
+        let num_faces_announced = faces.map(|reader| reader.count).fold(0, u64::saturating_add);
         let mut sentences = Vec::new();
         if num_points < self.num_announced() {
             sentences.push(sentence("point", self.num_announced(), num_points));

@@ -1,13 +1,14 @@
-//! By which names the properties of points and faces are known.
+//! Names by which the properties of points and faces are known.
 
-use super::header::{Element, Property, Shape};
-use super::plan::NUM_SLOTS;
-use super::value::Type;
+use super::header::{Element, Property, PropertyType};
+use super::reader::NUM_SLOTS;
+use super::value::Scalar;
 
-/// Names of coordinates and of normals.
+/// Names of coordinates.
 pub(super) const PLACE: [&str; 3] = ["x", "y", "z"];
+/// Names of the coordinates of normals.
 pub(super) const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// Names of red, green and blue; the first three that there are count.
+/// Names of red, green and blue; the first three that a file has count.
 pub(super) const RGB: [[&str; 3]; 12] = [
     ["red", "green", "blue"],
     ["r", "g", "b"],
@@ -22,14 +23,14 @@ pub(super) const RGB: [[&str; 3]; 12] = [
     ["rf", "gf", "bf"],
     ["ambient_red", "ambient_green", "ambient_blue"],
 ];
-/// Colors of Gaussian splats: the constant term of spherical harmonics.
+/// Names of the colors of Gaussian splats: constant terms of spherical harmonics.
 pub(super) const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
 /// Names of a color in a list of red, green, blue and perhaps alpha.
 pub(super) const LISTED_RGB: [&str; 8] =
     ["rgb", "rgba", "color", "colors", "colour", "colours", "vertex_color", "face_color"];
 /// Names of a color in one value of 32 bits.
 pub(super) const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
-/// Names of intensity, the likeliest first; and parts of names that only an intensity has.
+/// Names of intensity, the likeliest first.
 const INTENSITY: [&str; 15] = [
     "intensity",
     "scalar_intensity",
@@ -47,10 +48,11 @@ const INTENSITY: [&str; 15] = [
     "luminance",
     "scalar_gray",
 ];
+/// Parts of names that only an intensity has.
 const INTENSITY_PARTS: [&str; 4] = ["intensit", "reflect", "amplitude", "remission"];
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
-/// Boxes of the chunks of a compressed splat: positions, then colors, which older files do not have.
+/// Names of the box of a compressed splat's chunk: positions, then colors, which older files do not have.
 pub(super) const CHUNK: [&str; NUM_SLOTS] = [
     "min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_r", "min_g", "min_b", "max_r", "max_g",
     "max_b",
@@ -63,22 +65,22 @@ pub(super) fn corners(element: &Element) -> Option<usize> {
 }
 
 /// Index and type of the value with this name, in whatever case.
-pub(super) fn find(element: &Element, name: &str) -> Option<(usize, Type)> {
-    element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-        Shape::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
+pub(super) fn find(element: &Element, name: &str) -> Option<(usize, Scalar)> {
+    element.properties.iter().enumerate().find_map(|(at, property)| match property.kind {
+        PropertyType::Value(kind) if property.name.eq_ignore_ascii_case(name) => Some((at, kind)),
         _ => None,
     })
 }
 
 /// Index and type of the value that is an intensity.
-pub(super) fn intensity(element: &Element) -> Option<(usize, Type)> {
+pub(super) fn intensity(element: &Element) -> Option<(usize, Scalar)> {
     let by_part = || {
-        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-            Shape::Value(kind) => {
+        element.properties.iter().enumerate().find_map(|(at, property)| match property.kind {
+            PropertyType::Value(kind) => {
                 let name = property.name.to_ascii_lowercase();
                 INTENSITY_PARTS.iter().any(|part| name.contains(part)).then_some((at, kind))
             }
-            Shape::List(..) => None,
+            PropertyType::List(..) => None,
         })
     };
     let (likely, unlikely) = INTENSITY.split_at(6);
@@ -86,7 +88,7 @@ pub(super) fn intensity(element: &Element) -> Option<(usize, Type)> {
     by_name(likely).or_else(by_part).or_else(|| by_name(unlikely))
 }
 
-/// True for what splats have by the dozen and points do not need.
+/// True for properties that splats have by the dozen and points do not need.
 pub(super) fn is_of_splats(name: &str) -> bool {
     ["f_dc_", "f_rest_", "scale_", "rot_", "packed_", "nx", "ny", "nz"]
         .iter()

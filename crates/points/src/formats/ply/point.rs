@@ -1,6 +1,6 @@
-//! What the values of a point's row mean: where it is, its color, whether it can be seen.
+//! What the values of a point's row mean: its place, its color, and whether it can be seen.
 
-use super::plan::{Color, Kept, NUM_SLOTS, Opacity, Row, SLOT_OPACITY, SLOT_PLACE, SLOT_RGB};
+use super::reader::{Color, Kept, NUM_SLOTS, Opacity, RowValues, SLOT_OPACITY, SLOT_PLACE, SLOT_RGB};
 
 /// Splats less opaque than this are left out: nine tenths of the light pass them, and as points they would be fog.
 const FAINT: f64 = 0.1;
@@ -9,45 +9,46 @@ const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 /// Points of a chunk of a compressed splat.
 const CHUNK_POINTS: u64 = 256;
 
-/// Smallest and largest place and color of the points of a chunk: see [`super::plan`]; NaN where not given.
-pub(super) type Chunk = [f32; NUM_SLOTS];
+/// Smallest and largest place and color of a chunk's points, in the order of [`super::names::CHUNK`]; NaN where not
+/// given.
+pub(super) type SplatBox = [f32; NUM_SLOTS];
 
 /// How to understand the points of a file.
 #[derive(Debug)]
 pub(super) struct Meaning {
     pub has: Kept,
-    pub chunks: Vec<Chunk>,
-    /// False where no point is opaque enough: then all are shown.
+    pub chunks: Vec<SplatBox>,
+    /// False where no point is opaque enough, so that all are shown.
     pub leaves_faint_out: bool,
 }
 
 impl Meaning {
-    /// Where a point is, world space; not finite where that is unknown.
+    /// Coordinates of a point; not finite where they are unknown.
     #[inline]
-    pub fn place(&self, number: u64, row: &Row) -> [f64; 3] {
+    pub fn place(&self, number: u64, row: &RowValues) -> [f64; 3] {
         if !self.has.chunked {
             return row.three(SLOT_PLACE);
         }
         let Some(chunk) = self.chunk(number) else { return [f64::NAN; 3] };
         let packed = row.values[SLOT_PLACE.start] as u32;
-        // 11, 10 and 11 bits.
+        // The axes take 11, 10 and 11 bits.
         let parts = [part(packed >> 21, 2047), part(packed >> 11, 1023), part(packed, 2047)];
         std::array::from_fn(|axis| between(chunk[axis], chunk[axis + 3], parts[axis]))
     }
 
-    fn chunk(&self, number: u64) -> Option<&Chunk> {
+    fn chunk(&self, number: u64) -> Option<&SplatBox> {
         self.chunks.get(usize::try_from(number / CHUNK_POINTS).ok()?)
     }
 
     /// True for a point that is nearly transparent.
     #[inline]
-    pub fn is_faint(&self, row: &Row) -> bool {
+    pub fn is_faint(&self, row: &RowValues) -> bool {
         self.leaves_faint_out && self.opacity(row).is_some_and(|opacity| opacity < FAINT)
     }
 
-    /// What part of the light a point keeps; `None` where that is unknown.
+    /// The part of the light that a point keeps; `None` where that is unknown.
     #[inline]
-    pub fn opacity(&self, row: &Row) -> Option<f64> {
+    pub fn opacity(&self, row: &RowValues) -> Option<f64> {
         match self.has.opacity {
             Opacity::Absent | Opacity::Unclear => None,
             Opacity::Logit => Some(1.0 / (1.0 + (-row.values[SLOT_OPACITY]).exp())),
@@ -56,9 +57,9 @@ impl Meaning {
         }
     }
 
-    /// Color of a point: of 8 or 16 bits, see [`white`](Self::white). `factor`: what floats are multiplied by.
+    /// Color of a point, of 8 or 16 bits: see [`white`](Self::white). Floats are multiplied by `factor`.
     #[inline]
-    pub fn rgb(&self, number: u64, row: &Row, factor: f64) -> [u16; 3] {
+    pub fn rgb(&self, number: u64, row: &RowValues, factor: f64) -> [u16; 3] {
         match self.has.color {
             Color::Chunked => {
                 let packed = row.values[SLOT_RGB.start] as u32;
@@ -75,7 +76,7 @@ impl Meaning {
         }
     }
 
-    /// The largest that a color can be where the file's format says so.
+    /// The largest value of a color, where the file's format says so.
     pub fn white(&self) -> Option<u16> {
         match self.has.color {
             Color::Packed => Some(255),
@@ -87,7 +88,7 @@ impl Meaning {
 
 /// Color of a row that needs no chunk.
 #[inline]
-pub(super) fn rgb(color: Color, row: &Row, factor: f64) -> [u16; 3] {
+pub(super) fn rgb(color: Color, row: &RowValues, factor: f64) -> [u16; 3] {
     let rgb = row.three(SLOT_RGB);
     match color {
         Color::Absent | Color::Chunked => [0; 3],
@@ -99,7 +100,7 @@ pub(super) fn rgb(color: Color, row: &Row, factor: f64) -> [u16; 3] {
     }
 }
 
-/// The lowest bits of a packed number as part of what they can be at most, which is all of them.
+/// The lowest bits of a packed number, as a part of `most`, in which all of them are set.
 fn part(packed: u32, most: u32) -> f64 {
     f64::from(packed & most) / f64::from(most)
 }
@@ -108,7 +109,7 @@ fn between(low: f32, high: f32, part: f64) -> f64 {
     f64::from(low) * (1.0 - part) + f64::from(high) * part
 }
 
-/// 0 to 1 as 16 bits.
+/// Turns 0 to 1 into 16 bits.
 fn of_unit(c: f64) -> u16 {
     (c.clamp(0.0, 1.0) * 65535.0).round() as u16
 }
@@ -123,15 +124,15 @@ fn unsigned(value: f64, largest: u16) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::ply::plan::Intensity;
+    use crate::formats::ply::reader::Intensity;
 
-    fn row(values: &[(usize, f64)]) -> Row {
-        let mut row = Row::default();
+    fn row(values: &[(usize, f64)]) -> RowValues {
+        let mut row = RowValues::default();
         values.iter().for_each(|&(slot, value)| row.values[slot] = value);
         row
     }
 
-    fn meaning(color: Color, opacity: Opacity, chunks: Vec<Chunk>) -> Meaning {
+    fn meaning(color: Color, opacity: Opacity, chunks: Vec<SplatBox>) -> Meaning {
         let chunked = !chunks.is_empty();
         let has =
             Kept { is_splat: true, chunked, color, intensity: Intensity::Absent, normal: false, opacity };
@@ -194,7 +195,7 @@ mod tests {
         assert!(splat.place(512, &packed(0, 0, 0))[0].is_nan(), "no chunk");
         let color = |number, bits: u32| splat.rgb(number, &row(&[(3, f64::from(bits))]), 1.0);
         assert_eq!(color(0, 0xff00_80ff), [65535, 0, 32896]);
-        // 0.5 to 1, 0 to 0.5, −1 to 3 with what is beyond black and white cut off.
+        // The ranges are 0.5 to 1, 0 to 0.5, and −1 to 3, which is cut off at black and white.
         assert_eq!(color(300, 0x00ff_ffff), [32768, 32768, 65535]);
         let faint = |alpha: u32| splat.is_faint(&row(&[(3, f64::from(0xffff_ff00 | alpha))]));
         assert_eq!([25, 26].map(faint), [true, false]);

@@ -1,9 +1,9 @@
-//! The last pass: rows straight into the columns of a scan.
+//! The last pass over a PLY file, which puts rows straight into the columns of a scan.
 
 use super::body::Sink;
 use super::faces::Faces;
-use super::plan::{Color, Intensity, Row, SLOT_INTENSITY, SLOT_NORMAL};
 use super::point::Meaning;
+use super::reader::{Color, Intensity, RowValues, SLOT_INTENSITY, SLOT_NORMAL};
 use crate::Attribute;
 use crate::block::Block;
 use crate::column::{Column, Type};
@@ -16,13 +16,13 @@ use std::collections::TryReserveError;
 pub(super) struct How<'a> {
     pub meaning: &'a Meaning,
     pub fitted: FittedGrid,
-    /// What float colors are multiplied by.
+    /// Factor of float colors.
     pub color_factor: f64,
-    /// What intensities have subtracted, and are then multiplied by.
+    /// Number that is subtracted from intensities, and factor that they are then multiplied by.
     pub intensity: (f64, f64),
     /// True if opacities are wanted.
     pub has_opacity: bool,
-    /// What else is wanted of a row, by the file's names.
+    /// Attributes that are wanted besides, by the file's names.
     pub extras: Vec<(Attribute, Type)>,
     /// True if faces may name points.
     pub has_faces: bool,
@@ -30,7 +30,7 @@ pub(super) struct How<'a> {
     pub num_announced: u64,
 }
 
-/// The points of the next block, in columns that are empty or as long as `xyz`; and what faces say.
+/// The points of the next block, in columns that are empty or as long as `xyz`, and the faces so far.
 #[derive(Debug)]
 pub(super) struct Rows<'a> {
     how: &'a How<'a>,
@@ -39,11 +39,11 @@ pub(super) struct Rows<'a> {
     pub xyz: Vec<[i32; 3]>,
     pub rgb: Vec<[u16; 3]>,
     pub intensity: Vec<u16>,
-    /// Unit length or NaN.
+    /// Normals of unit length, or NaN.
     pub normals: Vec<[f32; 3]>,
     opacity: Vec<f32>,
     extras: Vec<Column>,
-    /// Points that were handed over.
+    /// Number of points that were handed over.
     num_before: usize,
     pub faces: Faces,
     /// Numbers of points that are left out, if faces may name them.
@@ -51,21 +51,21 @@ pub(super) struct Rows<'a> {
     pub left_out: LeftOut,
 }
 
-/// Points that are left out, by why, and colors of them that are.
+/// Numbers of points that are left out, by the reason, and of colors that are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LeftOut {
-    /// Without a finite place.
+    /// Points without a finite place.
     pub without_place: u64,
-    /// Nearly transparent.
+    /// Points that are nearly transparent.
     pub faint: u64,
-    /// Farther away than the grid reaches.
+    /// Points farther away than the grid reaches.
     pub far: u64,
-    /// Only their colors: lists of other than red, green, blue and perhaps alpha.
+    /// Colors in lists of neither 3 nor 4 values; their points are kept.
     pub colors: u64,
 }
 
 impl<'a> Rows<'a> {
-    /// None yet.
+    /// No rows yet.
     pub fn new(how: &'a How<'a>) -> Self {
         Self {
             how,
@@ -87,7 +87,7 @@ impl<'a> Rows<'a> {
     /// Makes room for points.
     pub fn reserve(&mut self, num_points: u64) -> Result<(), TryReserveError> {
         let has = self.how.meaning.has;
-        // What exceeds usize exceeds memory.
+        // A number that exceeds usize exceeds memory.
         let more = |needed: bool| if needed { usize::try_from(num_points).unwrap_or(usize::MAX) } else { 0 };
         self.xyz.try_reserve_exact(more(true))?;
         self.rgb.try_reserve_exact(more(has.color != Color::Absent))?;
@@ -97,12 +97,12 @@ impl<'a> Rows<'a> {
         self.extras.iter_mut().try_for_each(|column| column.reserve(more(true)))
     }
 
-    /// Points that are kept so far.
+    /// Number of points that are kept so far.
     pub fn num_kept(&self) -> usize {
         self.num_before + self.xyz.len()
     }
 
-    /// The points since the last block.
+    /// Hands over the points since the last block.
     pub fn hand_over(&mut self) -> Block {
         let xyz = std::mem::take(&mut self.xyz);
         self.num_before += xyz.len();
@@ -130,7 +130,7 @@ impl<'a> Rows<'a> {
     }
 
     fn leave_out(&mut self, number: u64) {
-        // Beyond u32 no triangle names a point.
+        // No triangle names a point beyond u32.
         if self.how.has_faces
             && let Ok(number) = u32::try_from(number)
         {
@@ -142,7 +142,7 @@ impl<'a> Rows<'a> {
 impl Sink for Rows<'_> {
     fn part(&self, first_point: u64, num_rows: usize) -> Self {
         let mut part = Self { first_point, ..Self::new(self.how) };
-        // A part is small: if there is no memory for it, growing it will say so.
+        // A part is small; growing it will fail if there is no memory for it.
         let _ = part.reserve(num_rows as u64);
         part
     }
@@ -171,7 +171,7 @@ impl Sink for Rows<'_> {
     }
 
     #[inline]
-    fn point(&mut self, row: &Row) {
+    fn point(&mut self, row: &RowValues) {
         let number = self.first_point + self.num_points;
         self.num_points += 1;
         let How { meaning, fitted, .. } = self.how;
@@ -204,7 +204,7 @@ impl Sink for Rows<'_> {
         if self.how.has_opacity {
             self.opacity.push(meaning.opacity(row).map_or(f32::NAN, |opacity| opacity as f32));
         }
-        // The place of this point is there already.
+        // The coordinates of this point are in `xyz` already.
         let number = self.xyz.len() - 1;
         for (column, value) in self.extras.iter_mut().zip(&row.extras) {
             column.push(*value, number);
@@ -221,11 +221,11 @@ impl Sink for Rows<'_> {
         self.num_points
     }
 
-    fn face(&mut self, color: Color, row: &Row) {
+    fn face(&mut self, color: Color, row: &RowValues) {
         self.faces.push_face(color, row);
     }
 
-    fn strips(&mut self, row: &Row) {
+    fn strips(&mut self, row: &RowValues) {
         self.faces.push_strips(row);
     }
 
@@ -234,15 +234,15 @@ impl Sink for Rows<'_> {
     }
 
     fn progress(num_points: u64) -> u64 {
-        // The survey has had the other half.
+        // The survey counts the other half.
         num_points - num_points / 2
     }
 }
 
-/// The same direction with length 1; NaN where there is none.
+/// Scales a direction to length 1; NaN where it is none.
 fn unit(v: [f64; 3]) -> [f32; 3] {
     let v = glam::DVec3::from_array(v);
-    // Scaled first: the square of a length need not be finite.
+    // The vector is scaled first, because the square of its length need not be finite.
     let v = v / v.abs().max_element();
     (v / v.length()).as_vec3().to_array()
 }

@@ -1,13 +1,13 @@
-//! The first pass: what must be known of all points before any can be put into columns.
+//! The first pass over a PLY file, which finds what must be known of all points before any is put into columns.
 
 use super::body::Sink;
-use super::plan::{Color, Intensity, Opacity, Row, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
-use super::point::{Chunk, Meaning};
+use super::point::{Meaning, SplatBox};
+use super::reader::{Color, Intensity, Opacity, RowValues, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
 use crate::grid;
 use base::space::Bounds;
 use glam::DVec3;
 
-/// Places that are kept as a sample, evenly over the file, or somewhat more.
+/// Places that are kept as a sample, evenly over the file; somewhat more may be kept.
 const SAMPLE: u64 = 1 << 16;
 
 /// What was found so far.
@@ -15,31 +15,32 @@ const SAMPLE: u64 = 1 << 16;
 pub(super) struct Found {
     /// Points with a place that are not faint.
     pub num_kept: u64,
-    /// Points with a place that are.
+    /// Points with a place that are faint.
     pub num_faint: u64,
-    /// Box of those that are kept.
+    /// Box of the points that are kept.
     pub bounds: Bounds,
-    /// Places of some that are kept.
+    /// Places of a sample of the kept points.
     pub sample: Vec<DVec3>,
-    /// How many of their float channels lie between 0 and 1, how many are above 1, and above 255.
+    /// Numbers of the kept points' float channels between 0 and 1, above 1, and above 255.
     pub channels: [u64; 3],
     /// The smallest and largest finite intensity.
     pub intensity: (f64, f64),
-    /// Finite intensities of some.
+    /// Finite intensities of the sample.
     pub intensities: Vec<f64>,
     /// The smallest and largest finite opacity.
     pub opacity: (f64, f64),
-    /// Colors of some, where they are asked for; of floats, 0 to 1 as 8 bits.
+    /// Colors of the sample, where they are asked for; floats of 0 to 1 become 8 bits.
     pub colors: Vec<[u16; 3]>,
 }
 
-/// The pass.
+/// The pass that surveys a file.
 #[derive(Debug)]
 pub(super) struct Survey<'a> {
     meaning: &'a Meaning,
     with_colors: bool,
-    /// Points from one of the sample to the next, and those until then.
+    /// Points from one of the sample to the next.
     stride: u64,
+    /// Points until the next one of the sample.
     until_next: u64,
     first_point: u64,
     num_points: u64,
@@ -47,7 +48,7 @@ pub(super) struct Survey<'a> {
 }
 
 impl<'a> Survey<'a> {
-    /// Of a file that holds about so many points.
+    /// A survey of a file that holds about this many points.
     pub fn new(meaning: &'a Meaning, num_points: u64, with_colors: bool) -> Self {
         let found = Found {
             num_kept: 0,
@@ -86,7 +87,7 @@ impl Sink for Survey<'_> {
     }
 
     #[inline]
-    fn point(&mut self, row: &Row) {
+    fn point(&mut self, row: &RowValues) {
         let number = self.first_point + self.num_points;
         self.num_points += 1;
         let is_of_sample = self.until_next == 0;
@@ -141,16 +142,16 @@ impl Sink for Survey<'_> {
     }
 }
 
-/// The range of two ranges.
+/// The range that covers two ranges.
 fn both(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-/// The pass before that, of compressed splats: the boxes of their chunks.
+/// The pass before the survey of compressed splats, which collects the boxes of their chunks.
 #[derive(Debug, Default)]
-pub(super) struct Chunks(pub Vec<Chunk>);
+pub(super) struct SplatBoxes(pub Vec<SplatBox>);
 
-impl Sink for Chunks {
+impl Sink for SplatBoxes {
     fn part(&self, _: u64, _: usize) -> Self {
         Self::default()
     }
@@ -159,11 +160,11 @@ impl Sink for Chunks {
         self.0.extend(later.0);
     }
 
-    fn chunk(&mut self, row: &Row) {
+    fn chunk(&mut self, row: &RowValues) {
         self.0.push(row.values.map(|value| value as f32));
     }
 
-    fn point(&mut self, _: &Row) {}
+    fn point(&mut self, _: &RowValues) {}
 
     fn bad_point(&mut self) {}
 

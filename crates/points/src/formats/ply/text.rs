@@ -1,12 +1,12 @@
-//! Rows of text: values between blanks or semicolons, wherever lines end.
+//! Reads rows of text: values between blanks or semicolons, wherever lines end.
 //!
-//! By the format's rules a row may take several lines, or share one with others. Nearly all files have a line a row,
-//! so that is tried first, block by block in parallel; where every line is exactly a row, both readings agree.
-//! Otherwise: if most lines are rows, the file is damaged in places or long rows are broken, and the few lines in
-//! between are looked at one by one; if not, ends of lines mean nothing, and values are counted.
+//! By the format's rules a row may take several lines, or share one with others. Nearly all files have one line per
+//! row, so that is tried first, block by block in parallel; where every line is exactly a row, both readings agree. If
+//! only most lines are rows, the file is damaged in places or long rows are broken, and the few lines in between are
+//! looked at one by one. If fewer lines are rows, ends of lines mean nothing, and values are counted.
 
 use super::body::{Body, Sink, take, take_bad};
-use super::plan::{Plan, Purpose, Row};
+use super::reader::{Purpose, RowReader, RowValues};
 use super::value::{Words, parts_words, without_blanks};
 use super::window::{self, Window, is_blank};
 use crate::ScanError;
@@ -14,30 +14,31 @@ use crate::source::Source;
 use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Text of a task for a core.
+/// Bytes of text that are a task for a core.
 const BLOCK_BYTES: usize = 1 << 17;
 
-/// Reads all whole rows that are there, of the first `num_elements`. Empty lines are nothing.
+/// Reads all whole rows of the first `num_elements` elements. Empty lines do not count.
 ///
 /// # Errors
-/// No memory, stopped, nothing readable at all.
+/// The user stops it, there is no memory, or nothing can be read.
 pub(super) fn read<S: Sink>(
     source: &Source,
-    (plans, num_elements): (&[Plan], usize),
+    (readers, num_elements): (&[RowReader], usize),
     window: Window,
     body: &mut Body<'_, S>,
     progress: &Progress,
 ) -> Result<(), ScanError> {
     let mut text = Text { source, window, body, progress };
     let mut num_missing = 0;
-    for (at, plan) in plans.iter().enumerate().take(num_elements) {
-        if plan.num_properties > 0 && plan.count > 0 {
-            let more_follow = plans[at + 1..].iter().any(|plan| plan.num_properties > 0 && plan.count > 0);
-            let left = text.read_element(plan, more_follow)?;
+    for (at, reader) in readers.iter().enumerate().take(num_elements) {
+        if reader.num_properties > 0 && reader.count > 0 {
+            let more_follow =
+                readers[at + 1..].iter().any(|reader| reader.num_properties > 0 && reader.count > 0);
+            let left = text.read_element(reader, more_follow)?;
             num_missing = left.max(num_missing);
         }
     }
-    if num_elements == plans.len() && num_missing == 0 && text.has_more()? {
+    if num_elements == readers.len() && num_missing == 0 && text.has_more()? {
         text.body
             .warnings
             .push("has more values behind its last row than its header announces; they were left out".into());
@@ -45,9 +46,9 @@ pub(super) fn read<S: Sink>(
     Ok(())
 }
 
-/// Rows that so many bytes can hold: a digit and a blank a value.
-pub(super) fn most_rows(plan: &Plan, num_bytes: u64) -> u64 {
-    plan.count.min(num_bytes.div_ceil(2 * plan.num_properties.max(1)))
+/// Most rows that this many bytes can hold: a digit and a blank per value.
+pub(super) fn most_rows(reader: &RowReader, num_bytes: u64) -> u64 {
+    reader.count.min(num_bytes.div_ceil(2 * reader.num_properties.max(1)))
 }
 
 struct Text<'a, 'b, S> {
@@ -59,52 +60,56 @@ struct Text<'a, 'b, S> {
 
 /// What was made of a piece of text.
 enum Taken {
-    /// So many rows, in so many bytes.
+    /// A number of rows, in a number of bytes.
     Rows(u64, usize),
-    /// Its lines are no rows.
+    /// The text's lines are no rows.
     NotLines,
     /// A row would need more text.
     TooLittle,
 }
 
 /// Rows read from a part of the text.
-struct Part<S> {
+struct TextRows<S> {
     sink: S,
     num_bad: u64,
-    /// Where in the text the first bad row starts.
+    /// Byte of the text at which the first bad row starts.
     first_bad: Option<usize>,
 }
 
-impl<S: Sink> Part<S> {
+impl<S: Sink> TextRows<S> {
     fn new(sink: S) -> Self {
         Self { sink, num_bad: 0, first_bad: None }
     }
 
-    fn bad_row(&mut self, plan: &Plan, at: usize) {
+    fn bad_row(&mut self, reader: &RowReader, at: usize) {
         self.num_bad += 1;
         self.first_bad.get_or_insert(at);
-        take_bad(plan, &mut self.sink);
+        take_bad(reader, &mut self.sink);
     }
 }
 
 impl<S: Sink> Text<'_, '_, S> {
-    /// Reads the rows of an element; `more_follow` if there are others after it. How many are missing.
-    fn read_element(&mut self, plan: &Plan, more_follow: bool) -> Result<u64, ScanError> {
-        let mut left = plan.count;
+    /// Reads the rows of an element, and returns how many are missing. `more_follow` is true if other elements have
+    /// rows behind them.
+    fn read_element(&mut self, reader: &RowReader, more_follow: bool) -> Result<u64, ScanError> {
+        let mut left = reader.count;
         // Packed points need to know their number, which lines do not tell before they are counted.
-        let mut by_lines = !matches!(plan.purpose, Purpose::Points(has) if has.chunked);
+        let mut by_lines = !matches!(reader.purpose, Purpose::Points(has) if has.chunked);
         while left > 0 {
             if self.progress.is_cancelled() {
                 return Err(Cancelled.into());
             }
-            let taken =
-                if by_lines { self.take_lines(plan, left) } else { self.take_words(plan, left, more_follow) };
+            let taken = if by_lines {
+                self.take_lines(reader, left)
+            } else {
+                self.take_words(reader, left, more_follow)
+            };
             match taken {
                 Taken::Rows(num_rows, num_bytes) => {
                     left -= num_rows;
                     self.window.consume(num_bytes);
                     self.body.empty()?;
-                    if matches!(plan.purpose, Purpose::Points(_)) {
+                    if matches!(reader.purpose, Purpose::Points(_)) {
                         self.progress.add(S::progress(num_rows));
                     }
                 }
@@ -126,7 +131,7 @@ impl<S: Sink> Text<'_, '_, S> {
         }
     }
 
-    /// True if there is anything but blanks.
+    /// True if anything is left except blanks.
     fn has_more(&mut self) -> Result<bool, ScanError> {
         while is_blank(self.window.text()) {
             if self.window.at_end {
@@ -138,8 +143,8 @@ impl<S: Sink> Text<'_, '_, S> {
         Ok(true)
     }
 
-    /// At most `left` rows, of whole lines.
-    fn take_lines(&mut self, plan: &Plan, left: u64) -> Taken {
+    /// Takes at most `left` rows, from whole lines.
+    fn take_lines(&mut self, reader: &RowReader, left: u64) -> Taken {
         let text = self.window.text();
         let end = self.window.last_line_end();
         if end == 0 {
@@ -153,8 +158,8 @@ impl<S: Sink> Text<'_, '_, S> {
         let empty = self.body.sink.part(0, 0);
         let parts: Vec<Lines<S>> = blocks
             .into_par_iter()
-            .map_init(Row::default, |row, block| {
-                Lines::read(plan, &text[block], line_end, empty.part(0, 0), row)
+            .map_init(RowValues::default, |row, block| {
+                Lines::read(reader, &text[block], line_end, empty.part(0, 0), row)
             })
             .collect();
         let sum = |count: fn(&Lines<S>) -> u64| parts.iter().map(count).sum::<u64>();
@@ -165,25 +170,33 @@ impl<S: Sink> Text<'_, '_, S> {
             parts.into_iter().for_each(|part| self.body.sink.append(part.sink));
             return Taken::Rows(num_lines, num_bytes);
         }
-        // In between, it counts whether words that are no numbers stand in the way of the other reading.
+        // If a quarter to a half of the lines are rows, the text is damaged if words that are no numbers stand in the
+        // way of the other reading.
         let num_rows = num_exact + num_wordy;
         let is_damaged = 2 * num_rows >= num_lines
             || 4 * num_rows >= num_lines
-                && self.read_words(plan, text, left, false).0.iter().any(|part| part.num_bad > 0);
+                && self.read_words(reader, text, left, false).0.iter().any(|part| part.num_bad > 0);
         if !is_damaged {
             return Taken::NotLines;
         }
-        let (part, num_rows, num_bytes) = self.read_damaged(plan, text, left, empty);
+        let (part, num_rows, num_bytes) = self.read_damaged(reader, text, left, empty);
         self.add(part);
         Taken::Rows(num_rows, num_bytes)
     }
 
-    /// Lines of which most are rows, one after the other: rows, how many, in how many bytes.
-    fn read_damaged(&self, plan: &Plan, text: &[u8], left: u64, empty: S) -> (Part<S>, u64, usize) {
-        let (mut part, mut num_rows) = (Part::new(empty), 0);
-        // Where lines start that are no rows.
+    /// Reads lines of which most are rows, one after the other. Returns the rows, their number, and the bytes that they
+    /// take.
+    fn read_damaged(
+        &self,
+        reader: &RowReader,
+        text: &[u8],
+        left: u64,
+        empty: S,
+    ) -> (TextRows<S>, u64, usize) {
+        let (mut part, mut num_rows) = (TextRows::new(empty), 0);
+        // Starts of the lines that are no rows.
         let mut odd: Vec<usize> = Vec::new();
-        let mut row = Row::default();
+        let mut row = RowValues::default();
         let mut at = 0;
         for line in text.split_inclusive(|&byte| byte == self.window.line_end) {
             let start = at;
@@ -191,14 +204,14 @@ impl<S: Sink> Text<'_, '_, S> {
             if is_blank(line) {
                 continue;
             }
-            if read_exactly(plan, line, &mut row) == Some(true) {
-                num_rows += self.settle(plan, &text[..start], &odd, left - num_rows, &mut part);
+            if read_exactly(reader, line, &mut row) == Some(true) {
+                num_rows += self.settle(reader, &text[..start], &odd, left - num_rows, &mut part);
                 odd.clear();
-                // Rows that were broken leave room for lines that would be too many otherwise.
+                // The element may be complete before its lines are used up, because odd lines may hold several rows.
                 if num_rows == left {
                     return (part, num_rows, start);
                 }
-                take(plan, &row, &mut part.sink);
+                take(reader, &row, &mut part.sink);
                 num_rows += 1;
             } else {
                 odd.push(start);
@@ -208,21 +221,28 @@ impl<S: Sink> Text<'_, '_, S> {
         match odd.first() {
             Some(&first) if first > 0 && !self.window.at_end => (part, num_rows, first),
             _ => {
-                num_rows += self.settle(plan, text, &odd, left - num_rows, &mut part);
+                num_rows += self.settle(reader, text, &odd, left - num_rows, &mut part);
                 (part, num_rows, text.len())
             }
         }
     }
 
-    /// Lines in between that are no rows, up to the end of `text`: broken rows if together they are whole ones; else a
-    /// row each with something behind it, or bad. How many rows they are.
-    fn settle(&self, plan: &Plan, text: &[u8], odd: &[usize], left: u64, part: &mut Part<S>) -> u64 {
+    /// Settles what lines that are no rows are, up to the end of `text`: broken rows if together they make whole rows,
+    /// otherwise each a row with something behind it, or bad. Returns how many rows they are.
+    fn settle(
+        &self,
+        reader: &RowReader,
+        text: &[u8],
+        odd: &[usize],
+        left: u64,
+        part: &mut TextRows<S>,
+    ) -> u64 {
         let Some(&first) = odd.first() else { return 0 };
-        let mut row = Row::default();
+        let mut row = RowValues::default();
         let mut together = part.sink.part(part.sink.num_points(), 0);
         let (mut words, mut num_rows) = (Words(&text[first..]), 0);
-        while num_rows < left && !is_blank(words.0) && plan.read_row(&mut words, &mut row).is_some() {
-            take(plan, &row, &mut together);
+        while num_rows < left && !is_blank(words.0) && reader.read_row(&mut words, &mut row).is_some() {
+            take(reader, &row, &mut together);
             num_rows += 1;
         }
         if num_rows > 0 && is_blank(words.0) {
@@ -231,18 +251,18 @@ impl<S: Sink> Text<'_, '_, S> {
         }
         for (i, &start) in odd.iter().enumerate().take(usize::try_from(left).unwrap_or(usize::MAX)) {
             let end = odd.get(i + 1).copied().unwrap_or(text.len());
-            match plan.read_row(&mut Words(&text[start..end]), &mut row) {
-                Some(()) => take(plan, &row, &mut part.sink),
-                None => part.bad_row(plan, start),
+            match reader.read_row(&mut Words(&text[start..end]), &mut row) {
+                Some(()) => take(reader, &row, &mut part.sink),
+                None => part.bad_row(reader, start),
             }
         }
         (odd.len() as u64).min(left)
     }
 
-    /// At most `left` rows, wherever lines end.
-    fn take_words(&mut self, plan: &Plan, left: u64, more_follow: bool) -> Taken {
+    /// Takes at most `left` rows, wherever lines end.
+    fn take_words(&mut self, reader: &RowReader, left: u64, more_follow: bool) -> Taken {
         let text = &self.window.text()[..self.window.last_word_end()];
-        let (parts, num_rows, num_bytes) = self.read_words(plan, text, left, more_follow);
+        let (parts, num_rows, num_bytes) = self.read_words(reader, text, left, more_follow);
         if num_rows == 0 {
             return Taken::TooLittle;
         }
@@ -250,24 +270,24 @@ impl<S: Sink> Text<'_, '_, S> {
         Taken::Rows(num_rows, num_bytes)
     }
 
-    fn read_words(&self, plan: &Plan, text: &[u8], left: u64, more_follow: bool) -> Read<S> {
+    fn read_words(&self, reader: &RowReader, text: &[u8], left: u64, more_follow: bool) -> Read<S> {
         // The last word of all is whole only if nothing more is announced: a number could have lost digits.
         let last_is_doubtful = self.window.at_end && text.last().is_some_and(|byte| !parts_words(byte));
         let empty = self.body.sink.part(0, 0);
         let first_point = self.body.sink.num_points();
-        match plan.num_words() {
+        match reader.num_words() {
             Some(num_words) => {
                 let doubt = last_is_doubtful.then_some(more_follow);
-                read_counted(plan, num_words, text, (left, doubt), |row| empty.part(first_point + row, 0))
+                read_counted(reader, num_words, text, (left, doubt), |row| empty.part(first_point + row, 0))
             }
             None => {
                 let doubt = |num_rows| last_is_doubtful && (more_follow || num_rows < left);
-                read_lists(plan, text, (left, self.window.at_end), doubt, self.window.line_end, empty)
+                read_lists(reader, text, (left, self.window.at_end), doubt, self.window.line_end, empty)
             }
         }
     }
 
-    fn add(&mut self, part: Part<S>) {
+    fn add(&mut self, part: TextRows<S>) {
         self.body.sink.append(part.sink);
         self.body.num_bad_rows += part.num_bad;
         if let Some(at) = part.first_bad
@@ -278,11 +298,11 @@ impl<S: Sink> Text<'_, '_, S> {
     }
 }
 
-/// Whether a line is a row: nothing more if `Some(true)`; with something behind it that is no number if
-/// `Some(false)`.
-fn read_exactly(plan: &Plan, line: &[u8], row: &mut Row) -> Option<bool> {
+/// Reads a line as a row. Returns `Some(true)` if nothing stands behind the row, `Some(false)` if a word stands there
+/// that is no number.
+fn read_exactly(reader: &RowReader, line: &[u8], row: &mut RowValues) -> Option<bool> {
     let mut words = Words(line);
-    plan.read_row(&mut words, row)?;
+    reader.read_row(&mut words, row)?;
     if is_blank(words.0) {
         return Some(true);
     }
@@ -298,20 +318,20 @@ struct Lines<S> {
     sink: S,
     /// Lines that are not blank.
     num_lines: u64,
-    /// Those that are a row each.
+    /// Lines that are exactly a row.
     num_exact: u64,
-    /// Those that are a row each with words behind it.
+    /// Lines that are a row with words behind it.
     num_wordy: u64,
 }
 
 impl<S: Sink> Lines<S> {
-    fn read(plan: &Plan, text: &[u8], line_end: u8, sink: S, row: &mut Row) -> Self {
+    fn read(reader: &RowReader, text: &[u8], line_end: u8, sink: S, row: &mut RowValues) -> Self {
         let mut lines = Self { sink, num_lines: 0, num_exact: 0, num_wordy: 0 };
         for line in text.split(|&byte| byte == line_end) {
-            match read_exactly(plan, line, row) {
+            match read_exactly(reader, line, row) {
                 Some(true) => {
                     lines.num_exact += 1;
-                    take(plan, row, &mut lines.sink);
+                    take(reader, row, &mut lines.sink);
                 }
                 Some(false) => lines.num_wordy += 1,
                 None if is_blank(line) => continue,
@@ -323,13 +343,13 @@ impl<S: Sink> Lines<S> {
     }
 }
 
-/// Parts, rows, bytes.
-type Read<S> = (Vec<Part<S>>, u64, usize);
+/// Rows of parts of a text, their number, and the bytes that they take.
+type Read<S> = (Vec<TextRows<S>>, u64, usize);
 
-/// Rows of `num_words` words each, in parallel; at most `left`. The last word is doubtful if `doubt` is there, and
-/// then not whole if rows are left or it says that others follow.
+/// Reads at most `left` rows of `num_words` words each, in parallel. The text's last word is doubtful if there is a
+/// `doubt`; its row is then not read if rows are left or `doubt` says that others follow.
 fn read_counted<S: Sink>(
-    plan: &Plan,
+    reader: &RowReader,
     num_words: u64,
     text: &[u8],
     (left, doubt): (u64, Option<bool>),
@@ -353,18 +373,18 @@ fn read_counted<S: Sink>(
     let read = |(start, first_word, count): (usize, u64, u64)| {
         // Rows that start in this block.
         let rows = first_word.div_ceil(num_words)..num_rows.min((first_word + count).div_ceil(num_words));
-        let mut part = Part::new(part_from(rows.start));
+        let mut part = TextRows::new(part_from(rows.start));
         let mut words = Words(&text[start..]);
-        let mut row = Row::default();
+        let mut row = RowValues::default();
         if !rows.is_empty() {
             skip(&mut words, rows.start * num_words - first_word);
         }
         for _ in rows.clone() {
             let whole = words;
-            match plan.read_row(&mut words, &mut row) {
-                Some(()) => take(plan, &row, &mut part.sink),
+            match reader.read_row(&mut words, &mut row) {
+                Some(()) => take(reader, &row, &mut part.sink),
                 None => {
-                    part.bad_row(plan, text.len() - without_blanks(whole.0).len());
+                    part.bad_row(reader, text.len() - without_blanks(whole.0).len());
                     words = whole;
                     skip(&mut words, num_words);
                 }
@@ -372,7 +392,7 @@ fn read_counted<S: Sink>(
         }
         (part, (rows.end == num_rows && !rows.is_empty()).then(|| text.len() - words.0.len()))
     };
-    let parts: Vec<(Part<S>, Option<usize>)> = tasks.into_par_iter().map(read).collect();
+    let parts: Vec<(TextRows<S>, Option<usize>)> = tasks.into_par_iter().map(read).collect();
     let num_bytes = parts.iter().filter_map(|(_, end)| *end).max().unwrap_or(0);
     (parts.into_iter().map(|(part, _)| part).collect(), num_rows, num_bytes)
 }
@@ -383,33 +403,33 @@ fn skip(words: &mut Words, count: u64) {
     }
 }
 
-/// Rows with lists, one after the other; at most `left`. `doubt` says whether a row that uses up the text is not
-/// whole if it is this one. A bad row ends where its line does.
+/// Reads at most `left` rows with lists, one after the other. `doubt` says whether the row of this number is not whole
+/// if it uses up the text. A bad row ends where its line does.
 fn read_lists<S: Sink>(
-    plan: &Plan,
+    reader: &RowReader,
     text: &[u8],
     (left, at_end): (u64, bool),
     doubt: impl Fn(u64) -> bool,
     line_end: u8,
     empty: S,
 ) -> Read<S> {
-    let (mut part, mut words, mut row) = (Part::new(empty), Words(text), Row::default());
+    let (mut part, mut words, mut row) = (TextRows::new(empty), Words(text), RowValues::default());
     let mut num_rows = 0;
     while num_rows < left && !is_blank(words.0) {
         let whole = words;
-        let is_read = plan.read_row(&mut words, &mut row).is_some();
+        let is_read = reader.read_row(&mut words, &mut row).is_some();
         let used_up = is_blank(words.0);
         if used_up && (!is_read || at_end && doubt(num_rows + 1)) {
-            // Not whole, or nobody knows yet.
+            // The row is not whole, or nobody knows yet.
             words = whole;
             break;
         }
         num_rows += 1;
         if is_read {
-            take(plan, &row, &mut part.sink);
+            take(reader, &row, &mut part.sink);
         } else {
             let start = text.len() - without_blanks(whole.0).len();
-            part.bad_row(plan, start);
+            part.bad_row(reader, start);
             let line = text[start..].iter().position(|&byte| byte == line_end);
             words = Words(&text[line.map_or(text.len(), |end| start + end)..]);
         }

@@ -3,9 +3,9 @@
 use crate::column::{self, Number};
 use std::io::{self, BufRead};
 
-/// Type of a property.
+/// Type of a single value, which PLY calls scalar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
+pub(super) enum Scalar {
     Char,
     UChar,
     Short,
@@ -19,9 +19,9 @@ pub(super) enum Type {
     Double,
 }
 
-impl Type {
-    /// By any of its names: the format's own, those with sizes, those of NumPy and of programming languages. `i8` and
-    /// `u8` are none: they are one byte in some places and eight in others.
+impl Scalar {
+    /// The type of this name: of the format's own names, those with sizes, those of NumPy and of programming languages.
+    /// `i8` and `u8` name no type: they are one byte in some places and eight in others.
     pub fn named(name: &str) -> Option<Self> {
         let name = name.to_ascii_lowercase();
         Some(match name.strip_suffix("_t").unwrap_or(&name) {
@@ -40,7 +40,7 @@ impl Type {
         })
     }
 
-    /// Size in binary files.
+    /// Bytes of a value in binary files.
     pub fn num_bytes(self) -> u64 {
         match self {
             Self::Char | Self::UChar => 1,
@@ -50,8 +50,8 @@ impl Type {
         }
     }
 
-    /// Type of a column that holds such values: each exactly, except floats written as text that say more than their type
-    /// holds, which are believed.
+    /// Type of a column that holds these values exactly. Text may give a float more digits than its type holds, which
+    /// are believed.
     pub fn column(self, is_text: bool) -> column::Type {
         match self {
             Self::Char => column::Type::I8,
@@ -75,32 +75,32 @@ impl Type {
 
 /// The values of rows, one after the other. A f64 holds each type exactly, except whole numbers beyond 2⁵³.
 pub(super) trait Values {
-    /// The next value; `None` where there is none, or none that is a number.
-    fn value(&mut self, kind: Type) -> Option<f64>;
+    /// The next value; `None` where there is no value, or it is no number.
+    fn value(&mut self, kind: Scalar) -> Option<f64>;
 
     /// The next value with all its digits.
-    fn number(&mut self, kind: Type) -> Option<Number>;
+    fn number(&mut self, kind: Scalar) -> Option<Number>;
 
-    /// The next value where it stands for 32 bits: those of an integer, or of a float, in which some programs
+    /// The next value as the 32 bits that it stands for: those of an integer, or of a float, in which some programs
     /// pack them.
-    fn bits(&mut self, kind: Type) -> Option<u32>;
+    fn bits(&mut self, kind: Scalar) -> Option<u32>;
 
-    /// Passes over values that have so many bytes together; `None` where there are not so many.
+    /// Passes over `num_values` values that have `num_bytes` bytes together; `None` where there are fewer.
     fn skip(&mut self, num_values: u64, num_bytes: u64) -> Option<()>;
 }
 
-/// Where bytes of values come from.
+/// A source of the bytes of values.
 pub(super) trait ByteValues {
-    /// The next bytes as they stand; `None` where there are not so many.
+    /// The next bytes as they stand; `None` where there are fewer.
     fn array<const N: usize>(&mut self) -> Option<[u8; N]>;
 
-    /// True if the first byte of a number is its largest.
+    /// True if the first byte of a number is its most significant.
     fn is_big_endian(&self) -> bool;
 
-    /// Passes over bytes; `None` where there are not so many.
+    /// Passes over bytes; `None` where there are fewer.
     fn skip_bytes(&mut self, num_bytes: u64) -> Option<()>;
 
-    /// The next bytes, the smallest first.
+    /// The next bytes, the least significant first.
     #[inline]
     fn little<const N: usize>(&mut self) -> Option<[u8; N]> {
         let mut bytes = self.array()?;
@@ -113,34 +113,34 @@ pub(super) trait ByteValues {
 
 impl<B: ByteValues> Values for B {
     #[inline]
-    fn value(&mut self, kind: Type) -> Option<f64> {
+    fn value(&mut self, kind: Scalar) -> Option<f64> {
         Some(match kind {
-            Type::Char => i8::from_le_bytes(self.little()?).into(),
-            Type::UChar => u8::from_le_bytes(self.little()?).into(),
-            Type::Short => i16::from_le_bytes(self.little()?).into(),
-            Type::UShort => u16::from_le_bytes(self.little()?).into(),
-            Type::Int => i32::from_le_bytes(self.little()?).into(),
-            Type::UInt => u32::from_le_bytes(self.little()?).into(),
-            Type::Long => i64::from_le_bytes(self.little()?) as f64,
-            Type::ULong => u64::from_le_bytes(self.little()?) as f64,
-            Type::Half => half::f16::from_le_bytes(self.little()?).into(),
-            Type::Float => f32::from_le_bytes(self.little()?).into(),
-            Type::Double => f64::from_le_bytes(self.little()?),
+            Scalar::Char => i8::from_le_bytes(self.little()?).into(),
+            Scalar::UChar => u8::from_le_bytes(self.little()?).into(),
+            Scalar::Short => i16::from_le_bytes(self.little()?).into(),
+            Scalar::UShort => u16::from_le_bytes(self.little()?).into(),
+            Scalar::Int => i32::from_le_bytes(self.little()?).into(),
+            Scalar::UInt => u32::from_le_bytes(self.little()?).into(),
+            Scalar::Long => i64::from_le_bytes(self.little()?) as f64,
+            Scalar::ULong => u64::from_le_bytes(self.little()?) as f64,
+            Scalar::Half => half::f16::from_le_bytes(self.little()?).into(),
+            Scalar::Float => f32::from_le_bytes(self.little()?).into(),
+            Scalar::Double => f64::from_le_bytes(self.little()?),
         })
     }
 
-    fn number(&mut self, kind: Type) -> Option<Number> {
+    fn number(&mut self, kind: Scalar) -> Option<Number> {
         Some(match kind {
-            Type::Long => Number::Whole(i64::from_le_bytes(self.little()?).into()),
-            Type::ULong => Number::Whole(u64::from_le_bytes(self.little()?).into()),
+            Scalar::Long => Number::Whole(i64::from_le_bytes(self.little()?).into()),
+            Scalar::ULong => Number::Whole(u64::from_le_bytes(self.little()?).into()),
             _ => Number::Float(self.value(kind)?),
         })
     }
 
-    fn bits(&mut self, kind: Type) -> Option<u32> {
+    fn bits(&mut self, kind: Scalar) -> Option<u32> {
         match kind {
-            // As they stand: a float of these bits may be no number, whose bits conversions may change.
-            Type::Float | Type::Int | Type::UInt => Some(u32::from_le_bytes(self.little()?)),
+            // The bits are taken as they stand: as a float they may be a NaN, whose bits a conversion may change.
+            Scalar::Float | Scalar::Int | Scalar::UInt => Some(u32::from_le_bytes(self.little()?)),
             _ => self.value(kind).map(|value| packed_bits(value, kind)),
         }
     }
@@ -150,9 +150,9 @@ impl<B: ByteValues> Values for B {
     }
 }
 
-/// 32 bits that a number stands for. A float between 1 and 2³² is a whole number that was converted: as bits it
+/// The 32 bits that a number stands for. A float between 1 and 2³² is a whole number that was converted: as bits it
 /// would have a nonsensical first byte.
-fn packed_bits(value: f64, kind: Type) -> u32 {
+fn packed_bits(value: f64, kind: Scalar) -> u32 {
     let is_number = !kind.is_float() || value == 0.0 || (1.0..=f64::from(u32::MAX)).contains(&value);
     if is_number { value as i64 as u32 } else { (value as f32).to_bits() }
 }
@@ -161,14 +161,14 @@ fn packed_bits(value: f64, kind: Type) -> u32 {
 pub(super) struct Bytes<R> {
     input: R,
     big_endian: bool,
-    /// How many were read or passed over.
+    /// Number of bytes read or passed over.
     pub num_bytes: u64,
     /// Why reading failed, where it was not the file's end.
     pub error: Option<io::Error>,
 }
 
 impl<R: BufRead> Bytes<R> {
-    /// From where `input` stands.
+    /// Values from where `input` stands.
     pub fn new(input: R, big_endian: bool) -> Self {
         Self { input, big_endian, num_bytes: 0, error: None }
     }
@@ -235,13 +235,13 @@ impl ByteValues for Record<'_> {
     }
 }
 
-/// True for what stands between words: blanks, ends of lines, and semicolons, which no number has.
+/// True for a byte that separates words: a blank, an end of a line, or a semicolon, which no number has.
 #[inline]
 pub(super) fn parts_words(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b';'
 }
 
-/// What is left of a text from its first word on.
+/// The rest of a text from its first word on.
 #[inline]
 pub(super) fn without_blanks(text: &[u8]) -> &[u8] {
     let start = text.iter().position(|byte| !parts_words(byte)).unwrap_or(text.len());
@@ -265,9 +265,9 @@ impl<'a> Words<'a> {
 }
 
 impl Values for Words<'_> {
-    /// The type is not asked: text that says more than its type holds is believed.
+    /// Reads a value whatever its type: text that says more than its type holds is believed.
     #[inline]
-    fn value(&mut self, _: Type) -> Option<f64> {
+    fn value(&mut self, _: Scalar) -> Option<f64> {
         self.0 = without_blanks(self.0);
         if let Some((value, rest)) = plain_number(self.0) {
             self.0 = rest;
@@ -276,7 +276,7 @@ impl Values for Words<'_> {
         number(self.word()?)
     }
 
-    fn number(&mut self, kind: Type) -> Option<Number> {
+    fn number(&mut self, kind: Scalar) -> Option<Number> {
         let word = self.word()?;
         let whole = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
         match whole {
@@ -285,7 +285,7 @@ impl Values for Words<'_> {
         }
     }
 
-    fn bits(&mut self, kind: Type) -> Option<u32> {
+    fn bits(&mut self, kind: Scalar) -> Option<u32> {
         self.value(kind).map(|value| packed_bits(value, kind))
     }
 
@@ -294,15 +294,17 @@ impl Values for Words<'_> {
     }
 }
 
-/// The most digits behind the point of a plain number: powers of ten up to this are exact.
+/// Most digits behind the point of a plain number: a f64 holds powers of ten up to this exactly.
 const MOST_DECIMALS: usize = 22;
+/// Powers of ten by their exponents.
 const POWERS_OF_TEN: [f64; MOST_DECIMALS + 1] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
     1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The number that a text starts with, and the rest behind it, if it is of the plain kind that nearly all are: digits
-/// with a point perhaps, as a whole less than 2⁵³. Then it is a quotient of two exact numbers, so correctly rounded.
+/// The number that a text starts with, and the rest behind it, if it is as plain as nearly all are: digits, perhaps
+/// with a point, that make a whole number of at most 2⁵³. It is then a quotient of two exact numbers, so correctly
+/// rounded.
 #[inline]
 fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
     let digits = text.strip_prefix(b"-").unwrap_or(text);
@@ -331,15 +333,15 @@ fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
     Some((if digits.len() < text.len() { -value } else { value }, &digits[end..]))
 }
 
-/// A number as Fortran writes those of double and quadruple precision, with the e of others: 1.0D+00 as 1.0e+00.
+/// Replaces the exponent letter of Fortran's double and quadruple precision by an e: 1.0D+00 becomes 1.0e+00.
 fn of_fortran(word: &str) -> String {
     word.replacen(['D', 'd', 'Q', 'q'], "e", 1)
 }
 
-/// What a word says as a number.
+/// Parses a word as a number.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let word = std::str::from_utf8(word).ok()?;
-    // Between numbers there may be commas beside the blanks.
+    // A comma may stand before the blanks between numbers.
     let word = word.strip_suffix(',').unwrap_or(word);
     match word.parse().or_else(|_| of_fortran(word).parse()) {
         Ok(value) => Some(value),
@@ -355,7 +357,15 @@ mod tests {
 
     #[test]
     fn both_byte_orders_hold_every_type() {
-        let kinds = [Type::Char, Type::UChar, Type::Short, Type::UShort, Type::Int, Type::UInt, Type::Long];
+        let kinds = [
+            Scalar::Char,
+            Scalar::UChar,
+            Scalar::Short,
+            Scalar::UShort,
+            Scalar::Int,
+            Scalar::UInt,
+            Scalar::Long,
+        ];
         let expected = [-1.0, 255.0, -2.0, 65534.0, -3.0, 4_294_967_293.0, -4.0];
         let numbers: [&[u8]; 7] = [
             &[0xff],
@@ -371,30 +381,30 @@ mod tests {
         for (bytes, big_endian) in [(&little[..], false), (&big[..], true)] {
             let mut values = Bytes::new(bytes, big_endian);
             assert_eq!(kinds.map(|kind| values.value(kind).unwrap()), expected);
-            assert_eq!((values.num_bytes, values.value(Type::UChar)), (22, None));
+            assert_eq!((values.num_bytes, values.value(Scalar::UChar)), (22, None));
             let mut values = Record { bytes, big_endian };
             assert_eq!(kinds.map(|kind| values.value(kind).unwrap()), expected);
-            assert_eq!(values.value(Type::UChar), None);
+            assert_eq!(values.value(Scalar::UChar), None);
         }
         let floats = [&0x3e00u16.to_be_bytes()[..], &1.5f32.to_be_bytes(), &(-0.1f64).to_be_bytes()].concat();
         let mut values = Record { bytes: &floats, big_endian: true };
-        let kinds = [Type::Half, Type::Float, Type::Double];
+        let kinds = [Scalar::Half, Scalar::Float, Scalar::Double];
         assert_eq!(kinds.map(|kind| values.value(kind).unwrap()), [1.5, 1.5, -0.1]);
     }
 
     #[test]
     fn types_have_many_names() {
         for (names, kind) in [
-            ("char int8 i1 INT8 int8_t", Type::Char),
-            ("uchar uint8 u1 uint8_t ubyte", Type::UChar),
-            ("uint64 u64 uint64_t", Type::ULong),
-            ("Float float32 f4 f32", Type::Float),
-            ("DOUBLE float64 f8 f64", Type::Double),
+            ("char int8 i1 INT8 int8_t", Scalar::Char),
+            ("uchar uint8 u1 uint8_t ubyte", Scalar::UChar),
+            ("uint64 u64 uint64_t", Scalar::ULong),
+            ("Float float32 f4 f32", Scalar::Float),
+            ("DOUBLE float64 f8 f64", Scalar::Double),
         ] {
-            assert!(names.split(' ').all(|name| Type::named(name) == Some(kind)), "{names}");
+            assert!(names.split(' ').all(|name| Scalar::named(name) == Some(kind)), "{names}");
         }
         for none in ["", "i8", "u8", "flaot", "list", "_t"] {
-            assert_eq!(Type::named(none), None, "{none}");
+            assert_eq!(Scalar::named(none), None, "{none}");
         }
     }
 
@@ -404,7 +414,7 @@ mod tests {
         for bits in packed {
             for big_endian in [false, true] {
                 let bytes = if big_endian { bits.to_be_bytes() } else { bits.to_le_bytes() };
-                for kind in [Type::Int, Type::UInt, Type::Float] {
+                for kind in [Scalar::Int, Scalar::UInt, Scalar::Float] {
                     assert_eq!(
                         Record { bytes: &bytes, big_endian }.bits(kind),
                         Some(bits),
@@ -414,11 +424,11 @@ mod tests {
             }
         }
         let word = |word: &str, kind| Words(word.as_bytes()).bits(kind);
-        assert_eq!(word("16744512", Type::UInt), Some(0xff_8040));
-        assert_eq!(word("-4161472", Type::Int), Some(0xffc0_8040));
-        assert_eq!(word(&format!("{:e}", f32::from_bits(0xff_8040)), Type::Float), Some(0xff_8040));
-        assert_eq!(word("16744512", Type::Float), Some(0xff_8040));
-        assert_eq!(word("red", Type::Float), None);
+        assert_eq!(word("16744512", Scalar::UInt), Some(0xff_8040));
+        assert_eq!(word("-4161472", Scalar::Int), Some(0xffc0_8040));
+        assert_eq!(word(&format!("{:e}", f32::from_bits(0xff_8040)), Scalar::Float), Some(0xff_8040));
+        assert_eq!(word("16744512", Scalar::Float), Some(0xff_8040));
+        assert_eq!(word("red", Scalar::Float), None);
     }
 
     #[test]
@@ -435,7 +445,7 @@ mod tests {
     fn exponents_of_fortran_are_read() {
         let words = "1.0D+00 -2.5d-1 3D2 .5Q1 7d";
         let mut words = Words(words.as_bytes());
-        let read: Vec<_> = (0..5).map(|_| words.value(Type::Double)).collect();
+        let read: Vec<_> = (0..5).map(|_| words.value(Scalar::Double)).collect();
         assert_eq!(read, [Some(1.0), Some(-0.25), Some(300.0), Some(5.0), None]);
         for no_number in ["d", "D5", "1.0D", "1D2D3", "1.0De5", "add", "q"] {
             assert_eq!(number(no_number.as_bytes()), None, "{no_number}");
@@ -445,14 +455,14 @@ mod tests {
     #[test]
     fn semicolons_part_numbers_wherever_they_stand() {
         let mut words = Words(b";1;2 ; 3;; -4e1;\n;5;");
-        let read: Vec<_> = (0..6).map(|_| words.value(Type::Float)).collect();
+        let read: Vec<_> = (0..6).map(|_| words.value(Scalar::Float)).collect();
         assert_eq!(read, [Some(1.0), Some(2.0), Some(3.0), Some(-40.0), Some(5.0), None]);
     }
 
     #[test]
     fn commas_before_blanks_part_numbers_and_within_words_nothing() {
         let mut words = Words(b"1.5, -2; 3,\t4e2,\n5 6,5 1.5,2.5 ,");
-        let read: Vec<_> = (0..8).map(|_| words.value(Type::Float)).collect();
+        let read: Vec<_> = (0..8).map(|_| words.value(Scalar::Float)).collect();
         assert_eq!(read[..5], [1.5, -2.0, 3.0, 400.0, 5.0].map(Some));
         assert_eq!(read[5..], [None; 3]);
     }
@@ -463,7 +473,7 @@ mod tests {
             for word in [digits, float.to_string(), format!("{float:e}"), format!("{float:.3}")] {
                 let text = format!("{word} 1");
                 let (mut words, expected) = (Words(text.as_bytes()), word.parse::<f64>().ok());
-                let read = if word.is_empty() { None } else { words.value(Type::Double) };
+                let read = if word.is_empty() { None } else { words.value(Scalar::Double) };
                 let same = read.map(f64::to_bits) == expected.map(f64::to_bits)
                     || read.is_some_and(f64::is_nan) && expected.is_some_and(f64::is_nan);
                 proptest::prop_assert!(same, "{word}: {read:?}, not {expected:?}");
@@ -474,10 +484,10 @@ mod tests {
     #[test]
     fn words_are_numbers_between_any_blanks() {
         let mut words = Words(b"  1\t-2.5e3 \r.5 nan\n-nan(ind) 1.#INF +inf abc 7");
-        let read: Vec<_> = (0..9).map(|_| words.value(Type::Float)).collect();
+        let read: Vec<_> = (0..9).map(|_| words.value(Scalar::Float)).collect();
         assert_eq!(read[..3], [Some(1.0), Some(-2500.0), Some(0.5)]);
         assert!(read[3..6].iter().all(|value| value.unwrap().is_nan()), "{read:?}");
         assert_eq!(read[6..], [Some(f64::INFINITY), None, Some(7.0)]);
-        assert_eq!(words.value(Type::Float), None);
+        assert_eq!(words.value(Scalar::Float), None);
     }
 }

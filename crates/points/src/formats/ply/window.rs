@@ -5,9 +5,9 @@ use crate::ScanError;
 use crate::source::Source;
 use std::ops::Range;
 
-/// Text that is read at once.
+/// Bytes of text that are read at once.
 pub(super) const GROUP_BYTES: u64 = 4 << 20;
-/// Characters of a bad row that are quoted.
+/// Most characters of a bad row that are quoted.
 const MOST_QUOTED: usize = 40;
 
 /// Text that was read and not yet used.
@@ -20,27 +20,27 @@ pub(super) struct Window {
     pub next: u64,
     /// Number of the line that the unused part starts in.
     line: u64,
-    /// What ends a line.
+    /// Byte that ends a line.
     pub line_end: u8,
-    /// True if nothing follows.
+    /// True if the file has nothing more.
     pub at_end: bool,
 }
 
 impl Window {
-    /// From byte `next` on, which is in line `line`.
+    /// A window from byte `next` on, which is in line `line`.
     pub fn new(next: u64, line: u64, line_end: u8) -> Self {
         Self { buffer: Vec::new(), start: 0, next, line, line_end, at_end: false }
     }
 
-    /// What is there to be used.
+    /// Text that is there to be used.
     pub fn text(&self) -> &[u8] {
         &self.buffer[self.start..]
     }
 
-    /// Reads more: as much again as is there, so that a row of any length takes few attempts.
+    /// Reads as much text again as is there, so that a row of any length takes few attempts.
     ///
     /// # Errors
-    /// What the system reports; nothing is lost then.
+    /// The system cannot read the file; no text is lost then.
     pub fn fill(&mut self, source: &Source) -> Result<(), ScanError> {
         self.buffer.drain(..self.start);
         self.start = 0;
@@ -104,7 +104,7 @@ pub(super) fn is_blank(text: &[u8]) -> bool {
     text.iter().all(parts_words)
 }
 
-/// Pieces of about `num_bytes` that end where `is_end` says, or with the text.
+/// Cuts text into pieces of about `num_bytes` that end where `is_end` says, or with the text.
 pub(super) fn cut(text: &[u8], num_bytes: usize, is_end: impl Fn(u8) -> bool) -> Vec<Range<usize>> {
     let mut pieces = Vec::new();
     let mut start = 0;
@@ -117,7 +117,7 @@ pub(super) fn cut(text: &[u8], num_bytes: usize, is_end: impl Fn(u8) -> bool) ->
     pieces
 }
 
-/// Words of a text that starts with one, or with a blank.
+/// Number of words of a text that starts with a word or a blank.
 pub(super) fn count_words(text: &[u8]) -> u64 {
     let mut in_word = false;
     let mut count = 0;

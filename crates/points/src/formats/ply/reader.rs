@@ -1,29 +1,34 @@
-//! What is done with the rows of an element: which values are a point's, a face's, nobody's.
+//! How the rows of an element are read: which values are a point's, a face's, nobody's.
 
-use super::header::{Element, Property, Shape};
+use super::header::{Element, Property, PropertyType};
 use super::names::{
     self, CHUNK, HARMONICS, LISTED_RGB, NORMAL, PACKED_RGB, PLACE, RGB, find, intensity, is_of_splats,
 };
-use super::value::{Type, Values};
+use super::value::{Scalar, Values};
 use crate::column::Number;
 use crate::{Attribute, Projection};
 use std::ops::Range;
 
-/// Values of a row that are kept, in this order; see [`Row`].
+/// Slots of a row's coordinates in [`RowValues::values`].
 pub(super) const SLOT_PLACE: Range<usize> = 0..3;
+/// Slots of a row's color; packed colors take only the first.
 pub(super) const SLOT_RGB: Range<usize> = 3..6;
+/// Slot of a row's intensity.
 pub(super) const SLOT_INTENSITY: usize = 6;
+/// Slots of a row's normal.
 pub(super) const SLOT_NORMAL: Range<usize> = 7..10;
+/// Slot of a row's opacity.
 pub(super) const SLOT_OPACITY: usize = 10;
+/// Slots of a row, as many as the box of a chunk needs.
 pub(super) const NUM_SLOTS: usize = 12;
 
 /// What the rows of an element are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     Points(Kept),
-    /// Polygons, a list of corners each, and their color.
+    /// Polygons, with a list of corners for each, and their color.
     Faces(Color),
-    /// Strips of triangles, which −1 parts.
+    /// Strips of triangles, separated by −1.
     Strips,
     /// Boxes in which 256 points each are packed.
     Chunks,
@@ -47,7 +52,7 @@ pub(super) struct Kept {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Color {
     Absent,
-    /// Integers; the largest that each of red, green, blue can be.
+    /// Integers, with the largest value that each of red, green and blue can have.
     Integers([u16; 3]),
     Floats,
     /// 32 bits: 0xAARRGGBB.
@@ -70,11 +75,11 @@ pub(super) enum Intensity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Opacity {
     Absent,
-    /// As one of the next two, which only all values tell.
+    /// A logit or a part of 1, which only all values together tell.
     Unclear,
-    /// ln(o / (1 − o)).
+    /// The logit of the opacity o: ln(o / (1 − o)).
     Logit,
-    /// As a part of this.
+    /// A part of this number.
     PartOf(u16),
     /// The lowest byte of the color.
     Chunked,
@@ -82,54 +87,54 @@ pub(super) enum Opacity {
 
 /// One property of a row, or several that follow each other and are not kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
-    Keep(Type, usize),
-    /// The same of a value that is wanted as it is stored besides.
-    KeepExtra(Type, usize),
-    /// A value that stands for 32 bits.
-    KeepBits(Type, usize),
-    /// A value that only the file has a name for.
-    Extra(Type),
+enum Use {
+    Keep(Scalar, usize),
+    /// Keeps a value that is also wanted as it is stored.
+    KeepExtra(Scalar, usize),
+    /// Keeps a value that stands for 32 bits.
+    KeepBits(Scalar, usize),
+    /// Keeps a value that only the file has a name for.
+    Extra(Scalar),
     Skip {
         num_values: u64,
         num_bytes: u64,
     },
-    Corners(Type, Type),
-    /// A list of red, green, blue and perhaps alpha.
-    Colors(Type, Type),
-    SkipList(Type, Type),
+    Corners(Scalar, Scalar),
+    /// Keeps a list of red, green, blue and perhaps alpha.
+    Colors(Scalar, Scalar),
+    SkipList(Scalar, Scalar),
 }
 
-impl Step {
-    /// Nothing kept of a value.
-    fn skip(kind: Type) -> Self {
+impl Use {
+    /// Keeps nothing of a value.
+    fn skip(kind: Scalar) -> Self {
         Self::Skip { num_values: 1, num_bytes: kind.num_bytes() }
     }
 }
 
 /// One of the ways in which an element may have colors: what is to be kept of its properties.
-type ColorSteps = (Color, Vec<(usize, Step)>);
+type ColorUses = (Color, Vec<(usize, Use)>);
 
-/// What was kept of a row; used again for the next.
+/// Values that were kept of a row; its buffers are used again for the next row.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
-    /// NaN where a value is unknown.
+pub(super) struct RowValues {
+    /// Values by their slots; NaN where a value is unknown.
     pub values: [f64; NUM_SLOTS],
     pub corners: Vec<f64>,
-    /// Values that only the file has names for, if they are wanted, in their order.
+    /// Wanted values that only the file has names for, in the row's order.
     pub extras: Vec<Number>,
-    /// True if a list of colors is none of red, green, blue and perhaps alpha.
+    /// True if a list of colors has neither 3 nor 4 values.
     pub has_odd_list: bool,
 }
 
-impl Default for Row {
+impl Default for RowValues {
     fn default() -> Self {
         let (corners, extras) = (Vec::new(), Vec::new());
         Self { values: [f64::NAN; NUM_SLOTS], corners, extras, has_odd_list: false }
     }
 }
 
-impl Row {
+impl RowValues {
     /// Three values that belong together.
     pub fn three(&self, slots: Range<usize>) -> [f64; 3] {
         [self.values[slots.start], self.values[slots.start + 1], self.values[slots.start + 2]]
@@ -138,32 +143,32 @@ impl Row {
 
 /// How to read an element.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(super) struct RowReader {
     /// Rows announced.
     pub count: u64,
     pub purpose: Purpose,
     /// Names of a point's properties that nothing is done with unless they are asked for, without those of splats.
     pub extra: Vec<String>,
-    /// All that can be asked for by name, but lists and coordinates: which property, its name, its type.
-    pub scalars: Vec<(usize, String, Type)>,
-    /// Those of them that are kept.
-    pub wanted: Vec<(Attribute, Type)>,
-    /// Properties of a row.
+    /// Properties that can be asked for by name, all except lists and coordinates: their numbers, names and types.
+    pub scalars: Vec<(usize, String, Scalar)>,
+    /// Attributes that are asked for by name, and so are kept.
+    pub wanted: Vec<(Attribute, Scalar)>,
+    /// Number of properties of a row.
     pub num_properties: u64,
-    steps: Vec<Step>,
+    uses: Vec<Use>,
 }
 
-impl Plan {
-    /// For the element that holds the points, with the color that is number `color` of those that it has, or none.
+impl RowReader {
+    /// The reader for the element that holds the points. Number `color` of its colors is kept, if it has as many.
     ///
     /// # Errors
     /// The names of the coordinates that are missing.
     pub fn of_points(element: &Element, color: usize) -> Result<Self, String> {
-        let mut plan = Self::unused(element);
+        let mut reader = Self::unused(element);
         let place = PLACE.map(|name| find(element, name));
         let chunked = place.contains(&None).then(|| find(element, "packed_position")).flatten();
         match chunked {
-            Some((at, kind)) => plan.steps[at] = Step::KeepBits(kind, SLOT_PLACE.start),
+            Some((at, kind)) => reader.uses[at] = Use::KeepBits(kind, SLOT_PLACE.start),
             None => {
                 let missing: Vec<&str> = PLACE
                     .into_iter()
@@ -174,18 +179,18 @@ impl Plan {
                 if !missing.is_empty() {
                     return Err(missing.join(" and no "));
                 }
-                plan.keep_three(SLOT_PLACE, place);
+                reader.keep_three(SLOT_PLACE, place);
             }
         }
         let has = |name| find(element, name).is_some();
         let has_harmonics = HARMONICS.into_iter().all(has);
         let has_shape = ["opacity", "scale_0", "rot_0"].into_iter().all(has);
         let is_splat = chunked.is_some() || has_harmonics || has_shape;
-        let color = plan.keep_color(element, color);
+        let color = reader.keep_color(element, color);
         let opacity = match find(element, "opacity") {
             _ if color == Color::Chunked => Opacity::Chunked,
             Some((at, kind)) if kind.is_float() || kind.num_bytes() <= 2 => {
-                plan.steps[at] = Step::Keep(kind, SLOT_OPACITY);
+                reader.uses[at] = Use::Keep(kind, SLOT_OPACITY);
                 match kind.num_bytes() {
                     _ if kind.is_float() => {
                         if has_harmonics {
@@ -203,58 +208,58 @@ impl Plan {
         let intensity = match intensity(element) {
             None => Intensity::Absent,
             Some((at, kind)) => {
-                plan.steps[at] = Step::Keep(kind, SLOT_INTENSITY);
+                reader.uses[at] = Use::Keep(kind, SLOT_INTENSITY);
                 if kind.is_float() { Intensity::Floats } else { Intensity::Integers }
             }
         };
-        // Splats have zeros there.
-        let normal = !is_splat && plan.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
+        // Splats have zeros for normals.
+        let normal = !is_splat && reader.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
         let chunked = chunked.is_some();
-        plan.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
-        for (at, Property { name, shape }) in element.properties.iter().enumerate() {
-            let is_unused = matches!(plan.steps[at], Step::Skip { .. } | Step::SkipList(..));
+        reader.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
+        for (at, Property { name, kind }) in element.properties.iter().enumerate() {
+            let is_unused = matches!(reader.uses[at], Use::Skip { .. } | Use::SkipList(..));
             if is_unused && !(is_splat && is_of_splats(name)) {
-                plan.extra.push(name.clone());
+                reader.extra.push(name.clone());
             }
-            // Intensities and colors are spread over what all files have in common; their own values are to be had too.
-            let is_spread = matches!(plan.steps[at], Step::Keep(_, slot) if !SLOT_PLACE.contains(&slot));
-            if let (true, Shape::Value(kind)) = (is_unused || is_spread, *shape) {
-                plan.scalars.push((at, name.clone(), kind));
+            // Values kept in slots are spread over a range common to all files; the stored values can be asked for too.
+            let is_spread = matches!(reader.uses[at], Use::Keep(_, slot) if !SLOT_PLACE.contains(&slot));
+            if let (true, PropertyType::Value(scalar)) = (is_unused || is_spread, *kind) {
+                reader.scalars.push((at, name.clone(), scalar));
             }
         }
-        Ok(plan)
+        Ok(reader)
     }
 
-    /// For any other element. Faces' colors matter only where points have none.
+    /// The reader for any other element. Colors of faces matter only where points have none.
     pub fn of_others(element: &Element, points_have_color: bool) -> Self {
-        let mut plan = Self::unused(element);
+        let mut reader = Self::unused(element);
         match element.name.to_ascii_lowercase().as_str() {
-            "face" | "faces" if plan.keep_corners(element) => {
-                let color = if points_have_color { Color::Absent } else { plan.keep_color(element, 0) };
-                plan.purpose = Purpose::Faces(color);
+            "face" | "faces" if reader.keep_corners(element) => {
+                let color = if points_have_color { Color::Absent } else { reader.keep_color(element, 0) };
+                reader.purpose = Purpose::Faces(color);
             }
-            "tristrips" if plan.keep_corners(element) => plan.purpose = Purpose::Strips,
+            "tristrips" if reader.keep_corners(element) => reader.purpose = Purpose::Strips,
             "chunk" => {
-                plan.purpose = Purpose::Chunks;
+                reader.purpose = Purpose::Chunks;
                 for (slot, name) in CHUNK.into_iter().enumerate() {
                     if let Some((at, kind)) = find(element, name) {
-                        plan.steps[at] = Step::Keep(kind, slot);
+                        reader.uses[at] = Use::Keep(kind, slot);
                     }
                 }
             }
             _ => {}
         }
-        plan.join_skips();
-        plan
+        reader.join_skips();
+        reader
     }
 
     fn unused(element: &Element) -> Self {
-        let step = |property: &Property| match property.shape {
-            Shape::Value(kind) => Step::skip(kind),
-            Shape::List(count, item) => Step::SkipList(count, item),
+        let usage = |property: &Property| match property.kind {
+            PropertyType::Value(kind) => Use::skip(kind),
+            PropertyType::List(count, item) => Use::SkipList(count, item),
         };
-        let steps: Vec<Step> = element.properties.iter().map(step).collect();
-        let num_properties = steps.len() as u64;
+        let uses: Vec<Use> = element.properties.iter().map(usage).collect();
+        let num_properties = uses.len() as u64;
         Self {
             count: element.count,
             purpose: Purpose::Unused,
@@ -262,42 +267,41 @@ impl Plan {
             scalars: Vec::new(),
             wanted: Vec::new(),
             num_properties,
-            steps,
+            uses,
         }
     }
 
     /// Keeps three values if all are there.
-    fn keep_three(&mut self, slots: Range<usize>, found: [Option<(usize, Type)>; 3]) -> bool {
+    fn keep_three(&mut self, slots: Range<usize>, found: [Option<(usize, Scalar)>; 3]) -> bool {
         let [Some(a), Some(b), Some(c)] = found else { return false };
         for (slot, (at, kind)) in slots.zip([a, b, c]) {
-            self.steps[at] = Step::Keep(kind, slot);
+            self.uses[at] = Use::Keep(kind, slot);
         }
         true
     }
 
-    /// Keeps the color that is number `number` of those that there are.
+    /// Keeps number `number` of the element's colors.
     fn keep_color(&mut self, element: &Element, number: usize) -> Color {
-        let Some((color, steps)) = colors(element).into_iter().nth(number) else { return Color::Absent };
-        steps.into_iter().for_each(|(at, step)| self.steps[at] = step);
+        let Some((color, uses)) = colors(element).into_iter().nth(number) else { return Color::Absent };
+        uses.into_iter().for_each(|(at, usage)| self.uses[at] = usage);
         color
     }
 
     fn keep_corners(&mut self, element: &Element) -> bool {
         let Some(at) = names::corners(element) else { return false };
-        let Step::SkipList(count, item) = self.steps[at] else { return false };
-        self.steps[at] = Step::Corners(count, item);
+        let Use::SkipList(count, item) = self.uses[at] else { return false };
+        self.uses[at] = Use::Corners(count, item);
         true
     }
 
-    /// The same rows, of which only what is wanted is kept: places and opacities always, since they tell which points there
-    /// are.
+    /// The reader that keeps only wanted values, and always places and opacities, which tell which points there are.
     pub fn projected(&self, want: &Projection) -> Self {
-        let mut plan = self.clone();
+        let mut reader = self.clone();
         let has_color = want.wants(&Attribute::Color);
         let (has_intensity, has_normal) = (want.wants(&Attribute::Intensity), want.wants(&Attribute::Normal));
         // An opacity may be packed beside a color.
         let mut keeps_rgb = has_color;
-        match &mut plan.purpose {
+        match &mut reader.purpose {
             Purpose::Points(has) => {
                 keeps_rgb |= has.opacity == Opacity::Chunked;
                 has.color = if has_color { has.color } else { Color::Absent };
@@ -306,44 +310,43 @@ impl Plan {
             }
             Purpose::Faces(color) if !has_color => *color = Color::Absent,
             Purpose::Faces(_) | Purpose::Strips | Purpose::Unused => {}
-            // Their slots have other meanings.
-            Purpose::Chunks => return plan,
+            // The slots of chunks have other meanings.
+            Purpose::Chunks => return reader,
         }
         let is_needed = |slot: usize| match slot {
             SLOT_INTENSITY => has_intensity,
             _ if SLOT_RGB.contains(&slot) => keeps_rgb,
             _ => has_normal || !SLOT_NORMAL.contains(&slot),
         };
-        for step in &mut plan.steps {
-            *step = match *step {
-                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) if !is_needed(slot) => Step::skip(kind),
-                Step::Colors(count, item) if !has_color => Step::SkipList(count, item),
+        for usage in &mut reader.uses {
+            *usage = match *usage {
+                Use::Keep(kind, slot) | Use::KeepBits(kind, slot) if !is_needed(slot) => Use::skip(kind),
+                Use::Colors(count, item) if !has_color => Use::SkipList(count, item),
                 other => other,
             };
         }
         for (at, name, kind) in &self.scalars {
             let attribute = Attribute::Named(name.clone());
-            // Of several of one name, the first counts.
-            if want.wants(&attribute) && !plan.wanted.iter().any(|(other, _)| *other == attribute) {
-                plan.steps[*at] = match plan.steps[*at] {
-                    Step::Keep(kind, slot) => Step::KeepExtra(kind, slot),
-                    _ => Step::Extra(*kind),
+            // The first of several properties of one name counts.
+            if want.wants(&attribute) && !reader.wanted.iter().any(|(other, _)| *other == attribute) {
+                reader.uses[*at] = match reader.uses[*at] {
+                    Use::Keep(kind, slot) => Use::KeepExtra(kind, slot),
+                    _ => Use::Extra(*kind),
                 };
-                plan.wanted.push((attribute, *kind));
+                reader.wanted.push((attribute, *kind));
             }
         }
-        plan.join_skips();
-        plan
+        reader.join_skips();
+        reader
     }
 
-    /// The same rows, of which only that is kept which the grid and the ranges of columns depend on, and colors if that
-    /// is asked for.
+    /// The reader that keeps only what the grid and the ranges of columns depend on, and colors if asked for.
     pub fn for_survey(&self, with_colors: bool) -> Self {
-        let mut plan = self.clone();
-        let has = match plan.purpose {
+        let mut reader = self.clone();
+        let has = match reader.purpose {
             Purpose::Points(has) => Some(has),
             _ => {
-                plan.purpose = Purpose::Unused;
+                reader.purpose = Purpose::Unused;
                 None
             }
         };
@@ -355,40 +358,40 @@ impl Plan {
                 _ => !SLOT_NORMAL.contains(&slot),
             })
         };
-        for step in &mut plan.steps {
-            *step = match *step {
-                Step::Keep(kind, slot) | Step::KeepBits(kind, slot) | Step::KeepExtra(kind, slot)
+        for usage in &mut reader.uses {
+            *usage = match *usage {
+                Use::Keep(kind, slot) | Use::KeepBits(kind, slot) | Use::KeepExtra(kind, slot)
                     if !is_needed(slot) =>
                 {
-                    Step::skip(kind)
+                    Use::skip(kind)
                 }
-                Step::KeepExtra(kind, slot) => Step::Keep(kind, slot),
-                Step::Extra(kind) => Step::skip(kind),
-                Step::Colors(count, item) if !is_needed(SLOT_RGB.start) => Step::SkipList(count, item),
-                Step::Corners(count, item) => Step::SkipList(count, item),
+                Use::KeepExtra(kind, slot) => Use::Keep(kind, slot),
+                Use::Extra(kind) => Use::skip(kind),
+                Use::Colors(count, item) if !is_needed(SLOT_RGB.start) => Use::SkipList(count, item),
+                Use::Corners(count, item) => Use::SkipList(count, item),
                 other => other,
             };
         }
-        plan.join_skips();
-        plan
+        reader.join_skips();
+        reader
     }
 
-    /// The same rows, of which nothing is kept unless they are chunks.
+    /// The reader that keeps nothing unless the rows are chunks.
     pub fn for_chunks(&self) -> Self {
-        let mut plan = self.for_survey(false);
+        let mut reader = self.for_survey(false);
         if self.purpose == Purpose::Chunks {
             return self.clone();
         }
-        plan.purpose = Purpose::Unused;
-        plan
+        reader.purpose = Purpose::Unused;
+        reader
     }
 
-    /// Makes one step of values that follow each other and are not kept.
+    /// Joins values that follow each other and are not kept into one step.
     fn join_skips(&mut self) {
-        self.steps.dedup_by(|later, earlier| match (earlier, later) {
+        self.uses.dedup_by(|later, earlier| match (earlier, later) {
             (
-                Step::Skip { num_values, num_bytes },
-                Step::Skip { num_values: more_values, num_bytes: more_bytes },
+                Use::Skip { num_values, num_bytes },
+                Use::Skip { num_values: more_values, num_bytes: more_bytes },
             ) => {
                 *num_values += *more_values;
                 *num_bytes += *more_bytes;
@@ -398,48 +401,48 @@ impl Plan {
         });
     }
 
-    /// Size of a row in binary files: least, and whether all are of that size.
+    /// Least size of a row in binary files, and whether all rows have that size.
     pub fn row_bytes(&self) -> (u64, bool) {
-        let sizes = self.steps.iter().map(|step| match step {
-            Step::Keep(kind, _) | Step::KeepExtra(kind, _) | Step::KeepBits(kind, _) | Step::Extra(kind) => {
+        let sizes = self.uses.iter().map(|usage| match usage {
+            Use::Keep(kind, _) | Use::KeepExtra(kind, _) | Use::KeepBits(kind, _) | Use::Extra(kind) => {
                 (kind.num_bytes(), true)
             }
-            Step::Skip { num_bytes, .. } => (*num_bytes, true),
-            Step::Corners(count, _) | Step::Colors(count, _) | Step::SkipList(count, _) => {
+            Use::Skip { num_bytes, .. } => (*num_bytes, true),
+            Use::Corners(count, _) | Use::Colors(count, _) | Use::SkipList(count, _) => {
                 (count.num_bytes(), false)
             }
         });
         sizes.fold((0, true), |(sum, all_fixed), (size, fixed)| (sum + size, all_fixed && fixed))
     }
 
-    /// Values of a row in text files, if all have as many.
+    /// Number of values of a row in text files, if all rows have as many.
     pub fn num_words(&self) -> Option<u64> {
         self.row_bytes().1.then_some(self.num_properties)
     }
 
     /// Reads one row; `None` if it is not whole.
     #[inline]
-    pub fn read_row(&self, values: &mut impl Values, row: &mut Row) -> Option<()> {
+    pub fn read_row(&self, values: &mut impl Values, row: &mut RowValues) -> Option<()> {
         row.corners.clear();
         row.extras.clear();
         row.has_odd_list = false;
-        for step in &self.steps {
-            match *step {
-                Step::Keep(kind, slot) => row.values[slot] = values.value(kind)?,
-                Step::KeepExtra(kind, slot) => {
+        for usage in &self.uses {
+            match *usage {
+                Use::Keep(kind, slot) => row.values[slot] = values.value(kind)?,
+                Use::KeepExtra(kind, slot) => {
                     let number = values.number(kind)?;
                     row.values[slot] = number.as_f64();
                     row.extras.push(number);
                 }
-                Step::KeepBits(kind, slot) => row.values[slot] = values.bits(kind)?.into(),
-                Step::Extra(kind) => row.extras.push(values.number(kind)?),
-                Step::Skip { num_values, num_bytes } => values.skip(num_values, num_bytes)?,
-                // `as` saturates: a count below zero is none.
-                Step::SkipList(count, item) => {
+                Use::KeepBits(kind, slot) => row.values[slot] = values.bits(kind)?.into(),
+                Use::Extra(kind) => row.extras.push(values.number(kind)?),
+                Use::Skip { num_values, num_bytes } => values.skip(num_values, num_bytes)?,
+                // `as` saturates, so a count below zero becomes 0.
+                Use::SkipList(count, item) => {
                     let count = values.value(count)? as u64;
                     values.skip(count, count.checked_mul(item.num_bytes())?)?;
                 }
-                Step::Colors(count, item) => {
+                Use::Colors(count, item) => {
                     let count = values.value(count)? as u64;
                     row.has_odd_list = !(3..=4).contains(&count);
                     let num_channels = if row.has_odd_list { 0 } else { 3 };
@@ -450,7 +453,7 @@ impl Plan {
                     let left = count - num_channels as u64;
                     values.skip(left, left.checked_mul(item.num_bytes())?)?;
                 }
-                Step::Corners(count, item) => {
+                Use::Corners(count, item) => {
                     for _ in 0..values.value(count)? as u64 {
                         row.corners.push(values.value(item)?);
                     }
@@ -462,18 +465,18 @@ impl Plan {
 }
 
 /// The ways in which an element has colors, the likeliest first.
-fn colors(element: &Element) -> Vec<ColorSteps> {
+fn colors(element: &Element) -> Vec<ColorUses> {
     let three = |names: [&str; 3]| {
         let [a, b, c] = names.map(|name| find(element, name));
         Some([a?, b?, c?])
     };
-    let keep = |found: [(usize, Type); 3]| {
-        found.into_iter().zip(SLOT_RGB).map(|((at, kind), slot)| (at, Step::Keep(kind, slot))).collect()
+    let keep = |found: [(usize, Scalar); 3]| {
+        found.into_iter().zip(SLOT_RGB).map(|((at, kind), slot)| (at, Use::Keep(kind, slot))).collect()
     };
-    let bits = |(at, kind)| vec![(at, Step::KeepBits(kind, SLOT_RGB.start))];
+    let bits = |(at, kind)| vec![(at, Use::KeepBits(kind, SLOT_RGB.start))];
     let list = LISTED_RGB.iter().find_map(|name| {
-        element.properties.iter().enumerate().find_map(|(at, property)| match property.shape {
-            Shape::List(count, item) if property.name.eq_ignore_ascii_case(name) => Some((at, count, item)),
+        element.properties.iter().enumerate().find_map(|(at, p)| match p.kind {
+            PropertyType::List(count, item) if p.name.eq_ignore_ascii_case(name) => Some((at, count, item)),
             _ => None,
         })
     });
@@ -484,14 +487,14 @@ fn colors(element: &Element) -> Vec<ColorSteps> {
     let rgb = RGB.into_iter().filter_map(three);
     let rgb = rgb.map(|found| (plain(found.map(|(_, kind)| kind)), keep(found)));
     let harmonics = three(HARMONICS).map(|found| (Color::Harmonics, keep(found)));
-    let listed = list.map(|(at, count, item)| (plain([item; 3]), vec![(at, Step::Colors(count, item))]));
+    let listed = list.map(|(at, count, item)| (plain([item; 3]), vec![(at, Use::Colors(count, item))]));
     let packed = packed.map(|found| (Color::Packed, bits(found)));
     chunked.into_iter().chain(rgb).chain(harmonics).chain(listed).chain(packed).collect()
 }
 
-/// Red, green and blue of these types.
-fn plain(kinds: [Type; 3]) -> Color {
-    let largest = |kind: Type| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
+/// How red, green and blue of these types are stored.
+fn plain(kinds: [Scalar; 3]) -> Color {
+    let largest = |kind: Scalar| if kind.num_bytes() == 1 { u16::from(u8::MAX) } else { u16::MAX };
     let any_float = kinds.iter().any(|kind| kind.is_float());
     if any_float { Color::Floats } else { Color::Integers(kinds.map(largest)) }
 }

@@ -1,19 +1,19 @@
-//! Files that were given together and lie so far apart that nobody could see them together.
+//! Finds files that were given together and lie so far apart that nobody could see them together.
 
 use crate::Scan;
 use base::space::Bounds;
 use base::words;
 
-/// Files lie far apart if more than so many edges of the larger are between them.
+/// Files lie far apart if more than this many edges of the larger are between them.
 const FAR: f64 = 20.0;
 
 /// Files that lie together, and the box of their scenes.
-struct Part {
+struct Site {
     files: Vec<usize>,
     bounds: Bounds,
 }
 
-impl Part {
+impl Site {
     fn is_far_from(&self, other: &Self) -> bool {
         self.bounds.gap(&other.bounds) > FAR * self.bounds.edge().max(other.bounds.edge())
     }
@@ -28,42 +28,42 @@ impl Part {
     }
 }
 
-/// The files that lie together and have most points, in order, and a sentence about each other part. `boxes` are those
-/// of the files' scenes.
+/// The files that lie together and have most points, in order, and a sentence about each other site. `boxes` are the
+/// boxes of the files' scenes.
 pub(super) fn larger(scan: &Scan, boxes: &[Bounds]) -> (Vec<usize>, Vec<String>) {
-    let mut parts = parts(boxes);
-    let Some(largest) = (0..parts.len()).rev().max_by_key(|&part| parts[part].num_points(scan)) else {
+    let mut sites = sites(boxes);
+    let Some(largest) = (0..sites.len()).rev().max_by_key(|&site| sites[site].num_points(scan)) else {
         return (Vec::new(), Vec::new());
     };
-    let largest = parts.remove(largest);
-    let sentence = |part: &Part| {
-        let distance = distance(part.bounds.gap(&largest.bounds), scan.unit_m);
-        let (far, near) = (part.name(scan), largest.name(scan));
+    let largest = sites.remove(largest);
+    let sentence = |site: &Site| {
+        let distance = distance(site.bounds.gap(&largest.bounds), scan.unit_m);
+        let (far, near) = (site.name(scan), largest.name(scan));
         format!(
             "{far}: {distance} away from {near}: the view starts at the latter; \
              do all have the same coordinate system?"
         )
     };
-    let warnings = parts.iter().map(sentence).collect();
+    let warnings = sites.iter().map(sentence).collect();
     (largest.files, warnings)
 }
 
-/// Files that are not far from each other, or from files that are not, are one part.
-fn parts(boxes: &[Bounds]) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
+/// Makes one site of files that are not far from each other, directly or by way of other files.
+fn sites(boxes: &[Bounds]) -> Vec<Site> {
+    let mut sites: Vec<Site> = Vec::new();
     for (file, &bounds) in boxes.iter().enumerate() {
-        let mut part = Part { files: vec![file], bounds };
-        // What has grown may be near to what its parts were far from.
-        while let Some(near) = parts.iter().position(|other| !part.is_far_from(other)) {
-            let near = parts.remove(near);
-            part.files.extend(near.files);
-            part.bounds = part.bounds.union(near.bounds);
+        let mut site = Site { files: vec![file], bounds };
+        // A site that has grown may be near to sites that it was far from.
+        while let Some(near) = sites.iter().position(|other| !site.is_far_from(other)) {
+            let near = sites.remove(near);
+            site.files.extend(near.files);
+            site.bounds = site.bounds.union(near.bounds);
         }
-        part.files.sort_unstable();
-        parts.push(part);
+        site.files.sort_unstable();
+        sites.push(site);
     }
-    parts.sort_by_key(|part| part.files[0]);
-    parts
+    sites.sort_by_key(|site| site.files[0]);
+    sites
 }
 
 /// A length for people.
@@ -87,18 +87,18 @@ mod tests {
     }
 
     fn files(boxes: &[Bounds]) -> Vec<Vec<usize>> {
-        parts(boxes).into_iter().map(|part| part.files).collect()
+        sites(boxes).into_iter().map(|site| site.files).collect()
     }
 
     #[test]
-    fn what_is_far_from_all_is_another_part() {
+    fn what_is_far_from_all_is_another_site() {
         assert_eq!(files(&[cube(0.0, 20.0), cube(5e5, 20.0), cube(30.0, 20.0)]), [vec![0, 2], vec![1]]);
         // Two buildings are no mistake, and neither is a small object beside a large one.
         assert_eq!(files(&[cube(0.0, 20.0), cube(200.0, 20.0)]), [[0, 1]]);
         assert_eq!(files(&[cube(0.0, 0.0), cube(200.0, 20.0)]), [[0, 1]]);
-        // From where both were seen, each would be a speck.
+        // Each would be a speck from where both are seen.
         assert_eq!(files(&[cube(0.0, 20.0), cube(700.0, 20.0)]), [[0], [1]]);
-        // A row of tiles, far apart only until those between have come.
+        // The tiles of a row are far apart only until those between have come.
         let row: Vec<Bounds> = [0, 30, 20, 10].map(|at| cube(f64::from(at), 0.9)).into();
         assert_eq!(files(&row), [[0, 1, 2, 3]]);
         assert_eq!(files(&[cube(3.0, 0.0), cube(3.0, 0.0)]), [[0, 1]]);
