@@ -3,8 +3,7 @@
 fn count_point() {}
 fn count_once(is_drawn: bool) {}
 fn count_ask() {}
-fn take_asked() -> bool {
-    return false;
-}
+fn count_share(splat: u32) {}
+fn count_waiting(num_splats: u32) {}
 fn count_look() {}
 fn count_color() {}

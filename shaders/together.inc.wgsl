@@ -6,13 +6,11 @@
 const TEAM: u32 = 32u;
 /// Is added to the coordinates of a splat's pixel, which may lie left of the image or above it, to make them positive.
 const BEFORE_PX: i32 = i32(MAX_FILL_RADIUS);
-/// Flag of a waiting splat: one of its pixels was asked for.
-const WAITING_ASKED: u32 = 0x80000000u;
 /// The place of y in a waiting splat's pixel.
 const WAITING_Y_SHIFT: u32 = 16u;
 const WAITING_X_MASK: u32 = (1u << WAITING_Y_SHIFT) - 1u;
 
-/// Splats that wait: their pixel, x | y≪16, plus BEFORE_PX each; depth; id; radius, and WAITING_ASKED.
+/// Splats that wait: their pixel, x | y≪16, plus BEFORE_PX each; depth; id; radius.
 var<workgroup> waiting_splats: array<vec4<u32>, WORKGROUP_SIZE * POINTS_PER_TURN>;
 var<workgroup> num_waiting_splats: atomic<u32>;
 
@@ -39,7 +37,7 @@ fn put_waiting(eye: u32) {
     let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
     for (var i = this_thread / TEAM; i < num_splats; i += WORKGROUP_SIZE / TEAM) {
         let splat = waiting_splats[i];
-        let radius = i32(splat.w & ~WAITING_ASKED);
+        let radius = i32(splat.w);
         let corner = vec2<i32>(vec2<u32>(splat.x & WAITING_X_MASK, splat.x >> WAITING_Y_SHIFT)) - BEFORE_PX - radius;
         let side = 2 * radius + 1;
         let per_side = 1.0 / f32(side);
@@ -53,14 +51,10 @@ fn put_waiting(eye: u32) {
                 put(eye, u32(pixel.y * size.x + pixel.x), bitcast<f32>(splat.y), splat.z);
             }
         }
-        if take_asked() {
-            waiting_splats[i].w = splat.w | WAITING_ASKED;
-        }
+        count_share(i);
     }
     workgroupBarrier();
-    for (var i = this_thread; i < num_splats; i += WORKGROUP_SIZE) {
-        count_once((waiting_splats[i].w & WAITING_ASKED) != 0u);
-    }
+    count_waiting(num_splats);
     if this_thread == 0u {
         atomicStore(&num_waiting_splats, 0u);
     }

@@ -4,16 +4,16 @@ use lab::technique::{LabTechnique, NoSuchMethod};
 use points::Scene;
 use render::gpu::{Atomics, Gpu};
 use render::options::Tier;
-use render::{Look, NoSuchTier, tier};
+use render::{DrawOptions, NoSuchTier, tier};
 
 /// Largest default near clip of a picture, as a share of the scene's longest edge.
 pub const NEAR_SHARE: f64 = 0.02;
 
 /// What frames are drawn with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawOptions {
+pub struct DrawPlan {
     /// What frames are to look like.
-    pub look: Look,
+    pub options: DrawOptions,
     /// Technique by which frames are drawn.
     pub technique: LabTechnique,
     /// What the stages ask of the GPU's atomics.
@@ -35,7 +35,7 @@ pub enum CannotDraw {
     Method(#[from] NoSuchMethod),
 }
 
-impl DrawOptions {
+impl DrawPlan {
     /// The tier of atomics to draw with.
     ///
     /// # Errors
@@ -63,8 +63,8 @@ mod tests {
     #[test]
     fn only_a_near_clip_that_nobody_chose_yields_and_only_to_small_scenes() {
         let near_in = |near_yields, edge: f64| {
-            let (look, technique) = (Look::default(), LabTechnique::default());
-            let options = DrawOptions { look, technique, tier: Tier::Auto, near: 0.05, near_yields };
+            let (options, technique) = (DrawOptions::default(), LabTechnique::default());
+            let options = DrawPlan { options, technique, tier: Tier::Auto, near: 0.05, near_yields };
             let samples = vec![DVec3::ZERO, DVec3::X * edge];
             options.near_in(&Scene { bounds: Bounds::around(&samples), samples })
         };

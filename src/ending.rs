@@ -1,6 +1,7 @@
 //! Why work of several threads ends. A failure of one thread stops the others, so the first failure is the reason,
 //! and failures that follow from it are not.
 
+use crate::failure::Failure;
 use base::task::CancelToken;
 use std::sync::{Mutex, PoisonError};
 
@@ -8,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug)]
 pub struct Ending<'a> {
     stop: &'a CancelToken,
-    reason: Mutex<Option<anyhow::Error>>,
+    reason: Mutex<Option<Failure>>,
 }
 
 impl<'a> Ending<'a> {
@@ -19,14 +20,14 @@ impl<'a> Ending<'a> {
     }
 
     /// Ends the work with this reason, unless there is one already.
-    pub fn fail(&self, error: anyhow::Error) {
+    pub fn fail(&self, error: Failure) {
         // The reason is set before the others are stopped, so that what they then fail with comes second.
         self.fail_later(error);
         self.stop.cancel();
     }
 
     /// Sets the reason as [`Ending::fail`] does, but does not tell the others to stop: somebody is to read it first.
-    pub fn fail_later(&self, error: anyhow::Error) {
+    pub fn fail_later(&self, error: Failure) {
         self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 
@@ -46,7 +47,7 @@ impl<'a> Ending<'a> {
     ///
     /// # Errors
     /// The first failure.
-    pub fn into_result(self) -> anyhow::Result<()> {
+    pub fn into_result(self) -> Result<(), Failure> {
         self.reason.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 }
@@ -74,9 +75,9 @@ mod tests {
                 while !stop.is_cancelled() {
                     std::thread::yield_now();
                 }
-                ending.fail(anyhow::anyhow!("stopped before the end"));
+                ending.fail(Failure::Usage("stopped before the end".into()));
             });
-            scope.spawn(|| ending.fail(anyhow::anyhow!("no display")));
+            scope.spawn(|| ending.fail(Failure::Usage("no display".into())));
         });
         assert_eq!(ending.into_result().unwrap_err().to_string(), "no display");
         assert!(Ending::new(&CancelToken::default()).into_result().is_ok());
@@ -87,9 +88,9 @@ mod tests {
         let stop = CancelToken::default();
         let ending = Ending::new(&stop);
         assert!(!ending.has_failed());
-        ending.fail_later(anyhow::anyhow!("no scan"));
+        ending.fail_later(Failure::Usage("no scan".into()));
         assert!(ending.has_failed() && !stop.is_cancelled());
-        ending.fail(anyhow::anyhow!("and then no display"));
+        ending.fail(Failure::Usage("and then no display".into()));
         assert!(stop.is_cancelled());
         assert_eq!(ending.into_result().unwrap_err().to_string(), "no scan");
     }

@@ -20,6 +20,7 @@ pub mod config;
 pub mod desktop;
 pub mod draw;
 pub mod ending;
+pub mod failure;
 pub mod nodes;
 pub mod offscreen;
 pub mod overview;

@@ -2,7 +2,7 @@
 
 use crate::config::{Config, Setting, choices};
 use crate::desktop::{Label, Selector, Widgets, WindowOptions};
-use crate::draw::DrawOptions;
+use crate::draw::DrawPlan;
 use crate::nodes::{CloudOptions, LodMethod};
 use crate::walk::WalkOptions;
 use crate::walk::governor::GovernorOptions;
@@ -13,7 +13,7 @@ use lab::technique::{DISCS_REACH_PX, LabTechnique};
 use points::ReadOptions;
 use render::layout::Detail;
 use render::options::{Dilate, Precision};
-use render::{Access, Look, NO_REACH_PX, RINGS_REACH_PX};
+use render::{Access, DrawOptions, NO_REACH_PX, RINGS_REACH_PX};
 use serde::Deserialize;
 use xr::XrOptions;
 
@@ -27,7 +27,7 @@ pub struct Plan {
     /// How a scan is kept on the GPU.
     pub cloud: CloudOptions,
     /// What frames are drawn with.
-    pub draw: DrawOptions,
+    pub draw: DrawPlan,
     /// What a headset's runtime is asked for.
     pub headset: XrOptions,
     /// What the simulated headset is like.
@@ -69,8 +69,8 @@ impl Plan {
                 cull_backfaces: lod.cull_backfaces,
                 chunk_limit: u64::from(gpu.chunk_mib) << 20,
             },
-            draw: DrawOptions {
-                look: look(config),
+            draw: DrawPlan {
+                options: options(config),
                 technique: technique(config),
                 tier: gpu.tier,
                 near: frame.near_m,
@@ -112,7 +112,7 @@ impl Plan {
 }
 
 /// What a frame is to look like. A method that is of one quality decides it, so `frame.quality` is read only here.
-fn look(config: &Config) -> Look {
+fn options(config: &Config) -> DrawOptions {
     let Config { gpu, frame, fovea, lod, .. } = config;
     // Discs have sizes of their own and are drawn at these.
     let discs = lod.enabled && lod.method == LodMethod::Spt;
@@ -131,7 +131,7 @@ fn look(config: &Config) -> Look {
     };
     let quality = frame.method.quality().unwrap_or(frame.quality);
     let access = Access { checked: gpu.bounds_checks || Access::default().checked, ..Access::default() };
-    Look { quality, dilate: frame.dilate, background: frame.background, detail, access }
+    DrawOptions { quality, dilate: frame.dilate, background: frame.background, detail, access }
 }
 
 /// Technique by which frames are drawn.
@@ -189,9 +189,9 @@ mod tests {
     fn a_method_of_one_quality_decides_it() {
         for method in Method::ALL {
             for asked in [Quality::Closest, Quality::Hqs] {
-                let look =
-                    plan(|config| (config.frame.method, config.frame.quality) = (method, asked)).draw.look;
-                assert_eq!(look.quality, method.quality().unwrap_or(asked), "{method:?}, {asked:?}");
+                let options =
+                    plan(|config| (config.frame.method, config.frame.quality) = (method, asked)).draw.options;
+                assert_eq!(options.quality, method.quality().unwrap_or(asked), "{method:?}, {asked:?}");
             }
         }
     }

@@ -5,13 +5,13 @@
 
 use crate::desktop::{self, Display};
 use crate::ending::Ending;
+use crate::failure::Failure;
 use crate::nodes::{self, CloudOptions, LodMethod};
 use crate::resolve::Plan;
 use crate::walk::link::{self, WalkEnd};
 use crate::walk::simulated::SimulatedHeadset;
 use crate::walk::start::start;
 use crate::walk::{Loaded, Walk};
-use anyhow::Context;
 use base::output::Output;
 use base::task::{CancelToken, Task};
 use base::words::{self, counted};
@@ -73,7 +73,7 @@ impl ViewOptions {
 /// # Errors
 /// Unreadable scan, no usable GPU, a headset or window that was required and is missing, a frame log that cannot
 /// be begun, a runtime or device that fails.
-pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Result<()> {
+pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(), Failure> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
     let display = open_display(options.window, stop)?;
     if stop.is_cancelled() {
@@ -168,7 +168,7 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> anyhow::Re
 }
 
 /// Opens the display that was wished for, before anything else is opened or read.
-fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display>> {
+fn open_display(wish: Wish, stop: &CancelToken) -> Result<Option<Display>, Failure> {
     if wish == Wish::Off || wish == Wish::Auto && !desktop::is_named() {
         return Ok(None);
     }
@@ -176,7 +176,7 @@ fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display
         Ok(display) => Ok(Some(display)),
         // The user waits no longer for a display that keeps silent.
         Err(_) if stop.is_cancelled() => Ok(None),
-        Err(error) if wish == Wish::On => Err(error).context("--window on"),
+        Err(error) if wish == Wish::On => Err(Failure::Window(error)),
         Err(error) => {
             eprintln!("scanwalk: no window: {error}");
             Ok(None)
@@ -185,11 +185,11 @@ fn open_display(wish: Wish, stop: &CancelToken) -> anyhow::Result<Option<Display
 }
 
 /// Opens the headset that was wished for, and the GPU that it lives on.
-fn open_headset(wish: Wish, plan: &Plan) -> anyhow::Result<(Arc<Gpu>, Box<dyn Headset>)> {
+fn open_headset(wish: Wish, plan: &Plan) -> Result<(Arc<Gpu>, Box<dyn Headset>), Failure> {
     if wish != Wish::Off {
         match xr::open(&plan.headset) {
             Ok((gpu, headset)) => return Ok((gpu, Box::new(headset))),
-            Err(missing) if wish == Wish::On => return Err(missing).context("--headset require"),
+            Err(missing) if wish == Wish::On => return Err(Failure::Headset(missing)),
             Err(missing) => eprintln!("scanwalk: no headset, so a simulated one is used: {missing}"),
         }
     }
@@ -320,11 +320,14 @@ fn stay_flat(error: LoadError, link: &WalkEnd) -> Result<(), LoadError> {
 
 /// Why nothing, or nothing more, of a scan is shown.
 #[derive(Debug, thiserror::Error)]
-enum LoadError {
+pub enum LoadError {
+    /// The scan cannot be read.
     #[error(transparent)]
     Read(#[from] ScanError),
+    /// No cloud comes of the scan.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// The cloud cannot be sent to the GPU.
     #[error(transparent)]
     Upload(#[from] UploadError),
 }

@@ -8,7 +8,7 @@ use base::task::Progress;
 use cloud::Cloud;
 use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::Pixel;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::Gpu;
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
 use std::sync::Arc;
@@ -57,7 +57,7 @@ pub fn make(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], entry: Entry) -> R
 /// The compute frame: one renderer for both eyes, or a renderer for each.
 struct Compute {
     gpu: Arc<Gpu>,
-    look: Look,
+    options: DrawOptions,
     renderers: Vec<(Renderer, Vec<wgpu::Texture>)>,
     frame: u64,
 }
@@ -69,7 +69,7 @@ impl Compute {
             let setup =
                 Setup { sizes_px: sizes_px.to_vec(), color_format: FORMAT, depth_format: None, atomics };
             let technique = plan.technique.open(gpu);
-            let mut renderer = Renderer::with_technique(gpu, setup, plan.look, technique)?;
+            let mut renderer = Renderer::with_technique(gpu, setup, plan.options, technique)?;
             renderer.set_cloud(if plan.layered {
                 CloudBuffers::upload_layered(gpu, &scene.layered, 0, &Progress::hidden())?
             } else {
@@ -82,12 +82,12 @@ impl Compute {
         } else {
             vec![renderer(&[size_px; 2])?]
         };
-        Ok(Self { gpu: Arc::clone(gpu), look: plan.look, renderers, frame: 0 })
+        Ok(Self { gpu: Arc::clone(gpu), options: plan.options, renderers, frame: 0 })
     }
 
-    fn set_look(&mut self, look: Look) -> Result<()> {
+    fn set_options(&mut self, options: DrawOptions) -> Result<()> {
         for (renderer, _) in &mut self.renderers {
-            renderer.set_look(look)?;
+            renderer.set_options(options)?;
         }
         Ok(())
     }
@@ -126,9 +126,9 @@ impl Contestant for Compute {
     }
 
     fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]> {
-        let mut look = self.look;
-        look.detail.forced_planes = 3;
-        self.set_look(look)?;
+        let mut options = self.options;
+        options.detail.forced_planes = 3;
+        self.set_options(options)?;
         self.draw(view)?;
         let mut eyes = Vec::new();
         for (renderer, images) in &self.renderers {
@@ -136,7 +136,7 @@ impl Contestant for Compute {
                 eyes.push(renderer.read_pixels(eye)?);
             }
         }
-        self.set_look(self.look)?;
+        self.set_options(self.options)?;
         eyes.try_into().map_err(|_| anyhow::anyhow!("not two eyes"))
     }
 }

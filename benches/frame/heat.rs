@@ -2,7 +2,7 @@
 
 use lab::technique::{EarlyZLoad, LabTechnique, Method};
 use render::Access;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::Atomics;
 use render::options::{Dilate, Quality};
 use scanwalk::resolve;
@@ -44,8 +44,8 @@ pub struct Plan {
     pub singles: bool,
     /// Tier of atomics; `None`: the GPU's best.
     pub atomics: Option<Atomics>,
-    /// Look of the frame.
-    pub look: Look,
+    /// Draw options of the frame.
+    pub options: DrawOptions,
     /// Technique by which it is drawn.
     pub technique: LabTechnique,
 }
@@ -104,18 +104,18 @@ fn eyes() -> Heat {
 
 /// The tiers of atomics that the GPU has.
 fn tiers() -> Heat {
-    let tier = |look, atomics| Entry::Compute(Plan { atomics: Some(atomics), ..layered(look) });
+    let tier = |options, atomics| Entry::Compute(Plan { atomics: Some(atomics), ..layered(options) });
     let names = [
         ["closest-int64", "closest-int64-minmax", "closest-int32"],
         ["hqs-int64", "hqs-int64-minmax", "hqs-int32"],
     ];
     let (mut entries, mut same, mut ratios) = (vec![], vec![], vec![]);
-    for (names, look) in names.into_iter().zip([closest(), hqs(false)]) {
+    for (names, options) in names.into_iter().zip([closest(), hqs(false)]) {
         let best = names[0];
-        entries.push((best, tier(look, Atomics::Int64)));
+        entries.push((best, tier(options, Atomics::Int64)));
         for (name, atomics) in names.into_iter().zip([Atomics::Int64, Atomics::Int64Minmax, Atomics::Int32]) {
             if name != best {
-                entries.push((name, tier(look, atomics)));
+                entries.push((name, tier(options, atomics)));
                 same.push([name, best]);
                 ratios.push(Ratio { of: name, to: best, parts: &[Geometry, Frame] });
             }
@@ -153,7 +153,7 @@ fn parts() -> Heat {
     // The reach of the kernels stays, or `fill` would have more to do.
     without[0].1.dilate = Dilate::Off;
     without[2].1.detail.fade = false;
-    let entry = |(name, look)| (name, Entry::Compute(layered(look)));
+    let entry = |(name, options)| (name, Entry::Compute(layered(options)));
     let ratios = without.map(|(to, _)| Ratio { of: "whole", to, parts: &[Frame] }).to_vec();
     let entries = [("whole", whole)].into_iter().chain(without).map(entry).collect();
     Heat { name: "parts", alike: vec![], max_points: 16_000_000, entries, same: vec![], ratios }
@@ -163,7 +163,7 @@ fn parts() -> Heat {
 fn access() -> Heat {
     let early_z = |early_z_load| LabTechnique { early_z_load, ..LabTechnique::method(Method::EarlyZ) };
     let [atomic, plain] = [EarlyZLoad::Atomic, EarlyZLoad::Plain].map(early_z);
-    let checks = |checked| Look { access: Access { checked, ..Access::default() }, ..whole() };
+    let checks = |checked| DrawOptions { access: Access { checked, ..Access::default() }, ..whole() };
     let entries = vec![
         ("early-z-atomic-flat", Entry::Compute(Plan { technique: atomic, ..flat(closest()) })),
         ("early-z-plain-flat", Entry::Compute(Plan { technique: plain, ..flat(closest()) })),
@@ -179,34 +179,34 @@ fn access() -> Heat {
     Heat { name: "access", alike: vec![], max_points: 16_000_000, entries, same: pairs, ratios }
 }
 
-fn flat(look: Look) -> Plan {
-    Plan { layered: false, singles: false, atomics: None, look, technique: LabTechnique::default() }
+fn flat(options: DrawOptions) -> Plan {
+    Plan { layered: false, singles: false, atomics: None, options, technique: LabTechnique::default() }
 }
 
-fn layered(look: Look) -> Plan {
-    Plan { layered: true, ..flat(look) }
+fn layered(options: DrawOptions) -> Plan {
+    Plan { layered: true, ..flat(options) }
 }
 
-/// Look of the nearest point, nothing filled.
-fn closest() -> Look {
-    Look { quality: Quality::Closest, ..hqs(false) }
+/// Draw options for the nearest point, nothing filled.
+fn closest() -> DrawOptions {
+    DrawOptions { quality: Quality::Closest, ..hqs(false) }
 }
 
-/// Look of high-quality shading, nothing filled.
-fn hqs(fade: bool) -> Look {
-    let mut look = Look { quality: Quality::Hqs, dilate: Dilate::Off, ..no_fill() };
-    look.detail.fade = fade;
-    look
+/// Draw options of high-quality shading, nothing filled.
+fn hqs(fade: bool) -> DrawOptions {
+    let mut options = DrawOptions { quality: Quality::Hqs, dilate: Dilate::Off, ..no_fill() };
+    options.detail.fade = fade;
+    options
 }
 
-/// Look that the program draws with unless told otherwise.
-fn whole() -> Look {
-    resolve::Plan::default().draw.look
+/// Draw options of the program unless told otherwise.
+fn whole() -> DrawOptions {
+    resolve::Plan::default().draw.options
 }
 
 /// That look without `fill`, which makes points larger.
-fn no_fill() -> Look {
-    let mut look = whole();
-    look.detail.fill_reach_px = None;
-    look
+fn no_fill() -> DrawOptions {
+    let mut options = whole();
+    options.detail.fill_reach_px = None;
+    options
 }

@@ -9,7 +9,7 @@ use base::task::Progress;
 use cloud::Cloud;
 use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::depth_of;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::{Gpu, readback};
 use render::options::{Dilate, Precision, Quality, Tier};
 use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
@@ -33,7 +33,7 @@ pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
 pub const CONTESTANTS: [(&str, Make); 9] = [
     ("point-list", |gpu, scene, size_px| Ok(Box::new(Hardware::new(gpu, &scene.cloud, size_px)?))),
-    ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, Look::default())),
+    ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, DrawOptions::default())),
     ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
     ("lod-hqs", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|_| ()))),
     ("lod-hqs-fade", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|c| c.lod.fade = true))),
@@ -46,30 +46,40 @@ pub const CONTESTANTS: [(&str, Make); 9] = [
     ("lod-hqs-fill-rings", |gpu, scene, size_px| {
         layered(gpu, scene, size_px, hqs(&|c| (c.frame.fill, c.frame.dilate) = (true, Dilate::Rings)))
     }),
-    // This is the look that the program draws with unless told otherwise.
+    // The program draws with these options unless told otherwise.
     ("lod-hqs-fade-fill-rings", |gpu, scene, size_px| {
-        layered(gpu, scene, size_px, Plan::default().draw.look)
+        layered(gpu, scene, size_px, Plan::default().draw.options)
     }),
 ];
 
-/// Look of high-quality shading, with what else is switched on.
-fn hqs(switch_on: &dyn Fn(&mut Config)) -> Look {
+/// Draw options of high-quality shading, with what else is switched on.
+fn hqs(switch_on: &dyn Fn(&mut Config)) -> DrawOptions {
     let mut config =
         Config { frame: FrameConfig { background: BACKGROUND, ..Default::default() }, ..Default::default() };
     config.frame.quality = Quality::Hqs;
     (config.frame.dilate, config.frame.fill, config.lod.fade) = (Dilate::Off, false, false);
     switch_on(&mut config);
-    Plan::of(&config).draw.look
+    Plan::of(&config).draw.options
 }
 
-fn flat(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
+fn flat(
+    gpu: &Arc<Gpu>,
+    scene: &Scene,
+    size_px: [u32; 2],
+    options: DrawOptions,
+) -> Result<Box<dyn Contestant>> {
     let cloud = CloudBuffers::upload(gpu, &scene.cloud, 0, &Progress::hidden())?;
-    Ok(Box::new(Compute::new(gpu, cloud, size_px, look)?))
+    Ok(Box::new(Compute::new(gpu, cloud, size_px, options)?))
 }
 
-fn layered(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], look: Look) -> Result<Box<dyn Contestant>> {
+fn layered(
+    gpu: &Arc<Gpu>,
+    scene: &Scene,
+    size_px: [u32; 2],
+    options: DrawOptions,
+) -> Result<Box<dyn Contestant>> {
     let cloud = CloudBuffers::upload_layered(gpu, &scene.octree, 0, &Progress::hidden())?;
-    Ok(Box::new(Compute::new(gpu, cloud, size_px, look)?))
+    Ok(Box::new(Compute::new(gpu, cloud, size_px, options)?))
 }
 
 /// The truth: all points of a denser scan of the same place, at full precision, 4 × 4 samples a pixel.
@@ -104,10 +114,10 @@ struct Compute {
 }
 
 impl Compute {
-    fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], look: Look) -> Result<Self> {
+    fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], options: DrawOptions) -> Result<Self> {
         let atomics = render::tier(gpu, Tier::Auto)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
-        let mut renderer = Renderer::new(gpu, setup, look)?;
+        let mut renderer = Renderer::new(gpu, setup, options)?;
         renderer.set_cloud(cloud)?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, image: image(gpu, size_px, FORMAT), frame: 0 })
     }

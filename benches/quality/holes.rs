@@ -6,9 +6,9 @@ use base::space::{Eye, Pose, View};
 use glam::DVec3;
 use points::{Grid, Scan, ScanBuilder};
 use render::gpu::{Gpu, readback};
-use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Look, Renderer, Setup};
+use render::{self, CloudBuffers, DrawOptions, EyeImage, IMAGE_USAGES, Renderer, Setup};
 use scanwalk::config;
-use scanwalk::draw::DrawOptions;
+use scanwalk::draw::DrawPlan;
 use scanwalk::resolve::Plan;
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ pub fn sphere(num_points: u64) -> Scan {
 pub fn plan(presets: &[&str], sets: &[String]) -> Result<Plan> {
     let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
     let mut plan = Plan::of(&config::load(&presets, None, sets)?);
-    plan.draw.look.background = EMPTY_RGB;
+    plan.draw.options.background = EMPTY_RGB;
     Ok(plan)
 }
 
@@ -114,15 +114,10 @@ impl Drawer {
     ///
     /// # Errors
     /// If the size does not fit the GPU.
-    pub fn new(
-        gpu: &Arc<Gpu>,
-        cloud: CloudBuffers,
-        options: &DrawOptions,
-        size_px: [u32; 2],
-    ) -> Result<Self> {
+    pub fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, options: &DrawPlan, size_px: [u32; 2]) -> Result<Self> {
         let atomics = options.atomics(gpu)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
-        let mut renderer = Renderer::new(gpu, setup, options.look)?;
+        let mut renderer = Renderer::new(gpu, setup, options.options)?;
         renderer.set_cloud(cloud)?;
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let image = gpu.texture("image", size_px, FORMAT, usage);
@@ -138,8 +133,8 @@ impl Drawer {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn draw(&mut self, look: Look, view: &View, lod_scale: f32) -> Result<Drawn> {
-        self.renderer.set_look(look)?;
+    pub fn draw(&mut self, options: DrawOptions, view: &View, lod_scale: f32) -> Result<Drawn> {
+        self.renderer.set_options(options)?;
         self.renderer.set_lod_scale(lod_scale);
         let color = &self.image.create_view(&wgpu::TextureViewDescriptor::default());
         self.frame += 1;
@@ -159,9 +154,9 @@ impl Drawer {
 }
 
 /// The look with every point drawn.
-pub fn unreduced(mut look: Look) -> Look {
-    look.detail.threshold_px = [1e-3; 3];
-    look
+pub fn unreduced(mut options: DrawOptions) -> DrawOptions {
+    options.detail.threshold_px = [1e-3; 3];
+    options
 }
 
 /// Pixels that are judged, of a ring or of outlines.

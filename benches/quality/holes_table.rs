@@ -10,7 +10,7 @@ use glam::DVec3;
 use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
-use render::{CloudBuffers, Look};
+use render::{CloudBuffers, DrawOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -99,7 +99,7 @@ impl Holes {
                     let buffers = cloud.take().context("no cloud to draw")?;
                     let mut drawer = Drawer::new(gpu, buffers, &plan.draw, view.eyes[0].size_px)?;
                     let names = format!("{name} {},{headset},{preset}", place.name);
-                    self.frames(&mut drawer, (&names, num_points, is_open), plan.draw.look, &view, kept)?;
+                    self.frames(&mut drawer, (&names, num_points, is_open), plan.draw.options, &view, kept)?;
                     cloud = drawer.finish();
                 }
             }
@@ -112,15 +112,15 @@ impl Holes {
         &self,
         drawer: &mut Drawer,
         (names, num_points, is_open): (&str, u64, bool),
-        mut look: Look,
+        mut options: DrawOptions,
         view: &View,
         kept: &mut Kept,
     ) -> Result<()> {
-        let whole = if is_open { Some(drawer.draw(unreduced(look), view, 1.0)?) } else { None };
+        let whole = if is_open { Some(drawer.draw(unreduced(options), view, 1.0)?) } else { None };
         for &smooth in &self.smooth {
-            look.detail.smooth = smooth;
+            options.detail.smooth = smooth;
             for &lod_scale in &self.lod_scale {
-                let drawn = drawer.draw(look, view, lod_scale)?;
+                let drawn = drawer.draw(options, view, lod_scale)?;
                 let holes = holes::holes(view, &drawn, whole.as_ref(), self.outline_px);
                 let names = format!("{names},{smooth},{lod_scale}");
                 kept.row(&names, num_points, &drawn, &holes)?;

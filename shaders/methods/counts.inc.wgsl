@@ -14,6 +14,8 @@ struct Counts {
 
 /// True once the point at hand has asked for a pixel.
 var<private> has_asked: bool;
+/// A bit for each splat that waits for the workgroup: one of its threads has asked for a pixel.
+var<workgroup> asked_splats: array<atomic<u32>, WORKGROUP_SIZE>;
 
 fn bin() -> u32 {
     return this_group % COUNT_BINS;
@@ -36,6 +38,20 @@ fn count_once(is_drawn: bool) {
     has_asked = false;
     if is_drawn {
         atomicAdd(&count_bins[bin()].num_drawn, 1u);
+    }
+}
+
+// Notes whether the current thread has asked for a pixel of a splat that several threads draw.
+fn count_share(splat: u32) {
+    if take_asked() {
+        atomicOr(&asked_splats[splat / 32u], 1u << (splat % 32u));
+    }
+}
+
+// Counts the splats that the workgroup has drawn together. All its threads come here between two barriers.
+fn count_waiting(num_splats: u32) {
+    for (var word = this_thread; 32u * word < num_splats; word += WORKGROUP_SIZE) {
+        atomicAdd(&count_bins[bin()].num_drawn, countOneBits(atomicExchange(&asked_splats[word], 0u)));
     }
 }
 

@@ -1,8 +1,8 @@
 //! `scanwalk bench`: the papers' tables on this machine, as text, CSV or JSON on stdout, and as a page.
 
-use super::exit::Usage;
 use super::report::bench_document;
 use super::{BenchArgs, BenchTable};
+use crate::failure::Failure;
 use crate::resolve::Plan;
 use crate::walk::start::start;
 use base::output::{OutputKind, Outputs};
@@ -17,7 +17,7 @@ use std::io::{self, Write};
 const EYE_HEIGHT_M: f64 = 1.7;
 
 /// Measures, writes the page if one is wanted, prints the results.
-pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> anyhow::Result<()> {
+pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> Result<(), Failure> {
     let tables = match args.table {
         None => vec![Table::Paper2019, Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
         Some(BenchTable::Paper2019) => vec![Table::Paper2019],
@@ -29,7 +29,7 @@ pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Ta
     let known = bench::methods(&tables);
     if let Some(unknown) = args.method.iter().find(|name| !known.contains(&name.as_str())) {
         let known = known.join(", ");
-        return Err(Usage(format!("--method {unknown}: not in these tables, which have: {known}")).into());
+        return Err(Failure::Usage(format!("--method {unknown}: not in these tables, which have: {known}")));
     }
     let options = BenchOptions {
         scan: args.scan.clone(),
@@ -37,20 +37,20 @@ pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Ta
         eyes,
         adapter: plan.adapter.clone(),
         chunk_limit: plan.cloud.chunk_limit,
-        headset_look: Plan::default().draw.look,
+        headset_options: Plan::default().draw.options,
         tables,
         points: args.points.iter().map(|millions| (1e6 * millions).round() as u64).collect(),
         methods: args.method.clone(),
         num_runs: args.runs,
         size_px: args.size,
     };
-    let results = bench::run(&options, task)?;
+    let results = bench::run(&options, task).map_err(Failure::Bench)?;
     if let Some((output, out)) = outputs.take_one(OutputKind::Page).zip(args.out.as_ref()) {
         output.write(bench_document(&results, out).as_bytes())?;
     }
     let mut stdout = io::stdout().lock();
     if args.json {
-        writeln!(stdout, "{}", serde_json::to_string_pretty(&results)?)?;
+        writeln!(stdout, "{}", serde_json::to_string_pretty(&results).map_err(io::Error::from)?)?;
     } else if args.csv {
         print_csv(&mut stdout, &results)?;
     } else {
@@ -66,7 +66,7 @@ fn eyes(scene: &Scene, unit_m: f64) -> [DVec3; 2] {
 }
 
 /// Prints a row a line. Names hold neither commas nor quotes, except those of the papers' GPUs and scans.
-fn print_csv(out: &mut impl Write, results: &BenchResults) -> anyhow::Result<()> {
+fn print_csv(out: &mut impl Write, results: &BenchResults) -> io::Result<()> {
     writeln!(
         out,
         "table,model,method,order,viewpoint,points,points_read,points_drawn,pixels_asked,nodes,nodes_drawn,median_ms,min_ms,max_ms,\

@@ -1,28 +1,30 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
 use super::{
-    Cli, Command, HeadsetChoice, RenderArgs, SynthArgs, Usage, ViewArgs, WindowChoice, bench, doctor, files,
-    report, settings,
+    Cli, Command, HeadsetChoice, InfoArgs, RenderArgs, SynthArgs, ViewArgs, WindowChoice, bench, doctor,
+    files, report, settings,
 };
 use crate::config::{Config, ConfigError, load};
+use crate::failure::Failure;
 use crate::offscreen::{self, PictureFov, PictureOptions};
 use crate::resolve::Plan;
 use crate::view::{self, ViewOptions, Wish};
 use base::output::{OutputKind, Outputs, Partials};
 use base::task::{CancelToken, Task};
 use lab::synth::{self, SynthOptions};
+use std::io::Write;
 
 /// Runs the command that was asked for.
-pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> anyhow::Result<()> {
+pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> Result<(), Failure> {
     let outputs = files::check(cli, partials)?;
     let config = config(cli)?;
     let plan = &Plan::of(&config);
-    plan.draw.technique.check_itself().map_err(|error| Usage(error.to_string()))?;
+    plan.draw.technique.check_itself().map_err(|error| Failure::Usage(error.to_string()))?;
     let task = &Task::in_terminal(stop);
     match &cli.command {
         Command::View(args) => view(args, outputs, plan, stop),
         Command::Render(args) => render(args, outputs, plan, task),
-        Command::Info(args) => points::info::print(&args.scans, args.json, &plan.read, task),
+        Command::Info(args) => info(args, plan, task),
         Command::Synth(args) => synth(args, outputs, task),
         Command::Report(args) => report::run(args, outputs),
         Command::Settings(args) => settings::run(args, &config),
@@ -61,11 +63,11 @@ pub(super) fn config(cli: &Cli) -> Result<Config, ConfigError> {
 }
 
 /// A command that the contract names and nobody has built: wrong usage, said kindly.
-fn not_there_yet(command: &str, instead: &str) -> anyhow::Error {
-    Usage(format!("{command} does not exist yet; {instead}")).into()
+fn not_there_yet(command: &str, instead: &str) -> Failure {
+    Failure::Usage(format!("{command} does not exist yet; {instead}"))
 }
 
-fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) -> anyhow::Result<()> {
+fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) -> Result<(), Failure> {
     let options = ViewOptions {
         scans: args.scans.clone(),
         headset: match args.headset {
@@ -86,7 +88,7 @@ fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) 
     view::run(&options, plan, stop)
 }
 
-fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> anyhow::Result<()> {
+fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> Result<(), Failure> {
     let options = PictureOptions {
         scans: args.scans.clone(),
         out: outputs.take(OutputKind::Picture),
@@ -103,10 +105,15 @@ fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> 
         depth: outputs.take(OutputKind::Depth),
         metrics: outputs.take_one(OutputKind::Metrics),
     };
-    offscreen::run(&options, plan, task)
+    Ok(offscreen::run(&options, plan, task)?)
 }
 
-fn synth(args: &SynthArgs, mut outputs: Outputs, task: &Task) -> anyhow::Result<()> {
+fn info(args: &InfoArgs, plan: &Plan, task: &Task) -> Result<(), Failure> {
+    let text = points::info::text(&args.scans, args.json, &plan.read, task)?;
+    Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+}
+
+fn synth(args: &SynthArgs, mut outputs: Outputs, task: &Task) -> Result<(), Failure> {
     let SynthArgs { kind, points, seed, .. } = *args;
     if let Some(out) = outputs.take_one(OutputKind::Scan) {
         synth::write(&SynthOptions { kind, out, points, seed }, task)?;

@@ -1,6 +1,7 @@
 //! `scanwalk doctor`: what this machine has and lacks, and what to install.
 
 use crate::desktop::{self, Server};
+use crate::failure::Failure;
 use base::task::CancelToken;
 use render::gpu::{Atomics, Gpu};
 use serde::Serialize;
@@ -31,13 +32,13 @@ impl Check {
 
 /// Checks this machine, with the GPU whose name contains `adapter`, and prints the checks: as JSON for programs, else
 /// as lines. A lack that it finds is no failure.
-pub(super) fn run(adapter: &str, json: bool, stop: &CancelToken) -> anyhow::Result<()> {
+pub(super) fn run(adapter: &str, json: bool, stop: &CancelToken) -> Result<(), Failure> {
     let mut checks = gpu(adapter);
     checks.push(display(stop));
     checks.push(headset());
     let mut out = io::stdout().lock();
     if json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&checks)?)?;
+        writeln!(out, "{}", serde_json::to_string_pretty(&checks).map_err(io::Error::from)?)?;
         return Ok(());
     }
     for Check { check, ok, found, advice } in &checks {

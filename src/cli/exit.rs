@@ -1,18 +1,13 @@
 //! How the program ends: errors as one line for people, exit codes, signals; and what it says meanwhile.
 
-use crate::config::ConfigError;
-use anyhow::Error;
-use base::output::{OutputError, Partials};
+use crate::failure::Failure;
+use base::output::Partials;
 use base::task::CancelToken;
-use lab::synth::SynthError;
+use std::error::Error;
 use std::io::{self, Write};
+use std::iter::successors;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
-
-/// The command line asks for something that makes no sense or does not exist: exit code 2.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Usage(pub String);
 
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
@@ -20,36 +15,20 @@ const WRONG_USAGE: u8 = 2;
 const INTERRUPTED: i32 = 130;
 
 /// Prints a failure and chooses the exit code.
-pub(super) fn code(result: Result<(), Error>) -> ExitCode {
-    let Err(error) = result else { return ExitCode::SUCCESS };
-    if is_closed_pipe(&error) {
+pub(super) fn code(result: Result<(), Failure>) -> ExitCode {
+    let Err(failure) = result else { return ExitCode::SUCCESS };
+    if failure.is_closed_pipe() {
         return ExitCode::SUCCESS;
     }
     // The exit code has to do if stderr is gone too.
-    let _ = writeln!(io::stderr(), "scanwalk: {}", one_line(&error));
-    ExitCode::from(if is_usage(&error) { WRONG_USAGE } else { FAILED })
-}
-
-fn is_usage(error: &Error) -> bool {
-    error.chain().any(|cause| {
-        cause.is::<Usage>()
-            || cause.downcast_ref::<ConfigError>().is_some_and(ConfigError::is_usage)
-            || cause.downcast_ref::<OutputError>().is_some_and(OutputError::is_usage)
-            || cause.downcast_ref::<SynthError>().is_some_and(SynthError::is_usage)
-    })
-}
-
-/// The reader of our output has read enough (`scanwalk … | head`): that is no failure.
-fn is_closed_pipe(error: &Error) -> bool {
-    let kind =
-        |cause: &(dyn std::error::Error + 'static)| cause.downcast_ref::<io::Error>().map(io::Error::kind);
-    error.chain().any(|cause| kind(cause) == Some(io::ErrorKind::BrokenPipe))
+    let _ = writeln!(io::stderr(), "scanwalk: {}", one_line(&failure));
+    ExitCode::from(if failure.is_usage() { WRONG_USAGE } else { FAILED })
 }
 
 /// The error and its causes, "what: why: why", without those that the sentence before already quotes.
-fn one_line(error: &Error) -> String {
+fn one_line(error: &dyn Error) -> String {
     let mut line = String::new();
-    for cause in error.chain() {
+    for cause in successors(Some(error), |&error| error.source()) {
         let cause = cause.to_string();
         if line.is_empty() {
             line = cause;
@@ -102,27 +81,17 @@ pub(super) fn start_tracing(verbose: u8) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use anyhow::Context;
 
-    fn failed(source: impl std::error::Error + Send + Sync + 'static) -> Error {
-        Err::<(), _>(source).context("the scan cannot be read").unwrap_err()
-    }
+    /// A step that failed, and why.
+    #[derive(Debug, thiserror::Error)]
+    #[error("{0}")]
+    struct Failed(&'static str, #[source] io::Error);
 
     #[test]
     fn failures_are_one_line() {
-        let error = failed(io::Error::other("line one\n  line two\n")).context("walk");
-        assert_eq!(one_line(&error), "walk: the scan cannot be read: line one line two");
-        let quoted = Err::<(), _>(io::Error::other("bad block")).context("x.laz: bad block").unwrap_err();
+        let error = Failed("the scan cannot be read", io::Error::other("line one\n  line two\n"));
+        assert_eq!(one_line(&error), "the scan cannot be read: line one line two");
+        let quoted = Failed("x.laz: bad block", io::Error::other("bad block"));
         assert_eq!(one_line(&quoted), "x.laz: bad block");
-    }
-
-    #[test]
-    fn exit_codes_follow_the_cause() {
-        let misuse = || failed(Usage("no".into()));
-        let config = || crate::config::load(&[], None, &["frame.x=1".into()]).unwrap_err();
-        assert!(is_usage(&misuse()) && is_usage(&failed(config())));
-        assert!(!is_usage(&failed(io::Error::other("x"))));
-        assert!(is_closed_pipe(&failed(io::Error::from(io::ErrorKind::BrokenPipe))));
-        assert!(!is_closed_pipe(&misuse()));
     }
 }

@@ -1,11 +1,12 @@
 //! What each command reads and writes: all of it is declared here, before the command begins.
 
-use super::{Cli, Command, Usage};
+use super::{Cli, Command};
+use crate::failure::Failure;
 use base::output::{Files, OutputKind, Outputs, Partials};
 use std::path::{Path, PathBuf};
 
 /// Checks the files of the command that was asked for; gives what it may write.
-pub(super) fn check(cli: &Cli, partials: &Partials) -> anyhow::Result<Outputs> {
+pub(super) fn check(cli: &Cli, partials: &Partials) -> Result<Outputs, Failure> {
     let mut files = Files::default();
     if cli.shared.force {
         files.force();
@@ -62,12 +63,14 @@ fn scans(command: &Command) -> &[PathBuf] {
 }
 
 /// Names the files of the eyes: `OUT.png`, or with `stereo` `OUT.left.png` and `OUT.right.png`.
-fn of_eyes(option: &str, path: &Path, stereo: bool) -> Result<Vec<PathBuf>, Usage> {
+fn of_eyes(option: &str, path: &Path, stereo: bool) -> Result<Vec<PathBuf>, Failure> {
     if !stereo {
         return Ok(vec![path.to_path_buf()]);
     }
     if path == Path::new("-") {
-        return Err(Usage(format!("{option} - with --stereo: two do not fit into stdout; name a file")));
+        return Err(Failure::Usage(format!(
+            "{option} - with --stereo: two do not fit into stdout; name a file"
+        )));
     }
     let ending = path.extension().map(|e| format!(".{}", e.display())).unwrap_or_default();
     Ok(["left", "right"].map(|side| path.with_extension(format!("{side}{ending}"))).into())

@@ -19,7 +19,6 @@ mod view;
 pub use args::{
     BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SettingsArgs, SynthArgs,
 };
-pub use exit::Usage;
 pub use render::{Lod, RenderArgs};
 pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
 

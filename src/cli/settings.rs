@@ -1,15 +1,16 @@
 //! `scanwalk settings`: what can be set, what it means, and what it is set to.
 
-use super::{SettingsArgs, Usage};
+use super::SettingsArgs;
 use crate::config::{Audience, Config, Setting, page};
+use crate::failure::Failure;
 use std::io::{self, Write};
 
 /// Prints the settings that were asked for, as `config` has them.
-pub(super) fn run(args: &SettingsArgs, config: &Config) -> anyhow::Result<()> {
+pub(super) fn run(args: &SettingsArgs, config: &Config) -> Result<(), Failure> {
     for word in &args.words {
         if !Setting::all().any(|setting| setting.key.contains(word.as_str())) {
             let nearest = Setting::nearest(word).key;
-            return Err(Usage(format!("there is no setting '{word}'; did you mean '{nearest}'?")).into());
+            return Err(Failure::Usage(format!("there is no setting '{word}'; did you mean '{nearest}'?")));
         }
     }
     let (values, defaults) = (config.to_table(), Config::default().to_table());

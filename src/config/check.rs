@@ -27,6 +27,11 @@ pub(super) fn check(config: &Config) -> Result<(), Problem> {
         let problem = format!("is {ring_deg:?}, but the inner ring must end first");
         return Err(Problem { key: "fovea.ring_deg", problem });
     }
+    let threshold_px = config.lod.threshold_px;
+    if !threshold_px.is_sorted() {
+        let problem = format!("is {threshold_px:?}, but no ring may want more detail than the one inside it");
+        return Err(Problem { key: "lod.threshold_px", problem });
+    }
     let [outwards, inwards, up, down] = config.simulated.fov_deg;
     if outwards + inwards < 1.0 || up + down < 1.0 {
         let problem = "leaves less than a degree to see: outwards + inwards and up + down must be more";

@@ -17,7 +17,7 @@
 //!
 //! ```no_run
 //! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::state::Action>) {}
-//! # fn main() -> anyhow::Result<()> {
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use base::task::CancelToken;
 //! use render::gpu::Gpu;
 //! use scanwalk::{desktop, resolve::Plan, walk::link};

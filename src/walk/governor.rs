@@ -19,7 +19,7 @@ mod ladder;
 pub use ladder::Settings;
 
 use ladder::{NEW_LOAD, Rung, good_rung, ladder, later};
-use render::Look;
+use render::DrawOptions;
 use std::fmt;
 use timing::Phase;
 
@@ -137,8 +137,8 @@ pub struct Governor {
 impl Governor {
     /// A governor at the top of the ladder, which is what `look` asks for.
     #[must_use]
-    pub fn new(options: GovernorOptions, look: &Look) -> Self {
-        Self::at_top(options, ladder(look.quality, true))
+    pub fn new(options: GovernorOptions, draw: &DrawOptions) -> Self {
+        Self::at_top(options, ladder(draw.quality, true))
     }
 
     fn at_top(options: GovernorOptions, ladder: Vec<Rung>) -> Self {

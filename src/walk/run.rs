@@ -10,7 +10,7 @@ use super::screenshot::Screenshots;
 use super::state::{Action, AppState};
 use super::views::Views;
 use super::waiting::Waiting;
-use crate::draw::{CannotDraw, DrawOptions};
+use crate::draw::{CannotDraw, DrawPlan};
 use base::space::{Pose, View};
 use base::task::CancelToken;
 use render::gpu::Gpu;
@@ -53,7 +53,7 @@ pub struct Walk<'a> {
     /// The device that the headset's images live on.
     pub gpu: Arc<Gpu>,
     /// What frames are drawn with.
-    pub draw: DrawOptions,
+    pub draw: DrawPlan,
     /// What the walk goes by.
     pub options: WalkOptions,
     /// The scan, as soon as something of it can be drawn; the loader lets go of the other end when all of it can.
@@ -181,10 +181,10 @@ impl Frames {
             depth_format: headset.depth_format(),
             atomics: walk.draw.atomics(&walk.gpu)?,
         };
-        let governor = Governor::new(walk.options.governor, &walk.draw.look);
+        let governor = Governor::new(walk.options.governor, &walk.draw.options);
         let settings = governor.settings();
         let technique = walk.draw.technique.open(&walk.gpu);
-        let renderer = Renderer::with_technique(&walk.gpu, setup, walk.draw.look, technique)?;
+        let renderer = Renderer::with_technique(&walk.gpu, setup, walk.draw.options, technique)?;
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer));
         let state = AppState::new(walk.options.overlay);
         walk.link.publish(state);

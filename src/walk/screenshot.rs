@@ -3,7 +3,7 @@
 
 use super::link::WalkEnd;
 use super::mirror::{Mirror, copy};
-use crate::offscreen::write_png;
+use crate::offscreen::{PictureError, write_png};
 use base::output::{Output, OutputKind};
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -90,7 +90,7 @@ fn write(
     folder: &Path,
     since_1970: Duration,
     pictures: &[(String, wgpu::Texture)],
-) -> anyhow::Result<PathBuf> {
+) -> Result<PathBuf, PictureError> {
     let stem = folder.join(format!("scanwalk-{}", date_time(since_1970)));
     let path = |stem: &Path, name: &str| PathBuf::from(format!("{}.{name}", stem.display()));
     // A second screenshot within a second must not be written over the first.

@@ -9,7 +9,7 @@ use glam::DVec3;
 use lab::reference::{self, ReferenceCloud};
 use points::{Grid, Scan, ScanBuilder};
 use proptest::prelude::*;
-use render::Look;
+use render::DrawOptions;
 use render::layout::{BATCH_POINTS, COORDINATE_BITS, Detail, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
 use std::ops::Range;
 
@@ -398,8 +398,12 @@ fn all_batches_together_draw_the_whole_cloud() {
     let view = View { eyes, near: 0.05 };
     let num_drawn = |cloud: &Cloud| {
         let detail = Detail { forced_planes: 3, ..Detail::default() };
-        let frame =
-            reference::frame(&ReferenceCloud::flat(cloud), &view, &Look { detail, ..Look::default() }, None);
+        let frame = reference::frame(
+            &ReferenceCloud::flat(cloud),
+            &view,
+            &DrawOptions { detail, ..DrawOptions::default() },
+            None,
+        );
         assert_eq!(frame.points_read(), cloud.num_points);
         let colors = frame.images[0].iter().copied().filter(|&c| c != 0xff00_0000);
         let mut colors: Vec<u32> = colors.collect();

@@ -15,15 +15,21 @@ use render::gpu::readback;
 use render::layout::{Detail, Variant};
 use render::options::{Dilate, Quality};
 use render::shaders::source;
-use render::{CloudBuffers, Look, RINGS_REACH_PX};
+use render::{CloudBuffers, DrawOptions, RINGS_REACH_PX};
 
 fn courtyard(num_points: u64) -> Octree {
     let scan = made_up(SynthKind::Terrestrial, num_points);
     build_octree(&scan, &Progress::hidden()).expect("an octree")
 }
 
-fn draw(octree: &Octree, view: &View, look: Look, atomics: Atomics, technique: LabTechnique) -> Drawn {
-    let mut canvas = Canvas::on(gpu(), &kit::frames::sizes(view), look, atomics, technique);
+fn draw(
+    octree: &Octree,
+    view: &View,
+    options: DrawOptions,
+    atomics: Atomics,
+    technique: LabTechnique,
+) -> Drawn {
+    let mut canvas = Canvas::on(gpu(), &kit::frames::sizes(view), options, atomics, technique);
     let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, 0, &Progress::hidden());
     canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
     canvas.draw(view)
@@ -36,8 +42,8 @@ fn all_ways_to_memory_draw_the_references_picture() {
     let view = stereo(place.eye, place.target, [203, 155]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
-        let look = Look { quality, dilate: Dilate::Rings, detail, ..Look::default() };
-        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &look, None);
+        let options = DrawOptions { quality, dilate: Dilate::Rings, detail, ..DrawOptions::default() };
+        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &options, None);
         assert_ne!(
             want.pixels[0], want.pixels[1],
             "the comparison can fail: the eyes see different pictures"
@@ -54,7 +60,7 @@ fn all_ways_to_memory_draw_the_references_picture() {
                 }
                 let access = Access { checked, together: Some(together) };
                 let technique = LabTechnique { early_z_load, ..LabTechnique::default() };
-                let drawn = draw(&octree, &view, Look { access, ..look }, atomics, technique);
+                let drawn = draw(&octree, &view, DrawOptions { access, ..options }, atomics, technique);
                 assert!(
                     drawn.pixels == want.pixels,
                     "{quality:?} {atomics:?} {technique:?} {access:?}: pixels"
@@ -77,11 +83,12 @@ fn wide_points_are_counted_once_whoever_draws_them() {
     let view = stereo(place.eye, place.target, [303, 255]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     // A method without a look asks for every pixel, in any order.
-    let look = Look { detail, ..Look::default() };
+    let options = DrawOptions { detail, ..DrawOptions::default() };
     let counts = |together| {
         let access = Access { together: Some(together), ..Access::default() };
         let technique = LabTechnique::method(Method::AtomicMin);
-        let (mut canvas, bins) = Canvas::counting(&octree, &view, Look { access, ..look }, technique);
+        let (mut canvas, bins) =
+            Canvas::counting(&octree, &view, DrawOptions { access, ..options }, technique);
         let drawn = canvas.draw(&view);
         assert!(drawn.times.visible_batches > 0);
         let bins = readback::read_buffer(&canvas.gpu, &bins).expect("counts");
@@ -103,9 +110,9 @@ fn plain_looks_lose_no_point_where_points_crowd() {
     let detail = Detail { threshold_px: [0.01; 3], ..Detail::default() };
     for method in [Method::Prefetch, Method::EarlyZ, Method::ReduceEarlyZ] {
         let draw = |early_z_load| {
-            let look = Look { detail, ..Look::default() };
+            let options = DrawOptions { detail, ..DrawOptions::default() };
             let technique = LabTechnique { early_z_load, ..LabTechnique::method(method) };
-            draw(&octree, &view, look, gpu().atomics(), technique).keys
+            draw(&octree, &view, options, gpu().atomics(), technique).keys
         };
         let atomic = draw(EarlyZLoad::Atomic);
         for _ in 0..3 {

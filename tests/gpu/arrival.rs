@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use kit::frames::{Canvas, gpu, random_points, scan_of, stereo};
 use lab::technique::LabTechnique;
 use points::Scan;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::{Gpu, readback};
 use render::options::Quality;
 use render::{CloudBuffers, CloudUpload, EyeImage};
@@ -54,8 +54,8 @@ fn allocations(gpu: &Gpu) -> Vec<(String, u64, u64)> {
 }
 
 /// The look that headsets draw with.
-fn look(quality: Quality) -> Look {
-    Look { quality, ..Plan::default().draw.look }
+fn options(quality: Quality) -> DrawOptions {
+    DrawOptions { quality, ..Plan::default().draw.options }
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
         let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
         let sizes = kit::frames::sizes(&view);
         let mut canvas =
-            Canvas::on(Arc::clone(&gpu), &sizes, look(quality), gpu.atomics(), LabTechnique::default());
+            Canvas::on(Arc::clone(&gpu), &sizes, options(quality), gpu.atomics(), LabTechnique::default());
         canvas.renderer.set_cloud(one).expect("room");
         canvas.draw(&view);
         // This frame waits to be submitted, so what it uses cannot be freed and made anew unseen.
@@ -85,7 +85,7 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
         let one = canvas.renderer.set_cloud(other).expect("room").expect("the one before");
         assert_eq!(allocations(&gpu), before, "{quality:?}");
         // The count can fail: another background makes buffers.
-        canvas.renderer.set_look(Look { background: [9, 9, 9], ..look(quality) }).expect("room");
+        canvas.renderer.set_options(DrawOptions { background: [9, 9, 9], ..options(quality) }).expect("room");
         assert!(allocations(&gpu).len() > before.len());
         drop((one, encoder));
     }
@@ -101,7 +101,7 @@ fn what_has_come_is_drawn() {
     let center = scan.bounds().center();
     let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
     // All nodes are large enough.
-    let mut fine = look(Quality::Hqs);
+    let mut fine = options(Quality::Hqs);
     fine.detail.threshold_px = [1.0; 3];
     let silent = Progress::hidden();
     let device = gpu();

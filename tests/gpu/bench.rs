@@ -20,7 +20,7 @@ fn measure_some(table: Table, points: u64, methods: &[&str]) -> BenchResults {
         eyes: |_, _| unreachable!("no scan of a user's"),
         adapter: String::new(),
         chunk_limit: 0,
-        headset_look: Plan::default().draw.look,
+        headset_options: Plan::default().draw.options,
         tables: vec![table],
         points: vec![points],
         methods: methods.iter().map(|&name| name.into()).collect(),

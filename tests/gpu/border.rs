@@ -11,7 +11,7 @@ use lab::reference::resolve::Pixel;
 use render::gpu::Atomics;
 use render::layout::{Detail, DilateUniform, GUARD_PX, ViewUniform};
 use render::options::{Dilate, Quality};
-use render::{Look, RINGS_REACH_PX};
+use render::{DrawOptions, RINGS_REACH_PX};
 
 /// Pixels per unit of tangent: a power of two, so that an edge's tangent is exact.
 const PX_PER_TANGENT: f64 = 64.0;
@@ -75,7 +75,7 @@ fn room() -> Octree {
     build_octree(&scan_of(&xyz, 0.001, DVec3::ZERO), &Progress::hidden()).expect("an octree")
 }
 
-fn look(quality: Quality, dilate: Dilate, fill: bool) -> Look {
+fn options(quality: Quality, dilate: Dilate, fill: bool) -> DrawOptions {
     let detail = Detail {
         threshold_px: [30.0, 60.0, 90.0],
         fade: true,
@@ -83,11 +83,11 @@ fn look(quality: Quality, dilate: Dilate, fill: bool) -> Look {
         fill_reach_px: fill.then_some(if dilate == Dilate::Rings { RINGS_REACH_PX } else { [1.0; 3] }),
         ..Detail::default()
     };
-    Look { quality, dilate, background: [1, 2, 3], detail, ..Look::default() }
+    DrawOptions { quality, dilate, background: [1, 2, 3], detail, ..DrawOptions::default() }
 }
 
-fn draw(octree: &Octree, view: &View, look: Look, tier: Atomics) -> Drawn {
-    Canvas::layered(octree, view, look, tier, 0).draw(view)
+fn draw(octree: &Octree, view: &View, options: DrawOptions, tier: Atomics) -> Drawn {
+    Canvas::layered(octree, view, options, tier, 0).draw(view)
 }
 
 /// A part of the larger picture's pixels.
@@ -106,8 +106,8 @@ fn a_part_of_a_picture_is_that_part_of_the_larger_one() {
     let octree = room();
     for quality in [Quality::Closest, Quality::Hqs] {
         for (dilate, fill) in [(Dilate::Off, true), (Dilate::Rings, false), (Dilate::Rings, true)] {
-            let look = look(quality, dilate, fill);
-            let whole = draw(&octree, &view(None), look, gpu().atomics());
+            let options = options(quality, dilate, fill);
+            let whole = draw(&octree, &view(None), options, gpu().atomics());
             // All parts are drawn where dilation and fill come together; elsewhere a border, a corner, and the
             // middle.
             let is_all = dilate == Dilate::Rings && fill;
@@ -116,7 +116,7 @@ fn a_part_of_a_picture_is_that_part_of_the_larger_one() {
                 // One part is drawn in the other tiers, which draw what the best one does.
                 let is_corner = part.first == [0, 0];
                 for tier in tiers().into_iter().filter(|&tier| is_corner || tier == gpu().atomics()) {
-                    let drawn = draw(&octree, &view(Some(part)), look, tier);
+                    let drawn = draw(&octree, &view(Some(part)), options, tier);
                     for eye in 0..2 {
                         let what =
                             format!("{quality:?}, {dilate:?}, fill {fill}, {part:?}, {tier:?}, eye {eye}");
@@ -137,13 +137,13 @@ fn a_part_of_a_picture_is_that_part_of_the_larger_one() {
 #[test]
 fn an_eye_does_not_depend_on_where_the_others_picture_ends() {
     let octree = room();
-    let look = look(Quality::Hqs, Dilate::Rings, true);
-    let whole = draw(&octree, &view(None), look, gpu().atomics());
+    let options = options(Quality::Hqs, Dilate::Rings, true);
+    let whole = draw(&octree, &view(None), options, gpu().atomics());
     let (left, right) = (PARTS[0], PARTS[8]);
     let eyes = vec![view(Some(left)).eyes[0], view(Some(right)).eyes[1]];
     let both = View { eyes, near: 0.05 };
     assert_ne!(sizes(&both)[0], sizes(&both)[1]);
-    let drawn = draw(&octree, &both, look, gpu().atomics());
+    let drawn = draw(&octree, &both, options, gpu().atomics());
     assert!(drawn.pixels[0] == cut(&whole.pixels[0], left));
     assert!(drawn.pixels[1] == cut(&whole.pixels[1], right));
 }
@@ -152,10 +152,10 @@ fn an_eye_does_not_depend_on_where_the_others_picture_ends() {
 #[test]
 fn without_a_guard_band_the_border_would_differ() {
     let octree = room();
-    let look = look(Quality::Closest, Dilate::Rings, false);
-    let whole = draw(&octree, &view(None), look, gpu().atomics());
+    let options = options(Quality::Closest, Dilate::Rings, false);
+    let whole = draw(&octree, &view(None), options, gpu().atomics());
     let part = PARTS[8];
-    let mut uniform = ViewUniform::new(&view(Some(part)), &octree.cloud.split, &look.detail);
+    let mut uniform = ViewUniform::new(&view(Some(part)), &octree.cloud.split, &options.detail);
     for eye in &mut uniform.eyes {
         eye.first_px = eye.first_px.map(|px| px + GUARD_PX as f32);
         [eye.width, eye.height] = part.size;
@@ -176,11 +176,11 @@ fn without_a_guard_band_the_border_would_differ() {
 #[test]
 fn points_reach_into_the_picture_from_outside() {
     let octree = room();
-    let look = look(Quality::Closest, Dilate::Off, true);
+    let options = options(Quality::Closest, Dilate::Off, true);
     let part = PARTS[8];
     let view = view(Some(part));
-    let drawn = draw(&octree, &view, look, gpu().atomics());
-    let flat = Look { detail: Detail { fill_reach_px: None, ..look.detail }, ..look };
+    let drawn = draw(&octree, &view, options, gpu().atomics());
+    let flat = DrawOptions { detail: Detail { fill_reach_px: None, ..options.detail }, ..options };
     // Each point is in its own pixel in the larger picture.
     let ids = |pixels: &[u64]| -> std::collections::HashSet<u32> {
         pixels.iter().filter(|key| **key != u64::MAX).map(|key| *key as u32 >> 1).collect()

@@ -60,8 +60,8 @@ fn fuzzy_blending_is_high_quality_shading() {
     let place = synth::viewpoints(SynthKind::Terrestrial)[1];
     let view: View = stereo(place.eye, place.target, SIZE_PX);
     let detail = discs();
-    let look = hqs(detail);
-    let frame = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
+    let options = hqs(detail);
+    let frame = Canvas::sequential(&spt, 1.0, &view, options, gpu().atomics(), 0).draw(&view);
 
     let uniform = ViewUniform::new(&view, &spt.cloud.split, &detail);
     let tree = TreeUniform::new(&view, &detail, 1.0, spt.scale.base);

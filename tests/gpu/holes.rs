@@ -62,11 +62,11 @@ fn holes_from(
     let view = left_eye(&first, place.eye, place.target, share);
     let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
     let mut drawer = Drawer::new(&gpu(), cloud, &first.draw, view.eyes[0].size_px).expect("room on the GPU");
-    let mut draw = |look, lod_scale| drawer.draw(look, &view, lod_scale).expect("a frame");
+    let mut draw = |options, lod_scale| drawer.draw(options, &view, lod_scale).expect("a frame");
     // The frame of all points is drawn with the preset itself, whatever is set besides.
-    let whole = is_open.then(|| draw(unreduced(plan(presets, &[]).expect("settings").draw.look), 1.0));
+    let whole = is_open.then(|| draw(unreduced(plan(presets, &[]).expect("settings").draw.options), 1.0));
     let of_frame = |&(set, lod_scale): &(&str, f32)| {
-        let drawn = draw(of(set).draw.look, lod_scale);
+        let drawn = draw(of(set).draw.options, lod_scale);
         holes::holes(&view, &drawn, whole.as_ref(), OUTLINE_PX)
     };
     frames.iter().map(of_frame).collect()
@@ -159,7 +159,7 @@ fn a_hole_is_counted_in_its_ring() {
         Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };
     let with_hole = |at: usize| {
         let mut drawn = whole.clone();
-        drawn.rgb[at] = plan.draw.look.background;
+        drawn.rgb[at] = plan.draw.options.background;
         drawn
     };
     let center = (height / 2 * width + width / 2) as usize;
@@ -180,5 +180,5 @@ fn a_hole_is_counted_in_its_ring() {
         let narrow = holes::holes(&view, &with_hole(at + 1), Some(&drawn), OUTLINE_PX);
         assert_eq!(narrow.outline, Judged { empty: 1, judged: outline });
     }
-    assert!(unreduced(plan.draw.look).detail.threshold_px.iter().all(|&px| px < 1.0));
+    assert!(unreduced(plan.draw.options).detail.threshold_px.iter().all(|&px| px < 1.0));
 }

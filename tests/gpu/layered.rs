@@ -14,7 +14,7 @@ use render::Access;
 use render::gpu::Atomics;
 use render::layout::{DRAWN_WHOLE, Detail, PROTECTED_MASK, VISIBLE_FILL, ViewUniform};
 use render::options::{Dilate, Quality};
-use render::{Look, RINGS_REACH_PX};
+use render::{DrawOptions, RINGS_REACH_PX};
 use std::sync::OnceLock;
 
 /// A made-up courtyard.
@@ -37,8 +37,8 @@ fn inside(size_px: [u32; 2]) -> View {
     stereo(place.eye, place.target, size_px)
 }
 
-fn hqs(detail: Detail) -> Look {
-    Look { quality: Quality::Hqs, background: [1, 2, 3], detail, ..Look::default() }
+fn hqs(detail: Detail) -> DrawOptions {
+    DrawOptions { quality: Quality::Hqs, background: [1, 2, 3], detail, ..DrawOptions::default() }
 }
 
 /// Tiers that this machine's GPU has.
@@ -76,8 +76,8 @@ fn layered_frames_equal_their_reference_in_every_tier() {
         {
             // Points are drawn together, as on a GPU.
             let access = Access { together: Some(true), ..Access::default() };
-            let look = Look { quality, dilate, access, ..hqs(detail) };
-            let want = reference::frame(&scene, &view, &look, None);
+            let options = DrawOptions { quality, dilate, access, ..hqs(detail) };
+            let want = reference::frame(&scene, &view, &options, None);
             let num_visible = want.visible.iter().filter(|batch| batch.is_first_slice()).count();
             assert!(num_visible > 20 && num_visible < scene.batches.len(), "some are culled");
             let is_sliced = num_visible < want.visible.len();
@@ -89,7 +89,7 @@ fn layered_frames_equal_their_reference_in_every_tier() {
                 assert!(want.visible.iter().any(|v| v.flags & VISIBLE_FILL != 0), "some points are large");
             }
             for tier in tiers() {
-                let drawn = Canvas::layered(octree, &view, look, tier, 0).draw(&view);
+                let drawn = Canvas::layered(octree, &view, options, tier, 0).draw(&view);
                 assert_same(&format!("{name}, {quality:?}, {dilate:?}, {tier:?}"), &drawn, &want);
             }
         }
@@ -101,8 +101,8 @@ fn chunks_change_nothing() {
     let (_, octree) = courtyard();
     let view = inside([257, 129]);
     for quality in [Quality::Closest, Quality::Hqs] {
-        let look = Look { quality, ..hqs(Detail { fade: true, ..Detail::default() }) };
-        let draw = |limit| Canvas::layered(octree, &view, look, gpu().atomics(), limit).draw(&view);
+        let options = DrawOptions { quality, ..hqs(Detail { fade: true, ..Detail::default() }) };
+        let draw = |limit| Canvas::layered(octree, &view, options, gpu().atomics(), limit).draw(&view);
         let (whole, cut) = (draw(0), draw(4 * 50_000));
         assert!(whole.pixels == cut.pixels, "{quality:?}");
         assert_eq!(whole.times.points_read, cut.times.points_read);
@@ -117,16 +117,16 @@ fn chunks_change_nothing() {
 fn the_comparison_notices_what_is_wrong() {
     let (_, octree) = courtyard();
     let view = inside([201, 199]);
-    let look = hqs(Detail::default());
-    let drawn = Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view);
+    let options = hqs(Detail::default());
+    let drawn = Canvas::layered(octree, &view, options, gpu().atomics(), 0).draw(&view);
     let mut wrong = octree.clone();
     wrong.filtered_colors.iter_mut().for_each(|c| *c ^= 8);
-    let want = reference::frame(&ReferenceCloud::layered(&wrong), &view, &look, None);
+    let want = reference::frame(&ReferenceCloud::layered(&wrong), &view, &options, None);
     assert!(drawn.states == want.states && drawn.pixels != want.pixels, "filtered colors are looked at");
     let mut wrong = octree.clone();
     wrong.cloud.colors.iter_mut().for_each(|c| *c ^= 8);
     assert!(
-        drawn.pixels != reference::frame(&ReferenceCloud::layered(&wrong), &view, &look, None).pixels,
+        drawn.pixels != reference::frame(&ReferenceCloud::layered(&wrong), &view, &options, None).pixels,
         "and own ones"
     );
     let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..Detail::default() });
@@ -146,19 +146,19 @@ fn a_hundred_thousand_points_in_one_pixel() {
     let flat = build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud");
     let octree = octree_of(&scan);
     assert!(octree.is_crowded());
-    let look = hqs(Detail::default());
+    let options = hqs(Detail::default());
     for tier in tiers() {
-        let drawn = Canvas::layered(&octree, &view, look, tier, 0).draw(&view);
+        let drawn = Canvas::layered(&octree, &view, options, tier, 0).draw(&view);
         assert_same(
             "layered",
             &drawn,
-            &reference::frame(&ReferenceCloud::layered(&octree), &view, &look, None),
+            &reference::frame(&ReferenceCloud::layered(&octree), &view, &options, None),
         );
-        let mut canvas = Canvas::new(&sizes(&view), look, tier);
+        let mut canvas = Canvas::new(&sizes(&view), options, tier);
         let buffers = render::CloudBuffers::upload(&gpu(), &flat, 0, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         let drawn = canvas.draw(&view);
-        let want = reference::frame(&ReferenceCloud::flat(&flat), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::flat(&flat), &view, &options, None);
         assert_same("flat", &drawn, &want);
         let fullest = want.sums[0].iter().max_by_key(|sum| sum[3]).expect("pixels");
         assert!(fullest[3] > 60_000, "{fullest:?}");
@@ -178,13 +178,13 @@ fn a_far_root_is_drawn_thinly() {
     let (_, octree) = courtyard();
     let center = octree.cloud.bounds.center();
     let scene = ReferenceCloud::layered(octree);
-    let look = hqs(Detail::default());
+    let options = hqs(Detail::default());
     for distance in [2_000.0, 20_000.0, 200_000.0] {
         let view = stereo(center - DVec3::Y * distance, center, [128, 128]);
-        let want = reference::frame(&scene, &view, &look, None);
+        let want = reference::frame(&scene, &view, &options, None);
         let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
         assert!(want.states[0] != 0 && (1..1000).contains(&most), "{distance}: {most} points in a pixel");
-        assert_same("far", &Canvas::layered(octree, &view, look, gpu().atomics(), 0).draw(&view), &want);
+        assert_same("far", &Canvas::layered(octree, &view, options, gpu().atomics(), 0).draw(&view), &want);
     }
 }
 
@@ -193,10 +193,10 @@ fn a_far_root_is_drawn_thinly() {
 fn packed_sums_hold() {
     let (_, octree) = courtyard();
     assert!(!octree.is_crowded());
-    let look = hqs(Detail { threshold_px: [50.0; 3], ..Detail::default() });
+    let options = hqs(Detail { threshold_px: [50.0; 3], ..Detail::default() });
     for place in synth::viewpoints(SynthKind::Terrestrial) {
         let view = stereo(place.eye, place.target, [401, 399]);
-        let want = reference::frame(&ReferenceCloud::layered(octree), &view, &look, None);
+        let want = reference::frame(&ReferenceCloud::layered(octree), &view, &options, None);
         let most = want.sums.iter().flatten().map(|sum| sum[3]).max().expect("pixels");
         assert!(most < 500, "{most}");
     }
@@ -271,11 +271,11 @@ fn close_up_nothing_of_the_files_color_is_lost() {
     let mut view = stereo(p, p + DVec3::Y, [64, 64]);
     // The threshold is next to nothing wherever one looks.
     view.near = 1e-3;
-    let look = Look {
+    let options = DrawOptions {
         detail: Detail { threshold_px: [1e-3; 3], forced_planes: 3, ..Detail::default() },
         ..plain(true)
     };
-    let frame = reference::frame(&ReferenceCloud::layered(octree), &view, &look, None);
+    let frame = reference::frame(&ReferenceCloud::layered(octree), &view, &options, None);
     assert!(frame.states.iter().all(|&s| s == DRAWN_WHOLE));
     assert!(frame.visible.iter().all(|v| v.own == [u32::MAX; 2]), "own colors only");
     let of_file: std::collections::HashSet<u32> =
@@ -316,9 +316,9 @@ proptest! {
         let octree = octree_of(&scan);
         let center = octree.cloud.bounds.center();
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
-        let look = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
-        let drawn = Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &look, None);
+        let options = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
+        let drawn = Canvas::layered(&octree, &view, options, gpu().atomics(), 0).draw(&view);
+        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &options, None);
         prop_assert!(drawn.pixels == want.pixels);
     }
 }
@@ -361,8 +361,8 @@ fn close_up_the_surface_is_closed_and_keeps_its_edge() {
     view.eyes[0] = Eye { world_from_view: Pose::look_at(center - DVec3::Y, center, DVec3::Z), ..eye };
     let drawn = |fill_reach_px: Option<[f32; 3]>| {
         let detail = Detail { fill_reach_px, ..Detail::default() };
-        let look = Look { dilate: Dilate::Rings, ..hqs(detail) };
-        Canvas::layered(&octree, &view, look, gpu().atomics(), 0).draw(&view)
+        let options = DrawOptions { dilate: Dilate::Rings, ..hqs(detail) };
+        Canvas::layered(&octree, &view, options, gpu().atomics(), 0).draw(&view)
     };
     // The wall ends at 0.2 m, which is pixel 400 + 0.2 · 400; its edge is a point's half width further.
     let empty = |drawn: &Drawn, columns: std::ops::Range<usize>| {

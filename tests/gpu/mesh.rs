@@ -11,7 +11,7 @@ use lab::reference::{self, Frame, ReferenceCloud};
 use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
 use points::Scan;
-use render::Look;
+use render::DrawOptions;
 use render::options::{Dilate, Quality};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -88,8 +88,8 @@ fn num_batches(frame: &Frame) -> (usize, usize) {
     (num_meshes, frame.visible.len() - num_meshes)
 }
 
-fn closest() -> Look {
-    Look { quality: Quality::Closest, ..hqs(discs()) }
+fn closest() -> DrawOptions {
+    DrawOptions { quality: Quality::Closest, ..hqs(discs()) }
 }
 
 #[test]
@@ -105,12 +105,12 @@ fn frames_equal_their_reference_in_every_tier() {
         for (quality, dilate) in
             [(Quality::Closest, Dilate::Off), (Quality::Hqs, Dilate::Off), (Quality::Hqs, Dilate::Rings)]
         {
-            let look = Look { quality, dilate, ..hqs(discs()) };
-            let want = reference::frame(&scene, &view, &look, None);
+            let options = DrawOptions { quality, dilate, ..hqs(discs()) };
+            let want = reference::frame(&scene, &view, &options, None);
             let (num_meshes, num_discs) = num_batches(&want);
             assert!(num_meshes > 10 && num_discs > 0, "{num_meshes} and {num_discs}");
             for tier in tiers() {
-                let drawn = Canvas::sequential(spt, error_px, &view, look, tier, 0).draw(&view);
+                let drawn = Canvas::sequential(spt, error_px, &view, options, tier, 0).draw(&view);
                 assert_eq!(difference(&drawn, &want), None, "{distance} {quality:?}, {dilate:?}, {tier:?}");
             }
         }
@@ -122,14 +122,14 @@ fn frames_equal_their_reference_in_every_tier() {
 fn the_comparison_notices_what_is_wrong() {
     let spt = ball_and_points();
     let view = view_at(14.0, [201, 199]);
-    let look = hqs(discs());
-    let drawn = Canvas::sequential(spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
+    let options = hqs(discs());
+    let drawn = Canvas::sequential(spt, 1.0, &view, options, gpu().atomics(), 0).draw(&view);
     let triangles = spt.runs.last().expect("a run").batches.clone();
     let first = spt.cloud.batches[triangles.start as usize].first_point as usize;
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &look, None))
+        difference(&drawn, &reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &options, None))
             .is_some()
     };
     let words = |change: fn(u32) -> u32| {
@@ -196,14 +196,14 @@ fn a_wall_of_two_triangles_fills_its_pixels_exactly() {
         ([0.003, 4.0], [0.5217, 0.5497], 5.0),
     ] {
         let spt = wall(x, z, away);
-        for look in [closest(), hqs(discs())] {
-            let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &look, None);
+        for options in [closest(), hqs(discs())] {
+            let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &options, None);
             let rays = rays(x, z, away, size_px);
             assert!(rays.iter().any(|ray| ray.is_finite()), "something is seen");
             assert_eq!(num_wrong(&want, &rays), 0, "{x:?} {z:?} {away}");
             let beside = self::rays(x, [z[0] + 0.1 * away, z[1] + 0.1 * away], away, size_px);
             assert!(away == 3.0 || num_wrong(&want, &beside) > 0, "the measure sees a shift");
-            let drawn = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
+            let drawn = Canvas::sequential(&spt, 1.0, &view, options, gpu().atomics(), 0).draw(&view);
             assert_eq!(difference(&drawn, &want), None);
             let is_plain = |p: &[u32; 2]| p[0] == u32::MAX || p[1] == u32::from_le_bytes([200, 100, 50, 255]);
             assert!(want.pixels[0].iter().all(is_plain), "a mixture of one color is that");
@@ -221,9 +221,9 @@ fn triangles_cross_the_near_plane() {
     let (size_px, height) = ([161, 120], 1.7);
     let eye = OFFSET + DVec3::Z * height;
     let view = mono(eye, eye + DVec3::Y, 1.0, size_px);
-    let look = closest();
-    let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &look, None);
-    let drawn = Canvas::sequential(&spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
+    let options = closest();
+    let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &options, None);
+    let drawn = Canvas::sequential(&spt, 1.0, &view, options, gpu().atomics(), 0).draw(&view);
     assert_eq!(difference(&drawn, &want), None);
     let mut num_floor = 0;
     for v in 0..size_px[1] {
@@ -243,7 +243,7 @@ fn triangles_cross_the_near_plane() {
     }
     assert!(num_floor > 6000, "{num_floor}");
     let behind = mono(eye, eye + DVec3::Z, 1.0, size_px);
-    let away = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &behind, &look, None);
+    let away = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &behind, &options, None);
     assert!(away.pixels[0].iter().all(|pixel| pixel[0] == u32::MAX), "nothing is seen behind");
 }
 
@@ -372,9 +372,9 @@ fn methods_draw_meshes_too() {
         let draw = |method: Method| {
             // Threads that ask each other must all have the same number of pixels.
             let detail = render::layout::Detail { fill_reach_px: None, ..discs() };
-            let look = Look { quality, ..hqs(detail) };
+            let options = DrawOptions { quality, ..hqs(detail) };
             let technique = LabTechnique { method, ..LabTechnique::tree(1.0) };
-            Canvas::sequential_by(technique, spt, &view, look, gpu().atomics(), 0).draw(&view)
+            Canvas::sequential_by(technique, spt, &view, options, gpu().atomics(), 0).draw(&view)
         };
         let reference = draw(Method::Prefetch);
         let of_points = |m: &Method| *m == Method::PointList || m.quality().is_some_and(|q| q != quality);
@@ -418,9 +418,9 @@ fn backs_of_meshes_are_culled() {
     let scan = bumpy_ball(300);
     let (plain, sided) = (spt_of(&scan, false), spt_of(&scan, true));
     let view = view_at(40.0, [400, 400]);
-    let look = hqs(discs());
+    let options = hqs(discs());
     let frames = [&plain, &sided]
-        .map(|spt| reference::frame(&ReferenceCloud::sequential(spt, 1.0), &view, &look, None));
+        .map(|spt| reference::frame(&ReferenceCloud::sequential(spt, 1.0), &view, &options, None));
     let [all, front] = frames.each_ref().map(Frame::points_read);
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");
@@ -434,12 +434,12 @@ fn large_triangles_are_drawn_by_many_workgroups() {
     let view = mono(OFFSET, OFFSET + DVec3::Y, 1.0, [400, 384]);
     for (x, away, least) in [([-50.0, 60.0], 3.0, 9), ([-1.0, 1.0], 2.5, 3), ([-0.05, 0.05], 4.0, 1)] {
         let spt = wall(x, x, away);
-        for look in [closest(), hqs(discs())] {
-            let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &look, None);
+        for options in [closest(), hqs(discs())] {
+            let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &options, None);
             let slices = want.visible.iter().filter(|batch| batch.flags & VISIBLE_TRIANGLES != 0).count();
             assert!(slices >= least && (least > 1 || slices == 1), "{slices} workgroups at {x:?}");
             for tier in tiers() {
-                let drawn = Canvas::sequential(&spt, 1.0, &view, look, tier, 0).draw(&view);
+                let drawn = Canvas::sequential(&spt, 1.0, &view, options, tier, 0).draw(&view);
                 assert_eq!(difference(&drawn, &want), None, "{x:?} {tier:?}");
                 assert_eq!(drawn.times.points_read, want.points_read());
                 let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
@@ -448,10 +448,10 @@ fn large_triangles_are_drawn_by_many_workgroups() {
         }
         // Threads that come to a pixel together draw in slices too.
         let detail = render::layout::Detail { fill_reach_px: None, ..discs() };
-        let look = Look { detail, ..closest() };
+        let options = DrawOptions { detail, ..closest() };
         let [alone, together] = [Method::AtomicMin, Method::Dedup].map(|method| {
             let technique = LabTechnique { method, ..LabTechnique::tree(1.0) };
-            Canvas::sequential_by(technique, &spt, &view, look, gpu().atomics(), 0).draw(&view)
+            Canvas::sequential_by(technique, &spt, &view, options, gpu().atomics(), 0).draw(&view)
         });
         assert!(alone.pixels == together.pixels);
     }

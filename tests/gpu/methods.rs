@@ -9,7 +9,7 @@ use kit::frames::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
 use lab::reference::{clear, fixed40, points};
 use lab::technique::{LabTechnique, Method};
 use render::CloudBuffers;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::{Atomics, Gpu};
 use render::layout::{Detail, REACH_MASK, ViewUniform, VisibleBatch, guarded, without_guard};
 use render::options::{Dilate, Quality};
@@ -27,30 +27,30 @@ fn view() -> View {
     stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), SIZE_PX)
 }
 
-fn look(method: Method, quality: Quality) -> Look {
+fn options(method: Method, quality: Quality) -> DrawOptions {
     let quality = method.quality().unwrap_or(quality);
-    Look { quality, background: [1, 2, 3], ..Look::default() }
+    DrawOptions { quality, background: [1, 2, 3], ..DrawOptions::default() }
 }
 
 fn draw(method: Method, quality: Quality, order: Order) -> Drawn {
     let (view, cloud) = (view(), cloud_of(&scattered(), 0.001, DVec3::ZERO, order));
-    flat(method, &cloud, &view, look(method, quality)).draw(&view)
+    flat(method, &cloud, &view, options(method, quality)).draw(&view)
 }
 
-fn flat(method: Method, cloud: &Cloud, view: &View, look: Look) -> Canvas {
-    Canvas::flat_by(LabTechnique::method(method), cloud, view, look, 0)
+fn flat(method: Method, cloud: &Cloud, view: &View, options: DrawOptions) -> Canvas {
+    Canvas::flat_by(LabTechnique::method(method), cloud, view, options, 0)
 }
 
 fn layered(
     method: Method,
     octree: &Octree,
     view: &View,
-    look: Look,
+    options: DrawOptions,
     atomics: Atomics,
     chunk_limit: u64,
 ) -> Canvas {
     let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| eye.size_px).collect();
-    let mut canvas = Canvas::on(gpu(), &sizes_px, look, atomics, LabTechnique::method(method));
+    let mut canvas = Canvas::on(gpu(), &sizes_px, options, atomics, LabTechnique::method(method));
     let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
     canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
     canvas
@@ -107,9 +107,9 @@ fn methods_draw_the_same_without_subgroups() {
     let (view, cloud) = (view(), cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton));
     let reference = draw(Method::Prefetch, Quality::Closest, Order::Morton);
     for method in [Method::Reduce, Method::ReduceEarlyZ, Method::Dedup] {
-        let look = look(method, Quality::Closest);
+        let options = options(method, Quality::Closest);
         let mut canvas =
-            Canvas::on(gpu.clone(), &[SIZE_PX; 2], look, gpu.atomics(), LabTechnique::method(method));
+            Canvas::on(gpu.clone(), &[SIZE_PX; 2], options, gpu.atomics(), LabTechnique::method(method));
         let buffers = CloudBuffers::upload(&gpu, &cloud, 0, &Progress::hidden()).expect("upload");
         canvas.renderer.set_cloud(buffers).expect("room");
         assert!(same(&canvas.draw(&view), &reference), "{}", method.name());
@@ -135,8 +135,8 @@ fn methods_draw_octrees_too() {
     let detail = Detail { fade: true, threshold_px: [60.0; 3], ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
         let draw = |method| {
-            let look = Look { detail, ..look(method, quality) };
-            layered(method, &octree, &view, look, gpu().atomics(), 0).draw(&view)
+            let options = DrawOptions { detail, ..options(method, quality) };
+            layered(method, &octree, &view, options, gpu().atomics(), 0).draw(&view)
         };
         let reference = draw(Method::Prefetch);
         for method in methods(quality).filter(|&method| method != Method::JustSet) {
@@ -151,8 +151,8 @@ fn methods_of_every_tier_draw_the_same_in_each() {
     let octree = build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden()).unwrap();
     let view = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), [61, 48]);
     let draw = |method, atomics, chunk_limit| {
-        let look = look(method, Quality::Closest);
-        let mut canvas = layered(method, &octree, &larger(&view), look, atomics, chunk_limit);
+        let options = options(method, Quality::Closest);
+        let mut canvas = layered(method, &octree, &larger(&view), options, atomics, chunk_limit);
         canvas.renderer.set_drawn(&[[61, 48]; 2]);
         canvas.draw(&view)
     };
@@ -165,8 +165,8 @@ fn methods_of_every_tier_draw_the_same_in_each() {
         }
     }
     let other = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.6), [61, 48]);
-    let look = look(Method::PointList, Quality::Closest);
-    let mut canvas = layered(Method::PointList, &octree, &larger(&view), look, Atomics::Int32, 0);
+    let options = options(Method::PointList, Quality::Closest);
+    let mut canvas = layered(Method::PointList, &octree, &larger(&view), options, Atomics::Int32, 0);
     canvas.renderer.set_drawn(&[[61, 48]; 2]);
     assert!(!same(&canvas.draw(&other), &reference), "another view is another picture");
 }
@@ -194,8 +194,8 @@ fn fixed40_equals_its_reference() {
             .collect(),
         ..view
     };
-    let look = look(Method::Fixed40, Quality::Closest);
-    let drawn = flat(Method::Fixed40, &cloud, &view, look).draw(&view);
+    let options = options(Method::Fixed40, Quality::Closest);
+    let drawn = flat(Method::Fixed40, &cloud, &view, options).draw(&view);
     let want = reference_depths(&cloud, &view, &drawn.visible);
     let mut num_points = 0;
     for (pixel, &depth40) in drawn.pixels.iter().flatten().zip(want.iter().flatten()) {
@@ -233,9 +233,9 @@ fn fixed40_leaves_a_clear_target_to_the_next_frame() {
     let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);
     let aside = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(0.2, 2.0, 1.5), SIZE_PX);
     for dilate in [Dilate::Off, Dilate::Rings] {
-        let look = Look { dilate, ..look(Method::Fixed40, Quality::Closest) };
-        let fresh = flat(Method::Fixed40, &cloud, &aside, look).draw(&aside);
-        let mut canvas = flat(Method::Fixed40, &cloud, &aside, look);
+        let options = DrawOptions { dilate, ..options(Method::Fixed40, Quality::Closest) };
+        let fresh = flat(Method::Fixed40, &cloud, &aside, options).draw(&aside);
+        let mut canvas = flat(Method::Fixed40, &cloud, &aside, options);
         let other = canvas.draw(&view());
         assert!(!same(&other, &fresh), "the heads look elsewhere");
         assert!(same(&canvas.draw(&aside), &fresh), "{dilate:?}");
@@ -248,10 +248,10 @@ fn fixed40_leaves_a_clear_target_to_the_next_frame() {
 fn what_is_not_seen_can_be_read_for_the_sake_of_measuring() {
     let seen = LabTechnique::method(Method::Basic);
     let all = LabTechnique { keep_unseen: true, ..seen };
-    let look = look(Method::Basic, Quality::Closest);
+    let options = options(Method::Basic, Quality::Closest);
     let aside = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(-6.0, -0.5, 1.5), SIZE_PX);
     let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);
-    let draw = |technique, view: &View| Canvas::flat_by(technique, &cloud, view, look, 0).draw(view);
+    let draw = |technique, view: &View| Canvas::flat_by(technique, &cloud, view, options, 0).draw(view);
     let (culled, whole) = (draw(seen, &aside), draw(all, &aside));
     assert!(same(&culled, &whole));
     assert_eq!(whole.times.points_read, cloud.num_points);

@@ -7,7 +7,7 @@ use cloud::{Cloud, Order};
 use glam::DVec3;
 use kit::frames::{Canvas, cloud_of, gpu, random_points, scan_of, stereo};
 use lab::reference::{self, ReferenceCloud};
-use render::Look;
+use render::DrawOptions;
 use render::gpu::{Atomics, readback};
 use render::layout::{Detail, DilateUniform, EMPTY_DEPTH, GUARD_PX, ViewUniform};
 use render::options::{Dilate, Overlay, Quality};
@@ -69,8 +69,8 @@ fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay:
     Shown { images: images.each_ref().map(read), copies: copies.each_ref().map(read) }
 }
 
-fn look(quality: Quality, dilate: Dilate) -> Look {
-    Look { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..Look::default() }
+fn options(quality: Quality, dilate: Dilate) -> DrawOptions {
+    DrawOptions { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..DrawOptions::default() }
 }
 
 fn flat() -> Cloud {
@@ -127,7 +127,7 @@ fn no_overlay_touches_the_eyes_images() {
     let octree = layered();
     let view = at(&octree.cloud, 12.0);
     for (quality, dilate) in [(Quality::Hqs, Dilate::Rings), (Quality::Closest, Dilate::Off)] {
-        let mut canvas = Canvas::layered(&octree, &view, look(quality, dilate), gpu().atomics(), 0);
+        let mut canvas = Canvas::layered(&octree, &view, options(quality, dilate), gpu().atomics(), 0);
         let plain = show(&mut canvas, &view, Overlay::None);
         assert!(plain.copies == plain.images && plain.images[0] != plain.images[1]);
         for overlay in Overlay::ALL {
@@ -146,7 +146,7 @@ fn no_overlay_touches_the_eyes_images() {
 fn rings_follow_the_rule_of_dilation() {
     let cloud = flat();
     let view = at(&cloud, 40.0);
-    let mut canvas = Canvas::flat(&cloud, &view, look(Quality::Closest, Dilate::Off), 0);
+    let mut canvas = Canvas::flat(&cloud, &view, options(Quality::Closest, Dilate::Off), 0);
     let shown = show(&mut canvas, &view, Overlay::Rings);
     let uniform = ViewUniform::new(&view, &cloud.split, &DETAIL);
     let [width, height] = SIZE_PX.map(|edge| edge as usize);
@@ -178,9 +178,9 @@ fn depth_is_a_ramp_from_near() {
     let cloud = flat();
     let view = at(&cloud, 9.0);
     for dilate in [Dilate::Off, Dilate::Rings] {
-        let look = look(Quality::Closest, dilate);
-        let mut canvas = Canvas::flat(&cloud, &view, look, 0);
-        let pixels = reference::frame(&ReferenceCloud::flat(&cloud), &view, &look, None).pixels;
+        let options = options(Quality::Closest, dilate);
+        let mut canvas = Canvas::flat(&cloud, &view, options, 0);
+        let pixels = reference::frame(&ReferenceCloud::flat(&cloud), &view, &options, None).pixels;
         let shown = show(&mut canvas, &view, Overlay::Depth);
         for (eye, pixels) in pixels.iter().enumerate() {
             let wanted = |i: usize| match pixels[i] {
@@ -201,10 +201,10 @@ fn overdraw_counts_what_a_pixel_blends() {
     let (cloud, octree) = (flat(), layered());
     let view = at(&cloud, 60.0);
     for dilate in [Dilate::Off, Dilate::Rings] {
-        let look = look(Quality::Hqs, dilate);
+        let options = options(Quality::Hqs, dilate);
         let check = |what: &str, scene: &ReferenceCloud, canvas: &mut Canvas| {
             // The canvas has drawn no frame yet, so the reference has none before it.
-            let sums = reference::frame(scene, &view, &look, None).sums;
+            let sums = reference::frame(scene, &view, &options, None).sums;
             let shown = show(canvas, &view, Overlay::Overdraw);
             for (sums, copy) in sums.iter().zip(&shown.copies) {
                 let wanted = |i: usize| match sums[i][3] {
@@ -218,10 +218,10 @@ fn overdraw_counts_what_a_pixel_blends() {
         // The sums are in one word, in one that overflows into four, and in four.
         let tiers = [Atomics::Int64, Atomics::Int32].into_iter().filter(|&tier| tier <= gpu().atomics());
         for tier in tiers {
-            let mut canvas = Canvas::layered(&octree, &view, look, tier, 0);
+            let mut canvas = Canvas::layered(&octree, &view, options, tier, 0);
             check(&format!("layered {tier:?}"), &ReferenceCloud::layered(&octree), &mut canvas);
         }
-        check("flat", &ReferenceCloud::flat(&cloud), &mut Canvas::flat(&cloud, &view, look, 0));
+        check("flat", &ReferenceCloud::flat(&cloud), &mut Canvas::flat(&cloud, &view, options, 0));
     }
 }
 
@@ -268,15 +268,15 @@ fn nodes_are_cubes_in_their_places() {
     // The view is so far away that only the root is drawn.
     let view = at(&octree.cloud, 25.0);
     let detail = Detail { threshold_px: [200.0; 3], ..DETAIL };
-    let look = Look { detail, ..look(Quality::Hqs, Dilate::Off) };
-    let mut canvas = Canvas::layered(&octree, &view, look, gpu().atomics(), 0);
+    let options = DrawOptions { detail, ..options(Quality::Hqs, Dilate::Off) };
+    let mut canvas = Canvas::layered(&octree, &view, options, gpu().atomics(), 0);
     let states = canvas.draw(&view).states;
     assert!(states[0] != 0 && states[1..].iter().all(|&state| state == 0), "only the root is drawn");
     let shown = show(&mut canvas, &view, Overlay::Nodes);
     assert_box(&shown, &view, root.min, DVec3::splat(root.edge), PALETTE[0]);
     // The root's parts are drawn too from nearer, each level in a color of its own.
-    let near = Look { detail: Detail { threshold_px: [20.0; 3], ..DETAIL }, ..look };
-    canvas.renderer.set_look(near).expect("room");
+    let near = DrawOptions { detail: Detail { threshold_px: [20.0; 3], ..DETAIL }, ..options };
+    canvas.renderer.set_options(near).expect("room");
     let nearer = show(&mut canvas, &view, Overlay::Nodes);
     let num_green = |shown: &Shown| {
         let both = shown.copies[0].iter().zip(&shown.images[0]);
@@ -293,8 +293,8 @@ fn precision_is_the_color_of_a_batchs_box() {
     let view = at(&cloud, 25.0);
     for (forced_planes, color) in [(0, PALETTE[0]), (2, PALETTE[1]), (3, PALETTE[2])] {
         let detail = Detail { forced_planes, ..DETAIL };
-        let look = Look { detail, ..look(Quality::Hqs, Dilate::Off) };
-        let shown = show(&mut Canvas::flat(&cloud, &view, look, 0), &view, Overlay::Precision);
+        let options = DrawOptions { detail, ..options(Quality::Hqs, Dilate::Off) };
+        let shown = show(&mut Canvas::flat(&cloud, &view, options, 0), &view, Overlay::Precision);
         assert_box(&shown, &view, batch.min, size, color);
     }
 }
@@ -305,8 +305,8 @@ fn boxes_end_at_the_near_clip() {
     // The view is in the middle of the cloud: every cube's edges pass beside or behind the eyes.
     let view = at(&octree.cloud, 0.01);
     let detail = Detail { threshold_px: [4000.0; 3], ..DETAIL };
-    let look = Look { detail, ..look(Quality::Hqs, Dilate::Rings) };
-    let mut canvas = Canvas::layered(&octree, &view, look, gpu().atomics(), 0);
+    let options = DrawOptions { detail, ..options(Quality::Hqs, Dilate::Rings) };
+    let mut canvas = Canvas::layered(&octree, &view, options, gpu().atomics(), 0);
     let shown = show(&mut canvas, &view, Overlay::Nodes);
     let changed = shown.images[0].iter().zip(&shown.copies[0]).filter(|(a, b)| a != b).count();
     assert!((20..shown.images[0].len() / 8).contains(&changed), "{changed} pixels changed");
@@ -317,7 +317,7 @@ fn boxes_end_at_the_near_clip() {
 fn overlays_follow_the_renderer() {
     let octree = layered();
     let view = at(&octree.cloud, 25.0);
-    let rings = look(Quality::Hqs, Dilate::Rings);
+    let rings = options(Quality::Hqs, Dilate::Rings);
     let mut canvas = Canvas::layered(&octree, &view, rings, gpu().atomics(), 0);
     let mut overlays = Overlays::new(&canvas.renderer);
     let other = scan_of(&random_points(30_000, 10.0, 8), 0.001, DVec3::new(5e5, 4e6, 100.0));
@@ -326,13 +326,14 @@ fn overlays_follow_the_renderer() {
         let buffers = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
         canvas.renderer.set_cloud(buffers).expect("room");
     };
-    let set_look = |canvas: &mut Canvas, look: Look| canvas.renderer.set_look(look).expect("room");
+    let set_options =
+        |canvas: &mut Canvas, options: DrawOptions| canvas.renderer.set_options(options).expect("room");
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Canvas));
     let changes: [Change; 5] = [
         ("nothing", &|_| ()),
         ("the cloud", &|canvas| set_cloud(canvas, &other)),
-        ("no dilation", &|canvas| set_look(canvas, look(Quality::Hqs, Dilate::Off))),
-        ("dilation", &|canvas| set_look(canvas, rings)),
+        ("no dilation", &|canvas| set_options(canvas, options(Quality::Hqs, Dilate::Off))),
+        ("dilation", &|canvas| set_options(canvas, rings)),
         ("the cloud again", &|canvas| set_cloud(canvas, &octree)),
     ];
     let mut before: Option<Vec<Shown>> = None;

@@ -11,7 +11,7 @@ use kit::frames::{Canvas, gpu};
 use lab::synth::{self, SynthKind, Viewpoint};
 use render::layout::Detail;
 use render::options::{Dilate, Quality};
-use render::{Look, RINGS_REACH_PX};
+use render::{DrawOptions, RINGS_REACH_PX};
 
 const SIZE_PX: u32 = 256;
 /// Thresholds at which nodes of this scan come up while they fall.
@@ -45,9 +45,9 @@ fn largest_patch_change(before: &[u32], now: &[u32]) -> f64 {
 }
 
 /// The largest change from one frame to the next while thresholds fall step by step.
-fn largest_pop(octree: &Octree, look: Look) -> f64 {
+fn largest_pop(octree: &Octree, options: DrawOptions) -> f64 {
     let view = view(&synth::viewpoints(SynthKind::Terrestrial)[0]);
-    let mut canvas = Canvas::layered(octree, &view, look, gpu().atomics(), 0);
+    let mut canvas = Canvas::layered(octree, &view, options, gpu().atomics(), 0);
     let mut before = canvas.draw(&view).images.remove(0);
     let mut largest = 0.0;
     for step in 1..=NUM_STEPS {
@@ -64,8 +64,14 @@ fn fading_keeps_patches_from_popping() {
     let octree = courtyard();
     let pop = |fade, dilate, fill_reach_px| {
         let detail = Detail { fade, fill_reach_px, threshold_px: THRESHOLD_PX, ..Detail::default() };
-        let look = Look { quality: Quality::Hqs, dilate, background: [0; 3], detail, ..Look::default() };
-        largest_pop(&octree, look)
+        let options = DrawOptions {
+            quality: Quality::Hqs,
+            dilate,
+            background: [0; 3],
+            detail,
+            ..DrawOptions::default()
+        };
+        largest_pop(&octree, options)
     };
     let [popped, faded] = [false, true].map(|fade| pop(fade, Dilate::Off, None));
     println!("points alone: largest change {popped:.2} without fading, {faded:.2} with");

@@ -8,7 +8,7 @@ use glam::{DVec3, DVec4};
 use kit::frames::{draw, scan_of};
 use lab::reference;
 use points::Scene;
-use render::Look;
+use render::DrawOptions;
 use std::collections::HashMap;
 
 const CORNER: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
@@ -108,7 +108,8 @@ fn nothing_jitters_while_the_head_moves() {
     for step in 0..100 {
         let s = f64::from(step);
         let view = view(DVec3::new(0.000_137 * s, -0.000_071 * s, 0.000_093 * s));
-        let frame = reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &Look::default(), None);
+        let frame =
+            reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &DrawOptions::default(), None);
         let (wrong, seen) = misplaced(&frame.keys[0], &view, &positions, &|i| numbers[i]);
         assert!(seen > 5_000);
         assert_eq!(wrong, 0, "step {step}, of {seen}");
@@ -120,7 +121,8 @@ fn nothing_jitters_while_the_head_moves() {
 fn the_comparison_notices_less_than_half_a_millimetre() {
     let (cloud, positions, numbers) = wall();
     let view = view(DVec3::ZERO);
-    let frame = reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &Look::default(), None);
+    let frame =
+        reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &DrawOptions::default(), None);
     let shifted: Vec<DVec3> = positions.iter().map(|p| *p + DVec3::new(0.0004, 0.0, 0.0004)).collect();
     let (wrong, seen) = misplaced(&frame.keys[0], &view, &shifted, &|i| numbers[i]);
     assert!(wrong > seen / 2, "{wrong} of {seen}");

@@ -16,7 +16,7 @@ use proptest::prelude::*;
 use render::Access;
 use render::layout::{Detail, ViewUniform};
 use render::options::{Dilate, Quality};
-use render::{Look, RINGS_REACH_PX};
+use render::{DrawOptions, RINGS_REACH_PX};
 use std::sync::OnceLock;
 
 /// The point tree of a made-up courtyard.
@@ -41,12 +41,12 @@ fn frames_equal_their_reference_in_every_tier() {
     ] {
         // Points are drawn together, as on a GPU.
         let access = Access { together: Some(true), ..Access::default() };
-        let look = Look { quality, dilate, access, ..hqs(discs()) };
-        let want = reference::frame(&ReferenceCloud::sequential(spt, error_px), &view, &look, None);
+        let options = DrawOptions { quality, dilate, access, ..hqs(discs()) };
+        let want = reference::frame(&ReferenceCloud::sequential(spt, error_px), &view, &options, None);
         let num_batches = spt.cloud.batches.len();
         assert!(want.visible.len() > 10 && want.visible.len() < num_batches, "some are culled");
         for tier in tiers() {
-            let drawn = Canvas::sequential(spt, error_px, &view, look, tier, 0).draw(&view);
+            let drawn = Canvas::sequential(spt, error_px, &view, options, tier, 0).draw(&view);
             assert_eq!(difference(&drawn, &want), None, "{quality:?}, {dilate:?}, {error_px} px, {tier:?}");
         }
     }
@@ -67,12 +67,12 @@ fn chunks_change_nothing() {
 fn the_comparison_notices_what_is_wrong() {
     let spt = courtyard();
     let view = inside([201, 199]);
-    let look = hqs(discs());
-    let drawn = Canvas::sequential(spt, 1.0, &view, look, gpu().atomics(), 0).draw(&view);
+    let options = hqs(discs());
+    let drawn = Canvas::sequential(spt, 1.0, &view, options, gpu().atomics(), 0).draw(&view);
     let differs = |change: &dyn Fn(&mut SequentialCloud)| {
         let mut wrong = spt.clone();
         change(&mut wrong);
-        difference(&drawn, &reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &look, None))
+        difference(&drawn, &reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &options, None))
             .is_some()
     };
     assert!(!differs(&|_| ()));
@@ -97,12 +97,12 @@ fn what_is_culled_would_not_have_been_drawn() {
     let mut saved = 0;
     for place in synth::viewpoints(SynthKind::Terrestrial) {
         let view = stereo(place.eye, place.target, [300, 300]);
-        let look = hqs(discs());
-        let want = reference::frame(&scene, &view, &look, None);
+        let options = hqs(discs());
+        let want = reference::frame(&scene, &view, &options, None);
         // If intervals never end, every batch in the frustum is read, and the points' own test decides.
         let mut open = spt.clone();
         open.intervals.fill([0, 255]);
-        let all = reference::frame(&ReferenceCloud::sequential(&open, 1.0), &view, &look, None);
+        let all = reference::frame(&ReferenceCloud::sequential(&open, 1.0), &view, &options, None);
         assert!(want.pixels == all.pixels);
         saved += all.points_read() - want.points_read();
     }
@@ -175,11 +175,11 @@ fn backs_are_culled_where_normals_have_sides() {
     let from = DVec3::new(9.0, 7.0, 5.0).normalize();
     for (distance, error_px, most) in [(12.5, 0.5, 0.75), (25.0, 0.3, 0.75)] {
         let view = stereo(center - distance * from, center, [300, 300]);
-        let look = hqs(discs());
-        let want = reference::frame(&ReferenceCloud::sequential(&sided, error_px), &view, &look, None);
-        let drawn = Canvas::sequential(&sided, error_px, &view, look, gpu().atomics(), 0).draw(&view);
+        let options = hqs(discs());
+        let want = reference::frame(&ReferenceCloud::sequential(&sided, error_px), &view, &options, None);
+        let drawn = Canvas::sequential(&sided, error_px, &view, options, gpu().atomics(), 0).draw(&view);
         assert_eq!(difference(&drawn, &want), None);
-        let whole = reference::frame(&ReferenceCloud::sequential(&plain, error_px), &view, &look, None);
+        let whole = reference::frame(&ReferenceCloud::sequential(&plain, error_px), &view, &options, None);
         let read = want.points_read() as f64 / whole.points_read() as f64;
         let (others, psnr) = (share_of_others(&whole, &want), psnr_db(&whole, &want));
         println!(
@@ -190,7 +190,7 @@ fn backs_are_culled_where_normals_have_sides() {
         // The measure sees what is missing if the wrong side is culled.
         let mut inverted = sided.clone();
         inverted.runs.iter_mut().filter_map(|run| run.behind.as_mut()).for_each(|cone| cone.axis *= -1.0);
-        let wrong = reference::frame(&ReferenceCloud::sequential(&inverted, error_px), &view, &look, None);
+        let wrong = reference::frame(&ReferenceCloud::sequential(&inverted, error_px), &view, &options, None);
         assert!(share_of_others(&whole, &wrong) > 10.0 * OUTLINE);
     }
 }
@@ -238,12 +238,12 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
     }
     for (number, place) in synth::viewpoints(SynthKind::Photogrammetry).iter().enumerate() {
         let view = stereo(place.eye, place.target, [400, 400]);
-        let look = |detail: Detail| Look { dilate: Dilate::Rings, ..hqs(detail) };
+        let options = |detail: Detail| DrawOptions { dilate: Dilate::Rings, ..hqs(detail) };
         let fine =
             Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
-        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &look(fine), None);
+        let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &options(fine), None);
         let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs() };
-        let got = reference::frame(&scene, &view, &look(detail), None);
+        let got = reference::frame(&scene, &view, &options(detail), None);
         let psnr = psnr_db(&got, &want);
         println!(
             "view {number}: {psnr:.1} dB; empty {:.3} and {:.3}; read {} and {} points",
@@ -254,7 +254,8 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
         );
         assert!(psnr > LEAST_PSNR_DB, "view {number}: {psnr} dB");
         assert!(empty(&got) < empty(&want) + 0.01, "view {number}: holes");
-        let coarse = reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &look(detail), None);
+        let coarse =
+            reference::frame(&ReferenceCloud::sequential(&wrong, 1.0), &view, &options(detail), None);
         let worse = psnr_db(&coarse, &want);
         println!("view {number}: {worse:.1} dB with errors of 8 pixels");
         assert!(worse < LEAST_PSNR_DB, "view {number}: the measure sees no difference: {worse}");
@@ -278,9 +279,9 @@ proptest! {
         prop_assert_eq!(spt.num_points, xyz.len() as u64);
         let center = spt.cloud.bounds.center();
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
-        let look = hqs(discs());
-        let drawn = Canvas::sequential(&spt, error_px, &view, look, gpu().atomics(), 0).draw(&view);
-        let want = reference::frame(&ReferenceCloud::sequential(&spt, error_px), &view, &look, None);
+        let options = hqs(discs());
+        let drawn = Canvas::sequential(&spt, error_px, &view, options, gpu().atomics(), 0).draw(&view);
+        let want = reference::frame(&ReferenceCloud::sequential(&spt, error_px), &view, &options, None);
         prop_assert_eq!(difference(&drawn, &want), None);
     }
 }

@@ -21,7 +21,7 @@ fn seen(fraction: Option<f64>, turned_rad: f64) -> [Vec<[u8; 4]>; 2] {
         depth_format: Some(depth_format),
         atomics: gpu.atomics(),
     };
-    let mut renderer = Renderer::new(&gpu, setup, Plan::default().draw.look).expect("a renderer");
+    let mut renderer = Renderer::new(&gpu, setup, Plan::default().draw.options).expect("a renderer");
     let eye = |x: f64| Eye {
         world_from_view: Pose {
             position: DVec3::new(x, 1.6, 0.0),

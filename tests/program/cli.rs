@@ -145,6 +145,8 @@ fn wrong_usage_exits_2() {
         &["render", "a.laz"],
         &["render", "a.laz", "-o", "a.png", "--size", "0x0"],
         &["render", "a.laz", "-o", "a.png", "--eye", "1,2"],
+        &["render", "a.laz", "-o", "a.png", "--eye", "1,2,3", "--target", "1,2,3"],
+        &["render", "a.laz", "-o", "a.png", "--up", "0,0,0"],
         &["render", "a.laz", "-o", "a.png", "--fov-y", "180"],
         &["render", "a.laz", "-o", "a.png", "--background", "0,0,256"],
         &["synth", "moon", "-o", "a.las"],

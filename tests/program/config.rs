@@ -315,6 +315,11 @@ fn values_out_of_range_are_refused_with_their_place() {
             "walk.toml, line 1: window.size is [0, 9], but each must be from 1 to 16384",
         ),
         (
+            "lod.threshold_px = [300, 200, 100]",
+            "walk.toml, line 1: lod.threshold_px is [300.0, 200.0, 100.0], but no ring may want more detail than the one \
+             inside it",
+        ),
+        (
             "fovea.ring_deg = [30, 20]",
             "walk.toml, line 1: fovea.ring_deg is [30.0, 20.0], but the inner ring must end first",
         ),

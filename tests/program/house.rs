@@ -235,7 +235,7 @@ fn files_are_written_in_one_place() {
         "let file = tempfile::NamedTempFile::new()?;",
         "fs::rename(a, b)",
     ] {
-        assert_eq!(sample("src/offscreen.rs", text), 1, "{text}");
+        assert_eq!(sample("src/offscreen/mod.rs", text), 1, "{text}");
     }
     assert_eq!(sample("crates/base/src/output/write.rs", "fs::rename(a, b)"), 0);
     assert_eq!(sample("src/x.rs", "File::open(path) // not File::create(path)\ntempfile::tempdir()"), 0);

@@ -15,7 +15,7 @@ use lab::reference::resolve::{EMPTY, Pixel};
 use lab::synth::{self, SynthKind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
 use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
-use render::Look;
+use render::DrawOptions;
 use render::layout::{CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
 use std::sync::{Arc, OnceLock};
@@ -77,10 +77,10 @@ pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cl
     build(&scan_of(xyz, scale, offset), order, &Progress::hidden()).expect("a cloud")
 }
 
-/// Look of `closest` quality, one pixel a point, background (1, 2, 3).
-pub fn plain(full_precision: bool) -> Look {
+/// Draw options of `closest` quality, one pixel a point, background (1, 2, 3).
+pub fn plain(full_precision: bool) -> DrawOptions {
     let detail = Detail { forced_planes: if full_precision { 3 } else { 0 }, ..Detail::default() };
-    Look { background: [1, 2, 3], detail, ..Look::default() }
+    DrawOptions { background: [1, 2, 3], detail, ..DrawOptions::default() }
 }
 
 /// A frame, read back; pixels have an entry per eye.
@@ -106,29 +106,29 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    pub fn new(sizes_px: &[[u32; 2]], look: Look, atomics: Atomics) -> Self {
-        Self::on(gpu(), sizes_px, look, atomics, LabTechnique::default())
+    pub fn new(sizes_px: &[[u32; 2]], options: DrawOptions, atomics: Atomics) -> Self {
+        Self::on(gpu(), sizes_px, options, atomics, LabTechnique::default())
     }
 
     /// A canvas on any device, by any technique.
     pub fn on(
         gpu: Arc<Gpu>,
         sizes_px: &[[u32; 2]],
-        look: Look,
+        options: DrawOptions,
         atomics: Atomics,
         technique: LabTechnique,
     ) -> Self {
         let color_format = wgpu::TextureFormat::Rgba8UnormSrgb;
         let setup = Setup { sizes_px: sizes_px.to_vec(), color_format, depth_format: None, atomics };
         let technique = technique.open(&gpu);
-        let renderer = Renderer::with_technique(&gpu, setup, look, technique).expect("renderer");
+        let renderer = Renderer::with_technique(&gpu, setup, options, technique).expect("renderer");
         let images = sizes_px.iter().map(|&s| image(&gpu, s, color_format)).collect();
         Self { gpu, renderer, images, frame: 0 }
     }
 
     /// A canvas for a view, with a flat cloud.
-    pub fn flat(cloud: &Cloud, view: &View, look: Look, chunk_limit: u64) -> Self {
-        Self::flat_by(LabTechnique::default(), cloud, view, look, chunk_limit)
+    pub fn flat(cloud: &Cloud, view: &View, options: DrawOptions, chunk_limit: u64) -> Self {
+        Self::flat_by(LabTechnique::default(), cloud, view, options, chunk_limit)
     }
 
     /// A canvas for a view, with a flat cloud, by any technique.
@@ -136,18 +136,24 @@ impl Canvas {
         technique: LabTechnique,
         cloud: &Cloud,
         view: &View,
-        look: Look,
+        options: DrawOptions,
         chunk_limit: u64,
     ) -> Self {
-        let mut canvas = Self::on(gpu(), &sizes(view), look, gpu().atomics(), technique);
+        let mut canvas = Self::on(gpu(), &sizes(view), options, gpu().atomics(), technique);
         let buffers = CloudBuffers::upload(&canvas.gpu, cloud, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
     }
 
     /// A canvas for a view, with a layered cloud.
-    pub fn layered(octree: &Octree, view: &View, look: Look, atomics: Atomics, chunk_limit: u64) -> Self {
-        let mut canvas = Self::new(&sizes(view), look, atomics);
+    pub fn layered(
+        octree: &Octree,
+        view: &View,
+        options: DrawOptions,
+        atomics: Atomics,
+        chunk_limit: u64,
+    ) -> Self {
+        let mut canvas = Self::new(&sizes(view), options, atomics);
         let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
@@ -157,10 +163,10 @@ impl Canvas {
     pub fn counting(
         octree: &Octree,
         view: &View,
-        look: Look,
+        options: DrawOptions,
         technique: LabTechnique,
     ) -> (Self, wgpu::Buffer) {
-        let mut canvas = Self::layered(octree, view, look, gpu().atomics(), 0);
+        let mut canvas = Self::layered(octree, view, options, gpu().atomics(), 0);
         let setup = Setup {
             sizes_px: sizes(view),
             color_format: wgpu::TextureFormat::Rgba8UnormSrgb,
@@ -169,7 +175,7 @@ impl Canvas {
         };
         let cloud = canvas.renderer.take_cloud().expect("a cloud");
         let (technique, bins) = technique.counting(&canvas.gpu);
-        canvas.renderer = Renderer::with_technique(&canvas.gpu, setup, look, technique).expect("renderer");
+        canvas.renderer = Renderer::with_technique(&canvas.gpu, setup, options, technique).expect("renderer");
         canvas.renderer.set_cloud(cloud).expect("room");
         (canvas, bins)
     }
@@ -179,11 +185,11 @@ impl Canvas {
         spt: &SequentialCloud,
         error_px: f32,
         view: &View,
-        look: Look,
+        options: DrawOptions,
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
-        Self::sequential_by(LabTechnique::tree(error_px), spt, view, look, atomics, chunk_limit)
+        Self::sequential_by(LabTechnique::tree(error_px), spt, view, options, atomics, chunk_limit)
     }
 
     /// A canvas for a view, with a sequential point tree, by any technique of trees.
@@ -191,11 +197,11 @@ impl Canvas {
         technique: LabTechnique,
         spt: &SequentialCloud,
         view: &View,
-        look: Look,
+        options: DrawOptions,
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
-        let mut canvas = Self::on(gpu(), &sizes(view), look, atomics, technique);
+        let mut canvas = Self::on(gpu(), &sizes(view), options, atomics, technique);
         let buffers = tree::upload(&canvas.gpu, spt, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
@@ -299,8 +305,8 @@ pub fn discs() -> Detail {
     Detail { fill_reach_px: Some([1.0; 3]), ..Detail::default() }
 }
 
-pub fn hqs(detail: Detail) -> Look {
-    Look { quality: Quality::Hqs, background: [1, 2, 3], detail, ..Look::default() }
+pub fn hqs(detail: Detail) -> DrawOptions {
+    DrawOptions { quality: Quality::Hqs, background: [1, 2, 3], detail, ..DrawOptions::default() }
 }
 
 pub fn tiers() -> Vec<Atomics> {

@@ -1,8 +1,8 @@
 //! `scanwalk info`: what is in the files, for people or as JSON.
 
 use super::{
-    Blank, ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanFile, UpAxis, WorldFromFile, read,
-    unit,
+    Blank, ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanError, ScanFile, UpAxis,
+    WorldFromFile, read, unit,
 };
 use base::space::Bounds;
 use base::task::Task;
@@ -10,7 +10,6 @@ use base::words::{agreeing, counted, grouped};
 use glam::DVec3;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// Part of the format's name in files of splats.
@@ -46,23 +45,21 @@ struct FileDescription {
     bbox: [[f64; 3]; 2],
 }
 
-/// Reads the files to their ends and prints what is in them: true counts and boxes, not those of the headers. Points
+/// Reads the files to their ends and says what is in them: true counts and boxes, not those of the headers. Points
 /// that are withheld count too.
 ///
 /// # Errors
-/// [`super::read()`] fails, or standard output is closed.
-pub fn print(paths: &[PathBuf], json: bool, options: &ReadOptions, task: &Task) -> anyhow::Result<()> {
+/// See [`super::read()`].
+pub fn text(paths: &[PathBuf], json: bool, options: &ReadOptions, task: &Task) -> Result<String, ScanError> {
     let options = ReadOptions { show_withheld: true, ..options.clone() };
     let (mut scan, headers) = read::read_with_headers(paths, &options, task)?;
     let asides: Vec<String> = scan.files.iter().zip(&headers).flat_map(asides).collect();
     scan.warnings.extend(asides);
-    let text = if json {
-        serde_json::to_string_pretty(&describe(&scan, &headers))? + "\n"
-    } else {
-        for_people(&scan, &headers)
-    };
-    std::io::stdout().lock().write_all(text.as_bytes())?;
-    Ok(())
+    if !json {
+        return Ok(for_people(&scan, &headers));
+    }
+    // Numbers, texts and lists of them always have a form in JSON.
+    Ok(serde_json::to_string_pretty(&describe(&scan, &headers)).expect("JSON") + "\n")
 }
 
 fn describe(scan: &Scan, headers: &[Header]) -> Description {

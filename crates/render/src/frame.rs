@@ -3,12 +3,12 @@
 use super::groups;
 use super::pipelines::Closest;
 use super::renderer::Renderer;
+use crate::draw_options::DrawOptions;
 use crate::gpu::QueueGuard;
 use crate::gpu::stage::Compiled;
 use crate::layout::{
     COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
 };
-use crate::look::Look;
 use crate::options::Quality;
 use base::space::View;
 use timing::{STAGES, StageMs};
@@ -83,8 +83,8 @@ impl Renderer {
         let sizes_px = view.eyes.iter().map(|eye| eye.size_px).take(self.targets.drawn_px.len());
         assert!(sizes_px.eq(self.targets.drawn_px.iter().copied()), "eyes as large as what is drawn");
         if let Some(cloud) = &self.cloud {
-            let threshold_px = self.look.detail.threshold_px.map(|px| px * self.lod_scale);
-            let detail = Detail { threshold_px, ..self.look.detail };
+            let threshold_px = self.options.detail.threshold_px.map(|px| px * self.lod_scale);
+            let detail = Detail { threshold_px, ..self.options.detail };
             let uniform = ViewUniform::new(view, &cloud.split, &detail);
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
             self.technique.set_view(queue, view, &detail, self.lod_scale, cloud);
@@ -158,7 +158,7 @@ impl Renderer {
             return nearest.record_depth(encoder, &recording);
         }
         let mut pass = self.compute_pass(encoder, DEPTH);
-        match (self.look.quality, &self.pipelines.closest) {
+        match (self.options.quality, &self.pipelines.closest) {
             (Quality::Closest, Some(Closest { depth, ids, .. })) => {
                 self.dispatch_visible(&mut pass, depth, &self.groups.depth);
                 if let Some(ids) = ids {
@@ -219,7 +219,7 @@ impl Renderer {
     /// Records the steps from keys or sums to finished pixels.
     fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
         let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
-        let Look { quality, dilate, .. } = self.look;
+        let DrawOptions { quality, dilate, .. } = self.options;
         let surface: Option<&Compiled> = match (quality, &pipelines.closest) {
             (Quality::Closest, closest) => closest.as_ref().map(|closest| &*closest.shade),
             (Quality::Hqs, _) => Some(&groups::hqs(pipelines, cloud).blend),
@@ -279,7 +279,7 @@ impl Renderer {
         image: &EyeImage,
         [is_first, is_last]: [bool; 2],
     ) {
-        let [r, g, b] = self.look.background.map(linear_from_srgb);
+        let [r, g, b] = self.options.background.map(linear_from_srgb);
         let load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("waiting"),

@@ -3,12 +3,12 @@
 
 pub mod bindings;
 mod cloud_buffers;
+mod draw_options;
 mod drawn_part;
 mod frame;
 pub mod gpu;
 mod groups;
 pub mod layout;
-mod look;
 mod nearest;
 pub mod options;
 mod overlay;
@@ -23,10 +23,10 @@ mod upload;
 mod waiting;
 
 pub use cloud_buffers::CloudBuffers;
+pub use draw_options::{Access, DrawOptions, NO_REACH_PX, RINGS_REACH_PX};
 pub use drawn_part::tiles;
 pub use frame::{EyeImage, FrameTimes, IMAGE_USAGES};
 pub use groups::Parts;
-pub use look::{Access, Look, NO_REACH_PX, RINGS_REACH_PX};
 pub use overlay::Overlays;
 pub use renderer::{Renderer, Setup};
 pub use targets::{TargetTooLarge, Targets};

@@ -157,7 +157,7 @@ impl Overlays {
 
     /// The pass for the form of sums that the frame adds up, if it adds up any.
     fn overdraw(&self, renderer: &Renderer) -> Option<&Pass> {
-        if renderer.look.quality != Quality::Hqs {
+        if renderer.options.quality != Quality::Hqs {
             return None;
         }
         let sums = groups::hqs(&renderer.pipelines, renderer.cloud.as_ref()).sums;

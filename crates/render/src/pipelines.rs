@@ -2,11 +2,11 @@
 
 use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, Set};
+use crate::draw_options::Access;
 use crate::gpu::drawing::Drawing;
 use crate::gpu::stage::{Bindings, Stage, nothing_besides};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
-use crate::look::Access;
 use crate::nearest::Nearest;
 use crate::technique::Technique;
 

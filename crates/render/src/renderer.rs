@@ -6,10 +6,11 @@ use super::groups::{self, Groups, Parts};
 use super::pipelines::{PipelineOptions, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
 use super::waiting::LoadingBar;
+use crate::draw_options::DrawOptions;
+use crate::gpu::readback::{self, ReadbackError};
 use crate::gpu::timer::Timer;
-use crate::gpu::{Atomics, Gpu, QueueGuard, readback};
+use crate::gpu::{Atomics, Gpu, QueueGuard};
 use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform, of_image};
-use crate::look::Look;
 use crate::nearest::{Nearest, Recording};
 use crate::options::Quality;
 use crate::technique::{Own, Technique};
@@ -39,7 +40,7 @@ pub struct Setup {
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     pub(super) setup: Setup,
-    pub(super) look: Look,
+    pub(super) options: DrawOptions,
     /// Factor on the thresholds of level of detail.
     pub(super) lod_scale: f32,
     pub(super) pipelines: Pipelines,
@@ -69,8 +70,8 @@ impl Renderer {
     ///
     /// # Errors
     /// If the sizes do not fit the device.
-    pub fn new(gpu: &Arc<Gpu>, setup: Setup, look: Look) -> Result<Self, TargetTooLarge> {
-        Self::with_technique(gpu, setup, look, Box::new(Own))
+    pub fn new(gpu: &Arc<Gpu>, setup: Setup, options: DrawOptions) -> Result<Self, TargetTooLarge> {
+        Self::with_technique(gpu, setup, options, Box::new(Own))
     }
 
     /// A renderer that draws by another technique than the frame's own.
@@ -80,22 +81,22 @@ impl Renderer {
     pub fn with_technique(
         gpu: &Arc<Gpu>,
         setup: Setup,
-        look: Look,
+        options: DrawOptions,
         technique: Box<dyn Technique>,
     ) -> Result<Self, TargetTooLarge> {
-        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, pipeline_options(&setup, &look));
+        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, pipeline_options(&setup, &options));
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
-        let has_wide = needs_wide(&pipelines, None, look.quality);
+        let has_wide = needs_wide(&pipelines, None, options.quality);
         let targets = Targets::new(gpu, &setup.sizes_px, has_wide)?;
-        let drawn = DrawnPart::new(gpu, &targets, &[], (look.background_word(), setup.color_format));
+        let drawn = DrawnPart::new(gpu, &targets, &[], (options.background_word(), setup.color_format));
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
         let loading_bar = LoadingBar::new(gpu, &setup);
         let mut renderer = Self {
             gpu: Arc::clone(gpu),
             setup,
-            look,
+            options,
             lod_scale: 1.0,
             pipelines,
             view,
@@ -137,7 +138,7 @@ impl Renderer {
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
     pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, TargetTooLarge> {
-        self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.look.quality))?;
+        self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.options.quality))?;
         let num_chunks = cloud.chunks.len() as u64;
         if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
             // There are more counters than it needs: the same scan's octree may have another chunk.
@@ -192,14 +193,14 @@ impl Renderer {
     ///
     /// # Errors
     /// If what the quality needs does not fit the device; then nothing has changed.
-    pub fn set_look(&mut self, look: Look) -> Result<(), TargetTooLarge> {
-        self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), look.quality))?;
-        if pipeline_options(&self.setup, &look) != pipeline_options(&self.setup, &self.look) {
+    pub fn set_options(&mut self, options: DrawOptions) -> Result<(), TargetTooLarge> {
+        self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), options.quality))?;
+        if pipeline_options(&self.setup, &options) != pipeline_options(&self.setup, &self.options) {
             (self.pipelines, self.nearest) =
-                Pipelines::new(&self.gpu, &*self.technique, pipeline_options(&self.setup, &look));
+                Pipelines::new(&self.gpu, &*self.technique, pipeline_options(&self.setup, &options));
         }
-        let is_same_background = look.background == self.look.background;
-        self.look = look;
+        let is_same_background = options.background == self.options.background;
+        self.options = options;
         if !is_same_background {
             self.tell_drawn_part();
         }
@@ -212,7 +213,11 @@ impl Renderer {
     /// # Errors
     /// See [`Self::set_look`].
     pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
-        if quality == self.look.quality { Ok(()) } else { self.set_look(Look { quality, ..self.look }) }
+        if quality == self.options.quality {
+            Ok(())
+        } else {
+            self.set_options(DrawOptions { quality, ..self.options })
+        }
     }
 
     /// Makes room for four-word sums where there is none.
@@ -227,8 +232,8 @@ impl Renderer {
 
     /// How frames look.
     #[must_use]
-    pub fn look(&self) -> &Look {
-        &self.look
+    pub fn options(&self) -> &DrawOptions {
+        &self.options
     }
 
     /// Sets the factor on the thresholds of level of detail, 1 or more.
@@ -265,8 +270,8 @@ impl Renderer {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn read_pixels(&self, eye: usize) -> anyhow::Result<Vec<[u32; 2]>> {
-        let read = |buffer| -> anyhow::Result<Vec<u32>> {
+    pub fn read_pixels(&self, eye: usize) -> Result<Vec<[u32; 2]>, ReadbackError> {
+        let read = |buffer| -> Result<Vec<u32>, ReadbackError> {
             let words = bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, buffer)?);
             Ok(of_image(&words, self.targets.drawn_px[eye]))
         };
@@ -294,7 +299,7 @@ impl Renderer {
 
     /// Tells the stages of another drawn part, other hidden pixels or another background.
     fn tell_drawn_part(&mut self) {
-        let background = (self.look.background_word(), self.setup.color_format);
+        let background = (self.options.background_word(), self.setup.color_format);
         self.drawn = DrawnPart::new(&self.gpu, &self.targets, &self.hidden, background);
     }
 
@@ -310,8 +315,8 @@ impl Renderer {
             counters: &self.counters,
             technique: &*self.technique,
             clears: self.nearest.as_ref().map(|nearest| nearest.clears()),
-            quality: self.look.quality,
-            dilate: self.look.dilate,
+            quality: self.options.quality,
+            dilate: self.options.dilate,
         };
         self.groups = parts.groups();
         if let Some(nearest) = self.nearest.as_mut().filter(|_| parts.quality == Quality::Closest) {
@@ -325,7 +330,7 @@ impl Renderer {
     /// The technique's other way to the nearest points, if it has one and this quality asks for it, with what it is
     /// told.
     pub(super) fn nearest(&self) -> Option<(&dyn Nearest, Recording<'_>)> {
-        let nearest = self.nearest.as_deref().filter(|_| self.look.quality == Quality::Closest)?;
+        let nearest = self.nearest.as_deref().filter(|_| self.options.quality == Quality::Closest)?;
         let recording = Recording {
             timer: &self.timer,
             cloud: self.cloud.as_ref(),
@@ -345,12 +350,12 @@ impl Renderer {
     }
 }
 
-fn pipeline_options(setup: &Setup, look: &Look) -> PipelineOptions {
+fn pipeline_options(setup: &Setup, options: &DrawOptions) -> PipelineOptions {
     PipelineOptions {
         num_eyes: setup.sizes_px.len() as u32,
-        fill: look.detail.fill_reach_px.is_some(),
+        fill: options.detail.fill_reach_px.is_some(),
         atomics: setup.atomics,
-        access: look.access,
+        access: options.access,
         depth_format: setup.depth_format,
     }
 }

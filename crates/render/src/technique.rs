@@ -3,9 +3,9 @@
 //! points. The frame's own technique is [`Own`], which hands in nothing.
 
 use crate::cloud_buffers::CloudBuffers;
+use crate::draw_options::Access;
 use crate::gpu::{Gpu, QueueGuard};
 use crate::layout::{Detail, Sums, Variant};
-use crate::look::Access;
 pub use crate::nearest::{Clears, Nearest, Recording};
 use base::space::View;
 use std::fmt;
@@ -33,7 +33,7 @@ pub trait Technique: fmt::Debug + Send {
         None
     }
 
-    /// Is told of each frame's view before the frame is submitted. `detail` is the look's, with thresholds already
+    /// Is told of each frame's view before the frame is submitted. `detail` is that of the draw options, with thresholds already
     /// multiplied by `lod_scale`.
     fn set_view(
         &self,

@@ -135,11 +135,11 @@ fn governor() -> Governor {
 
 /// A governor that is asked for `quality`.
 fn governor_of(quality: Quality) -> Governor {
-    Governor::new(OPTIONS, &look_of(quality))
+    Governor::new(OPTIONS, &drawn_in(quality))
 }
 
-fn look_of(quality: Quality) -> Look {
-    Look { quality, ..Look::default() }
+fn drawn_in(quality: Quality) -> DrawOptions {
+    DrawOptions { quality, ..DrawOptions::default() }
 }
 
 /// A governor of a cloud that has no level of detail.
@@ -444,12 +444,12 @@ fn what_is_off_is_skipped() {
     closest.under(ScriptedLoad::of(BEARABLE), 1000);
     assert_eq!(closest.governor.settings(), CHEAPEST);
     assert!(closest.steps.iter().all(|(_, step)| step.from.quality == Quality::Closest));
-    let mut off = calm(Governor::new(GovernorOptions { enabled: false, ..OPTIONS }, &look_of(Quality::Hqs)));
+    let mut off = calm(Governor::new(GovernorOptions { enabled: false, ..OPTIONS }, &drawn_in(Quality::Hqs)));
     off.under(ScriptedLoad::of(50.0), 1000);
     assert!(off.steps.is_empty() && off.governor.settings() == BEST);
 }
 
-/// The top is what the look asks for, and no rung below it may be dearer.
+/// The top is what the draw options ask for, and no rung below it may be dearer.
 #[test]
 fn the_top_is_what_is_drawn_and_no_rung_is_dearer() {
     for quality in [Quality::Closest, Quality::Hqs] {

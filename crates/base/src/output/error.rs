@@ -121,6 +121,12 @@ impl OutputError {
             Self::IsFolder { .. } | Self::NoFolder { .. } | Self::Locked { .. } | Self::Write { .. } => false,
         }
     }
+
+    /// True if it is a pipe whose reader has read enough.
+    #[must_use]
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Locked { source, .. } | Self::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
+    }
 }
 
 /// The endings of a kind: ".html or .htm".

@@ -8,7 +8,7 @@ use crate::technique::{LabTechnique, Method};
 use anyhow::{Context, Result};
 use base::space::View;
 use cloud::Cloud;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::{Gpu, readback};
 use render::layout::{COUNTERS_STRIDE, VISIBLE_PLANES, VisibleBatch};
 use render::options::{Quality, Tier};
@@ -75,20 +75,25 @@ impl Compute {
     ///
     /// # Errors
     /// If they do not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, technique: LabTechnique) -> Result<Self> {
-        Self::of(gpu, sizes_px, look, (technique, technique.open(gpu)))
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        sizes_px: &[[u32; 2]],
+        options: DrawOptions,
+        technique: LabTechnique,
+    ) -> Result<Self> {
+        Self::of(gpu, sizes_px, options, (technique, technique.open(gpu)))
     }
 
     fn of(
         gpu: &Arc<Gpu>,
         sizes_px: &[[u32; 2]],
-        look: Look,
+        options: DrawOptions,
         (technique, open): (LabTechnique, Box<dyn Technique>),
     ) -> Result<Self> {
         let atomics = tier(gpu, Tier::Auto)?;
         technique.check(gpu, atomics)?;
         let setup = Setup { sizes_px: sizes_px.to_vec(), color_format: FORMAT, depth_format: None, atomics };
-        let renderer = Renderer::with_technique(gpu, setup, look, open)?;
+        let renderer = Renderer::with_technique(gpu, setup, options, open)?;
         let images = sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect();
         Ok(Self { gpu: Arc::clone(gpu), renderer, images, frame: 0, cpu_ms: f64::NAN })
     }
@@ -132,13 +137,18 @@ impl Compute {
 }
 
 impl Counter {
-    /// Makes a counter of frames of this look, with eyes of these sizes.
+    /// Makes a counter of frames with these draw options, with eyes of these sizes.
     ///
     /// # Errors
     /// If they do not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, sizes_px: &[[u32; 2]], look: Look, technique: LabTechnique) -> Result<Self> {
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        sizes_px: &[[u32; 2]],
+        options: DrawOptions,
+        technique: LabTechnique,
+    ) -> Result<Self> {
         let (open, bins) = technique.counting(gpu);
-        let compute = Compute::of(gpu, sizes_px, look, (technique, open))?;
+        let compute = Compute::of(gpu, sizes_px, options, (technique, open))?;
         Ok(Self { compute, method: technique.method, bins })
     }
 
@@ -167,9 +177,9 @@ impl Counter {
             pairs.map(|(after, before)| u64::from(of(after).wrapping_sub(of(before)))).sum::<u64>()
         };
         let Compute { gpu, renderer, .. } = &self.compute;
-        let look = renderer.look();
+        let options = renderer.options();
         // Every geometry stage loads all coordinates anew.
-        let num_passes = if look.quality == Quality::Hqs { 2 } else { 1 };
+        let num_passes = if options.quality == Quality::Hqs { 2 } else { 1 };
         let (visible, counters, _) = renderer.cull_results();
         let counters = readback::read_buffer(gpu, counters)?;
         let stride = COUNTERS_STRIDE as usize;
@@ -184,7 +194,7 @@ impl Counter {
                 shapes += if batch.flags & VISIBLE_DISCS == 0 { 0 } else { words };
             }
         }
-        let is_narrow = look.quality == Quality::Hqs || self.method == Method::BusyLoop;
+        let is_narrow = options.quality == Quality::Hqs || self.method == Method::BusyLoop;
         let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
         Ok(FrameCounts {
             num_batches,

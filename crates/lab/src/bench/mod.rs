@@ -17,7 +17,7 @@ use anyhow::{Context, Result, ensure};
 use base::task::Task;
 use glam::DVec3;
 use points::{ReadOptions, Scene};
-use render::Look;
+use render::DrawOptions;
 use render::gpu::Gpu;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -56,8 +56,8 @@ pub struct BenchOptions {
     pub eyes: EyesIn,
     /// Part of the GPU's name; empty: the fastest kind there is.
     pub adapter: String,
-    /// Look that a headset draws with by default.
-    pub headset_look: Look,
+    /// Draw options of a headset by default.
+    pub headset_options: DrawOptions,
     /// Largest part of the point pool that one binding holds, in bytes; 0: as much as the GPU allows.
     pub chunk_limit: u64,
     /// The tables to measure.
@@ -103,7 +103,7 @@ pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
     let bench = tables::Bench {
         gpu: &gpu,
         chunk_limit: options.chunk_limit,
-        headset_look: options.headset_look,
+        headset_options: options.headset_options,
         num_runs: options.num_runs,
         size_px: options.size_px,
         methods: &options.methods,

@@ -12,7 +12,7 @@ use base::space::View;
 use base::task::{Progress, Task};
 use cloud::{Cloud, Order};
 use render::CloudBuffers;
-use render::Look;
+use render::DrawOptions;
 use render::gpu::Gpu;
 use render::layout::BATCH_POINTS;
 use render::options::{Precision, Quality};
@@ -58,8 +58,8 @@ const NODE_POINTS: [(&str, u32); 2] = [("small-nodes", 2_400), ("large-nodes", 4
 
 /// Device and settings that all tables share.
 pub struct Bench<'a> {
-    /// Look that a headset draws with by default.
-    pub headset_look: Look,
+    /// Draw options of a headset by default.
+    pub headset_options: DrawOptions,
     pub gpu: &'a Arc<Gpu>,
     /// Largest part of the point pool in one binding, in bytes; 0: what the GPU allows.
     pub chunk_limit: u64,
@@ -267,15 +267,15 @@ impl Bench<'_> {
             |way: &Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
         ways.retain(|way| is_wanted(way) && (way.method != Some(Method::Fixed40) || self.gpu.has_f64()));
         let contestant = |way: Way| {
-            let (look, technique) = (way.look(), way.technique());
-            let compute = Compute::new(self.gpu, &[size_px], look, technique)?;
-            Ok((way, compute, Counter::new(self.gpu, &[size_px], look, technique)?))
+            let (options, technique) = (way.options(), way.technique());
+            let compute = Compute::new(self.gpu, &[size_px], options, technique)?;
+            Ok((way, compute, Counter::new(self.gpu, &[size_px], options, technique)?))
         };
         let asks = Way::paper_2021(Method::AtomicMin);
         Ok(Contestants {
             size_px,
             ways: ways.into_iter().map(contestant).collect::<Result<_>>()?,
-            asked: Counter::new(self.gpu, &[size_px], asks.look(), asks.technique())?,
+            asked: Counter::new(self.gpu, &[size_px], asks.options(), asks.technique())?,
         })
     }
 
@@ -377,16 +377,16 @@ impl Bench<'_> {
         cloud: &mut Option<CloudBuffers>,
         size_px: [u32; 2],
     ) -> Result<Vec<BenchRow>> {
-        // This is the look that the program draws with unless told otherwise.
-        let look = self.headset_look;
+        // The program draws with these options unless told otherwise.
+        let options = self.headset_options;
         let place = subject.places(places(Table::Vr, subject.model))[0];
         let both_eyes = place.stereo(size_px);
         let one_eye = View { eyes: both_eyes.eyes[..1].to_vec(), near: both_eyes.near };
         let own = LabTechnique::default();
-        let mut both = Compute::new(self.gpu, &[size_px; 2], look, own)?;
-        let mut one = Compute::new(self.gpu, &[size_px], look, own)?;
-        let load = Counter::new(self.gpu, &[size_px; 2], look, own)?.load(cloud, &both_eyes)?;
-        let load_one = Counter::new(self.gpu, &[size_px], look, own)?.load(cloud, &one_eye)?;
+        let mut both = Compute::new(self.gpu, &[size_px; 2], options, own)?;
+        let mut one = Compute::new(self.gpu, &[size_px], options, own)?;
+        let load = Counter::new(self.gpu, &[size_px; 2], options, own)?.load(cloud, &both_eyes)?;
+        let load_one = Counter::new(self.gpu, &[size_px], options, own)?.load(cloud, &one_eye)?;
         let (mut of_both, mut of_one) = (Vec::new(), Vec::new());
         for turn in 0..WARM_UP + self.num_runs {
             ensure!(!self.task.cancel_token().is_cancelled(), "interrupted");

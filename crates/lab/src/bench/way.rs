@@ -3,7 +3,7 @@
 use crate::technique::{DEFAULT_ERROR_PX, LabTechnique, Method};
 use render::layout::Detail;
 use render::options::{Dilate, Precision, Quality};
-use render::{Access, Look};
+use render::{Access, DrawOptions};
 
 /// The forms in which a scan is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,14 +57,14 @@ impl Way {
         Self { name, method: Some(method), quality, form, cull: true, precision: Precision::Auto }
     }
 
-    /// The look of its frames.
+    /// Draw options of its frames.
     #[must_use]
-    pub fn look(&self) -> Look {
+    pub fn options(&self) -> DrawOptions {
         let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
         let plain = Detail { forced_planes, ..Detail::default() };
         // Discs are drawn at their own width only with fill, which is on for that reason although nothing is dilated.
         let discs = Detail { fill_reach_px: Some([1.0; 3]), ..plain };
-        Look {
+        DrawOptions {
             quality: self.quality,
             dilate: Dilate::Off,
             background: [0; 3],

@@ -19,7 +19,7 @@ use base::space::View;
 use cloud::Cloud;
 use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;
-use render::Look;
+use render::DrawOptions;
 use render::layout::{
     Batch, DRAWN_WHOLE, DilateUniform, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch,
     guarded, without_guard,
@@ -122,11 +122,11 @@ impl Frame {
 
 /// Draws `scene` as the GPU does; `states` are its nodes' states of the frame before, `None` in the first frame.
 #[must_use]
-pub fn frame(scene: &ReferenceCloud, view: &View, look: &Look, states: Option<&[u32]>) -> Frame {
-    let uniform = ViewUniform::new(view, &scene.cloud.split, &look.detail);
+pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states: Option<&[u32]>) -> Frame {
+    let uniform = ViewUniform::new(view, &scene.cloud.split, &options.detail);
     let num_eyes = view.eyes.len();
     let tree = scene.tree.as_ref().map(|(tree, error_px)| {
-        let uniform = TreeUniform::new(view, &look.detail, *error_px, tree.uniform.step_base);
+        let uniform = TreeUniform::new(view, &options.detail, *error_px, tree.uniform.step_base);
         Tree { uniform, ..tree.clone() }
     });
     let (states, visible, visible_nodes) = match &tree {
@@ -145,12 +145,12 @@ pub fn frame(scene: &ReferenceCloud, view: &View, look: &Look, states: Option<&[
     };
     let [hi, mid, lo] = &scene.cloud.planes;
     let points = |put: &mut dyn FnMut(points::Put)| {
-        let fill = look.detail.fill_reach_px.is_some();
+        let fill = options.detail.fill_reach_px.is_some();
         points::points(&uniform, num_eyes, &visible, [hi, mid, lo], tree.as_ref(), fill, put);
     };
     let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| guarded(eye.size_px)).collect();
     let mut frame = Frame::default();
-    match look.quality {
+    match options.quality {
         Quality::Closest => {
             frame.keys = sizes_px.iter().map(|&size_px| clear::pixels(size_px, clear::EMPTY)).collect();
             points(&mut |put| depth::key(&mut frame.keys, put));
@@ -166,7 +166,7 @@ pub fn frame(scene: &ReferenceCloud, view: &View, look: &Look, states: Option<&[
             frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums)).collect();
         }
     }
-    let dilated = |(eye, surface): (usize, &Vec<resolve::Pixel>)| match look.dilate {
+    let dilated = |(eye, surface): (usize, &Vec<resolve::Pixel>)| match options.dilate {
         Dilate::Off => surface.clone(),
         Dilate::Rings => {
             let by_ring = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
@@ -174,7 +174,7 @@ pub fn frame(scene: &ReferenceCloud, view: &View, look: &Look, states: Option<&[
         }
     };
     frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
-    let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, look.background_word());
+    let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, options.background_word());
     frame.images = frame.pixels.iter().map(image).collect();
     Frame {
         visible_nodes,

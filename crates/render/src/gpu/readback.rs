@@ -3,11 +3,25 @@
 
 use super::Gpu;
 
+/// Why nothing came back from the GPU: in practice, that the device is lost.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadbackError {
+    /// The GPU does not finish its work.
+    #[error("the GPU stopped answering: {0}")]
+    Poll(#[from] wgpu::PollError),
+    /// The memory that was copied to cannot be read.
+    #[error("the GPU's memory cannot be read: {0}")]
+    Map(#[from] wgpu::BufferAsyncError),
+    /// The memory that was copied to has another size.
+    #[error("the GPU's memory cannot be read: {0}")]
+    Range(#[from] wgpu::MapRangeError),
+}
+
 /// The bytes of a whole buffer (usage must include COPY_SRC).
 ///
 /// # Errors
 /// If the device is lost.
-pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> anyhow::Result<Vec<u8>> {
+pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, ReadbackError> {
     let size = buffer.size();
     let staging = staging(gpu, size);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -19,7 +33,7 @@ pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> anyhow::Result<Vec<u8>> 
 ///
 /// # Errors
 /// If the device is lost.
-pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> anyhow::Result<Vec<u8>> {
+pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, ReadbackError> {
     let (width, height) = (texture.width(), texture.height());
     let row = 4 * width;
     let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -40,7 +54,11 @@ fn staging(gpu: &Gpu, size: u64) -> wgpu::Buffer {
     gpu.buffer("readback", size, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ)
 }
 
-fn finish(gpu: &Gpu, encoder: wgpu::CommandEncoder, staging: &wgpu::Buffer) -> anyhow::Result<Vec<u8>> {
+fn finish(
+    gpu: &Gpu,
+    encoder: wgpu::CommandEncoder,
+    staging: &wgpu::Buffer,
+) -> Result<Vec<u8>, ReadbackError> {
     let commands = encoder.finish();
     let submission = gpu.queue.lock().submit([commands]);
     let (sender, mapped) = std::sync::mpsc::channel();
@@ -48,6 +66,6 @@ fn finish(gpu: &Gpu, encoder: wgpu::CommandEncoder, staging: &wgpu::Buffer) -> a
         let _ = sender.send(result);
     });
     gpu.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })?;
-    mapped.recv()??;
+    mapped.recv().unwrap_or(Err(wgpu::BufferAsyncError))?;
     Ok(staging.get_mapped_range(..)?.to_vec())
 }

@@ -2,8 +2,8 @@
 
 use super::Gpu;
 use crate::bindings::{AGAIN, Set};
+use crate::draw_options::Access;
 use crate::layout::Variant;
-use crate::look::Access;
 use crate::shaders::ShaderOfSet;
 use std::fmt;
 use std::marker::PhantomData;

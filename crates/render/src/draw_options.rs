@@ -27,7 +27,7 @@ impl Default for Access {
 
 /// What a frame is to look like.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct DrawOptions {
     /// What a pixel shows of the points in it.
     pub quality: Quality,
     /// How gaps between points are filled.
@@ -40,7 +40,7 @@ pub struct Look {
     pub access: Access,
 }
 
-impl Look {
+impl DrawOptions {
     /// The background as the stages have it: r | g≪8 | b≪16 | 255≪24.
     #[must_use]
     pub fn background_word(&self) -> u32 {

@@ -1,24 +1,28 @@
 //! Pictures: the frame drawn once, without a window, and written to disk. `docs/PICTURE.md` says which pixel a
 //! point falls on.
 
-use crate::draw::DrawOptions;
+mod options;
+
+pub use options::{PictureError, PictureFov, PictureOptions};
+
+use crate::draw::DrawPlan;
 use crate::nodes::{self, CloudOptions, LodMethod};
 use crate::overview::{self, Lens};
 use crate::resolve::Plan;
-use anyhow::Context;
 use base::output::{Output, OutputError, OutputFile};
 use base::percentile::Sorted;
-use base::space::{Eye, Fov, Pose, View};
+use base::space::{Eye, Pose, View};
 use base::task::Task;
 use cloud::spt::build_spt;
 use glam::DVec3;
 use lab::reference::resolve::{Pixel, depth_of};
 use lab::technique::tree;
+use options::NO_DIRECTION;
 use points::{self, Scan, Scene};
-use render::gpu::{Gpu, readback};
+use render::gpu::Gpu;
+use render::gpu::readback::{self, ReadbackError};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
 use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 use timing::STAGES;
@@ -30,76 +34,12 @@ const FROM: DVec3 = DVec3::new(0.55, -0.72, 0.42);
 /// Format of the images: sRGB, so that the stored colors are read back.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// What picture to draw.
-#[derive(Clone, Debug)]
-pub struct PictureOptions {
-    /// Files, shown as one cloud.
-    pub scans: Vec<PathBuf>,
-    /// A picture for each eye: one, or two with `stereo`.
-    pub out: Vec<Output>,
-    /// Where the camera stands, in the files' coordinates; None: where it sees the whole scan.
-    pub eye: Option<DVec3>,
-    /// Where it looks, in the files' coordinates; None: the scan's centre.
-    pub target: Option<DVec3>,
-    /// Which way is up, along the files' axes; None: what is up in the world.
-    pub up: Option<DVec3>,
-    /// How much is seen.
-    pub fov: PictureFov,
-    /// Width, height in pixels.
-    pub size_px: [u32; 2],
-    /// True for two eyes, `ipd` apart along the camera's right, both looking the same way.
-    pub stereo: bool,
-    /// Distance of the eyes in metres.
-    pub ipd: f64,
-    /// Linear depth of each eye as NumPy float32 (H, W), +inf where there is no point; empty if it is not wanted.
-    pub depth: Vec<Output>,
-    /// Figures as JSON.
-    pub metrics: Option<Output>,
-}
-
-impl PictureOptions {
-    /// The same picture, asked for in the world's coordinates rather than the files'.
-    fn in_world(&self, scan: &Scan) -> Self {
-        let world_from_file = scan.world_from_file();
-        let place = |p: Option<DVec3>| p.map(|p_in_file| world_from_file.p_in_world(p_in_file));
-        Self {
-            eye: place(self.eye),
-            target: place(self.target),
-            up: self.up.map(|up_in_file| world_from_file.direction_in_world(up_in_file)),
-            ipd: self.ipd / scan.unit_m.unwrap_or(1.0),
-            ..self.clone()
-        }
-    }
-}
-
-/// A picture's field of view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PictureFov {
-    /// Vertical angle in degrees; pixels are square.
-    Vertical(f64),
-    /// Half angles of the left eye in degrees, as a headset's eyes have them: outwards (left), inwards (right), up,
-    /// down. The right eye mirrors them.
-    HalfAngles([f64; 4]),
-}
-
-impl PictureFov {
-    /// Field of view of the left (or only) eye.
-    fn left(self, [width, height]: [u32; 2]) -> Fov {
-        match self {
-            Self::Vertical(deg) => Fov::symmetric(deg.to_radians(), f64::from(width) / f64::from(height)),
-            Self::HalfAngles(deg) => {
-                let [outward, inward, up, down] = deg.map(f64::to_radians);
-                Fov::from_angles(-outward, inward, up, -down)
-            }
-        }
-    }
-}
-
 /// Draws the picture and writes all files that were asked for.
 ///
 /// # Errors
-/// Unreadable scan, unusable GPU, a size that does not fit it, a file that cannot be written.
-pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> anyhow::Result<()> {
+/// See [`PictureError`].
+pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> Result<(), PictureError> {
+    options.check()?;
     let gpu = Arc::new(Gpu::open(Some(&plan.adapter))?);
     let load_began = Instant::now();
     let scan = points::read(&options.scans, &plan.read, task)?;
@@ -116,7 +56,7 @@ pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> anyhow::Result
     offscreen.renderer.set_cloud(buffers)?;
     let num_frames = if options.metrics.is_some() { MEASURED_FRAMES } else { 1 };
     let times: Vec<FrameTimes> =
-        (0..num_frames).map(|frame| offscreen.draw(frame as u64, &view)).collect::<anyhow::Result<_>>()?;
+        (0..num_frames).map(|frame| offscreen.draw(frame as u64, &view)).collect::<Result<_, _>>()?;
 
     if !offscreen.shows_points(&view)? {
         eprintln!("scanwalk: warning: {}", overview::out_of_view(&scene, &view));
@@ -133,10 +73,9 @@ pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> anyhow::Result
         let text = metrics(&mut offscreen, &times, num_points, load_s)?;
         written.push((output, write_with(output, |file| file.write_all(text.as_bytes()))?));
     }
-    anyhow::ensure!(
-        !task.cancel_token().is_cancelled(),
-        "stopped before the picture was written; nothing was kept"
-    );
+    if task.cancel_token().is_cancelled() {
+        return Err(PictureError::Cancelled);
+    }
     for (output, file) in written {
         output.keep(file)?;
     }
@@ -149,7 +88,7 @@ fn upload(
     scan: Scan,
     options: &CloudOptions,
     task: &Task,
-) -> anyhow::Result<(CloudBuffers, Scene)> {
+) -> Result<(CloudBuffers, Scene), PictureError> {
     let num_points = scan.num_points() as u64;
     let chunk_limit = options.chunk_limit;
     let sending = || task.begin("sending", "bytes", 16 * num_points);
@@ -163,11 +102,11 @@ fn upload(
     }
     if options.lod == Some(LodMethod::Octree) {
         let mut sent = None;
-        nodes::send::<anyhow::Error>(gpu, &scan, chunk_limit, task, |cloud, hierarchy| {
+        nodes::send::<PictureError>(gpu, &scan, chunk_limit, task, |cloud, hierarchy| {
             sent = Some((cloud, hierarchy.scene.clone()));
         })?;
-        // A hierarchy has a root, so something was sent.
-        return sent.context("an octree without nodes");
+        // A hierarchy has a root, and it has come.
+        return Ok(sent.expect("a root"));
     }
     let sorting = task.begin("batching", "points", num_points);
     let cloud = cloud::build(&scan, options.order, &sorting)?;
@@ -179,15 +118,9 @@ fn upload(
 ///
 /// # Errors
 /// Eye and target at one place, an upward direction of no length, or a field of view or a size that shows nothing.
-pub fn view(options: &PictureOptions, scene: &Scene, near: f64) -> anyhow::Result<View> {
-    let [width, height] = options.size_px;
-    anyhow::ensure!(width > 0 && height > 0, "--size {width}x{height}: a picture needs at least one pixel");
+pub fn view(options: &PictureOptions, scene: &Scene, near: f64) -> Result<View, PictureError> {
+    options.check()?;
     let fov = options.fov.left(options.size_px);
-    anyhow::ensure!(
-        fov.right > fov.left && fov.up > fov.down && fov.right.is_finite() && fov.up.is_finite(),
-        "the field of view {:?} shows nothing",
-        options.fov
-    );
     let half = 0.5 * options.ipd;
     let lenses = if options.stereo {
         vec![Lens { sideways: -half, fov }, Lens { sideways: half, fov: fov.mirrored() }]
@@ -195,7 +128,6 @@ pub fn view(options: &PictureOptions, scene: &Scene, near: f64) -> anyhow::Resul
         vec![Lens { sideways: 0.0, fov }]
     };
     let up = options.up.unwrap_or(DVec3::Z);
-    anyhow::ensure!(up != DVec3::ZERO, "--up 0,0,0 is no direction: give one, for example 0,0,1");
     let center = match (options.eye, options.target) {
         (None, target) => {
             let orientation = Pose::look_at(FROM, DVec3::ZERO, up).orientation;
@@ -203,10 +135,9 @@ pub fn view(options: &PictureOptions, scene: &Scene, near: f64) -> anyhow::Resul
         }
         (Some(eye), target) => {
             let target = target.unwrap_or(scene.bounds.center());
-            anyhow::ensure!(
-                eye != target,
-                "--eye and --target are the same place: the camera has no direction"
-            );
+            if eye == target {
+                return Err(PictureError::Usage(NO_DIRECTION.into()));
+            }
             Pose::look_at(eye, target, up)
         }
     };
@@ -230,26 +161,25 @@ struct Offscreen {
 }
 
 impl Offscreen {
-    fn new(gpu: &Arc<Gpu>, view: &View, options: &DrawOptions) -> anyhow::Result<Self> {
+    fn new(gpu: &Arc<Gpu>, view: &View, options: &DrawPlan) -> Result<Self, PictureError> {
         let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|e| e.size_px).collect();
-        let max = gpu.device.limits().max_texture_dimension_2d;
-        for [width, height] in &sizes_px {
-            anyhow::ensure!(
-                *width <= max && *height <= max,
-                "--size {width}x{height}: this GPU draws at most {max} pixels a side"
-            );
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        if let Some(&[width, height]) =
+            sizes_px.iter().find(|size_px| size_px.iter().any(|&edge| edge > most))
+        {
+            return Err(PictureError::Size { width, height, most });
         }
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let images = sizes_px.iter().map(|&size_px| gpu.texture("picture", size_px, FORMAT, usage));
         let images = images.collect();
         let atomics = options.atomics(gpu)?;
         let setup = Setup { sizes_px, color_format: FORMAT, depth_format: None, atomics };
-        let renderer = Renderer::with_technique(gpu, setup, options.look, options.technique.open(gpu))?;
+        let renderer = Renderer::with_technique(gpu, setup, options.options, options.technique.open(gpu))?;
         Ok(Self { gpu: Arc::clone(gpu), renderer, images })
     }
 
     /// True if any eye's picture has a point in it.
-    fn shows_points(&self, view: &View) -> anyhow::Result<bool> {
+    fn shows_points(&self, view: &View) -> Result<bool, ReadbackError> {
         for eye in 0..view.eyes.len() {
             if self.pixels(eye)?.iter().any(|&pixel| depth_of(pixel).is_finite()) {
                 return Ok(true);
@@ -259,7 +189,7 @@ impl Offscreen {
     }
 
     /// Draws one frame and waits for it.
-    fn draw(&mut self, frame: u64, view: &View) -> anyhow::Result<FrameTimes> {
+    fn draw(&mut self, frame: u64, view: &View) -> Result<FrameTimes, PictureError> {
         let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let images: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
@@ -271,12 +201,12 @@ impl Offscreen {
             queue.submit([commands]);
         }
         self.renderer.submitted();
-        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
-        self.renderer.collect_times().context("the GPU gave no frame back")
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(ReadbackError::from)?;
+        self.renderer.collect_times().ok_or(PictureError::NoFrame)
     }
 
     /// The pixels of an eye: bits of the depth, color.
-    fn pixels(&self, eye: usize) -> anyhow::Result<Vec<Pixel>> {
+    fn pixels(&self, eye: usize) -> Result<Vec<Pixel>, ReadbackError> {
         self.renderer.read_pixels(eye)
     }
 }
@@ -285,7 +215,7 @@ impl Offscreen {
 ///
 /// # Errors
 /// The file cannot be written, or the device is lost.
-pub fn write_png(output: &Output, image: &wgpu::Texture, gpu: &Gpu) -> anyhow::Result<OutputFile> {
+pub fn write_png(output: &Output, image: &wgpu::Texture, gpu: &Gpu) -> Result<OutputFile, PictureError> {
     let pixels = readback::read_texture(gpu, image)?;
     let [r, g, b] = if image.format() == wgpu::TextureFormat::Bgra8UnormSrgb { [2, 1, 0] } else { [0, 1, 2] };
     let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[r], p[g], p[b]]).collect();
@@ -338,7 +268,7 @@ fn metrics(
     times: &[FrameTimes],
     points: u64,
     load_s: f64,
-) -> anyhow::Result<String> {
+) -> Result<String, ReadbackError> {
     let measured = &times[1..];
     let median = |value: &dyn Fn(&FrameTimes) -> f32| {
         // A device without timestamps gives null.
@@ -366,7 +296,7 @@ fn metrics(
         "device": offscreen.gpu.name(),
         "driver": offscreen.gpu.driver(),
     });
-    Ok(serde_json::to_string_pretty(&metrics)? + "\n")
+    Ok(format!("{metrics:#}\n"))
 }
 
 #[cfg(test)]
