@@ -1,6 +1,5 @@
 //! Why a command fails: one type from where it happens to where somebody decides by it.
 
-use crate::config::ConfigError;
 use crate::desktop::DesktopError;
 use crate::offscreen::PictureError;
 use crate::view::LoadError;
@@ -21,9 +20,9 @@ pub enum Failure {
     /// The command line asks for something that makes no sense or does not exist.
     #[error("{0}")]
     Usage(String),
-    /// The settings are wrong or cannot be read.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
+    /// A file that is read does not hold what is asked of it; the sentence says which and why.
+    #[error("{0}")]
+    Input(String),
     /// An output is refused or cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -66,9 +65,6 @@ pub enum Failure {
     /// A frame log cannot be read.
     #[error(transparent)]
     LogFile(#[from] timing::ReadError),
-    /// A frame log does not hold what is asked of it.
-    #[error("{0}")]
-    Lacking(String),
     /// The results of a benchmark cannot be read.
     #[error(transparent)]
     Results(#[from] BenchError),
@@ -83,7 +79,6 @@ impl Failure {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::Usage(_) => true,
-            Self::Config(error) => error.is_usage(),
             Self::Output(error)
             | Self::Picture(PictureError::Output(error))
             | Self::Log(LogError::Create(error)) => error.is_usage(),
@@ -119,8 +114,7 @@ mod tests {
 
     #[test]
     fn wrong_usage_is_told_from_what_fails() {
-        let config = || crate::config::load(&[], None, &["frame.x=1".into()]).unwrap_err();
-        assert!(Failure::Usage("no".into()).is_usage() && Failure::from(config()).is_usage());
+        assert!(Failure::Usage("no".into()).is_usage() && !Failure::Input("no".into()).is_usage());
         assert!(Failure::Picture(PictureError::Usage("no".into())).is_usage());
         assert!(Failure::from(SynthError::NoPoints).is_usage());
         assert!(!Failure::from(io::Error::other("x")).is_usage());

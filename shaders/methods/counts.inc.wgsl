@@ -10,6 +10,9 @@ struct Counts {
     reserved: array<u32, 3>,
 }
 
+/// Bits of a word.
+const WORD_BITS: u32 = 32u;
+
 @group(0) @binding(18) var<storage, read_write> count_bins: array<Counts, COUNT_BINS>;
 
 /// True once the point at hand has asked for a pixel.
@@ -44,13 +47,13 @@ fn count_once(is_drawn: bool) {
 // Notes whether the current thread has asked for a pixel of a splat that several threads draw.
 fn count_share(splat: u32) {
     if take_asked() {
-        atomicOr(&asked_splats[splat / 32u], 1u << (splat % 32u));
+        atomicOr(&asked_splats[splat / WORD_BITS], 1u << (splat % WORD_BITS));
     }
 }
 
 // Counts the splats that the workgroup has drawn together. All its threads come here between two barriers.
 fn count_waiting(num_splats: u32) {
-    for (var word = this_thread; 32u * word < num_splats; word += WORKGROUP_SIZE) {
+    for (var word = this_thread; WORD_BITS * word < num_splats; word += WORKGROUP_SIZE) {
         atomicAdd(&count_bins[bin()].num_drawn, countOneBits(atomicExchange(&asked_splats[word], 0u)));
     }
 }

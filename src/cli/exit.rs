@@ -1,5 +1,6 @@
 //! How the program ends: errors as one line for people, exit codes, signals; and what it says meanwhile.
 
+use crate::config::ConfigError;
 use crate::failure::Failure;
 use base::output::Partials;
 use base::task::CancelToken;
@@ -13,6 +14,12 @@ const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 /// What shells report of a program that SIGINT ended: 128 + 2.
 const INTERRUPTED: i32 = 130;
+
+impl From<ConfigError> for Failure {
+    fn from(error: ConfigError) -> Self {
+        if error.is_usage() { Self::Usage(error.to_string()) } else { Self::Input(error.to_string()) }
+    }
+}
 
 /// Prints a failure and chooses the exit code.
 pub(super) fn code(result: Result<(), Failure>) -> ExitCode {
@@ -86,6 +93,16 @@ mod tests {
     #[derive(Debug, thiserror::Error)]
     #[error("{0}")]
     struct Failed(&'static str, #[source] io::Error);
+
+    #[test]
+    fn wrong_settings_are_wrong_usage() {
+        let failure = |sets: &[&str], file| {
+            let sets: Vec<_> = sets.iter().map(ToString::to_string).collect();
+            Failure::from(crate::config::load(&[], file, &sets).unwrap_err())
+        };
+        assert!(failure(&["frame.x=1"], None).is_usage());
+        assert!(!failure(&[], Some(std::path::Path::new("no such file"))).is_usage());
+    }
 
     #[test]
     fn failures_are_one_line() {

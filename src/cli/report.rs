@@ -74,7 +74,7 @@ fn refuse_poses(args: &ReportArgs) -> Result<(), Failure> {
 
 fn write_poses(log: &FrameLogFile, file: &Path, output: &Output) -> Result<(), Failure> {
     let poses = worst_poses(log).ok_or_else(|| {
-        Failure::Lacking(format!(
+        Failure::Input(format!(
             "{} has no head poses with GPU times; log the walk again with this version's `scanwalk view --log`",
             file.display()
         ))

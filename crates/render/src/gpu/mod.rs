@@ -25,6 +25,7 @@ pub struct Gpu {
     /// The queue behind its lock: the only way to submit, present or configure.
     pub queue: Queue,
     lost: Arc<OnceLock<String>>,
+    pipelines: stage::PipelineCache,
 }
 
 impl Gpu {
@@ -47,7 +48,14 @@ impl Gpu {
             // All objects of a lost device are invalid: the loss is reported, errors that follow from it are not.
             assert!(watched.get().is_some(), "a mistake in the use of the GPU: {error}");
         }));
-        Self { instance, adapter, device, queue: Queue::new(queue), lost }
+        Self {
+            instance,
+            adapter,
+            device,
+            queue: Queue::new(queue),
+            lost,
+            pipelines: stage::PipelineCache::default(),
+        }
     }
 
     /// Why the device is lost, if it is: nothing more comes of submitted work then.

@@ -5,9 +5,11 @@ use crate::bindings::{AGAIN, Set};
 use crate::draw_options::Access;
 use crate::layout::Variant;
 use crate::shaders::ShaderOfSet;
+use std::collections::HashMap;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -25,6 +27,33 @@ pub struct Stage<S: Set> {
 #[derive(Debug)]
 pub struct Compiled {
     pipeline: wgpu::ComputePipeline,
+}
+
+/// Pipelines that a device has compiled, by the shader's text and by whether every index is checked. The same shader
+/// costs nothing in another renderer, so tests do not compile it again and again.
+#[derive(Debug, Default)]
+pub(super) struct PipelineCache(Mutex<HashMap<(String, bool), Compiling>>);
+
+/// A place that holds a pipeline once it is compiled.
+type Compiling = Arc<OnceLock<CachedPipeline>>;
+
+/// A pipeline of the cache.
+#[derive(Clone, Debug)]
+struct CachedPipeline {
+    pipeline: wgpu::ComputePipeline,
+    /// Names and numbers of what it uses.
+    used: Vec<(String, u32)>,
+}
+
+impl PipelineCache {
+    /// What `compile` makes of a text, or has made of it before. Other texts can be compiled meanwhile.
+    fn get(&self, wgsl: &str, checked: bool, compile: impl FnOnce() -> CachedPipeline) -> CachedPipeline {
+        let place = {
+            let mut pipelines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(pipelines.entry((wgsl.to_owned(), checked)).or_default())
+        };
+        place.get_or_init(compile).clone()
+    }
 }
 
 /// The resources that a shader uses in group 0, of a set and besides, each with its binding number.
@@ -83,7 +112,11 @@ impl<S: Set> Bindings<S> {
     /// If the text is not valid: shaders are ours, and a test looks at each.
     #[must_use]
     pub fn of(name: &str, wgsl: &str, entry: &str) -> Self {
-        let used = used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}"));
+        Self::of_used(name, used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}")))
+    }
+
+    /// From names and numbers of what a shader uses.
+    fn of_used(name: &str, used: Vec<(String, u32)>) -> Self {
         let names = S::names();
         let by_name = |(used, binding): (String, u32)| {
             let own = used.strip_suffix(AGAIN).unwrap_or(&used);
@@ -140,32 +173,32 @@ impl<S: Set> Stage<S> {
     /// Compiles a variant of a shader.
     #[must_use]
     pub fn of(gpu: &Gpu, shader: ShaderOfSet<S>, variant: Variant, access: Access) -> Self {
-        let compile = if access.checked { Self::new } else { Self::trusted };
-        compile(gpu, shader.name(), &shader.source(variant))
+        Self::of_text(gpu, shader.name(), &shader.source(variant), access.checked)
     }
 
-    /// Compiles `wgsl` (the whole text, prelude included).
+    /// Compiles `wgsl` (the whole text, prelude included), with a check of every index.
     #[must_use]
     pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
-        Self::of_module(gpu, name, wgsl, &shader_module(&gpu.device, name, wgsl))
+        Self::of_text(gpu, name, wgsl, true)
     }
 
-    /// Compiles `wgsl` without a check of every index: for texts of `shaders/`, with resources as large as the frame's.
-    #[must_use]
-    pub fn trusted(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
-        Self::of_module(gpu, name, wgsl, &raw::trusted::shader_module(&gpu.device, name, wgsl))
-    }
-
-    fn of_module(gpu: &Gpu, name: &'static str, wgsl: &str, module: &wgpu::ShaderModule) -> Self {
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: None,
-            module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        Self { compiled: Compiled { pipeline }, bindings: Bindings::of(name, wgsl, "main") }
+    /// Without `checked` the text is one of `shaders/`, with resources as large as the frame's.
+    fn of_text(gpu: &Gpu, name: &'static str, wgsl: &str, checked: bool) -> Self {
+        let compile = || {
+            let make = if checked { shader_module } else { raw::trusted::shader_module };
+            let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: None,
+                module: &make(&gpu.device, name, wgsl),
+                entry_point: Some("main"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            let used = used(wgsl, "main").unwrap_or_else(|e| panic!("shader {name}: {e}"));
+            CachedPipeline { pipeline, used }
+        };
+        let CachedPipeline { pipeline, used } = gpu.pipelines.get(wgsl, checked, compile);
+        Self { compiled: Compiled { pipeline }, bindings: Bindings::of_used(name, used) }
     }
 
     /// A bind group for this stage; see [`Bindings::bind`].
@@ -227,4 +260,21 @@ pub fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::Sha
         label: Some(name),
         source: wgpu::ShaderSource::Wgsl(wgsl.into()),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bindings::Clear;
+
+    #[test]
+    fn a_text_is_compiled_once_for_a_device() {
+        let gpu = Gpu::open(None).expect("a Vulkan driver");
+        let text = |size: u32| format!("@compute @workgroup_size({size}) fn main() {{}}");
+        let pipeline = |size| Stage::<Clear>::new(&gpu, "nothing", &text(size)).compiled.pipeline;
+        assert_eq!(pipeline(1), pipeline(1));
+        assert_ne!(pipeline(1), pipeline(2));
+        let unchecked = Stage::<Clear>::of_text(&gpu, "nothing", &text(1), false);
+        assert_ne!(pipeline(1), unchecked.compiled.pipeline);
+    }
 }
