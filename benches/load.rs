@@ -1,11 +1,9 @@
 //! How fast scans are read: M points/s of our reader beside the bare parse rate of the las crate, and peak memory a
 //! point. PLY files, as text and binary, are read by ours alone. Prints CSV rows; `docs/bench/load` keeps a run.
 
-#[path = "support/steps.rs"]
-mod steps;
-
 use anyhow::Result;
 use base::task::CancelToken;
+use kit::steps;
 use las::{Builder, Color, Point, PointDataBuilder, Reader, Transform, Vector, Writer, point::Format};
 use std::fs::File;
 use std::io::{BufWriter, Write};

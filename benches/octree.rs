@@ -4,9 +4,6 @@
 //! The step `read` is the file alone, `sort` the flat cloud's Morton sort as the octree does it, `flat` all of the flat
 //! cloud, `octree` the octree, and `nodes` counts nodes.
 
-#[path = "support/steps.rs"]
-mod steps;
-
 use anyhow::{Context, Result};
 use base::output::{Output, OutputKind};
 use base::percentile::Sorted;
@@ -14,6 +11,7 @@ use base::task::{CancelToken, Progress};
 use cloud::morton::MortonGrid;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Order, build};
+use kit::steps;
 use lab::synth::{self, SynthKind, SynthOptions};
 use points::{self, ReadOptions, Scan};
 use rayon::prelude::*;

@@ -3,11 +3,10 @@
 //! `docs/bench/dilate` keeps a run. Before anything is timed, both must have found the same depths.
 
 mod scene;
-#[path = "../support/timed.rs"]
-mod timed;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
+use kit::timed::{Spread, Timed};
 use render::bindings::{Eye, OfEye};
 use render::gpu::stage::{Stage, nothing_besides};
 use render::gpu::timer::Timer;
@@ -15,7 +14,6 @@ use render::gpu::{Gpu, readback};
 use render::layout::{self, DilateUniform, ResolveUniform, Variant};
 use render::{shaders, tiles};
 use std::io::{self, Write};
-use timed::{Spread, Timed};
 use wgpu::BufferUsages;
 use wgpu::util::DeviceExt;
 

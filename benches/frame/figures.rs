@@ -2,7 +2,7 @@
 
 use crate::contestant::Sample;
 use crate::heat::{Part, Ratio};
-use crate::timed::Spread;
+use kit::timed::Spread;
 use std::io::{self, Write};
 use timing::STAGES;
 

@@ -10,8 +10,6 @@ mod contestant;
 mod figures;
 mod heat;
 mod scene;
-#[path = "../support/timed.rs"]
-mod timed;
 
 use anyhow::{Context, Result};
 use base::space::View;
@@ -19,11 +17,11 @@ use clap::Parser;
 use contestant::Contestant;
 use figures::{Figures, print_growth};
 use heat::{Entry, Heat, MAX_HARDWARE_POINTS};
+use kit::timed::Timed;
 use render::gpu::Gpu;
 use scene::Scene;
 use std::io::{self, Write};
 use std::sync::Arc;
-use timed::Timed;
 
 /// Frames that are drawn before any counts.
 const WARM_UP_FRAMES: usize = 2;

@@ -1,12 +1,12 @@
 //! The ways to draw that are compared, and the truth that they are compared with.
 
-use super::picture::{Picture, only_eye};
-use super::scene::Scene;
-use super::supersample::{self, FACTOR};
 use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
+use kit::quality::picture::{Picture, only_eye};
+use kit::quality::scene::Scene;
+use kit::quality::supersample::{self, FACTOR};
 use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::depth_of;
 use render::DrawOptions;

@@ -1,16 +1,18 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
-use super::holes::{self, Drawer, Drawn, OUTLINE_PX, RINGS_DEG, left_eye, plan, sphere, unreduced};
-use super::scene::{SOURCES, Source};
 use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
 use glam::DVec3;
+use kit::quality::holes::{self, Drawer, Drawn, EMPTY_RGB, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
+use kit::quality::scene::{SOURCES, Source};
 use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
 use render::{CloudBuffers, DrawOptions};
+use scanwalk::config::{self, ConfigError};
+use scanwalk::resolve::Plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -95,9 +97,15 @@ impl Holes {
             for headset in HEADSETS.into_iter().filter(|headset| headset.contains(&self.headset)) {
                 for preset in PRESETS.into_iter().filter(|preset| preset.contains(&self.preset)) {
                     let plan = plan(&[preset, headset], &self.sets)?;
-                    let view = left_eye(&plan, place.eye, place.target, self.share);
+                    let view = eye_at(&plan, place, self.share);
                     let buffers = cloud.take().context("no cloud to draw")?;
-                    let mut drawer = Drawer::new(gpu, buffers, &plan.draw, view.eyes[0].size_px)?;
+                    let mut drawer = Drawer::new(
+                        gpu,
+                        buffers,
+                        plan.draw.atomics(gpu)?,
+                        plan.draw.options,
+                        view.eyes[0].size_px,
+                    )?;
                     let names = format!("{name} {},{headset},{preset}", place.name);
                     self.frames(&mut drawer, (&names, num_points, is_open), plan.draw.options, &view, kept)?;
                     cloud = drawer.finish();
@@ -129,6 +137,21 @@ impl Holes {
         }
         Ok(())
     }
+}
+
+/// The plan of the settings of these presets, then of `sets`, in which empty pixels have a color of their own.
+fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
+    let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
+    let mut plan = Plan::of(&config::load(&presets, None, sets)?);
+    plan.draw.options.background = EMPTY_RGB;
+    Ok(plan)
+}
+
+/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
+fn eye_at(plan: &Plan, place: &Viewpoint, share: f64) -> View {
+    let share = share * plan.headset.resolution_scale;
+    let size_px = plan.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32);
+    holes::left_eye((place.eye, place.target), plan.simulated.left_fov, size_px, plan.draw.near)
 }
 
 /// Destinations of rows and pictures.

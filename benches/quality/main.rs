@@ -4,25 +4,19 @@
 //! Pictures do not depend on how fast they are drawn, so figures of a software driver are as good as any.
 
 mod contestant;
-mod figures;
-mod holes;
 mod holes_table;
-mod metrics;
-mod motion;
-mod picture;
-mod scene;
-mod supersample;
 
 use anyhow::{Context, Result};
 use base::space::View;
 use clap::Parser;
 use contestant::{CONTESTANTS, Contestant, Truth};
-use figures::{Figures, Motion, Recording, Table};
 use holes_table::Holes;
+use kit::quality::figures::{Figures, Motion, Recording, Table};
+use kit::quality::motion;
+use kit::quality::picture::Picture;
+use kit::quality::scene::{self, SOURCES, Scene, Source};
 use lab::synth::Viewpoint;
-use picture::Picture;
 use render::gpu::Gpu;
-use scene::{SOURCES, Scene, Source};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};

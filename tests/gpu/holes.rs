@@ -3,21 +3,19 @@
 //! frame of all points fills. This is a small form of the benchmark's table (`docs/bench/holes`): fewer pixels, or
 //! fewer headsets with each preset.
 
-#[allow(dead_code, clippy::module_inception, reason = "the benchmark's, which uses more")]
-#[path = "../../benches/quality/holes.rs"]
-mod holes;
-#[allow(dead_code, reason = "the benchmark uses more")]
-#[path = "../../benches/quality/scene.rs"]
-mod scene;
-
+use base::space::View;
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
-use holes::{Drawer, Drawn, Holes, Judged, OUTLINE_PX, RINGS_DEG, left_eye, plan, sphere, unreduced};
 use kit::frames::gpu;
+use kit::quality::holes::{
+    self, Drawer, Drawn, EMPTY_RGB, Holes, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
+};
+use kit::quality::scene::Source;
 use lab::synth::{SynthKind, Viewpoint};
 use render::CloudBuffers;
-use scene::Source;
+use scanwalk::config::{self, ConfigError};
+use scanwalk::resolve::Plan;
 use std::sync::OnceLock;
 
 const SHARE: f64 = 0.2;
@@ -42,6 +40,21 @@ fn octree() -> &'static Octree {
 /// The viewpoint in the middle of the sphere.
 const INSIDE: Viewpoint = Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
 
+/// The plan of the settings of these presets, then of `sets`, in which empty pixels have a color of their own.
+fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
+    let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
+    let mut plan = Plan::of(&config::load(&presets, None, sets)?);
+    plan.draw.options.background = EMPTY_RGB;
+    Ok(plan)
+}
+
+/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
+fn eye_at(plan: &Plan, place: &Viewpoint, share: f64) -> View {
+    let share = share * plan.headset.resolution_scale;
+    let size_px = plan.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32);
+    holes::left_eye((place.eye, place.target), plan.simulated.left_fov, size_px, plan.draw.near)
+}
+
 /// Holes of each ring, from the middle of the sphere, with each of the settings and rungs of the governor.
 fn rings(presets: &[&str], frames: &[(&str, f32)]) -> Vec<[Judged; RINGS_DEG.len()]> {
     let holes = holes_from(octree(), &INSIDE, (SHARE, false), presets, frames);
@@ -59,9 +72,11 @@ fn holes_from(
 ) -> Vec<Holes> {
     let of = |set: &str| plan(presets, &[set.to_owned()]).expect("settings");
     let first = of(frames[0].0);
-    let view = left_eye(&first, place.eye, place.target, share);
+    let view = eye_at(&first, place, share);
     let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
-    let mut drawer = Drawer::new(&gpu(), cloud, &first.draw, view.eyes[0].size_px).expect("room on the GPU");
+    let (atomics, size_px) = (first.draw.atomics(&gpu()).expect("a tier"), view.eyes[0].size_px);
+    let mut drawer =
+        Drawer::new(&gpu(), cloud, atomics, first.draw.options, size_px).expect("room on the GPU");
     let mut draw = |options, lod_scale| drawer.draw(options, &view, lod_scale).expect("a frame");
     // The frame of all points is drawn with the preset itself, whatever is set besides.
     let whole = is_open.then(|| draw(unreduced(plan(presets, &[]).expect("settings").draw.options), 1.0));
@@ -153,7 +168,7 @@ fn thresholds_set_by_hand_open_no_holes() {
 #[test]
 fn a_hole_is_counted_in_its_ring() {
     let plan = plan(&["balanced", "valve-index"], &[]).expect("settings");
-    let view = left_eye(&plan, DVec3::ZERO, DVec3::Y, 0.02);
+    let view = eye_at(&plan, &Viewpoint { name: "origin", eye: DVec3::ZERO, target: DVec3::Y }, 0.02);
     let [width, height] = view.eyes[0].size_px;
     let whole =
         Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };

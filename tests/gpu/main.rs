@@ -16,7 +16,6 @@ mod methods;
 mod overlay;
 mod popping;
 mod precision;
-mod quality;
 mod second_driver;
 mod shaders;
 mod spt;

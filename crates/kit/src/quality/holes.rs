@@ -2,14 +2,11 @@
 //! for headsets, presets and steps of the governor.
 
 use anyhow::{Context, Result};
-use base::space::{Eye, Pose, View};
+use base::space::{Eye, Fov, Pose, View};
 use glam::DVec3;
 use points::{Grid, Scan, ScanBuilder};
-use render::gpu::{Gpu, readback};
+use render::gpu::{Atomics, Gpu, readback};
 use render::{self, CloudBuffers, DrawOptions, EyeImage, IMAGE_USAGES, Renderer, Setup};
-use scanwalk::config;
-use scanwalk::draw::DrawPlan;
-use scanwalk::resolve::Plan;
 use std::sync::Arc;
 
 /// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
@@ -18,7 +15,7 @@ pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
 /// the surface, with or without level of detail.
 pub const OUTLINE_PX: usize = render::layout::DILATE_REACH_PX as usize;
 /// Color of empty pixels, which no point has.
-const EMPTY_RGB: [u8; 3] = [255, 0, 255];
+pub const EMPTY_RGB: [u8; 3] = [255, 0, 255];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Radius of the sphere that [`sphere`] makes, world units.
 const SPHERE_RADIUS: f64 = 5.0;
@@ -48,24 +45,10 @@ pub fn sphere(num_points: u64) -> Scan {
     ScanBuilder::new(grid, xyz).path("sphere").rgb(rgb).scan()
 }
 
-/// The plan of the settings of these presets, then of `sets`.
-pub fn plan(presets: &[&str], sets: &[String]) -> Result<Plan> {
-    let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
-    let mut plan = Plan::of(&config::load(&presets, None, sets)?);
-    plan.draw.options.background = EMPTY_RGB;
-    Ok(plan)
-}
-
-/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
-pub fn left_eye(plan: &Plan, eye: DVec3, target: DVec3, share: f64) -> View {
-    let share = share * plan.headset.resolution_scale;
-    let eye = Eye {
-        world_from_view: Pose::look_at(eye, target, DVec3::Z),
-        fov: plan.simulated.left_fov,
-        size_px: plan.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32),
-        gaze_in_view: Eye::AHEAD,
-    };
-    View { eyes: vec![eye], near: plan.draw.near }
+/// One eye at a place, which looks where a headset's left eye does. `near` is in world units.
+pub fn left_eye((eye, target): (DVec3, DVec3), fov: Fov, size_px: [u32; 2], near: f64) -> View {
+    let world_from_view = Pose::look_at(eye, target, DVec3::Z);
+    View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near }
 }
 
 /// The part of a frame that is needed to count holes.
@@ -114,10 +97,15 @@ impl Drawer {
     ///
     /// # Errors
     /// If the size does not fit the GPU.
-    pub fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, options: &DrawPlan, size_px: [u32; 2]) -> Result<Self> {
-        let atomics = options.atomics(gpu)?;
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        cloud: CloudBuffers,
+        atomics: Atomics,
+        options: DrawOptions,
+        size_px: [u32; 2],
+    ) -> Result<Self> {
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
-        let mut renderer = Renderer::new(gpu, setup, options.options)?;
+        let mut renderer = Renderer::new(gpu, setup, options)?;
         renderer.set_cloud(cloud)?;
         let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
         let image = gpu.texture("image", size_px, FORMAT, usage);
@@ -153,7 +141,7 @@ impl Drawer {
     }
 }
 
-/// The look with every point drawn.
+/// These options with every point drawn.
 pub fn unreduced(mut options: DrawOptions) -> DrawOptions {
     options.detail.threshold_px = [1e-3; 3];
     options

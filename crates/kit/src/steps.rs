@@ -1,4 +1,4 @@
-//! Support for benchmarks whose every step happens in a process of its own, so that its peak memory is its own. They
+//! What benchmarks share whose every step happens in a process of its own, so that its peak memory is its own. They
 //! print CSV rows.
 
 use anyhow::{Result, ensure};

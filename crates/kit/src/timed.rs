@@ -1,4 +1,4 @@
-//! Support for benchmarks that time the GPU: arguments, the device, the file of samples, medians.
+//! What benchmarks share that time the GPU: arguments, the device, the file of samples, medians.
 
 use anyhow::{Context, Result, ensure};
 use base::percentile::Sorted;
