@@ -1,4 +1,4 @@
-// busy-loop: a thread waits until nobody has the pixel locked, locks it, writes, and unlocks it; Günther et al. 2013,
+// busy-loop: a thread waits until nobody has the pixel locked, locks it, writes, and unlocks it; [2013],
 // with their early-z. [2021 §2.2, §5]
 //
 // A pixel's depth is its lock: it reads LOCKED while a thread writes the id, and writing the new depth unlocks it. The

@@ -1,4 +1,4 @@
-// Lengths of sequential point trees, as steps (see cloud/spt/steps.rs), and the tolerance that they are compared with.
+// Lengths of sequential point trees, as steps (see crates/cloud/src/spt/steps.rs), and the tolerance that they are compared with.
 
 /// The largest step that is not more than a length ≥ 0.
 fn step_below(length: f32) -> u32 {

@@ -2,7 +2,7 @@
 // the word beside point i is triangle i: corner | corner≪8 | corner≪16 | step of its longest side≪24.
 //
 // A pixel belongs to a triangle if its centre does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are
-// of homogeneous coordinates, so that triangles need not be clipped at the near plane. [Olano and Greer 1997]
+// of homogeneous coordinates, so that triangles need not be clipped at the near plane. [1997]
 //
 // A thread draws a triangle; large ones wait until all threads draw them together. If threads ask each other
 // (CONVERGED), all triangles wait. If some may be larger still, a batch comes in slices: each is a workgroup that draws

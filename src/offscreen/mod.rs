@@ -223,11 +223,22 @@ pub fn write_png(output: &Output, image: &wgpu::Texture, gpu: &Gpu) -> Result<Ou
         let mut encoder = png::Encoder::new(file, image.width(), image.height());
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&rgb)?;
-        Ok(writer.finish()?)
+        let written = || {
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(&rgb)?;
+            writer.finish()
+        };
+        written().map_err(io_error)
     });
     Ok(written?)
+}
+
+/// The system's own error, if writing failed: whether a pipe is closed shows in it.
+fn io_error(error: png::EncodingError) -> io::Error {
+    match error {
+        png::EncodingError::IoError(error) => error,
+        error => io::Error::other(error),
+    }
 }
 
 /// Writes linear depths as a NumPy array of float32, shape (H, W).

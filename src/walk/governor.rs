@@ -135,7 +135,7 @@ pub struct Governor {
 }
 
 impl Governor {
-    /// A governor at the top of the ladder, which is what `look` asks for.
+    /// A governor at the top of the ladder, which is what `draw` asks for.
     #[must_use]
     pub fn new(options: GovernorOptions, draw: &DrawOptions) -> Self {
         Self::at_top(options, ladder(draw.quality, true))

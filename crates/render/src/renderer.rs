@@ -211,7 +211,7 @@ impl Renderer {
     /// Sets what a pixel shows from the next frame on.
     ///
     /// # Errors
-    /// See [`Self::set_look`].
+    /// See [`Self::set_options`].
     pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
         if quality == self.options.quality {
             Ok(())

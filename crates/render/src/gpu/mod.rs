@@ -13,7 +13,7 @@ pub use queue::{Queue, QueueGuard};
 
 use std::sync::{Arc, OnceLock};
 
-/// A GPU, opened: by us ([`Gpu::open`]) or by an OpenXR runtime (`xr::vulkan`).
+/// A GPU, opened: by us ([`Gpu::open`]) or by an OpenXR runtime (`raw::device`).
 #[derive(Debug)]
 pub struct Gpu {
     /// wgpu's instance; window surfaces are made from it.

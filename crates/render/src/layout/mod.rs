@@ -1,5 +1,5 @@
 //! What host and shaders share: constants and structs. Constants flow one way, host → shader, as the
-//! generated [`prelude`]; struct offsets are compared with naga's in `tests/gpu/shaders.rs`.
+//! generated [`prelude`]; struct offsets are compared with naga's in `tests/gpu/shaders/structs.rs`.
 
 mod flags;
 mod guard;
