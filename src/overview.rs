@@ -239,14 +239,13 @@ mod tests {
             let lens = Lens { sideways: 0.0, fov: Fov::symmetric(fov_y, aspect) };
             let eye = place(&scene, orientation, &[lens], None);
             let [across, down] = span(&scene, orientation, &lens, eye).expect("all is seen");
-            // The silhouette spans more than 0.7 of the picture's shorter side; the near clip takes a little.
-            let shorter = if aspect > 1.0 { (across * aspect).max(down) } else { across.max(down / aspect) };
-            // It may span less if the eye is as near to the nearest point as it may come: nearer there is only the
-            // scene's inside.
+            // From the least distance the silhouette would fill its part of the picture. The eye is further away by the
+            // near clip, so that a part at depth z is smaller by 1 - near clip / z: the nearest part by the most.
             let nearest = scene.samples.iter().map(|&p| (orientation.inverse() * (eye - p)).z).fold(f64::MAX, f64::min);
-            let touches = nearest < 1.01 * NEAR_SHARE * scene.bounds.edge();
-            prop_assert!(shorter > 0.7 || touches, "{across} x {down} of aspect {aspect}");
-            prop_assert!(across.max(down) <= 0.9 + 1e-4);
+            let fills = FILL * (1.0 - NEAR_SHARE * scene.bounds.edge() / nearest);
+            let fullest = across.max(down);
+            prop_assert!(fullest > fills - 1e-3, "{across} x {down}, no less than {fills} expected");
+            prop_assert!(fullest <= FILL + 1e-4);
             // As much of the picture is left on either side.
             let (low, high) = silhouette(&scene, orientation, &lens, eye).expect("all is seen");
             for axis in 0..2 {
