@@ -95,7 +95,7 @@ settings! {
         enabled: bool = true;
         /// What is built to tell what matters: "octree" (nodes of points, drawn by their projected size) or "spt" (a
         /// sequential point tree: discs that stand for points, drawn by their projected error, and a mesh's triangles).
-        method: LodMethod = LodMethod::Octree;
+        method: LodMethod = LodMethod::Octree, for Laboratory;
         /// A node of the octree is drawn if its projected edge has this many pixels: in the inner, middle and outer ring.
         // Below 50, a pixel could get more points than the stage `color` can add up: see `render::layout::Sums`.
         threshold_px: [f64; 3] = [100.0, 200.0, 300.0], from 50 to 10_000, in "pixels";
