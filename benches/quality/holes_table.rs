@@ -4,8 +4,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
-use glam::DVec3;
-use kit::quality::holes::{self, Drawer, Drawn, EMPTY_RGB, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
+use kit::quality::holes::{self, Drawer, Drawn, EMPTY_RGB, INSIDE, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
 use kit::quality::scene::{SOURCES, Source};
 use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
@@ -20,8 +19,6 @@ use std::sync::Arc;
 const HEADSETS: [&str; 3] = ["valve-index", "meta-quest-3", "bigscreen-beyond-2"];
 const PRESETS: [&str; 3] = ["quality", "balanced", "performance"];
 const LOD_SCALES: [f32; 3] = [1.0, 2.0, 3.0];
-/// A viewpoint in the middle of the sphere.
-const INSIDE: Viewpoint = Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
 
 /// What is measured; each list empty for all.
 #[derive(Debug, clap::Args)]
@@ -150,8 +147,7 @@ fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
 /// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
 fn eye_at(plan: &Plan, place: &Viewpoint, share: f64) -> View {
     let share = share * plan.headset.resolution_scale;
-    let size_px = plan.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32);
-    holes::left_eye((place.eye, place.target), plan.simulated.left_fov, size_px, plan.draw.near)
+    holes::left_eye(place, plan.simulated.left_fov, (plan.simulated.size_px, share), plan.draw.near)
 }
 
 /// Destinations of rows and pictures.

@@ -9,7 +9,7 @@ use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
 use kit::frames::gpu;
 use kit::quality::holes::{
-    self, Drawer, Drawn, EMPTY_RGB, Holes, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
+    self, Drawer, Drawn, EMPTY_RGB, Holes, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
 };
 use kit::quality::scene::Source;
 use lab::synth::{SynthKind, Viewpoint};
@@ -37,9 +37,6 @@ fn octree() -> &'static Octree {
     OCTREE.get_or_init(build)
 }
 
-/// The viewpoint in the middle of the sphere.
-const INSIDE: Viewpoint = Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
-
 /// The plan of the settings of these presets, then of `sets`, in which empty pixels have a color of their own.
 fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
     let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
@@ -51,8 +48,7 @@ fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
 /// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
 fn eye_at(plan: &Plan, place: &Viewpoint, share: f64) -> View {
     let share = share * plan.headset.resolution_scale;
-    let size_px = plan.simulated.size_px.map(|size| (share * f64::from(size)).round() as u32);
-    holes::left_eye((place.eye, place.target), plan.simulated.left_fov, size_px, plan.draw.near)
+    holes::left_eye(place, plan.simulated.left_fov, (plan.simulated.size_px, share), plan.draw.near)
 }
 
 /// Holes of each ring, from the middle of the sphere, with each of the settings and rungs of the governor.

@@ -4,6 +4,7 @@
 use anyhow::{Context, Result};
 use base::space::{Eye, Fov, Pose, View};
 use glam::DVec3;
+use lab::synth::Viewpoint;
 use points::{Grid, Scan, ScanBuilder};
 use render::gpu::{Atomics, Gpu, readback};
 use render::{self, CloudBuffers, DrawOptions, EyeImage, IMAGE_USAGES, Renderer, Setup};
@@ -16,6 +17,9 @@ pub const RINGS_DEG: [f64; 5] = [20.0, 38.0, 50.0, 55.0, 180.0];
 pub const OUTLINE_PX: usize = render::layout::DILATE_REACH_PX as usize;
 /// Color of empty pixels, which no point has.
 pub const EMPTY_RGB: [u8; 3] = [255, 0, 255];
+/// The viewpoint in the middle of the sphere that [`sphere`] makes.
+pub const INSIDE: Viewpoint =
+    Viewpoint { name: "inside", eye: DVec3::ZERO, target: DVec3::new(3.0, 4.0, 0.5) };
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Radius of the sphere that [`sphere`] makes, world units.
 const SPHERE_RADIUS: f64 = 5.0;
@@ -45,9 +49,11 @@ pub fn sphere(num_points: u64) -> Scan {
     ScanBuilder::new(grid, xyz).path("sphere").rgb(rgb).scan()
 }
 
-/// One eye at a place, which looks where a headset's left eye does. `near` is in world units.
-pub fn left_eye((eye, target): (DVec3, DVec3), fov: Fov, size_px: [u32; 2], near: f64) -> View {
-    let world_from_view = Pose::look_at(eye, target, DVec3::Z);
+/// One eye at a place, which looks where a headset's left eye does, with `share` of the width and height `size_px`.
+/// `near` is in world units.
+pub fn left_eye(place: &Viewpoint, fov: Fov, (size_px, share): ([u32; 2], f64), near: f64) -> View {
+    let world_from_view = Pose::look_at(place.eye, place.target, DVec3::Z);
+    let size_px = size_px.map(|size| (share * f64::from(size)).round() as u32);
     View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near }
 }
 
