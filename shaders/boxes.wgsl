@@ -95,7 +95,7 @@ fn batch_box(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
         return NO_EDGE;
     }
     let low = batch.offset - vec3<f32>(batch.head_cell) * batch.cell;
-    return box_vertex(vertex, low, CELLS * batch.cell, palette((batch.flags & VISIBLE_PLANES) - 1u));
+    return box_vertex(vertex, low, CELLS * batch.cell, palette((batch.flags & VISIBLE_PLANES) - COARSE_PLANES));
 }
 
 @fragment

@@ -1,4 +1,4 @@
-// What the culls of octrees and of sequential point trees share: frustum, precision, and the list of visible batches.
+// What every cull needs: frustum, precision, and the list of visible batches.
 // [2022 §3.2, 3.3]; docs/FRAME.md §2, §3.
 
 struct CullCounters {
@@ -42,12 +42,12 @@ fn in_frustum(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>) -> bool 
         && in_front(eye.row_w * end.y - eye.row_y, center, half_edge);
 }
 
-// Planes to read of a box whose edge is drawn this large: 1 below the first threshold, 2 below the second, else 3.
+// Planes to read of a box whose edge is drawn this large.
 fn planes_needed(edge_px: f32) -> u32 {
     if edge_px < PRECISION_THRESHOLD_PX {
-        return 1u;
+        return COARSE_PLANES;
     }
-    return select(3u, 2u, edge_px < FINE_THRESHOLD_PX);
+    return select(ALL_PLANES, MIDDLE_PLANES, edge_px < FINE_THRESHOLD_PX);
 }
 
 // Where the head is among a batch's cells; see VisibleBatch.
@@ -62,7 +62,7 @@ fn head_place(head_hi: vec3<f32>, head_lo: vec3<f32>, cell: vec3<f32>, steps_per
     let steps = clamp(round(head_hi * steps_per_unit), -limit, limit);
     let head_cell = vec3<i32>(steps) * HEAD_CELL_STEP;
     var offset = vec3<f32>(head_cell) * cell - head_hi - head_lo;
-    if planes == 3u {
+    if planes == ALL_PLANES {
         offset += 0.5 * cell;
     }
     return HeadPlace(head_cell, offset);
@@ -86,7 +86,7 @@ fn show(batch: VisibleBatch, node: u32, wanted_slices: u32, num_batches: u32) {
         let of_slice = (slice << SLICE_SHIFT) | ((num_slices - 1u) << NUM_SLICES_SHIFT);
         visible[slot + slice] = VisibleBatch(
             batch.head_cell, batch.first_point, batch.offset, batch.num_points, batch.cell, batch.flags | of_slice,
-            batch.spacing, batch.own, batch.drawn, batch.batch, vec2<u32>(0u), batch.spacing_step, batch.sample_spacing,
+            batch.spacing, batch.own, batch.drawn, batch.spacing_step, batch.sample_spacing, 0u, vec2<u32>(0u),
         );
     }
 }

@@ -88,7 +88,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     // Both eyes count, whichever sees the batch, so that one eye's picture does not depend on where the other's ends.
-    var planes = max(view.forced_planes, 1u);
+    var planes = max(view.forced_planes, COARSE_PLANES);
     var num_slices = 1u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let along = abs(view.eyes[eye].row_w.xyz);
@@ -115,7 +115,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let head = head_place(head_hi, head_lo, batch.cell, batch.steps_per_unit, planes);
     let listed = VisibleBatch(
         head.cell, batch.first_point, head.offset, batch.num_points, batch.cell, flags | planes, node.spacing,
-        own_colors(node), drawn, id.x, vec2<u32>(0u), node.spacing_step, sample_spacing,
+        own_colors(node), drawn, node.spacing_step, sample_spacing, 0u, vec2<u32>(0u),
     );
     show(listed, batch.node, num_slices, arrayLength(&batches));
 }

@@ -11,7 +11,6 @@ fn key_of(w: f32, id: u32) -> Key {
 }
 
 fn key_in(eye: u32, pixel: u32) -> Key {
-    count_look();
     if eye == 0u {
         return atomicLoad(&depth_left[pixel]);
     }
@@ -19,7 +18,6 @@ fn key_in(eye: u32, pixel: u32) -> Key {
 }
 
 fn min_key(eye: u32, pixel: u32, key: Key) {
-    count_ask();
     if eye == 0u {
         atomicMin(&depth_left[pixel], key);
     } else {

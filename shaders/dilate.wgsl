@@ -9,13 +9,14 @@
 // memory have odd lengths, so that the threads' taps lie in different banks. A thread keeps its own four pixels' depths
 // and colors.
 
-const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / 4u;
+const NUM_THREADS: u32 = TILE_PX.x * TILE_PX.y / PIXELS_PER_THREAD;
 const NUM_COLUMNS: u32 = TILE_PX.x + 2u * DILATE_REACH_PX;
 const NUM_ROWS: u32 = TILE_PX.y + 2u * DILATE_REACH_PX;
 const TILE_STRIDE: u32 = NUM_COLUMNS | 1u;
 const ROW_STRIDE: u32 = TILE_PX.x | 1u;
-/// Row windows are made eight at once.
-const NUM_RUNS: u32 = TILE_PX.x / 8u;
+/// Row windows that are made at once.
+const ROW_WINDOWS: u32 = 2u * PIXELS_PER_THREAD;
+const NUM_RUNS: u32 = TILE_PX.x / ROW_WINDOWS;
 /// Depths within this factor of another, nearer or farther, are of one surface: its square is below SURFACE_TOLERANCE.
 const WHOLE_TOLERANCE: f32 = 1.0 + 0.49 * (SURFACE_TOLERANCE - 1.0);
 /// Pixels above and below the tile that reach into it.
@@ -160,7 +161,7 @@ fn sum_row(to: u32, depth: Run, color: Run) {
     let c = taps(color);
     let rb = weigh(end, d, c, Part(0u, CHANNELS_MASK));
     let gw = weigh(end, d, c, Part(GREEN_SHIFT, CHANNELS_MASK));
-    for (var i = 0u; i < 4u; i += 1u) {
+    for (var i = 0u; i < PIXELS_PER_THREAD; i += 1u) {
         row_nearest[to + i] = nearest[i];
         row_sums[to + i] = vec2(rb[i], gw[i]);
     }
@@ -177,7 +178,7 @@ fn sum_rows(column: u32, row: u32) {
         tile_color[i + 10u], tile_color[i + 11u], tile_color[i + 12u], tile_color[i + 13u]);
     let to = row * ROW_STRIDE + column;
     sum_row(to, first_run(depth), first_run(color));
-    sum_row(to + 4u, last_run(depth), last_run(color));
+    sum_row(to + PIXELS_PER_THREAD, last_run(depth), last_run(color));
 }
 
 // Depths that the rows found in the column windows of four pixels.
@@ -217,7 +218,7 @@ fn main(
     let corner = first - DILATE_REACH_PX;
     // This thread's own pixels are four below each other.
     let column = thread % TILE_PX.x;
-    let row = 4u * (thread / TILE_PX.x);
+    let row = PIXELS_PER_THREAD * (thread / TILE_PX.x);
     let a = first + vec2(column, row);
     let b = a + vec2(0u, 1u);
     let c = a + vec2(0u, 2u);
@@ -254,7 +255,7 @@ fn main(
         }
         workgroupBarrier();
         for (var i = thread; i < NUM_RUNS * NUM_ROWS; i += NUM_THREADS) {
-            sum_rows(8u * (i / NUM_ROWS), i % NUM_ROWS);
+            sum_rows(ROW_WINDOWS * (i / NUM_ROWS), i % NUM_ROWS);
         }
         workgroupBarrier();
         let i = row * ROW_STRIDE + column;

@@ -9,8 +9,7 @@ fn radius_px(eye: EyeUniform, x: i32, y: i32) -> u32 {
     let gaze = eye.gaze_in_view;
     let right = eye.tangent_origin.x + eye.tangent_per_px.x * (f32(x) + eye.first_px.x + 0.5);
     let up = eye.tangent_origin.y + eye.tangent_per_px.y * (f32(y) + eye.first_px.y + 0.5);
-    let ring = ring_of(right * gaze.x + up * gaze.y - gaze.z, right * right + up * up + 1.0);
-    return select(dilate.radius_px, 1u + ring, dilate.radius_px == 0u);
+    return 1u + ring_of(right * gaze.x + up * gaze.y - gaze.z, right * right + up * up + 1.0);
 }
 
 // The farthest depth of the surface whose nearest is given; 0, which no point has, if there is none.

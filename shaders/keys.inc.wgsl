@@ -12,7 +12,6 @@ fn key_of(w: f32, id: u32) -> Key {
 }
 
 fn key_in(eye: u32, pixel: u32) -> Key {
-    count_look();
     if eye == 0u {
         return atomicLoad(&keys_left[pixel]);
     }
@@ -20,7 +19,6 @@ fn key_in(eye: u32, pixel: u32) -> Key {
 }
 
 fn min_key(eye: u32, pixel: u32, key: Key) {
-    count_ask();
     if eye == 0u {
         atomicMin(&keys_left[pixel], key);
     } else {

@@ -69,10 +69,10 @@ struct VisibleBatch {
     spacing: vec4<u32>,
     own: vec2<u32>,
     drawn: u32,
-    batch: u32,
-    reserved: vec2<u32>,
     spacing_step: f32,
     sample_spacing: f32,
+    reserved: u32,
+    reserved_end: vec2<u32>,
 }
 
 struct ChunkUniform {
@@ -96,8 +96,6 @@ struct ResolveUniform {
 
 struct DilateUniform {
     eye: u32,
-    radius_px: u32,
-    reserved: vec2<u32>,
 }
 
 // Number of the slice that this is, among those of its batch.

@@ -5,9 +5,7 @@
 // A stage adds its targets from binding 5 on, and what it does with a point in a pixel of an eye, 0 or 1:
 //   fn put(eye: u32, pixel: u32, w: f32, id: u32)
 
-// Number of this workgroup, for functions that `put` calls.
-var<private> this_group: u32;
-// Number of this thread in its workgroup, for functions that `put` calls.
+// Number of this thread in its workgroup.
 var<private> this_thread: u32;
 
 fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
@@ -18,8 +16,8 @@ fn of_ring(ring: u32, values: vec3<f32>) -> f32 {
 const EXPONENT_SHIFT: u32 = 23u;
 
 // The edge of the finest nodes that are drawn whole where a point of a node with this edge lies: edges halve from level
-// to level, and the finest is more than half of `undivided_px`. While nodes below these fade in, with four times as
-// many samples, samples lie less far apart, and the edge is shorter by as much.
+// to level, and the finest is more than half of `undivided_px`. While nodes below these fade in, with SAMPLES_BELOW times
+// as many samples, samples lie less far apart, and the edge is shorter by as much.
 fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
     let larger = bitcast<u32>(max(edge_px, undivided_px)) >> EXPONENT_SHIFT;
     let octaves = larger - (bitcast<u32>(undivided_px) >> EXPONENT_SHIFT);
@@ -30,7 +28,7 @@ fn open_edge_px(edge_px: f32, undivided_px: f32) -> f32 {
     }
     let below = FADE_END * whole_px / undivided_px;
     let share = clamp((below - FADE_BEGIN) / (FADE_END - FADE_BEGIN), 0.0, 1.0);
-    return whole_px / sqrt(1.0 + 3.0 * share);
+    return whole_px / sqrt(1.0 + (SAMPLES_BELOW - 1.0) * share);
 }
 
 // Width in pixels of the square that a point is to close: by its distance from others, `spacing` world units, and by
@@ -96,7 +94,7 @@ fn draw_batch(batch: VisibleBatch) {
         var spacing = vec4<f32>(0.0);
         if FILL && (batch.flags & VISIBLE_FILL) != 0u {
             let edge = CELLS * max(batch.cell.x, max(batch.cell.y, batch.cell.z));
-            spacing = spacings(batch, points.load, turn, points.octant, edge);
+            spacing = spacings(batch, points.at, points.octant, edge);
         }
         if sees(0u, batch) {
             draw(0u, batch, points, spacing);

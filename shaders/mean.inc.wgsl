@@ -1,8 +1,5 @@
 // Means of color channels.
 
-/// Sums below 255 times this have means that floats compute exactly.
-const MAX_MEAN_COUNT: u32 = 12000u;
-
 // (sum + count / 2) / count, rounded down, of count < MAX_MEAN_COUNT channels of at most 255. A division of floats may
 // be wrong by 2.5 units in the last place [Vulkan, precision of OpFDiv]: below 256 by 4e-5. With half a unit added
 // to the dividend, quotients lie at least 0.5 / count from every integer, which is more. GPUs have no division of

@@ -5,7 +5,7 @@
 override ENCODE_SRGB: bool;
 
 // The part of the image that is drawn, from its top left corner, in uv.
-struct Drawn {
+struct DrawnUniform {
     size: vec2f,
     // Centre of the last texel: beyond it, filtering would mix in pixels that are not drawn.
     last: vec2f,
@@ -13,7 +13,7 @@ struct Drawn {
 
 @group(0) @binding(0) var image: texture_2d<f32>;
 @group(0) @binding(1) var image_sampler: sampler;
-@group(0) @binding(2) var<uniform> drawn: Drawn;
+@group(0) @binding(2) var<uniform> drawn: DrawnUniform;
 
 struct Corner {
     @builtin(position) position: vec4f,

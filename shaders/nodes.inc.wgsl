@@ -7,8 +7,8 @@ fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
 
 // World units that points lie apart, in a batch with this longest edge: the spacing of their octant, times a power of
 // their node's step.
-fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
-    let exponent = hi_of(load, turn) >> vec4<u32>(SPACING_EXPONENT_SHIFT);
+fn spacings(batch: VisibleBatch, at: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
+    let exponent = hi_of(at) >> vec4<u32>(SPACING_EXPONENT_SHIFT);
     let step = batch.spacing_step;
     let powers = vec4<f32>(1.0, step, step * step, step * step * step);
     var apart: vec4<f32>;

@@ -7,8 +7,6 @@
 @group(0) @binding(3) var<storage, read> plane_mid: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> plane_lo: array<vec4<u32>>;
 
-const TURNS_PER_LOAD: u32 = POINTS_PER_LOAD / POINTS_PER_TURN;
-
 // Number of a pixel that is none: points outside the eye's image and its guard band have it.
 const NO_PIXEL: u32 = ~0u;
 
@@ -18,11 +16,10 @@ struct Cells {
     z: vec4<u32>,
 }
 
-/// The points of a turn, in head space. `id` is twice the point's number in the chunk, and one more if its filtered
-/// color counts, or if it is of a triangle.
+/// The points of a turn, in head space. `at` is the turn's place in the chunk, in turns. `id` is twice the point's number
+/// in the chunk, and one more if its filtered color counts.
 struct Turn {
-    load: u32,
-    number: u32,
+    at: u32,
     octant: vec4<u32>,
     x: vec4<f32>,
     y: vec4<f32>,
@@ -69,17 +66,17 @@ fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool
     return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), u, v, select(vec4<f32>(0.0), w, is_there));
 }
 
-// Coordinates in 30-bit cells. Bits that are not read are set to half, the centre of the coarser cell.
-fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
-    let hi = hi_of(load, turn);
+// Coordinates in 30-bit cells of the turn at a place. Bits that are not read are set to half, the centre of the coarser cell.
+fn cells_of(at: u32, planes: u32) -> Cells {
+    let hi = hi_of(at);
     let mask = vec4<u32>(PLANE_MASK);
     let coarse_center = vec4<u32>(COARSE_CENTER);
     var x = ((hi & mask) << vec4<u32>(COARSE_SHIFT)) | coarse_center;
     var y = (((hi >> vec4<u32>(Y_SHIFT)) & mask) << vec4<u32>(COARSE_SHIFT)) | coarse_center;
     // The bits of z are in place already, below the spacing exponent.
     var z = (hi & vec4<u32>(PLANE_MASK << Z_SHIFT)) | coarse_center;
-    if planes >= 2u {
-        let mid = mid_of(load, turn);
+    if planes >= MIDDLE_PLANES {
+        let mid = mid_of(at);
         let coarse = vec4<u32>(COARSE_MASK);
         let shift = vec4<u32>(MIDDLE_SHIFT);
         let center = vec4<u32>(MIDDLE_CENTER);
@@ -87,8 +84,8 @@ fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
         y = (y & coarse) | (((mid >> vec4<u32>(Y_SHIFT)) & mask) << shift) | center;
         z = (z & coarse) | ((mid >> vec4<u32>(Z_SHIFT)) << shift) | center;
     }
-    if planes == 3u {
-        let lo = lo_of(load, turn);
+    if planes == ALL_PLANES {
+        let lo = lo_of(at);
         let above = vec4<u32>(MIDDLE_MASK);
         x = (x & above) | (lo & mask);
         y = (y & above) | ((lo >> vec4<u32>(Y_SHIFT)) & mask);
@@ -99,8 +96,8 @@ fn cells_of(load: u32, turn: u32, planes: u32) -> Cells {
 
 // The points of a turn of a batch.
 fn points_of(batch: VisibleBatch, turn: u32) -> Turn {
-    let load = batch.first_point / POINTS_PER_LOAD + turn / TURNS_PER_LOAD;
-    let cells = cells_of(load, turn, batch.flags & VISIBLE_PLANES);
+    let at = batch.first_point / POINTS_PER_TURN + turn;
+    let cells = cells_of(at, batch.flags & VISIBLE_PLANES);
     // The integer difference is exact: see VisibleBatch.
     let x = vec4<f32>(vec4<i32>(cells.x) - batch.head_cell.x) * batch.cell.x + batch.offset.x;
     let y = vec4<f32>(vec4<i32>(cells.y) - batch.head_cell.y) * batch.cell.y + batch.offset.y;
@@ -123,5 +120,5 @@ fn points_of(batch: VisibleBatch, turn: u32) -> Turn {
         let is_filtered = (own != vec4<u32>(OWN_NONE)) & ((rank >> vec4<u32>(OWN_SHIFT)) >= own);
         id |= select(vec4<u32>(0u), vec4<u32>(ID_ODD), is_filtered);
     }
-    return Turn(load, turn, octant, x, y, z, id, exists);
+    return Turn(at, octant, x, y, z, id, exists);
 }

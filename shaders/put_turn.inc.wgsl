@@ -2,11 +2,7 @@
 
 fn put_turn(eye: u32, p: Projected, id: vec4<u32>) {
     put_seen(eye, p.pixel.x, p.w.x, id.x);
-    count_point();
     put_seen(eye, p.pixel.y, p.w.y, id.y);
-    count_point();
     put_seen(eye, p.pixel.z, p.w.z, id.z);
-    count_point();
     put_seen(eye, p.pixel.w, p.w.w, id.w);
-    count_point();
 }

@@ -5,16 +5,11 @@
 @group(0) @binding(8) var<storage, read> colors: array<u32>;
 
 fn counts(eye: u32, pixel: u32, w: f32) -> bool {
-    count_look();
     var nearest: u32;
     if eye == 0u {
         nearest = depth_left[pixel];
     } else {
         nearest = depth_right[pixel];
     }
-    let is_near = w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
-    if is_near {
-        count_color();
-    }
-    return is_near;
+    return w <= SURFACE_TOLERANCE * bitcast<f32>(nearest);
 }

@@ -30,31 +30,34 @@ fn waits(center: vec2<i32>, w: f32, id: u32, radius: i32) -> bool {
     return true;
 }
 
+// Draws this thread's pixels of a splat that waits.
+fn put_share(eye: u32, number: u32) {
+    let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
+    let splat = waiting_splats[number];
+    let radius = i32(splat.w);
+    let corner = vec2<i32>(vec2<u32>(splat.x & WAITING_X_MASK, splat.x >> WAITING_Y_SHIFT)) - BEFORE_PX - radius;
+    let side = 2 * radius + 1;
+    let per_side = 1.0 / f32(side);
+    for (var at = i32(this_thread % TEAM); at < side * side; at += i32(TEAM)) {
+        // Half a pixel is more than rounding loses.
+        let y = i32((f32(at) + 0.5) * per_side);
+        let from_corner = vec2<i32>(at - y * side, y);
+        let pixel = corner + from_corner;
+        let is_inside = all(pixel >= vec2<i32>(0)) && all(pixel < size);
+        if is_inside && is_on_splat(from_corner - radius, radius) {
+            put(eye, u32(pixel.y * size.x + pixel.x), bitcast<f32>(splat.y), splat.z);
+        }
+    }
+}
+
 // Draws the splats that wait. All threads of the workgroup come here together.
 fn put_waiting(eye: u32) {
     workgroupBarrier();
     let num_splats = atomicLoad(&num_waiting_splats);
-    let size = vec2<i32>(i32(view.eyes[eye].width), i32(view.eyes[eye].height));
     for (var i = this_thread / TEAM; i < num_splats; i += WORKGROUP_SIZE / TEAM) {
-        let splat = waiting_splats[i];
-        let radius = i32(splat.w);
-        let corner = vec2<i32>(vec2<u32>(splat.x & WAITING_X_MASK, splat.x >> WAITING_Y_SHIFT)) - BEFORE_PX - radius;
-        let side = 2 * radius + 1;
-        let per_side = 1.0 / f32(side);
-        for (var at = i32(this_thread % TEAM); at < side * side; at += i32(TEAM)) {
-            // Half a pixel is more than rounding loses.
-            let y = i32((f32(at) + 0.5) * per_side);
-            let from_corner = vec2<i32>(at - y * side, y);
-            let pixel = corner + from_corner;
-            let is_inside = all(pixel >= vec2<i32>(0)) && all(pixel < size);
-            if is_inside && is_on_splat(from_corner - radius, radius) {
-                put(eye, u32(pixel.y * size.x + pixel.x), bitcast<f32>(splat.y), splat.z);
-            }
-        }
-        count_share(i);
+        put_share(eye, i);
     }
     workgroupBarrier();
-    count_waiting(num_splats);
     if this_thread == 0u {
         atomicStore(&num_waiting_splats, 0u);
     }

@@ -3,17 +3,17 @@
 /// Points that a thread draws before it goes on.
 const POINTS_PER_TURN: u32 = POINTS_PER_LOAD;
 
-// Words of the coarse plane for a turn.
-fn hi_of(load: u32, turn: u32) -> vec4<u32> {
-    return plane_hi[load];
+// Words of the coarse plane for the turn at a place.
+fn hi_of(at: u32) -> vec4<u32> {
+    return plane_hi[at];
 }
 
-// Words of the middle plane for a turn.
-fn mid_of(load: u32, turn: u32) -> vec4<u32> {
-    return plane_mid[load];
+// Words of the middle plane for the turn at a place.
+fn mid_of(at: u32) -> vec4<u32> {
+    return plane_mid[at];
 }
 
-// Words of the fine plane for a turn.
-fn lo_of(load: u32, turn: u32) -> vec4<u32> {
-    return plane_lo[load];
+// Words of the fine plane for the turn at a place.
+fn lo_of(at: u32) -> vec4<u32> {
+    return plane_lo[at];
 }

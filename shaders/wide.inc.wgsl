@@ -26,5 +26,4 @@ fn put_wide(eye: u32, at: vec2<f32>, w: f32, id: u32, radius_px: f32) {
             }
         }
     }
-    count_point();
 }

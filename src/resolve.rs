@@ -11,7 +11,7 @@ use crate::walk::simulated::SimulatedOptions;
 use base::space::Fov;
 use lab::technique::{DISCS_REACH_PX, LabTechnique};
 use points::ReadOptions;
-use render::layout::Detail;
+use render::layout::{ALL_PLANES, Detail};
 use render::options::{Dilate, Precision};
 use render::{Access, DrawOptions, NO_REACH_PX, RINGS_REACH_PX};
 use serde::Deserialize;
@@ -122,7 +122,7 @@ fn options(config: &Config) -> DrawOptions {
         Dilate::Rings => RINGS_REACH_PX,
     };
     let detail = Detail {
-        forced_planes: if frame.precision == Precision::Full { 3 } else { 0 },
+        forced_planes: if frame.precision == Precision::Full { ALL_PLANES } else { 0 },
         threshold_px: lod.threshold_px.map(|px| px as f32),
         ring_rad: fovea.ring_deg.map(f64::to_radians),
         smooth: fovea.smooth,

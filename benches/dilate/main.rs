@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use kit::timed::{Spread, Timed};
 use render::bindings::{Eye, OfEye};
-use render::gpu::stage::{Stage, nothing_besides};
+use render::gpu::stage::Stage;
 use render::gpu::timer::Timer;
 use render::gpu::{Gpu, readback};
 use render::layout::{self, DilateUniform, ResolveUniform, Variant};
@@ -133,7 +133,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
                 "image_depth" => depth,
                 _ => &unused,
             };
-            stage.bind(gpu, OfEye::by_name(|name| of_name(name).as_entire_binding()), &nothing_besides)
+            stage.bind(gpu, &OfEye::by_name(|name| of_name(name).as_entire_binding()))
         })
         .collect();
 

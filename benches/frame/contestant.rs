@@ -10,6 +10,7 @@ use lab::bench::point_list::{self, VertexList};
 use lab::reference::resolve::Pixel;
 use render::DrawOptions;
 use render::gpu::Gpu;
+use render::layout::ALL_PLANES;
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
 use std::sync::Arc;
 use std::time::Instant;
@@ -127,7 +128,7 @@ impl Contestant for Compute {
 
     fn pixels(&mut self, view: &View) -> Result<[Vec<Pixel>; 2]> {
         let mut options = self.options;
-        options.detail.forced_planes = 3;
+        options.detail.forced_planes = ALL_PLANES;
         self.set_options(options)?;
         self.draw(view)?;
         let mut eyes = Vec::new();

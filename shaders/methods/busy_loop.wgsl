@@ -15,7 +15,6 @@
 const LOCKED: u32 = 0u;
 
 fn depth_in(eye: u32, pixel: u32) -> u32 {
-    count_look();
     if eye == 0u {
         return atomicLoad(&keys_left[2u * pixel + 1u]);
     }
@@ -24,7 +23,6 @@ fn depth_in(eye: u32, pixel: u32) -> u32 {
 
 // True if the pixel still had the depth that was seen, and is this thread's now.
 fn lock(eye: u32, pixel: u32, seen: u32) -> bool {
-    count_ask();
     if eye == 0u {
         return atomicCompareExchangeWeak(&keys_left[2u * pixel + 1u], seen, LOCKED).exchanged;
     }

@@ -1,5 +1,5 @@
-// Counts what a way of drawing does, for `bench`, which draws a frame of its own with it and does not time it. Each
-// workgroup has a bin, so that few threads meet in one; the host adds the bins up.
+// Counts what a way of drawing does, for `bench`, which draws a frame of its own with it and does not time it. Each thread
+// of a workgroup has a bin, so that few meet in one; the host adds the bins up. counted.inc.wgsl says what is counted where.
 
 struct Counts {
     num_drawn: atomic<u32>,
@@ -13,16 +13,14 @@ struct Counts {
 /// Bits of a word.
 const WORD_BITS: u32 = 32u;
 
-@group(0) @binding(18) var<storage, read_write> count_bins: array<Counts, COUNT_BINS>;
+@group(0) @binding(18) var<storage, read_write> count_bins: array<Counts, WORKGROUP_SIZE>;
 
 /// True once the point at hand has asked for a pixel.
 var<private> has_asked: bool;
+/// True while a triangle is put into pixels, which counts as one point.
+var<private> is_in_triangle: bool;
 /// A bit for each splat that waits for the workgroup: one of its threads has asked for a pixel.
 var<workgroup> asked_splats: array<atomic<u32>, WORKGROUP_SIZE>;
-
-fn bin() -> u32 {
-    return this_group % COUNT_BINS;
-}
 
 // True if the current point has asked for a pixel; afterwards the next point is the current one.
 fn take_asked() -> bool {
@@ -40,7 +38,7 @@ fn count_point() {
 fn count_once(is_drawn: bool) {
     has_asked = false;
     if is_drawn {
-        atomicAdd(&count_bins[bin()].num_drawn, 1u);
+        atomicAdd(&count_bins[this_thread].num_drawn, 1u);
     }
 }
 
@@ -51,25 +49,26 @@ fn count_share(splat: u32) {
     }
 }
 
-// Counts the splats that the workgroup has drawn together. All its threads come here between two barriers.
-fn count_waiting(num_splats: u32) {
-    for (var word = this_thread; WORD_BITS * word < num_splats; word += WORKGROUP_SIZE) {
-        atomicAdd(&count_bins[bin()].num_drawn, countOneBits(atomicExchange(&asked_splats[word], 0u)));
+// Counts the splats that the workgroup has drawn together, behind the barrier after them.
+fn count_waiting() {
+    let num_drawn = countOneBits(atomicExchange(&asked_splats[this_thread], 0u));
+    if num_drawn > 0u {
+        atomicAdd(&count_bins[this_thread].num_drawn, num_drawn);
     }
 }
 
 // Counts an atomic, or a write, for a pixel.
 fn count_ask() {
     has_asked = true;
-    atomicAdd(&count_bins[bin()].num_asked, 1u);
+    atomicAdd(&count_bins[this_thread].num_asked, 1u);
 }
 
 // Counts a load of a pixel's word, made to see whether an atomic is worth it.
 fn count_look() {
-    atomicAdd(&count_bins[bin()].num_looks, 1u);
+    atomicAdd(&count_bins[this_thread].num_looks, 1u);
 }
 
 // Counts a load of a point's color.
 fn count_color() {
-    atomicAdd(&count_bins[bin()].num_colors, 1u);
+    atomicAdd(&count_bins[this_thread].num_colors, 1u);
 }

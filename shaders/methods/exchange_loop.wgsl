@@ -3,7 +3,6 @@
 
 // Writes the key if `seen` is still there, and returns what is there then.
 fn exchange_key(eye: u32, pixel: u32, seen: u64, key: u64) -> u64 {
-    count_ask();
     if eye == 0u {
         let result = atomicCompareExchangeWeak(&keys_left[pixel], seen, key);
         return select(result.old_value, key, result.exchanged);

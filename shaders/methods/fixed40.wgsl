@@ -7,8 +7,7 @@
 // The point's depth in f64: from its cells, which are exact, and the head's place among them.
 fn exact_depth(eye: u32, point: u32) -> f64 {
     let batch = visible[this_group];
-    let lane = point % POINTS_PER_LOAD;
-    let cells = cells_of(point / POINTS_PER_LOAD, lane, batch.flags & VISIBLE_PLANES);
+    let cells = cells_of(point, batch.flags & VISIBLE_PLANES);
     let steps = vec3<i32>(vec3<u32>(cells.x.x, cells.y.x, cells.z.x)) - batch.head_cell;
     let x = f64(steps.x) * f64(batch.cell.x) + f64(batch.offset.x);
     let y = f64(steps.y) * f64(batch.cell.y) + f64(batch.offset.y);

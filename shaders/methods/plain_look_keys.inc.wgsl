@@ -7,11 +7,14 @@
 @group(0) @binding(16) var<storage, read_write> keys_left_again: array<vec2<u32>>;
 @group(0) @binding(17) var<storage, read_write> keys_right_again: array<vec2<u32>>;
 
+fn plain_depth_in(eye: u32, pixel: u32) -> u32 {
+    if eye == 0u {
+        return keys_left_again[pixel].y;
+    }
+    return keys_right_again[pixel].y;
+}
+
 // True if a key may still win the pixel.
 fn may_win(eye: u32, pixel: u32, key: Key) -> bool {
-    count_look();
-    if eye == 0u {
-        return u32(key >> KEY_DEPTH_SHIFT) <= keys_left_again[pixel].y;
-    }
-    return u32(key >> KEY_DEPTH_SHIFT) <= keys_right_again[pixel].y;
+    return u32(key >> KEY_DEPTH_SHIFT) <= plain_depth_in(eye, pixel);
 }

@@ -2,5 +2,4 @@
 
 fn put_turn(eye: u32, p: Projected, id: vec4<u32>) {
     put_seen(eye, p.pixel.x, p.w.x, id.x);
-    count_point();
 }

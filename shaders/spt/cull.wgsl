@@ -2,7 +2,7 @@
 // precision, and where are they in head space? One thread a batch. [SPT §3.7, 3.8, 3.10]
 
 @group(0) @binding(1) var<storage, read> batches: array<DiscBatch>;
-@group(0) @binding(2) var<storage, read> nodes: array<Run>;
+@group(0) @binding(2) var<storage, read> runs: array<Run>;
 
 // Radians that the tolerance spans in the outer ring.
 fn outer_tolerance_rad(eye: u32) -> f32 {
@@ -61,7 +61,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let batch = batches[id.x];
-    let run = nodes[batch.run];
+    let run = runs[batch.run];
     let half_edge = batch.cell * HALF_CELLS;
     let head_hi = view.head_hi - batch.min_hi;
     let head_lo = view.head_lo - batch.min_lo;
@@ -80,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     flags |= select(VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS, VISIBLE_TRIANGLES, is_of_triangles);
     // Both eyes count, whichever sees the batch, so that one eye's picture does not depend on where the other's ends.
     let longest = 2.0 * max(half_edge.x, max(half_edge.y, half_edge.z));
-    var planes = max(view.forced_planes, 1u);
+    var planes = max(view.forced_planes, COARSE_PLANES);
     var num_slices = 1u;
     for (var eye = 0u; eye < NUM_EYES; eye += 1u) {
         let along = abs(view.eyes[eye].row_w.xyz);
@@ -96,13 +96,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     if is_of_triangles {
         // Corners are where the batches beside put theirs: half a pixel of difference would leave gaps.
-        planes = 3u;
+        planes = ALL_PLANES;
     }
 
     let head = head_place(head_hi, head_lo, batch.cell, batch.steps_per_unit, planes);
     let listed = VisibleBatch(
         head.cell, batch.first_point, head.offset, batch.num_points, batch.cell, flags | planes, vec4<u32>(0u),
-        vec2<u32>(OWN_NONE_WORD), DRAWN_WHOLE, id.x, vec2<u32>(0u), 1.0, 0.0,
+        vec2<u32>(OWN_NONE_WORD), DRAWN_WHOLE, 1.0, 0.0, 0u, vec2<u32>(0u),
     );
     show(listed, batch.run, num_slices, arrayLength(&batches));
 }

@@ -13,11 +13,9 @@ fn is_chosen(eye: u32, points: Turn) -> vec4<bool> {
     for (var i = 0u; i < POINTS_PER_TURN; i += 1u) {
         step[i] = step_below(tolerance_of(eye, dx[i], dy[i], dz[i]));
     }
-    let shape = shapes_of(points.load, points.number);
+    let shape = shapes_of(points.at);
     let mask = vec4<u32>(STEP_MASK);
-    let chosen = (step >= (shape & mask)) & (step < ((shape >> vec4<u32>(UNTIL_SHIFT)) & mask));
-    count_chosen(chosen);
-    return chosen;
+    return (step >= (shape & mask)) & (step < ((shape >> vec4<u32>(UNTIL_SHIFT)) & mask));
 }
 
 // Where an eye sees the discs of a turn that it is to see.
@@ -26,8 +24,8 @@ fn seen(eye: u32, batch: VisibleBatch, points: Turn) -> Projected {
 }
 
 // Widths of discs in world units, which stand for the distances between points.
-fn spacings(batch: VisibleBatch, load: u32, turn: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
-    let step = (shapes_of(load, turn) >> vec4<u32>(DIAMETER_SHIFT)) & vec4<u32>(STEP_MASK);
+fn spacings(batch: VisibleBatch, at: u32, octant: vec4<u32>, edge: f32) -> vec4<f32> {
+    let step = (shapes_of(at) >> vec4<u32>(DIAMETER_SHIFT)) & vec4<u32>(STEP_MASK);
     return vec4<f32>(length_of(step.x), length_of(step.y), length_of(step.z), length_of(step.w));
 }
 

@@ -1,5 +1,8 @@
 // Where the geometry stages of a point tree begin: at triangles, or at discs.
 
+// Number of this workgroup, for functions that `put` calls.
+var<private> this_group: u32;
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     this_group = group.x;

@@ -1,5 +1,5 @@
-// Words of the column of shapes for a turn.
+// Words of the column of shapes for the turn at a place.
 
-fn shapes_of(load: u32, turn: u32) -> vec4<u32> {
-    return shapes[load];
+fn shapes_of(at: u32) -> vec4<u32> {
+    return shapes[at];
 }

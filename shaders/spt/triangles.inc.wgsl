@@ -139,30 +139,37 @@ fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
     put_seen(eye, select(NO_PIXEL, pixel, is_inside), w, (point << ID_SHIFT) | ID_ODD);
 }
 
+// Draws a small triangle, by one thread.
+fn put_own(eye: u32, t: Triangle, num_pixels: i32) {
+    for (var at = 0; at < num_pixels; at += 1) {
+        put_triangle(eye, t, at, true);
+    }
+}
+
+// Draws this thread's pixels of a triangle of which the workgroup draws a slice.
+fn put_slice(eye: u32, batch: VisibleBatch, number: u32) {
+    let t = triangle_of(eye, batch, number);
+    let num_pixels = num_pixels_of(t);
+    let first_at = i32(slice_of(batch) * WORKGROUP_SIZE);
+    for (var at = first_at; at < num_pixels; at += i32(num_slices_of(batch) * WORKGROUP_SIZE)) {
+        let own_at = at + i32(this_thread);
+        put_triangle(eye, t, own_at, own_at < num_pixels);
+    }
+}
+
 fn draw_triangle_each(eye: u32, batch: VisibleBatch, number: u32) {
     let slice = slice_of(batch);
-    let num_slices = num_slices_of(batch);
     let own = triangle_of(eye, batch, number);
     let num_own = num_pixels_of(own);
     if !CONVERGED && num_own <= OWN_PIXELS {
-        for (var at = 0; at < select(0, num_own, slice == 0u); at += 1) {
-            put_triangle(eye, own, at, true);
-        }
-        count_point();
+        put_own(eye, own, select(0, num_own, slice == 0u));
     } else if num_own > i32(slice * WORKGROUP_SIZE) {
         waiting[atomicAdd(&num_waiting, 1u)] = number;
     }
     workgroupBarrier();
     let num_together = atomicLoad(&num_waiting);
     for (var i = 0u; i < num_together; i += 1u) {
-        let t = triangle_of(eye, batch, waiting[i]);
-        let num_pixels = num_pixels_of(t);
-        let first_at = i32(slice * WORKGROUP_SIZE);
-        for (var at = first_at; at < num_pixels; at += i32(num_slices * WORKGROUP_SIZE)) {
-            let own_at = at + i32(this_thread);
-            put_triangle(eye, t, own_at, own_at < num_pixels);
-        }
-        count_once(this_thread == 0u && slice == 0u);
+        put_slice(eye, batch, waiting[i]);
     }
     workgroupBarrier();
     if this_thread == 0u {

@@ -3,14 +3,43 @@
 use super::MirroredEyes;
 use super::placement::{PixelRect, panes};
 use crate::walk::link::MirrorImages;
+use bytemuck::{Pod, Zeroable};
+use render::gpu::stage::{Bindings, shader_module};
+use render::layout::Variant;
+use render::shaders::ShaderOfSet;
 use wgpu::util::DeviceExt;
 
-const SHADER: &str = include_str!("../../shaders/mirror.wgsl");
+render::sets! {
+    /// What the mirror shows of an eye.
+    Mirrored, OfMirrored {
+        /// The image.
+        image,
+        /// How it is read between its pixels.
+        image_sampler,
+        /// The part of it that is drawn.
+        drawn,
+    }
+}
+
+/// The mirror's shader.
+pub const MIRROR: ShaderOfSet<Mirrored> =
+    ShaderOfSet::new("mirror", &[], |_| &[include_str!("../../shaders/mirror.wgsl")]);
+
+/// The part of an image that is drawn, from its top left corner, in shares of its size.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct DrawnUniform {
+    /// Width, height.
+    pub size: [f32; 2],
+    /// Centre of the last pixel.
+    pub last: [f32; 2],
+}
 
 /// Draws [`MirrorImages`] into a window's picture.
 #[derive(Debug)]
 pub(super) struct MirrorPipeline {
     pipeline: wgpu::RenderPipeline,
+    bindings: Bindings<Mirrored>,
     sampler: wgpu::Sampler,
     longest_px: u32,
     bound: Option<BoundImages>,
@@ -26,10 +55,8 @@ struct BoundImages {
 impl MirrorPipeline {
     /// A pipeline for pictures of `format`. An sRGB format encodes by itself; the shader encodes for any other.
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("mirror"),
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-        });
+        let wgsl = MIRROR.source(Variant::eyes(1));
+        let module = shader_module(device, "mirror", &wgsl);
         let constants = [("ENCODE_SRGB", f64::from(u8::from(!format.is_srgb())))];
         let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -60,7 +87,8 @@ impl MirrorPipeline {
             ..Default::default()
         });
         let longest_px = device.limits().max_texture_dimension_2d;
-        Self { pipeline, sampler, longest_px, bound: None }
+        let bindings = Bindings::of("mirror", &wgsl, "pixel");
+        Self { pipeline, bindings, sampler, longest_px, bound: None }
     }
 
     /// Draws the mirrored eyes into a pass over a picture of `size_px`.
@@ -106,25 +134,20 @@ impl MirrorPipeline {
     ) -> wgpu::BindGroup {
         let [across, down] = [width as f32, height as f32];
         let [full_across, full_down] = [image.width() as f32, image.height() as f32];
-        // The layout is that of `Drawn` in the shader.
-        let drawn: [f32; 4] =
-            [across / full_across, down / full_down, (across - 0.5) / full_across, (down - 0.5) / full_down];
+        let drawn = DrawnUniform {
+            size: [across / full_across, down / full_down],
+            last: [(across - 0.5) / full_across, (down - 0.5) / full_down],
+        };
         let drawn = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("mirror"),
             contents: bytemuck::bytes_of(&drawn),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("mirror"),
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&image.create_view(&Default::default())),
-                },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
-                wgpu::BindGroupEntry { binding: 2, resource: drawn.as_entire_binding() },
-            ],
-        })
+        let resources = OfMirrored {
+            image: wgpu::BindingResource::TextureView(&image.create_view(&Default::default())),
+            image_sampler: wgpu::BindingResource::Sampler(&self.sampler),
+            drawn: drawn.as_entire_binding(),
+        };
+        self.bindings.bind(device, &self.pipeline.get_bind_group_layout(0), &resources)
     }
 }

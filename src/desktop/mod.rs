@@ -56,6 +56,7 @@ mod server;
 mod style;
 mod window;
 
+pub use mirror::{DrawnUniform, MIRROR, Mirrored, OfMirrored};
 pub use options::{Label, MirroredEyes, Selector, Widgets, WindowOptions};
 pub use server::{Server, is_named, server};
 

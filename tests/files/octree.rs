@@ -10,7 +10,9 @@ use lab::reference::{self, ReferenceCloud};
 use points::{Grid, Scan, ScanBuilder};
 use proptest::prelude::*;
 use render::DrawOptions;
-use render::layout::{BATCH_POINTS, COORDINATE_BITS, Detail, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT};
+use render::layout::{
+    ALL_PLANES, BATCH_POINTS, COORDINATE_BITS, Detail, POINTS_PER_LOAD, SPACING_EXPONENT_SHIFT,
+};
 use std::ops::Range;
 
 /// splitmix64: reproducible numbers without a dependency.
@@ -397,7 +399,7 @@ fn all_batches_together_draw_the_whole_cloud() {
     let eyes = vec![Eye { world_from_view: eye, fov, size_px: [2400, 2400], gaze_in_view: Eye::AHEAD }];
     let view = View { eyes, near: 0.05 };
     let num_drawn = |cloud: &Cloud| {
-        let detail = Detail { forced_planes: 3, ..Detail::default() };
+        let detail = Detail { forced_planes: ALL_PLANES, ..Detail::default() };
         let frame = reference::frame(
             &ReferenceCloud::flat(cloud),
             &view,

@@ -117,8 +117,8 @@ fn what_has_come_is_drawn() {
         drawn = canvas.draw(&view);
         let come = part.last().map_or(0, |block| block.node);
         let nodes = &hierarchy.nodes[..=come];
-        let batches = nodes.last().map_or(0, |node| node.batches.end);
-        assert!(drawn.visible.iter().all(|batch| batch.batch < batches));
+        let end = nodes.last().map_or(0, |node| node.first_point + node.num_points);
+        assert!(drawn.visible.iter().all(|batch| batch.first_point < end));
         assert!(drawn.states[come + 1..].iter().all(|&state| state == 0));
         num_drawn.push(drawn.visible.len());
         let resident: u64 = nodes.iter().map(|node| u64::from(node.num_points)).sum();

@@ -9,7 +9,7 @@ use kit::frames::{Canvas, Drawn, SplitMix, gpu, scan_of, sizes, tiers};
 use lab::reference::dilate::dilate;
 use lab::reference::resolve::Pixel;
 use render::gpu::Atomics;
-use render::layout::{Detail, DilateUniform, GUARD_PX, ViewUniform};
+use render::layout::{Detail, GUARD_PX, ViewUniform};
 use render::options::{Dilate, Quality};
 use render::{DrawOptions, RINGS_REACH_PX};
 
@@ -160,7 +160,7 @@ fn without_a_guard_band_the_border_would_differ() {
         eye.first_px = eye.first_px.map(|px| px + GUARD_PX as f32);
         [eye.width, eye.height] = part.size;
     }
-    let alone: Vec<Pixel> = dilate(&uniform, &DilateUniform::default(), &cut(&whole.surface[0], part));
+    let alone: Vec<Pixel> = dilate(&uniform, 0, &cut(&whole.surface[0], part));
     let want = cut(&whole.pixels[0], part);
     let [width, height] = part.size;
     let (mut border, mut middle) = (0, 0);

@@ -10,7 +10,9 @@ use lab::reference::{self, ReferenceCloud};
 use lab::synth::{self, SynthKind, SynthOptions};
 use points::{self, ReadOptions};
 use render::CloudBuffers;
-use render::layout::{Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded};
+use render::layout::{
+    ALL_PLANES, Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded,
+};
 use std::path::Path;
 
 fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
@@ -120,7 +122,7 @@ fn cull_equals_its_reference() {
     assert!(precisions.contains(&1) && precisions.contains(&2), "both precisions occur");
     // A batch that neither eye sees has no point that would be drawn.
     let everything: Vec<VisibleBatch> = batches.iter().map(|b| forced_visible(&uniform, b)).collect();
-    let full = ViewUniform { forced_planes: 3, ..uniform };
+    let full = ViewUniform { forced_planes: ALL_PLANES, ..uniform };
     let keys = |visible: &[VisibleBatch]| {
         let mut keys = vec![reference::clear::pixels(guarded([640, 480]), reference::clear::EMPTY); 2];
         let planes = [&cloud.planes[0][..], &cloud.planes[1], &cloud.planes[2]];
@@ -134,7 +136,7 @@ fn cull_equals_its_reference() {
 
 /// The batch as `cull` would pass it on if both eyes saw it: by a view that looks everywhere.
 fn forced_visible(view: &ViewUniform, batch: &Batch) -> VisibleBatch {
-    let mut everywhere = ViewUniform { forced_planes: 3, ..*view };
+    let mut everywhere = ViewUniform { forced_planes: ALL_PLANES, ..*view };
     for eye in &mut everywhere.eyes {
         eye.row_x = [0.0, 0.0, 0.0, 1.0];
         eye.row_y = [0.0, 0.0, 0.0, 1.0];

@@ -12,7 +12,7 @@ use points::Scan;
 use proptest::prelude::*;
 use render::Access;
 use render::gpu::Atomics;
-use render::layout::{DRAWN_WHOLE, Detail, PROTECTED_MASK, VISIBLE_FILL, ViewUniform};
+use render::layout::{ALL_PLANES, DRAWN_WHOLE, Detail, PROTECTED_MASK, VISIBLE_FILL, ViewUniform};
 use render::options::{Dilate, Quality};
 use render::{DrawOptions, RINGS_REACH_PX};
 use std::sync::OnceLock;
@@ -272,7 +272,7 @@ fn close_up_nothing_of_the_files_color_is_lost() {
     // The threshold is next to nothing wherever one looks.
     view.near = 1e-3;
     let options = DrawOptions {
-        detail: Detail { threshold_px: [1e-3; 3], forced_planes: 3, ..Detail::default() },
+        detail: Detail { threshold_px: [1e-3; 3], forced_planes: ALL_PLANES, ..Detail::default() },
         ..plain(true)
     };
     let frame = reference::frame(&ReferenceCloud::layered(octree), &view, &options, None);

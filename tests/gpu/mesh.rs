@@ -442,7 +442,7 @@ fn large_triangles_are_drawn_by_many_workgroups() {
                 let drawn = Canvas::sequential(&spt, 1.0, &view, options, tier, 0).draw(&view);
                 assert_eq!(difference(&drawn, &want), None, "{x:?} {tier:?}");
                 assert_eq!(drawn.times.points_read, want.points_read());
-                let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
+                let num_batches = want.visible.chunk_by(|a, b| a.first_point == b.first_point).count();
                 assert_eq!(drawn.times.visible_batches as usize, num_batches);
             }
         }
@@ -473,7 +473,7 @@ fn slices_end_where_room_does() {
     scan.files[0].triangles = (0..NUM_SLIVERS).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let spt = spt_of(&scan, false);
     let want = reference::frame(&ReferenceCloud::sequential(&spt, 1.0), &view, &closest(), None);
-    let num_batches = want.visible.chunk_by(|a, b| a.batch == b.batch).count();
+    let num_batches = want.visible.chunk_by(|a, b| a.first_point == b.first_point).count();
     let num_slices = want.visible.len() - num_batches;
     assert_eq!(num_slices, render::layout::MAX_EXTRA_SLICES as usize, "of {num_batches} batches");
     let drawn = Canvas::sequential(&spt, 1.0, &view, closest(), gpu().atomics(), 0).draw(&view);

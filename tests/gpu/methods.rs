@@ -227,7 +227,7 @@ fn reference_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec
     depths.iter().map(|depths| without_guard(depths, SIZE_PX)).collect()
 }
 
-/// Only counters are cleared from the second frame on; all is cleared with dilation, which needs the target.
+/// Keys are cleared before the first frame; from then on the shading step leaves them clear.
 #[test]
 fn fixed40_leaves_a_clear_target_to_the_next_frame() {
     let cloud = cloud_of(&scattered(), 0.001, DVec3::ZERO, Order::Morton);

@@ -9,7 +9,7 @@ use kit::frames::{Canvas, cloud_of, gpu, random_points, scan_of, stereo};
 use lab::reference::{self, ReferenceCloud};
 use render::DrawOptions;
 use render::gpu::{Atomics, readback};
-use render::layout::{Detail, DilateUniform, EMPTY_DEPTH, GUARD_PX, ViewUniform};
+use render::layout::{Detail, EMPTY_DEPTH, GUARD_PX, ViewUniform};
 use render::options::{Dilate, Overlay, Quality};
 use render::{CloudBuffers, EyeImage, Overlays};
 
@@ -151,9 +151,8 @@ fn rings_follow_the_rule_of_dilation() {
     let uniform = ViewUniform::new(&view, &cloud.split, &DETAIL);
     let [width, height] = SIZE_PX.map(|edge| edge as usize);
     for eye in 0..2 {
-        let dilate = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
         let guard = GUARD_PX as usize;
-        let ring = |x, y| reference::dilate::radius_px(&uniform, &dilate, x + guard, y + guard);
+        let ring = |x, y| reference::dilate::radius_px(&uniform, eye, x + guard, y + guard);
         let mut num_of = [0; 4];
         for (x, y) in (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))) {
             let own = ring(x, y);

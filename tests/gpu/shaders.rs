@@ -4,11 +4,13 @@ mod bindings;
 mod numbers;
 mod structs;
 
-use lab::technique::{EarlyZLoad, LabTechnique, Method, NAMES, POINT_LIST, SHADE_POINTS, SHADE40};
+use lab::bench::point_list::VERTEX_LIST;
+use lab::technique::{EarlyZLoad, LabTechnique, Method, POINT_LIST, SHADE_POINTS, SHADE40};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use render::gpu::Atomics;
 use render::layout::{self, Sums, Variant};
 use render::shaders::{COLOR32, SHADERS, Shader, source};
+use scanwalk::desktop::MIRROR;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
@@ -28,20 +30,6 @@ fn capabilities(atomics: Atomics) -> Capabilities {
     }
 }
 
-/// Names of bindings and their numbers.
-type Numbers = &'static [(&'static str, u32)];
-
-/// Shaders that the host has outside of [`SHADERS`], and what they bind, with the numbers that stand in their host code.
-const OUTSIDE: [(&str, &str, Numbers); 3] = [
-    (
-        "mirror",
-        include_str!("../../shaders/mirror.wgsl"),
-        &[("image", 0), ("image_sampler", 1), ("drawn", 2)],
-    ),
-    ("waiting", include_str!("../../shaders/waiting.wgsl"), &[]),
-    ("vertex_list", include_str!("../../shaders/methods/vertex_list.wgsl"), &[("clip_from_cloud", 0)]),
-];
-
 const TIERS: [Atomics; 3] = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
 
 /// A shader in a variant.
@@ -49,16 +37,16 @@ struct Text {
     shader: Shader,
     name: String,
     wgsl: String,
-    /// Resources that it may bind beside its set.
-    besides: &'static [&'static str],
+    /// Resources that its technique binds besides.
+    others: Vec<&'static str>,
 }
 
 /// What the tests want to know of a text, which is parsed once for all of them.
 struct ParsedText {
     shader: Shader,
     name: String,
-    /// Resources that it may bind beside its set.
-    besides: &'static [&'static str],
+    /// Resources that its technique binds besides.
+    others: Vec<&'static str>,
     /// Why naga refuses it.
     error: Option<String>,
     /// Its entry points.
@@ -74,7 +62,7 @@ struct ParsedText {
 /// All texts of all tiers.
 static PARSED: LazyLock<Vec<ParsedText>> = LazyLock::new(|| {
     let hosts = structs::host_structs();
-    let see = &|atomics: Atomics, Text { shader, name, wgsl, besides }: Text| {
+    let see = &|atomics: Atomics, Text { shader, name, wgsl, others }: Text| {
         let module = parse(&name, &wgsl);
         let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
         ParsedText {
@@ -85,7 +73,7 @@ static PARSED: LazyLock<Vec<ParsedText>> = LazyLock::new(|| {
             faults: structs::faults(&module, &hosts),
             name: format!("{atomics:?} {name}"),
             shader,
-            besides,
+            others,
         }
     };
     let all = &|tier| texts(tier).into_iter().map(|text| see(tier, text)).collect::<Vec<_>>();
@@ -110,14 +98,17 @@ fn texts(atomics: Atomics) -> Vec<Text> {
     let forms: &[Sums] =
         if atomics == Atomics::Int64 { &[Sums::Packed, Sums::Protected] } else { &[Sums::Wide] };
     let mut texts = Vec::new();
-    let mut add = |shader: Shader, technique: String, variant: Variant, besides| {
+    let mut add = |shader: Shader, technique: String, variant: Variant, others| {
         let name = format!("{} {technique} {variant:?}", shader.name);
-        texts.push(Text { shader, name, wgsl: shader.source(variant), besides });
+        texts.push(Text { shader, name, wgsl: shader.source(variant), others });
     };
+    for shader in [MIRROR.shader(), VERTEX_LIST.shader()] {
+        add(shader, "none".into(), Variant::eyes(1), vec![]);
+    }
     for (&sums, num_eyes) in forms.iter().flat_map(|s| [(s, 1), (s, 2)]) {
         for (fill, together) in [(false, true), (true, true), (true, false)] {
             let variant = Variant { fill, together, sums, keys, ..Variant::eyes(num_eyes) };
-            own.iter().for_each(|&shader| add(shader, "frame".into(), variant, &[]));
+            own.iter().for_each(|&shader| add(shader, "frame".into(), variant, vec![]));
         }
     }
     for (technique, has_subgroups) in techniques().filter(|(t, _)| keys_fit(t.method, atomics)) {
@@ -138,7 +129,8 @@ fn texts(atomics: Atomics) -> Vec<Text> {
             let together = technique.early_z_load == EarlyZLoad::Atomic;
             let variant = Variant { fill, together, sums, keys, texts, ..Variant::eyes(num_eyes) };
             for &shader in &shaders {
-                add(shader, format!("{technique:?} {has_subgroups}"), variant, &NAMES);
+                let others = technique.names(counts);
+                add(shader, format!("{technique:?} {counts} {has_subgroups}"), variant, others);
             }
         }
     }
@@ -181,11 +173,13 @@ fn every_shader_is_valid_in_every_tier() {
 }
 
 /// Entry points of shaders that draw; the others have one, `main`.
-const DRAWN: [(&str, &[&str]); 4] = [
+const DRAWN: [(&str, &[&str]); 6] = [
     ("depth-image", &["vertex", "fragment"]),
     ("overlay", &["whole", "rings", "depth", "overdraw"]),
     ("boxes", &["node_box", "batch_box", "line"]),
     ("point-list", &["left", "right", "fragment"]),
+    ("vertex-list", &["vertex", "fragment"]),
+    ("mirror", &["corner", "pixel"]),
 ];
 
 #[test]
@@ -211,5 +205,18 @@ fn the_prelude_states_every_constant_once() {
     for line in prelude.lines() {
         let name = line.split_whitespace().nth(1).expect("const NAME: …").trim_end_matches(':');
         assert_eq!(prelude.matches(&format!("const {name}:")).count(), 1, "{name}");
+    }
+}
+
+/// Functions that count stand in for others by name: of one that has another name now, nothing would be counted.
+#[test]
+fn every_function_that_counts_has_one_to_count() {
+    let counted = include_str!("../../shaders/methods/counted.inc.wgsl");
+    let texts: String = texts(Atomics::Int64).into_iter().map(|text| text.wgsl).collect();
+    let names = counted.lines().filter_map(|line| Some(line.strip_prefix("fn ")?.split_once('(')?.0));
+    let names: Vec<&str> = names.collect();
+    assert!(names.len() > 10, "{names:?}");
+    for name in names {
+        assert!(texts.contains(&format!("fn uncounted_{name}(")), "{name}");
     }
 }

@@ -10,6 +10,7 @@ mod wgsl;
 use lab::technique::{EarlyZLoad, LabTechnique, Method, POINT_LIST, SHADE_POINTS, SHADE40, texts};
 use render::layout::{Sums, Variant};
 use render::shaders::{COLOR, COLOR32, CULL, DEPTH, DEPTH32, LOD, SHADERS};
+use scanwalk::desktop::MIRROR;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -70,12 +71,11 @@ impl Executable {
 
 /// The project's shaders for pictures (one eye) and headsets (two), in the forms that matter.
 fn our_shaders() -> Vec<Shader> {
-    let mut shaders = [
-        ("mirror", include_str!("../../shaders/mirror.wgsl")),
-        ("waiting", include_str!("../../shaders/waiting.wgsl")),
-    ]
-    .map(|(name, text)| Shader { name: name.into(), text: text.into(), checked: true })
-    .to_vec();
+    let mirror = MIRROR.source(Variant::eyes(1));
+    let waiting = include_str!("../../shaders/waiting.wgsl").to_owned();
+    let mut shaders = [("mirror", mirror), ("waiting", waiting)]
+        .map(|(name, text)| Shader { name: name.into(), text, checked: true })
+        .to_vec();
     let mut add = |name: String, text: String| {
         // Drivers get these from a release build; of a debug build the shaders that meet every point are compiled
         // too.

@@ -16,7 +16,7 @@ use lab::synth::{self, SynthKind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
 use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
 use render::DrawOptions;
-use render::layout::{CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
+use render::layout::{ALL_PLANES, CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
 use std::sync::{Arc, OnceLock};
 
@@ -79,7 +79,7 @@ pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cl
 
 /// Draw options of `closest` quality, one pixel a point, background (1, 2, 3).
 pub fn plain(full_precision: bool) -> DrawOptions {
-    let detail = Detail { forced_planes: if full_precision { 3 } else { 0 }, ..Detail::default() };
+    let detail = Detail { forced_planes: if full_precision { ALL_PLANES } else { 0 }, ..Detail::default() };
     DrawOptions { background: [1, 2, 3], detail, ..DrawOptions::default() }
 }
 
@@ -228,7 +228,7 @@ impl Canvas {
             bytemuck::pod_read_unaligned(&read(counters)[..size_of::<CullCounters>()]);
         let mut visible: Vec<VisibleBatch> = bytemuck::pod_collect_to_vec(&read(visible[0]));
         visible.truncate(counters.num_visible as usize);
-        visible.sort_by_key(|v| (v.batch, v.flags));
+        visible.sort_by_key(|v| (v.first_point, v.flags));
         let targets = self.renderer.targets();
         // The CPU reference has no color where there is no point.
         let of_reference = |[depth, color]: Pixel| if depth == EMPTY_DEPTH { EMPTY } else { [depth, color] };

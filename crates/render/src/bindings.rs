@@ -1,39 +1,65 @@
 //! The one table of the resources that shaders bind: sets of them, by the names that the shaders have for them. A field
 //! has the shader's name. Host code fills a set as a struct, so that a resource left out is a build error; a test
 //! checks for every variant that each shader finds all of its names in its set (`tests/gpu/shaders/bindings.rs`).
-//! Techniques bind resources of their own besides, by name too. A name that ends in [`AGAIN`] is the resource of the
-//! name without it, bound a second time as another type.
+//! Techniques make sets of their own for their own shaders ([`crate::sets`]). What the frame's shaders bind besides for a
+//! technique is in the set [`Others`].
 
-use wgpu::BindingResource;
-
-/// End of a name for the same resource, bound a second time.
-pub const AGAIN: &str = "_again";
+pub use wgpu::BindingResource;
 
 /// A set of resources that shaders of one kind may bind. A shader need not bind all of them.
 pub trait Set {
+    /// True if [`Others`] are among them.
+    const HAS_OTHERS: bool;
+
     /// The resources.
     type Resources<'a>;
 
-    /// Names of the resources, in order.
+    /// Names of the resources, except those of [`Others`].
     fn names() -> Vec<&'static str>;
 
-    /// The resources in the order of their names.
-    fn list(resources: Self::Resources<'_>) -> Vec<BindingResource<'_>>;
+    /// The resource of this name.
+    fn find<'a>(resources: &Self::Resources<'a>, name: &str) -> Option<BindingResource<'a>>;
 }
 
 /// Two sets as one.
 impl<A: Set, B: Set> Set for (A, B) {
+    const HAS_OTHERS: bool = A::HAS_OTHERS || B::HAS_OTHERS;
+
     type Resources<'a> = (A::Resources<'a>, B::Resources<'a>);
 
     fn names() -> Vec<&'static str> {
         [A::names(), B::names()].concat()
     }
 
-    fn list((a, b): Self::Resources<'_>) -> Vec<BindingResource<'_>> {
-        [A::list(a), B::list(b)].concat()
+    fn find<'a>((a, b): &Self::Resources<'a>, name: &str) -> Option<BindingResource<'a>> {
+        A::find(a, name).or_else(|| B::find(b, name))
     }
 }
 
+/// The resources of a technique and of its clouds, by names of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Others {}
+
+/// The resources of [`Others`].
+#[derive(Clone, Debug)]
+pub struct OfOthers<'a>(pub(crate) Vec<(&'static str, BindingResource<'a>)>);
+
+impl Set for Others {
+    const HAS_OTHERS: bool = true;
+
+    type Resources<'a> = OfOthers<'a>;
+
+    fn names() -> Vec<&'static str> {
+        vec![]
+    }
+
+    fn find<'a>(resources: &Self::Resources<'a>, name: &str) -> Option<BindingResource<'a>> {
+        resources.0.iter().find(|(own, _)| *own == name).map(|(_, resource)| resource.clone())
+    }
+}
+
+/// Makes sets of resources, each with a struct that has a field for each name.
+#[macro_export]
 macro_rules! sets {
     ($($(#[$about:meta])* $set:ident, $of:ident { $($(#[$what:meta])* $name:ident,)+ })+) => {
         $(
@@ -44,25 +70,33 @@ macro_rules! sets {
             #[doc = concat!("The resources of [`", stringify!($set), "`].")]
             #[derive(Clone, Debug)]
             pub struct $of<'a> {
-                $($(#[$what])* pub $name: BindingResource<'a>,)+
+                $($(#[$what])* pub $name: $crate::bindings::BindingResource<'a>,)+
             }
 
             impl<'a> $of<'a> {
                 /// Fills the set with what `resource` has for each name.
-                pub fn by_name(mut resource: impl FnMut(&'static str) -> BindingResource<'a>) -> Self {
+                pub fn by_name(mut resource: impl FnMut(&'static str) -> $crate::bindings::BindingResource<'a>) -> Self {
                     Self { $($name: resource(stringify!($name)),)+ }
                 }
             }
 
-            impl Set for $set {
+            impl $crate::bindings::Set for $set {
+                const HAS_OTHERS: bool = false;
+
                 type Resources<'a> = $of<'a>;
 
                 fn names() -> Vec<&'static str> {
                     vec![$(stringify!($name)),+]
                 }
 
-                fn list(resources: Self::Resources<'_>) -> Vec<BindingResource<'_>> {
-                    vec![$(resources.$name),+]
+                fn find<'a>(
+                    resources: &Self::Resources<'a>,
+                    name: &str,
+                ) -> Option<$crate::bindings::BindingResource<'a>> {
+                    match name {
+                        $(stringify!($name) => Some(resources.$name.clone()),)+
+                        _ => None,
+                    }
                 }
             }
         )+
@@ -148,8 +182,6 @@ sets! {
         dilate,
         /// Nearest depths, or the keys that they are part of.
         depth,
-        /// Depth and id.
-        keys,
         /// Ids, or the keys that they are part of.
         ids,
         /// Sums in one u64.
@@ -182,5 +214,9 @@ sets! {
     }
 }
 
+/// The resources that passes over a chunk's batches bind.
+pub type Batches = (Cloud, (Chunk, Others));
+/// The resources of [`Batches`].
+pub type OfBatches<'a> = (OfCloud<'a>, (OfChunk<'a>, OfOthers<'a>));
 /// The resources that the geometry stages bind.
-pub type Geometry = (Cloud, (Chunk, Pixels));
+pub type Geometry = (Batches, Pixels);

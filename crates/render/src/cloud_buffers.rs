@@ -2,7 +2,7 @@
 //! several on a software driver.
 
 use crate::gpu::Gpu;
-use crate::layout::{ChunkUniform, MAX_EXTRA_SLICES, VisibleBatch};
+use crate::layout::{ChunkUniform, MAX_EXTRA_SLICES, Node, VisibleBatch};
 use base::space::Split;
 use base::task::Progress;
 use cloud::Cloud;
@@ -24,15 +24,15 @@ pub struct CloudBuffers {
     pub bytes: u64,
     /// True if a pixel may get more points than the packed sums hold; see [`crate::layout::Sums`].
     pub(super) is_crowded: bool,
-    /// True if its nodes are cubes, [`crate::layout::Node`]; else they are records of a technique.
-    pub(super) has_cubes: bool,
     /// Buffers of it that shaders of a technique bind, by name.
     pub(super) besides: Vec<(&'static str, wgpu::Buffer)>,
     /// True if it is no flat cloud.
     pub(super) has_detail: bool,
     /// Points that are resident.
     pub(super) num_resident: Arc<AtomicU64>,
+    /// Nodes that have a state.
     pub(super) num_nodes: u32,
+    /// Nodes of an octree; a cloud that is none is one that is always drawn whole.
     pub(super) nodes: wgpu::Buffer,
     pub(super) states: wgpu::Buffer,
     /// A word a node, used while a frame's visible nodes are counted.
@@ -93,9 +93,9 @@ impl CloudBuffers {
     ///
     /// # Errors
     /// See [`UploadError`].
-    pub fn upload_whole<N: Pod, B: Pod>(
+    pub fn upload_whole<B: Pod>(
         gpu: &Gpu,
-        whole: Whole<N, B>,
+        whole: Whole<B>,
         chunk_limit: u64,
         progress: &Progress,
     ) -> Result<Self, UploadError> {
@@ -113,6 +113,11 @@ impl CloudBuffers {
         progress: &Progress,
     ) -> Result<Self, UploadError> {
         CloudUpload::whole_octree(gpu, octree, chunk_limit, progress)
+    }
+
+    /// Nodes whose cubes there are.
+    pub(super) fn num_cubes(&self) -> u32 {
+        (self.nodes.size() / size_of::<Node>() as u64) as u32
     }
 
     /// How many chunks the points fill; 1 on an ordinary GPU.
@@ -137,7 +142,7 @@ impl CloudBuffers {
 /// The column of an octree beside its colors.
 pub(super) const FILTERED_COLORS: &str = "filtered_colors";
 
-/// Entries for slices of batches. Batches have slices only in trees, where points may be wide.
+/// Entries for slices of batches. Batches of flat clouds have none: their points are never wide.
 pub(super) fn num_extra_slices(column: Option<&str>) -> usize {
     if column.is_some() { MAX_EXTRA_SLICES as usize } else { 0 }
 }

@@ -115,7 +115,7 @@ impl Make<'_> {
             hidden: self.storage("hidden", hidden),
             resolve: self
                 .uniform("resolve", &ResolveUniform { size_px, background, is_bgra: is_bgra.into() }),
-            dilate: self.uniform("dilate", &DilateUniform { eye: eye as u32, ..DilateUniform::default() }),
+            dilate: self.uniform("dilate", &DilateUniform { eye: eye as u32 }),
         }
     }
 

@@ -1,11 +1,9 @@
 //! The frame as a contents list.
 
 use super::groups;
-use super::pipelines::Closest;
 use super::renderer::Renderer;
 use crate::draw_options::DrawOptions;
 use crate::gpu::QueueGuard;
-use crate::gpu::stage::Compiled;
 use crate::layout::{
     COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
 };
@@ -38,7 +36,7 @@ pub struct FrameTimes {
     pub stage_ms: StageMs,
     /// GPU time of all stages.
     pub gpu_ms: f32,
-    /// Nodes of which `depth` drew something: an octree's cubes, a point tree's runs; a flat cloud is one.
+    /// Nodes of which `depth` drew something; a flat cloud is one.
     pub visible_nodes: u32,
     /// Batches that `depth` drew.
     pub visible_batches: u32,
@@ -71,7 +69,6 @@ impl Renderer {
         self.record_color(encoder);
         self.record_resolve(encoder, images);
         self.timer.end(encoder, &self.counters);
-        self.targets_are_clear = self.groups.clear_counters.is_some() && self.cloud.is_some();
         self.images_are_new = false;
     }
 
@@ -123,8 +120,7 @@ impl Renderer {
 
     fn record_clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = self.compute_pass(encoder, CLEAR);
-        let counters = self.groups.clear_counters.as_ref().filter(|_| self.targets_are_clear);
-        self.dispatch_clear(&mut pass, counters.map_or(&self.groups.clear[..], std::slice::from_ref));
+        self.dispatch_clear(&mut pass, &self.groups.clear);
         // Tiles that nobody sees stay as they are from here on.
         if self.images_are_new {
             self.dispatch_clear(&mut pass, &self.groups.clear_images);
@@ -154,22 +150,12 @@ impl Renderer {
     }
 
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder) {
-        if let Some((nearest, recording)) = self.nearest() {
-            return nearest.record_depth(encoder, &recording);
-        }
-        let mut pass = self.compute_pass(encoder, DEPTH);
-        match (self.options.quality, &self.pipelines.closest) {
-            (Quality::Closest, Some(Closest { depth, ids, .. })) => {
-                self.dispatch_visible(&mut pass, depth, &self.groups.depth);
-                if let Some(ids) = ids {
-                    self.dispatch_visible(&mut pass, ids, &self.groups.ids);
-                }
-            }
-            // The technique's own way to the nearest points was taken above.
-            (Quality::Closest, None) => {}
-            (Quality::Hqs, _) => {
+        match self.options.quality {
+            Quality::Closest => self.nearest.record_depth(encoder, &self.recording()),
+            Quality::Hqs => {
                 let depth = &groups::hqs(&self.pipelines, self.cloud.as_ref()).depth;
-                self.dispatch_visible(&mut pass, depth, &self.groups.depth);
+                let mut pass = self.compute_pass(encoder, DEPTH);
+                depth.dispatch_visible(&mut pass, &self.groups.depth, &self.counters);
             }
         }
     }
@@ -178,15 +164,7 @@ impl Renderer {
         // wgpu puts a barrier between passes that write and read the same buffer.
         let mut pass = self.compute_pass(encoder, COLOR);
         let color = &groups::hqs(&self.pipelines, self.cloud.as_ref()).color;
-        self.dispatch_visible(&mut pass, color, &self.groups.color);
-    }
-
-    /// Records one dispatch a chunk, with a workgroup a visible batch.
-    fn dispatch_visible(&self, pass: &mut wgpu::ComputePass, stage: &Compiled, groups: &[wgpu::BindGroup]) {
-        for (number, group) in groups.iter().enumerate() {
-            let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
-            stage.dispatch_indirect(pass, group, &self.counters, arguments);
-        }
+        color.dispatch_visible(&mut pass, &self.groups.color, &self.counters);
     }
 
     fn record_resolve(&self, encoder: &mut wgpu::CommandEncoder, images: &[EyeImage]) {
@@ -220,19 +198,13 @@ impl Renderer {
     fn record_pixels(&self, pass: &mut wgpu::ComputePass) {
         let (pipelines, cloud) = (&self.pipelines, self.cloud.as_ref());
         let DrawOptions { quality, dilate, .. } = self.options;
-        let surface: Option<&Compiled> = match (quality, &pipelines.closest) {
-            (Quality::Closest, closest) => closest.as_ref().map(|closest| &*closest.shade),
-            (Quality::Hqs, _) => Some(&groups::hqs(pipelines, cloud).blend),
-        };
         let image = groups::finishing(pipelines, cloud, quality, dilate);
         for (number, eye) in self.groups.eyes.iter().enumerate() {
-            if let Some((nearest, _)) = self.nearest() {
-                nearest.record_shade(pass, number, eye.num_tiles);
+            if quality == Quality::Closest {
+                self.nearest.record_shade(pass, number, eye.num_tiles);
             }
-            for (surface, group) in
-                surface.iter().flat_map(|surface| eye.surface.iter().map(move |g| (surface, g)))
-            {
-                surface.dispatch(pass, group, eye.num_tiles);
+            if let Some(group) = &eye.blend {
+                groups::hqs(pipelines, cloud).blend.dispatch(pass, group, eye.num_tiles);
             }
             if let Some(group) = &eye.image {
                 image.dispatch(pass, group, eye.num_tiles);

@@ -2,13 +2,12 @@
 
 use super::cloud_buffers::{Chunk, CloudBuffers, FILTERED_COLORS};
 use super::drawn_part::{Clearing, DrawnPart};
-use super::pipelines::{Closest, Hqs, Pipelines};
+use super::pipelines::{Hqs, Pipelines};
 use super::targets::Targets;
-use crate::bindings::{Eye, Geometry, OfChunk, OfClear, OfCloud, OfEye, OfPixels};
+use crate::bindings::{Eye, Geometry, OfBatches, OfChunk, OfClear, OfCloud, OfEye, OfOthers, OfPixels};
 use crate::gpu::Gpu;
-use crate::gpu::stage::{Besides, Stage, nothing_besides};
+use crate::gpu::stage::Stage;
 use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
-use crate::nearest::Clears;
 use crate::options::{Dilate, Quality};
 use crate::technique::Technique;
 
@@ -22,8 +21,8 @@ pub struct Parts<'a> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) drawn: &'a DrawnPart,
     pub(super) technique: &'a dyn Technique,
-    /// Which keys are cleared for the technique's own way to the nearest points.
-    pub(super) clears: Option<Clears>,
+    /// True if the targets of `closest` quality are cleared.
+    pub(super) clears: bool,
     pub(super) cloud: Option<&'a CloudBuffers>,
     pub(super) view: &'a wgpu::Buffer,
     pub(super) counters: &'a wgpu::Buffer,
@@ -36,13 +35,11 @@ pub struct Parts<'a> {
 pub(super) struct Groups {
     /// One for each pair of targets to clear, with the number of its 16-byte words.
     pub clear: Vec<(wgpu::BindGroup, u32)>,
-    /// Clears the counters alone, for a frame whose targets `resolve` has cleared in the frame before.
-    pub clear_counters: Option<(wgpu::BindGroup, u32)>,
     pub lod: Option<wgpu::BindGroup>,
-    /// One a chunk, as those of `depth`, `ids` and `color`.
+    /// One a chunk, as those of `depth` and `color`.
     pub cull: Vec<wgpu::BindGroup>,
+    /// Of `depth` in `hqs` quality; in the other, [`crate::nearest::Nearest`] has its own.
     pub depth: Vec<wgpu::BindGroup>,
-    pub ids: Vec<wgpu::BindGroup>,
     pub color: Vec<wgpu::BindGroup>,
     /// Bind groups of each eye.
     pub eyes: Vec<EyeGroups>,
@@ -55,16 +52,13 @@ pub(super) struct Groups {
 pub(super) struct EyeGroups {
     /// Tiles that somebody sees, or whose pixels dilation takes.
     pub num_tiles: u32,
-    /// One of `shade` a chunk; or one of `blend`, if gaps stay open.
-    pub surface: Vec<wgpu::BindGroup>,
+    /// One of `blend`, if gaps stay open in `hqs` quality.
+    pub blend: Option<wgpu::BindGroup>,
     /// One of `dilate`, `blend-dilate`, or `show`.
     pub image: Option<wgpu::BindGroup>,
     /// One of the depth image's pass, if there are depth images.
     pub depth: Option<wgpu::BindGroup>,
 }
-
-/// The resources that the geometry stages bind.
-type OfGeometry<'a> = (OfCloud<'a>, (OfChunk<'a>, OfPixels<'a>));
 
 impl<'a> Parts<'a> {
     /// The cloud's chunks, with their numbers.
@@ -80,40 +74,23 @@ impl<'a> Parts<'a> {
     }
 
     pub(super) fn groups(&self) -> Groups {
-        let mut groups = Groups {
+        let [depth, color] = match self.quality {
+            // `Nearest` has bind groups of its own.
+            Quality::Closest => [vec![], vec![]],
+            Quality::Hqs => [&self.hqs().depth, &self.hqs().color].map(|stage| self.bind_geometry(stage)),
+        };
+        Groups {
             clear: self.clear(),
-            clear_counters: self.clear_counters(),
-            lod: self
-                .cloud
-                .map(|cloud| self.pipelines.lod.bind(self.gpu, self.of_cloud(cloud), &nothing_besides)),
-            cull: vec![],
-            depth: vec![],
-            ids: vec![],
-            color: vec![],
+            lod: self.cloud.map(|cloud| self.pipelines.lod.bind(self.gpu, &self.of_cloud(cloud))),
+            cull: self.each_chunk(|resources| self.pipelines.cull.bind(self.gpu, &resources)),
+            depth,
+            color,
             eyes: (0..self.targets.sizes_px.len()).map(|eye| self.eye(eye)).collect(),
             clear_images: vec![
                 self.cleared(&self.targets.image_color, &self.drawn.no_colors),
                 self.cleared(&self.targets.image_depth, &self.drawn.no_depths),
             ],
-        };
-        for (cloud, chunk, number) in self.chunks() {
-            let geometry = || self.of_geometry(cloud, chunk, number);
-            let of_chunk = (self.of_cloud(cloud), self.of_chunk(chunk, number));
-            let besides = |name: &str| self.besides(cloud, chunk, name);
-            groups.cull.push(self.pipelines.cull.bind(self.gpu, of_chunk, &besides));
-            match (self.quality, &self.pipelines.closest) {
-                (Quality::Closest, Some(Closest { depth, ids, .. })) => {
-                    groups.depth.push(depth.bind(self.gpu, geometry(), &besides));
-                    groups.ids.extend(ids.iter().map(|ids| ids.bind(self.gpu, geometry(), &besides)));
-                }
-                (Quality::Closest, None) => {}
-                (Quality::Hqs, _) => {
-                    groups.depth.push(self.hqs().depth.bind(self.gpu, geometry(), &besides));
-                    groups.color.push(self.hqs().color.bind(self.gpu, geometry(), &besides));
-                }
-            }
         }
-        groups
     }
 
     /// The targets that this quality begins with, and how.
@@ -121,8 +98,9 @@ impl<'a> Parts<'a> {
         let Targets { keys, depth, wide, .. } = self.targets;
         let DrawnPart { no_keys, no_depth, no_sums, no_wide, as_it_is, .. } = self.drawn;
         let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
-            Quality::Closest if self.clears == Some(Clears::Nothing) => vec![(keys, as_it_is)],
-            Quality::Closest if self.pipelines.has_keys() => vec![(keys, no_keys)],
+            // The counters are cleared in any case.
+            Quality::Closest if !self.clears => vec![(keys, as_it_is)],
+            Quality::Closest if self.pipelines.has_keys => vec![(keys, no_keys)],
             // The keys' buffers hold ids here, which are half as large.
             Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
             Quality::Hqs => match self.hqs().sums {
@@ -134,12 +112,6 @@ impl<'a> Parts<'a> {
         pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
     }
 
-    /// Clears the counters alone, for a frame whose targets the one before has cleared.
-    fn clear_counters(&self) -> Option<(wgpu::BindGroup, u32)> {
-        let clears_itself = self.clears == Some(Clears::Once) && self.quality == Quality::Closest;
-        clears_itself.then(|| self.cleared(&self.targets.keys, &self.drawn.as_it_is))
-    }
-
     fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
         let resources = OfClear {
             clear: clearing.uniform.as_entire_binding(),
@@ -147,7 +119,7 @@ impl<'a> Parts<'a> {
             right: pair[1].as_entire_binding(),
             counters: self.counters.as_entire_binding(),
         };
-        (self.pipelines.clear.bind(self.gpu, resources, &nothing_besides), clearing.num_words.max(1))
+        (self.pipelines.clear.bind(self.gpu, &resources), clearing.num_words.max(1))
     }
 
     fn of_cloud(&self, cloud: &'a CloudBuffers) -> OfCloud<'a> {
@@ -178,13 +150,13 @@ impl<'a> Parts<'a> {
         }
     }
 
-    fn of_geometry(&self, cloud: &'a CloudBuffers, chunk: &'a Chunk, number: usize) -> OfGeometry<'a> {
+    fn of_pixels(&self) -> OfPixels<'a> {
         let Targets { keys, depth, wide, .. } = self.targets;
         let [keys, depth, wide] =
             [keys, depth, wide].map(|pair| pair.each_ref().map(|buffer| buffer.as_entire_binding()));
         let ([keys_left, keys_right], [depth_left, depth_right], [wide_left, wide_right]) =
             (keys, depth, wide);
-        let pixels = OfPixels {
+        OfPixels {
             sums_left: keys_left.clone(),
             sums_right: keys_right.clone(),
             ids_left: keys_left.clone(),
@@ -195,8 +167,13 @@ impl<'a> Parts<'a> {
             depth_right,
             wide_left,
             wide_right,
-        };
-        (self.of_cloud(cloud), (self.of_chunk(chunk, number), pixels))
+        }
+    }
+
+    /// Tiles of an eye that somebody sees, or whose pixels dilation takes.
+    #[must_use]
+    pub fn num_tiles(&self, eye: usize) -> u32 {
+        self.drawn.eyes[eye].num_tiles
     }
 
     /// The resources of an eye that the steps of `resolve` may bind.
@@ -205,7 +182,7 @@ impl<'a> Parts<'a> {
         let (targets, part) = (self.targets, &self.drawn.eyes[eye]);
         // Where depth is a part of the key, `shade` reads both from there.
         let depth = match self.quality {
-            Quality::Closest if self.pipelines.has_keys() => &targets.keys[eye],
+            Quality::Closest if self.pipelines.has_keys => &targets.keys[eye],
             _ => &targets.depth[eye],
         };
         OfEye {
@@ -214,7 +191,6 @@ impl<'a> Parts<'a> {
             hidden: part.hidden.as_entire_binding(),
             dilate: part.dilate.as_entire_binding(),
             depth: depth.as_entire_binding(),
-            keys: targets.keys[eye].as_entire_binding(),
             ids: targets.keys[eye].as_entire_binding(),
             sums: targets.keys[eye].as_entire_binding(),
             wide: targets.wide[eye].as_entire_binding(),
@@ -225,54 +201,32 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Bind groups of the first step of `resolve` in `closest` quality, one a chunk.
-    fn shade(&self, eye: usize) -> Vec<wgpu::BindGroup> {
-        let Some(Closest { shade, .. }) = &self.pipelines.closest else { return vec![] };
-        let bind = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
-            let resources = (self.of_chunk(chunk, number), self.of_eye(eye));
-            shade.bind(self.gpu, resources, &|name| self.besides(cloud, chunk, name))
-        };
-        self.chunks().map(bind).collect()
-    }
-
-    /// The resource of a chunk, its cloud or the technique that has this name.
-    fn besides(
-        &self,
-        cloud: &'a CloudBuffers,
-        chunk: &'a Chunk,
-        name: &str,
-    ) -> Option<wgpu::BindingResource<'a>> {
-        let buffer = chunk.column(name).or_else(|| cloud.besides(name));
-        buffer.map(|buffer| buffer.as_entire_binding()).or_else(|| self.technique.resource(name))
+    /// The resources of a chunk, its cloud and the technique, by names of their own.
+    fn of_others(&self, cloud: &'a CloudBuffers, chunk: &'a Chunk) -> OfOthers<'a> {
+        let columns = chunk.column.iter().chain(&cloud.besides);
+        let buffers = columns.map(|(name, buffer)| (*name, buffer.as_entire_binding()));
+        OfOthers(buffers.chain(self.technique.resources(self.targets)).collect())
     }
 
     /// Bind groups of a geometry stage, one a chunk.
     #[must_use]
     pub fn bind_geometry(&self, stage: &Stage<Geometry>) -> Vec<wgpu::BindGroup> {
-        let bind = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
-            let besides = |name: &str| self.besides(cloud, chunk, name);
-            stage.bind(self.gpu, self.of_geometry(cloud, chunk, number), &besides)
-        };
-        self.chunks().map(bind).collect()
+        self.each_chunk(|batches| stage.bind(self.gpu, &(batches, self.of_pixels())))
     }
 
-    /// Has `bind` bind, chunk by chunk, the resources that a pass over visible batches may use.
-    pub fn each_chunk(
-        &self,
-        mut bind: impl FnMut((OfCloud<'a>, OfChunk<'a>), &Besides<'_, 'a>) -> wgpu::BindGroup,
-    ) -> Vec<wgpu::BindGroup> {
-        let group = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
-            let besides = |name: &str| self.besides(cloud, chunk, name);
-            bind((self.of_cloud(cloud), self.of_chunk(chunk, number)), &besides)
+    /// Has `bind` bind, chunk by chunk, the resources that a pass over batches may use.
+    pub fn each_chunk(&self, bind: impl Fn(OfBatches<'a>) -> wgpu::BindGroup) -> Vec<wgpu::BindGroup> {
+        let resources = |(cloud, chunk, number): (&'a CloudBuffers, &'a Chunk, usize)| {
+            (self.of_cloud(cloud), (self.of_chunk(chunk, number), self.of_others(cloud, chunk)))
         };
-        self.chunks().map(group).collect()
+        self.chunks().map(resources).map(bind).collect()
     }
 
     /// Has `bind` bind, chunk by chunk, the resources of an eye that a step of `resolve` may use.
     pub fn each_chunk_of_eye(
         &self,
         eye: usize,
-        mut bind: impl FnMut((OfChunk<'a>, OfEye<'a>)) -> wgpu::BindGroup,
+        bind: impl Fn((OfChunk<'a>, OfEye<'a>)) -> wgpu::BindGroup,
     ) -> Vec<wgpu::BindGroup> {
         self.chunks()
             .map(|(_, chunk, number)| bind((self.of_chunk(chunk, number), self.of_eye(eye))))
@@ -280,18 +234,14 @@ impl<'a> Parts<'a> {
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
-        let surface = match self.quality {
-            _ if self.cloud.is_none() => vec![],
-            Quality::Closest => self.shade(eye),
-            Quality::Hqs if self.dilate == Dilate::Rings => vec![],
-            Quality::Hqs => vec![self.hqs().blend.bind(self.gpu, self.of_eye(eye), &nothing_besides)],
-        };
+        let bind = |stage: &Stage<Eye>| stage.bind(self.gpu, &self.of_eye(eye));
+        let blends = self.quality == Quality::Hqs && self.dilate == Dilate::Off;
         let image = finishing(self.pipelines, self.cloud, self.quality, self.dilate);
         EyeGroups {
-            num_tiles: self.drawn.eyes[eye].num_tiles,
-            surface,
-            image: self.cloud.is_some().then(|| image.bind(self.gpu, self.of_eye(eye), &nothing_besides)),
-            depth: self.pipelines.depth_image.as_ref().map(|pass| pass.bind(self.gpu, self.of_eye(eye))),
+            num_tiles: self.num_tiles(eye),
+            blend: self.cloud.filter(|_| blends).map(|_| bind(&self.hqs().blend)),
+            image: self.cloud.map(|_| bind(image)),
+            depth: self.pipelines.depth_image.as_ref().map(|pass| pass.bind(self.gpu, &self.of_eye(eye))),
         }
     }
 }

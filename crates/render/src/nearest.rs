@@ -1,29 +1,26 @@
-//! Other ways to the nearest points of `closest` quality than the frame's stages: what they are asked for, and what
-//! they are told while a frame is recorded.
+//! The way to the nearest points of `closest` quality: what it is asked for, and what it is told while a frame is
+//! recorded. The frame has one of its own, [`Closest`]; techniques may have others.
 
+use crate::bindings::{Chunk, Eye, Geometry};
 use crate::cloud_buffers::CloudBuffers;
+use crate::draw_options::Access;
 use crate::frame::DEPTH;
-use crate::gpu::stage::Compiled;
+use crate::gpu::Gpu;
+use crate::gpu::stage::Stage;
 use crate::gpu::timer::Timer;
 use crate::groups::Parts;
-use crate::layout::COUNTERS_STRIDE;
+use crate::layout::Variant;
+use crate::shaders;
 use crate::targets::Targets;
 use std::fmt;
 use timing::STAGES;
 
-/// Which keys the frame clears before `depth`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Clears {
-    /// No keys: they are not used.
-    Nothing,
-    /// All keys, in the first frame after a change; afterwards the shading step leaves them clear.
-    Once,
-}
-
 /// Finds each pixel's nearest point, and its color.
 pub trait Nearest: fmt::Debug + Send {
-    /// Which keys the frame clears for it.
-    fn clears(&self) -> Clears;
+    /// True if the frame is to clear the targets of `closest` quality before `depth`.
+    fn wants_clear_targets(&self) -> bool {
+        false
+    }
 
     /// Makes bind groups anew after a change of the cloud, the targets or their sizes.
     fn bind(&mut self, parts: &Parts<'_>);
@@ -40,7 +37,7 @@ pub trait Nearest: fmt::Debug + Send {
 pub struct Recording<'a> {
     pub(super) timer: &'a Timer,
     pub(super) cloud: Option<&'a CloudBuffers>,
-    /// Counters of each chunk, [`COUNTERS_STRIDE`] bytes apart.
+    /// Counters of each chunk, [`crate::layout::COUNTERS_STRIDE`] bytes apart.
     pub counters: &'a wgpu::Buffer,
     /// Buffers that are drawn into.
     pub targets: &'a Targets,
@@ -59,20 +56,66 @@ impl Recording<'_> {
         self.timer.render(DEPTH, eye == 0, eye + 1 == self.targets.sizes_px.len())
     }
 
-    /// Records `depth` as the frame does: a dispatch a chunk, a workgroup a visible batch.
-    pub fn dispatch_visible(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        stage: &Compiled,
-        groups: &[wgpu::BindGroup],
-    ) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+    /// The pass of `depth`, if it is a compute pass.
+    #[must_use]
+    pub fn compute_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::ComputePass<'e> {
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(STAGES[DEPTH]),
             timestamp_writes: self.timer.compute(DEPTH, true, true),
-        });
-        for (number, group) in groups.iter().enumerate() {
-            let arguments = number as u64 * u64::from(COUNTERS_STRIDE);
-            stage.dispatch_indirect(&mut pass, group, self.counters, arguments);
+        })
+    }
+}
+
+/// The frame's own way: `depth`, then `shade`.
+#[derive(Debug)]
+pub(super) struct Closest {
+    depth: Stage<Geometry>,
+    /// Finds ids, if depth and id do not fit one atomic.
+    ids: Option<Stage<Geometry>>,
+    shade: Stage<(Chunk, Eye)>,
+    /// Bind groups of `depth`, one a chunk, as those of `ids`.
+    depth_groups: Vec<wgpu::BindGroup>,
+    ids_groups: Vec<wgpu::BindGroup>,
+    /// Bind groups of `shade`, one an eye and a chunk.
+    shade_groups: Vec<Vec<wgpu::BindGroup>>,
+}
+
+impl Closest {
+    pub fn new(gpu: &Gpu, variant: Variant, access: Access) -> Self {
+        Self {
+            depth: Stage::of(gpu, shaders::DEPTH, variant, access),
+            ids: (!variant.keys).then(|| Stage::of(gpu, shaders::IDS, variant, access)),
+            shade: Stage::of(gpu, shaders::SHADE, variant, access),
+            depth_groups: vec![],
+            ids_groups: vec![],
+            shade_groups: vec![],
+        }
+    }
+}
+
+impl Nearest for Closest {
+    fn wants_clear_targets(&self) -> bool {
+        true
+    }
+
+    fn bind(&mut self, parts: &Parts<'_>) {
+        self.depth_groups = parts.bind_geometry(&self.depth);
+        self.ids_groups = self.ids.as_ref().map_or_else(Vec::new, |ids| parts.bind_geometry(ids));
+        let shade = |eye| parts.each_chunk_of_eye(eye, |resources| self.shade.bind(parts.gpu, &resources));
+        self.shade_groups = (0..parts.targets.sizes_px.len()).map(shade).collect();
+    }
+
+    fn record_depth(&self, encoder: &mut wgpu::CommandEncoder, recording: &Recording<'_>) {
+        let mut pass = recording.compute_pass(encoder);
+        self.depth.dispatch_visible(&mut pass, &self.depth_groups, recording.counters);
+        if let Some(ids) = &self.ids {
+            ids.dispatch_visible(&mut pass, &self.ids_groups, recording.counters);
+        }
+    }
+
+    fn record_shade(&self, pass: &mut wgpu::ComputePass<'_>, eye: usize, num_tiles: u32) {
+        for group in &self.shade_groups[eye] {
+            self.shade.dispatch(pass, group, num_tiles);
         }
     }
 }

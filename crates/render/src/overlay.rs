@@ -9,7 +9,7 @@ use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{self, Cloud, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::{Bindings, nothing_besides};
+use crate::gpu::stage::Bindings;
 use crate::layout::{COUNTERS_STRIDE, CullCounters, DilateUniform, Sums, Variant};
 use crate::options::{Overlay, Quality};
 use std::num::NonZeroU64;
@@ -64,7 +64,7 @@ impl Overlays {
         let whole = |entry, sums| pass(shaders::OVERLAY, sums, ["whole", entry]);
         let boxes = |entry| pass(shaders::BOXES, Sums::Packed, [entry, "line"]);
         let eye = |eye| {
-            let uniform = DilateUniform { eye, ..DilateUniform::default() };
+            let uniform = DilateUniform { eye };
             gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("overlay"),
                 contents: bytemuck::bytes_of(&uniform),
@@ -144,7 +144,7 @@ impl Overlays {
         let pass = self.pass(renderer, overlay)?;
         // Instances to draw of each chunk.
         let instances: Vec<u32> = match overlay {
-            Overlay::Nodes => vec![if cloud.has_cubes { cloud.num_nodes } else { 0 }],
+            Overlay::Nodes => vec![cloud.num_cubes()],
             Overlay::Precision => cloud.chunks.iter().map(Chunk::num_slots).collect(),
             _ => vec![1],
         };
@@ -193,8 +193,7 @@ impl Overlays {
             visible: cloud.chunks[chunk].visible.as_entire_binding(),
         };
         let layout = pass.pipeline.get_bind_group_layout(0);
-        let resources = (of_cloud, of_overlay);
-        pass.bindings.bind(&renderer.gpu.device, &layout, resources, &nothing_besides)
+        pass.bindings.bind(&renderer.gpu.device, &layout, &(of_cloud, of_overlay))
     }
 }
 

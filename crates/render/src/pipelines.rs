@@ -1,13 +1,13 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
 use super::shaders::{self, ShaderOfSet};
-use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, OfEye, Set};
+use crate::bindings::{Batches, Clear, Cloud, Eye, Geometry, OfEye, Set};
 use crate::draw_options::Access;
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::{Bindings, Stage, nothing_besides};
+use crate::gpu::stage::{Bindings, Stage};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
-use crate::nearest::Nearest;
+use crate::nearest::{Closest, Nearest};
 use crate::technique::Technique;
 
 /// Every pipeline that a renderer may need.
@@ -15,9 +15,9 @@ use crate::technique::Technique;
 pub(super) struct Pipelines {
     pub clear: Stage<Clear>,
     pub lod: Stage<Cloud>,
-    pub cull: Stage<(Cloud, Chunk)>,
-    /// `None` if the technique finds the nearest points in another way.
-    pub closest: Option<Closest>,
+    pub cull: Stage<Batches>,
+    /// True if each pixel's nearest depth and id are one key.
+    pub has_keys: bool,
     /// Stages for each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
     /// Makes finished pixels in `closest` quality, if gaps are closed.
@@ -26,15 +26,6 @@ pub(super) struct Pipelines {
     pub show: Stage<Eye>,
     /// Writes depth images, if there are any.
     pub depth_image: Option<DepthImage>,
-}
-
-/// The point stages of `closest` quality.
-#[derive(Debug)]
-pub(super) struct Closest {
-    pub depth: Stage<Geometry>,
-    /// Finds ids, if depth and id do not fit one atomic.
-    pub ids: Option<Stage<Geometry>>,
-    pub shade: Stage<(Chunk, Eye)>,
 }
 
 /// The point stages of `hqs` quality.
@@ -67,16 +58,13 @@ pub(super) struct PipelineOptions {
 }
 
 impl Pipelines {
-    /// Compiles the pipelines, with the technique's other way to the nearest points, if it has one.
-    pub fn new(
-        gpu: &Gpu,
-        technique: &dyn Technique,
-        options: PipelineOptions,
-    ) -> (Self, Option<Box<dyn Nearest>>) {
+    /// Compiles the pipelines, with the technique's way to the nearest points, if it has one, else the frame's.
+    pub fn new(gpu: &Gpu, technique: &dyn Technique, options: PipelineOptions) -> (Self, Box<dyn Nearest>) {
         let PipelineOptions { num_eyes, fill, atomics, access, depth_format } = options;
-        let keys = atomics >= Atomics::Int64Minmax;
+        let has_keys = atomics >= Atomics::Int64Minmax;
         let together = access.together.unwrap_or(!gpu.is_software());
-        let variant = Variant { fill, keys, together, texts: technique.texts(), ..Variant::eyes(num_eyes) };
+        let texts = technique.texts();
+        let variant = Variant { fill, keys: has_keys, together, texts, ..Variant::eyes(num_eyes) };
         let maker = Maker { gpu, access };
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
@@ -98,16 +86,12 @@ impl Pipelines {
             None => vec![Sums::Wide],
         };
         let nearest = technique.nearest(gpu, variant, access);
-        let closest = || Closest {
-            depth: maker.stage(shaders::DEPTH, variant),
-            ids: (!keys).then(|| maker.stage(shaders::IDS, variant)),
-            shade: maker.stage(shaders::SHADE, variant),
-        };
+        let nearest = nearest.unwrap_or_else(|| Box::new(Closest::new(gpu, variant, access)));
         let pipelines = Self {
             clear: maker.stage(shaders::CLEAR, variant),
             lod: maker.stage(shaders::LOD, variant),
             cull: maker.stage(shaders::CULL, variant),
-            closest: nearest.is_none().then(closest),
+            has_keys,
             hqs: forms.into_iter().map(hqs).collect(),
             dilate: maker.stage(shaders::DILATE, variant),
             show: maker.stage(shaders::SHOW, variant),
@@ -115,11 +99,6 @@ impl Pipelines {
                 .map(|format| DepthImage::new(gpu, format, &shaders::DEPTH_IMAGE.source(variant))),
         };
         (pipelines, nearest)
-    }
-
-    /// True if each pixel's nearest depth and id are one key.
-    pub fn has_keys(&self) -> bool {
-        self.closest.as_ref().is_none_or(|closest| closest.ids.is_none())
     }
 }
 
@@ -152,8 +131,8 @@ impl DepthImage {
     }
 
     /// A bind group for the pass.
-    pub fn bind(&self, gpu: &Gpu, resources: OfEye) -> wgpu::BindGroup {
+    pub fn bind(&self, gpu: &Gpu, resources: &OfEye) -> wgpu::BindGroup {
         let layout = self.pipeline.get_bind_group_layout(0);
-        self.bindings.bind(&gpu.device, &layout, resources, &nothing_besides)
+        self.bindings.bind(&gpu.device, &layout, resources)
     }
 }

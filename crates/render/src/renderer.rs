@@ -49,15 +49,13 @@ pub struct Renderer {
     pub(super) counters: wgpu::Buffer,
     pub(super) targets: Targets,
     pub(super) technique: Box<dyn Technique>,
-    /// The technique's other way to the nearest points, if it has one.
-    pub(super) nearest: Option<Box<dyn Nearest>>,
+    /// The way to the nearest points in `closest` quality: the technique's, if it has one, else the frame's.
+    pub(super) nearest: Box<dyn Nearest>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
     pub(super) loading_bar: LoadingBar,
     drawn: DrawnPart,
     pub(super) groups: Groups,
-    /// True if the frame before has cleared its targets and nothing has changed since.
-    pub(super) targets_are_clear: bool,
     /// True if the finished pixels are of another drawn part or cloud than the next frame's.
     pub(super) images_are_new: bool,
     /// See [`Self::binding`].
@@ -109,7 +107,6 @@ impl Renderer {
             loading_bar,
             drawn,
             groups: Groups::default(),
-            targets_are_clear: false,
             images_are_new: true,
             binding: 0,
             timer,
@@ -133,7 +130,8 @@ impl Renderer {
     }
 
     /// Shows this cloud from the next frame on, and gives back the one before. It takes no longer for a large cloud
-    /// than for a small one: nothing except bind groups is made, and nothing is freed.
+    /// than for a small one: nothing except bind groups is made, and nothing is freed. A technique draws the clouds that have
+    /// what its texts bind.
     ///
     /// # Errors
     /// If what the cloud's sums need does not fit the device; then nothing has changed.
@@ -314,30 +312,26 @@ impl Renderer {
             view: &self.view,
             counters: &self.counters,
             technique: &*self.technique,
-            clears: self.nearest.as_ref().map(|nearest| nearest.clears()),
+            clears: self.nearest.wants_clear_targets(),
             quality: self.options.quality,
             dilate: self.options.dilate,
         };
         self.groups = parts.groups();
-        if let Some(nearest) = self.nearest.as_mut().filter(|_| parts.quality == Quality::Closest) {
-            nearest.bind(&parts);
-        }
-        self.targets_are_clear = false;
+        // In the other quality it lets go of the cloud.
+        let cloud = parts.cloud.filter(|_| parts.quality == Quality::Closest);
+        self.nearest.bind(&Parts { cloud, ..parts });
         self.images_are_new = true;
         self.rebound();
     }
 
-    /// The technique's other way to the nearest points, if it has one and this quality asks for it, with what it is
-    /// told.
-    pub(super) fn nearest(&self) -> Option<(&dyn Nearest, Recording<'_>)> {
-        let nearest = self.nearest.as_deref().filter(|_| self.options.quality == Quality::Closest)?;
-        let recording = Recording {
+    /// What a way to the nearest points is told.
+    pub(super) fn recording(&self) -> Recording<'_> {
+        Recording {
             timer: &self.timer,
             cloud: self.cloud.as_ref(),
             counters: &self.counters,
             targets: &self.targets,
-        };
-        Some((nearest, recording))
+        }
     }
 
     /// A number that changes whenever bind groups of this renderer's buffers are out of date.

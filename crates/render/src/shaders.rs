@@ -1,6 +1,6 @@
 //! The shaders' final texts: prelude of host constants, shared structs, the file itself.
 
-use crate::bindings::{Chunk, Clear, Cloud, Eye, Geometry, Overlay, Set};
+use crate::bindings::{Batches, Chunk, Clear, Cloud, Eye, Geometry, Overlay, Set};
 use crate::layout::{self, Variant};
 use crate::technique::Pieces;
 use std::marker::PhantomData;
@@ -37,8 +37,6 @@ const LOOP: SharedText = shared!("loop.inc");
 const WIDE: SharedText = |variant| (variant.texts.wide)(variant);
 /// Where the geometry stages begin.
 const MAIN: SharedText = |variant| variant.texts.main;
-/// What the geometry stages count.
-const COUNTS: SharedText = |variant| variant.texts.counts;
 /// The tiles that the steps of `resolve` work on.
 const TILES: SharedText = shared!("tiles.inc");
 /// Which points count for a pixel's color.
@@ -73,7 +71,7 @@ const SRGB: SharedText = shared!("srgb.inc");
 const OVERLAYS: SharedText = shared!("overlay.inc");
 
 /// What all geometry stages share.
-const GEOMETRY: &[SharedText] = &[BESIDES, POINTS, TURN, CHOICE, RINGS, FILL, LOOP, PUT, WIDE, MAIN, COUNTS];
+const GEOMETRY: &[SharedText] = &[BESIDES, POINTS, TURN, CHOICE, RINGS, FILL, LOOP, PUT, WIDE, MAIN];
 
 /// A shader's text.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +80,8 @@ pub struct Shader {
     pub name: &'static str,
     /// Names of the resources that it may bind.
     pub names: fn() -> Vec<&'static str>,
+    /// True if it may bind resources of techniques besides; see [`crate::bindings::Others`].
+    pub has_others: bool,
     /// Texts that it shares with others, group by group.
     shared: &'static [&'static [SharedText]],
     /// Its own text.
@@ -107,7 +107,8 @@ impl<S: Set> ShaderOfSet<S> {
     /// A shader of other techniques: `shared` comes before its own text.
     #[must_use]
     pub const fn new(name: &'static str, shared: &'static [&'static [SharedText]], text: SharedText) -> Self {
-        Self { shader: Shader { name, names: S::names, shared, text }, set: PhantomData }
+        let shader = Shader { name, names: S::names, has_others: S::HAS_OTHERS, shared, text };
+        Self { shader, set: PhantomData }
     }
 
     /// The shader as a type that does not tell what it binds.
@@ -135,7 +136,8 @@ impl Shader {
     pub fn source(&self, variant: Variant) -> String {
         let shared = self.shared.iter().copied().flatten();
         let pieces = shared.chain([&self.text]).flat_map(|part| part(variant));
-        format!("{}{LAYOUT}{}", layout::prelude(variant), pieces.copied().collect::<String>())
+        let text = format!("{}{LAYOUT}{}", layout::prelude(variant), pieces.copied().collect::<String>());
+        (variant.texts.amend)(text)
     }
 }
 
@@ -153,8 +155,8 @@ macro_rules! shaders {
 
 shaders! {
     CLEAR: Clear = "clear", &[], shared!("clear");
-    LOD: Cloud = "lod", &[&[BESIDES]], |variant| variant.texts.lod;
-    CULL: (Cloud, Chunk) = "cull", &[&[BESIDES, SIZES, FILL, CULLING, IN_SIGHT]], |variant| variant.texts.cull;
+    LOD: Cloud = "lod", &[], |variant| variant.texts.lod;
+    CULL: Batches = "cull", &[&[BESIDES, SIZES, FILL, CULLING, IN_SIGHT]], |variant| variant.texts.cull;
     DEPTH: Geometry = "depth", &[GEOMETRY], |variant| (variant.texts.depth)(variant);
     DEPTH32: Geometry = "depth32", &[GEOMETRY], |variant| (variant.texts.hqs_depth)(variant);
     IDS: Geometry = "ids", &[GEOMETRY], shared!("ids");

@@ -6,7 +6,8 @@ use crate::cloud_buffers::CloudBuffers;
 use crate::draw_options::Access;
 use crate::gpu::{Gpu, QueueGuard};
 use crate::layout::{Detail, Sums, Variant};
-pub use crate::nearest::{Clears, Nearest, Recording};
+pub use crate::nearest::{Nearest, Recording};
+use crate::targets::Targets;
 use base::space::View;
 use std::fmt;
 
@@ -27,10 +28,10 @@ pub trait Technique: fmt::Debug + Send {
         None
     }
 
-    /// The resource that its shaders bind by this name, which is in none of [`crate::bindings`]' sets and of no column
-    /// of the cloud.
-    fn resource(&self, _name: &str) -> Option<wgpu::BindingResource<'_>> {
-        None
+    /// The resources of its own that its texts bind ([`crate::bindings::Others`]), by name. Those of its clouds are in
+    /// [`crate::Whole`].
+    fn resources<'a>(&'a self, _targets: &'a Targets) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+        vec![]
     }
 
     /// Is told of each frame's view before the frame is submitted. `detail` is that of the draw options, with thresholds already
@@ -78,8 +79,6 @@ pub struct Texts {
     pub wide: fn(Variant) -> Pieces,
     /// Where the geometry stages begin.
     pub main: Pieces,
-    /// What the geometry stages count.
-    pub counts: Pieces,
     /// `depth` of `closest` quality: what is done with a point in a pixel.
     pub depth: fn(Variant) -> Pieces,
     /// `depth` of `hqs` quality, in which a pixel has a depth alone.
@@ -88,6 +87,8 @@ pub struct Texts {
     pub colors: Pieces,
     /// `color` in four u32.
     pub color32: Pieces,
+    /// What becomes of a shader's whole text.
+    pub amend: fn(String) -> String,
 }
 
 impl fmt::Debug for Texts {
@@ -116,11 +117,11 @@ impl Texts {
         choice: &[text!("nodes.inc")],
         wide: Self::wide,
         main: &[text!("main.inc")],
-        counts: &[text!("no_counts.inc")],
         depth: Self::depth,
         hqs_depth: |_| &[text!("depths.inc"), text!("atomic_look.inc"), text!("depth")],
         colors: &[text!("node_colors.inc")],
         color32: &[text!("wide_sums.inc"), text!("color32")],
+        amend: |text| text,
     };
 
     /// Points wider than a pixel, if there may be any.

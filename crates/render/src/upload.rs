@@ -39,15 +39,15 @@ pub enum UploadError {
     Cancelled(#[from] Cancelled),
 }
 
-/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its nodes (`N`) and
-/// batches (`B`) that a technique's shaders read.
-pub struct Whole<'a, N, B> {
+/// A cloud that is sent all at once, with its points as they lie in memory, and with records of its batches (`B`) that a
+/// technique's shaders read.
+pub struct Whole<'a, B> {
     /// Its points and batches.
     pub cloud: &'a Cloud,
     /// Number of points to tell people.
     pub num_points: u64,
-    /// Its nodes.
-    pub nodes: &'a [N],
+    /// Nodes that its technique's `lod` gives states to.
+    pub num_nodes: usize,
     /// Makes the record of a batch from its number and the place of its first point in its chunk.
     pub batch: &'a dyn Fn(usize, u32) -> B,
     /// A column beside the colors, by the name that shaders have for it.
@@ -57,14 +57,16 @@ pub struct Whole<'a, N, B> {
 }
 
 /// A cloud before its points are there.
-struct Outline<'a, N> {
+struct Outline<'a> {
     split: Split,
     num_points: u64,
     batches: &'a [cloud::Batch],
     batch_bytes: usize,
     /// Words of a plane.
     num_words: usize,
-    nodes: &'a [N],
+    nodes: &'a [Node],
+    /// Nodes that have a state.
+    num_nodes: usize,
     /// The column beside the colors.
     column: Option<&'static str>,
 }
@@ -150,6 +152,7 @@ impl<'a> CloudUpload<'a> {
             batch_bytes: size_of::<Batch>(),
             num_words: cloud.planes[0].len(),
             nodes: &[Node::FLAT],
+            num_nodes: 1,
             column: None,
         };
         let batch = |i: usize, first_point: u32| Batch::new(&cloud.split, &cloud.batches[i], 0, first_point);
@@ -160,24 +163,26 @@ impl<'a> CloudUpload<'a> {
     }
 
     /// See [`CloudBuffers::upload_whole`].
-    pub(super) fn whole<N: Pod, B: Pod>(
+    pub(super) fn whole<B: Pod>(
         gpu: &'a Gpu,
-        whole: Whole<N, B>,
+        whole: Whole<B>,
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<CloudBuffers, UploadError> {
-        let Whole { cloud, num_points, nodes, batch, column: (name, column), besides } = whole;
+        let Whole { cloud, num_points, num_nodes, batch, column: (name, column), besides } = whole;
         let outline = Outline {
             split: cloud.split,
             num_points,
             batches: &cloud.batches,
             batch_bytes: size_of::<B>(),
             num_words: cloud.planes[0].len(),
-            nodes,
+            nodes: &[Node::FLAT],
+            num_nodes,
             column: Some(name),
         };
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
-        (upload.cloud.besides, upload.cloud.has_cubes) = (besides, false);
+        upload.cloud.bytes += besides.iter().map(|(_, buffer)| buffer.size()).sum::<u64>();
+        upload.cloud.besides = besides;
         let [hi, mid, lo] = &cloud.planes;
         upload.write_whole(cloud, &[hi, mid, lo, &cloud.colors, column], batch)?;
         Ok(upload.cloud)
@@ -207,6 +212,7 @@ impl<'a> CloudUpload<'a> {
             batch_bytes: size_of::<Batch>(),
             num_words: octree::num_words(nodes),
             nodes: &gpu_nodes,
+            num_nodes: nodes.len(),
             column: Some(FILTERED_COLORS),
         };
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
@@ -215,13 +221,14 @@ impl<'a> CloudUpload<'a> {
         Ok(upload)
     }
 
-    fn begin<N: Pod>(
+    fn begin(
         gpu: &'a Gpu,
-        outline: Outline<N>,
+        outline: Outline,
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<Self, UploadError> {
-        let Outline { split, num_points, batches, batch_bytes, num_words, nodes, column } = outline;
+        let Outline { split, num_points, batches, batch_bytes, num_words, nodes, num_nodes, column } =
+            outline;
         let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
         let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         let max_batches = max_groups - num_extra_slices(column);
@@ -233,8 +240,8 @@ impl<'a> CloudUpload<'a> {
         let storage = wgpu::BufferUsages::STORAGE;
         let nodes_buffer =
             allocator.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
-        let states = allocator.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
-        let counted = allocator.take("counted", storage, 4 * nodes.len());
+        let states = allocator.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * num_nodes);
+        let counted = allocator.take("counted", storage, 4 * num_nodes);
         let chunks = places.chunks.iter().zip(&places.batches);
         let chunk = |(uniform, batches): (&ChunkUniform, &Range<usize>)| {
             allocator.chunk(*uniform, (batches.len(), batch_bytes), column)
@@ -250,11 +257,10 @@ impl<'a> CloudUpload<'a> {
             num_points,
             bytes,
             is_crowded: true,
-            has_cubes: true,
             besides: vec![],
             has_detail: column.is_some(),
             num_resident: Default::default(),
-            num_nodes: nodes.len() as u32,
+            num_nodes: num_nodes as u32,
             nodes: nodes_buffer,
             states,
             counted,

@@ -11,9 +11,8 @@ use lab::reference::dilate::{dilate, radius_px};
 use lab::reference::resolve::{EMPTY, Pixel, blend};
 use on_gpu::{Shown, blended_on_gpu, on_gpu, run_shown};
 use render::layout::{
-    Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row,
+    Detail, GUARD_PX, MAX_MEAN_COUNT, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row,
 };
-use render::shaders;
 
 /// Two eyes with asymmetric images of this size, canted, looking off the center, so that all rings are in the
 /// picture.
@@ -39,12 +38,16 @@ fn view(size_px: [u32; 2]) -> ViewUniform {
     uniform
 }
 
-fn by_ring(eye: u32) -> DilateUniform {
-    DilateUniform { eye, ..DilateUniform::default() }
-}
-
-fn fixed(radius_px: u32) -> DilateUniform {
-    DilateUniform { radius_px, ..DilateUniform::default() }
+/// The view with one ring everywhere, whose kernel has this radius; 0: with its own rings.
+fn fixed(view: &ViewUniform, radius_px: usize) -> ViewUniform {
+    let (never, always) = (2.0, -2.0);
+    let ring_cos = match radius_px {
+        0 => view.ring_cos,
+        1 => [always; 2],
+        2 => [never, always],
+        _ => [never; 2],
+    };
+    ViewUniform { ring_cos, ..*view }
 }
 
 fn pixel(depth: f32, [r, g, b]: [u8; 3]) -> Pixel {
@@ -88,10 +91,10 @@ fn gpu_equals_its_reference() {
         let view = view(size);
         for percent in [10, 40, 70, 97, 100] {
             let surface = sparse(size, percent, number as u64);
-            for uniform in [by_ring(0), by_ring(1), fixed(1), fixed(2), fixed(3)] {
-                let differing =
-                    num_differing(&on_gpu(&view, &uniform, &surface), &dilate(&view, &uniform, &surface));
-                assert_eq!(differing, 0, "{size:?}, {percent} %, {uniform:?}: pixels that differ");
+            for (eye, radius) in [(0, 0), (1, 0), (0, 1), (0, 2), (0, 3)] {
+                let view = fixed(&view, radius);
+                let differing = num_differing(&on_gpu(&view, eye, &surface), &dilate(&view, eye, &surface));
+                assert_eq!(differing, 0, "{size:?}, {percent} %, {eye}, {radius}: pixels that differ");
             }
         }
     }
@@ -122,8 +125,8 @@ fn gpu_equals_its_reference_where_tiles_are_whole_or_depths_extreme() {
         (0..7000).map(|i| white(if i % 100 < 50 { 2.0 } else { 4.0 })).collect(),
     ];
     for (number, surface) in surfaces.iter().enumerate() {
-        let want = dilate(&view, &by_ring(1), surface);
-        assert_eq!(num_differing(&on_gpu(&view, &by_ring(1), surface), &want), 0, "surface {number}");
+        let want = dilate(&view, 1, surface);
+        assert_eq!(num_differing(&on_gpu(&view, 1, surface), &want), 0, "surface {number}");
     }
 }
 
@@ -136,7 +139,7 @@ fn gpu_equals_its_reference_where_few_pixels_take() {
     // The floor recedes by less than the tolerance from row to row, so none of its pixels takes from another.
     let slope: Vec<Pixel> =
         (0..30_000).map(|i| pixel(1.0 + 0.001 * (i / 200) as f32, [i as u8, 9, 200])).collect();
-    assert_eq!(dilate(&view, &by_ring(0), &slope), slope);
+    assert_eq!(dilate(&view, 0, &slope), slope);
     let mut random = SplitMix(23);
     for num_holes in [0, 1, 2, 40, 700] {
         let mut surface = slope.clone();
@@ -144,14 +147,12 @@ fn gpu_equals_its_reference_where_few_pixels_take() {
             let at = (random.bits() % 30_000) as usize;
             surface[at] = if random.bits().is_multiple_of(2) { EMPTY } else { pixel(9.0, [1, 2, 3]) };
         }
-        for uniform in [by_ring(0), by_ring(1), fixed(1), fixed(3)] {
-            let want = dilate(&view, &uniform, &surface);
+        for (eye, radius) in [(0, 0), (1, 0), (0, 1), (0, 3)] {
+            let view = fixed(&view, radius);
+            let want = dilate(&view, eye, &surface);
             assert_eq!(want == surface, num_holes == 0, "{num_holes} holes");
-            assert_eq!(
-                num_differing(&on_gpu(&view, &uniform, &surface), &want),
-                0,
-                "{num_holes} holes, {uniform:?}"
-            );
+            let differing = num_differing(&on_gpu(&view, eye, &surface), &want);
+            assert_eq!(differing, 0, "{num_holes} holes, {eye}, {radius}");
         }
     }
 }
@@ -177,8 +178,8 @@ fn hidden_pixels_show_the_background_and_colors_the_images_order() {
         hidden[(y * words + x / 32) as usize] |= 1 << (x % 32);
     }
     let input: [(&str, &[u8]); 1] = [("surface", bytemuck::cast_slice(&surface))];
-    let of = (&view, &by_ring(0));
-    for (shader, want) in [("dilate", dilate(&view, &by_ring(0), &surface)), ("show", surface.clone())] {
+    let of = (&view, 0);
+    for (shader, want) in [("dilate", dilate(&view, 0, &surface)), ("show", surface.clone())] {
         for is_bgra in [false, true] {
             let shown = Shown { hidden: hidden.clone(), background: 0xff01_0203, is_bgra };
             let got = run_shown(shader, Variant::eyes(2), of, &input, &shown);
@@ -219,11 +220,12 @@ fn blended_and_dilated_in_one_equals_the_references() {
             let surface = sparse(size, percent, number as u64);
             let depth: Vec<u32> = surface.iter().map(|p| p[0]).collect();
             let sums = sums_of(&surface, max_points);
-            for uniform in [by_ring(0), by_ring(1), fixed(3)] {
-                let want = dilate(&view, &uniform, &blend(&depth, &sums));
-                for image in blended_on_gpu(&view, &uniform, &depth, &sums) {
+            for (eye, radius) in [(0, 0), (1, 0), (0, 3)] {
+                let view = fixed(&view, radius);
+                let want = dilate(&view, eye, &blend(&depth, &sums));
+                for image in blended_on_gpu(&view, eye, &depth, &sums) {
                     let differing = num_differing(&image, &want);
-                    assert_eq!(differing, 0, "{size:?}, {percent} %, {uniform:?}: pixels that differ");
+                    assert_eq!(differing, 0, "{size:?}, {percent} %, {eye}, {radius}: pixels that differ");
                 }
             }
             // The comparison can fail: it sees sums, not only depths.
@@ -243,17 +245,17 @@ fn the_comparison_notices_a_bit_and_a_radius() {
     let size = [64, 48];
     let view = view(size);
     let surface = sparse(size, 50, 9);
-    let good = on_gpu(&view, &by_ring(0), &surface);
+    let good = on_gpu(&view, 0, &surface);
     let index = surface.iter().position(|p| *p != EMPTY).expect("a point");
     for bit in [[1, 0], [0, 1]] {
         let mut wrong = surface.clone();
         wrong[index] = [wrong[index][0] ^ bit[0], wrong[index][1] ^ bit[1]];
-        assert!(num_differing(&good, &dilate(&view, &by_ring(0), &wrong)) > 0);
+        assert!(num_differing(&good, &dilate(&view, 0, &wrong)) > 0);
     }
     for radius in 1..=3 {
-        assert!(num_differing(&good, &dilate(&view, &fixed(radius), &surface)) > 0, "radius {radius}");
+        assert!(num_differing(&good, &dilate(&fixed(&view, radius), 0, &surface)) > 0, "radius {radius}");
     }
-    assert!(num_differing(&good, &dilate(&view, &by_ring(1), &surface)) > 0, "the other eye's rings");
+    assert!(num_differing(&good, &dilate(&view, 1, &surface)) > 0, "the other eye's rings");
 }
 
 /// Radii by cosines without roots are those of the angles, except on the edge between two rings.
@@ -263,7 +265,7 @@ fn rings_follow_the_angle_from_the_gaze() {
     let detail = Detail::default();
     let view = view(size);
     for number in 0..2 {
-        let eye = &view.eyes[number as usize];
+        let eye = &view.eyes[number];
         let gaze = DVec3::from_array(eye.gaze_in_view.map(f64::from));
         let mut counts = [0; 4];
         for (x, y) in (0..150).flat_map(|y| (0..200).map(move |x| (x, y))) {
@@ -274,7 +276,7 @@ fn rings_follow_the_angle_from_the_gaze() {
             let angle = gaze.angle_between(DVec3::new(along(0, x), along(1, y), -1.0));
             let want = 1 + detail.ring_rad.iter().filter(|&&end| angle > end).count();
             let on_edge = detail.ring_rad.iter().any(|end| (angle - end).abs() < 1e-5);
-            let got = radius_px(&view, &by_ring(number), x, y);
+            let got = radius_px(&view, number, x, y);
             assert!(got == want || on_edge, "pixel {x}, {y} at {angle} has radius {got}, not {want}");
             counts[got] += 1;
         }
@@ -288,13 +290,13 @@ fn one_surface_without_holes_stays() {
     let mut random = SplitMix(3);
     let surface: Vec<Pixel> =
         (0..1200).map(|_| pixel(2.5, [random.bits() as u8, random.bits() as u8, 7])).collect();
-    assert_eq!(dilate(&view, &by_ring(0), &surface), surface);
+    assert_eq!(dilate(&view, 0, &surface), surface);
 }
 
 #[test]
 fn what_is_empty_stays_empty() {
     let view = view([40, 30]);
-    assert_eq!(dilate(&view, &by_ring(0), &vec![EMPTY; 1200]), vec![EMPTY; 1200]);
+    assert_eq!(dilate(&view, 0, &vec![EMPTY; 1200]), vec![EMPTY; 1200]);
 }
 
 /// A near surface and what it fills keep depth and color, whatever is added behind it.
@@ -303,7 +305,7 @@ fn the_far_never_bleeds_over_the_near() {
     let size = [120, 90];
     let view = view(size);
     for radius in 0..=3 {
-        let uniform = fixed(radius);
+        let view = fixed(&view, radius);
         let mut near = sparse(size, 50, 4);
         near.iter_mut().filter(|p| !(2.0..2.1).contains(&depth_of(**p))).for_each(|p| *p = EMPTY);
         let mut both = near.clone();
@@ -311,7 +313,7 @@ fn the_far_never_bleeds_over_the_near() {
         for p in both.iter_mut().filter(|p| **p == EMPTY) {
             *p = pixel(2.3 + random.unit() as f32, [random.bits() as u8; 3]);
         }
-        let (alone, together) = (dilate(&view, &uniform, &near), dilate(&view, &uniform, &both));
+        let (alone, together) = (dilate(&view, 0, &near), dilate(&view, 0, &both));
         for (i, p) in alone.iter().enumerate().filter(|(_, p)| **p != EMPTY) {
             assert_eq!(together[i], *p, "pixel {i} of the near surface, radius {radius}");
         }
@@ -335,7 +337,7 @@ fn a_hole_in_the_near_is_closed_from_the_near() {
                     |x| if is_hole(x) { behind } else { pixel(2.0, [if x < 30 { 100 } else { 200 }, 10, 0]) },
                 )
                 .collect();
-            let image = dilate(&view, &fixed(radius as u32), &surface);
+            let image = dilate(&fixed(&view, radius), 0, &surface);
             for (i, got) in image.iter().enumerate() {
                 let [r, g, b, a] = got[1].to_le_bytes();
                 assert_eq!(depth_of(*got), 2.0, "pixel {i} belongs to the surface");
@@ -359,10 +361,11 @@ fn edges_grow_by_the_radius_at_most() {
         for radius in 0..=3 {
             let mut surface = vec![EMPTY; size[0] * size[1]];
             surface[y * size[0] + x] = pixel(1.0, [1, 2, 3]);
-            let image = dilate(&view, &fixed(radius), &surface);
+            let view = fixed(&view, radius);
+            let image = dilate(&view, 0, &surface);
             for (i, got) in image.iter().enumerate() {
                 let (column, row) = (i % size[0], i / size[0]);
-                let reach = radius_px(&view, &fixed(radius), x, y);
+                let reach = radius_px(&view, 0, x, y);
                 let reached = x.abs_diff(column).max(y.abs_diff(row)) <= reach;
                 let want = if reached { pixel(1.0, [1, 2, 3]) } else { EMPTY };
                 assert_eq!(*got, want, "point {x}, {y}, radius {radius}: pixel {column}, {row}");
@@ -405,7 +408,7 @@ fn the_reference_equals_the_plain_definition_on_one_depth() {
     for (radius, percent) in [(1, 30), (2, 10), (3, 3), (3, 60)] {
         let mut surface = sparse([70, 50], percent, 11);
         surface.iter_mut().filter(|p| **p != EMPTY).for_each(|p| p[0] = 3f32.to_bits());
-        let image = dilate(&view, &fixed(radius as u32), &surface);
+        let image = dilate(&fixed(&view, radius), 0, &surface);
         let want = plain(size, radius, &surface);
         for (i, (got, want)) in image.iter().zip(&want).enumerate() {
             let Some(want) = want else {
@@ -425,11 +428,8 @@ fn the_reference_equals_the_plain_definition_on_one_depth() {
 /// where a division is wrong by as much as Vulkan allows: 2.5 units in the last place.
 #[test]
 fn float_means_are_exact() {
-    let max_count = 12_000u32;
     let weights: u32 = (0..=2 * 3).map(|i: i32| 64u32 >> (2 * (i - 3).abs())).sum();
-    let text = shaders::source("blend-dilate", Variant::eyes(1));
-    assert!(text.contains(&format!("MAX_MEAN_COUNT: u32 = {max_count}u")), "the shader's limit");
-    assert!(weights * weights < max_count, "what `dilate` divides by");
+    assert!(weights * weights < MAX_MEAN_COUNT, "what `dilate` divides by");
     // The mean is this many units in the last place off the true quotient.
     let mean = |sum: u32, count: u32, units: f64| {
         let quotient = (f64::from(sum + count / 2) + 0.5) / f64::from(count);
@@ -437,7 +437,7 @@ fn float_means_are_exact() {
         (quotient + units * unit) as u32
     };
     let mut is_wrong_by_more = false;
-    for count in 1..max_count {
+    for count in 1..MAX_MEAN_COUNT {
         for value in 0..=255 {
             // These are the first and the last sum of this mean.
             let first = (value * count).saturating_sub(count / 2);

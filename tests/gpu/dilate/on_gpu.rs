@@ -5,7 +5,7 @@ use lab::reference::color::Sum;
 use lab::reference::resolve::Pixel;
 use render::bindings::{Eye, OfEye};
 use render::gpu::readback;
-use render::gpu::stage::{Stage, nothing_besides};
+use render::gpu::stage::Stage;
 use render::layout::{
     DilateUniform, GUARD_PX, PACKED_BLUE_SHIFT, PACKED_GREEN_SHIFT, PACKED_RED_SHIFT, ResolveUniform, Sums,
     Variant, ViewUniform, guarded, image_pitch_px, mask_words_per_row, of_image,
@@ -14,17 +14,12 @@ use render::{shaders, tiles};
 use wgpu::util::DeviceExt;
 
 /// The GPU's image of a surface.
-pub fn on_gpu(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<Pixel> {
-    run("dilate", Variant::eyes(2), (view, dilate), &[("surface", bytemuck::cast_slice(surface))])
+pub fn on_gpu(view: &ViewUniform, eye: usize, surface: &[Pixel]) -> Vec<Pixel> {
+    run("dilate", Variant::eyes(2), (view, eye), &[("surface", bytemuck::cast_slice(surface))])
 }
 
 /// The GPU's image of depths and sums, which stand in four words or in one.
-pub fn blended_on_gpu(
-    view: &ViewUniform,
-    dilate: &DilateUniform,
-    depth: &[u32],
-    sums: &[Sum],
-) -> [Vec<Pixel>; 2] {
+pub fn blended_on_gpu(view: &ViewUniform, eye: usize, depth: &[u32], sums: &[Sum]) -> [Vec<Pixel>; 2] {
     let packed: Vec<u64> = sums.iter().map(|&[r, g, b, n]| pack([n, r, g, b])).collect();
     let inputs: [(&str, &[u8]); 3] = [
         ("depth", bytemuck::cast_slice(depth)),
@@ -32,7 +27,7 @@ pub fn blended_on_gpu(
         ("wide", bytemuck::cast_slice(sums)),
     ];
     [Sums::Packed, Sums::Wide]
-        .map(|sums| run("blend-dilate", Variant { sums, ..Variant::eyes(2) }, (view, dilate), &inputs))
+        .map(|sums| run("blend-dilate", Variant { sums, ..Variant::eyes(2) }, (view, eye), &inputs))
 }
 
 /// Packs 10 bits of a count and 18 of each channel.
@@ -55,7 +50,7 @@ pub struct Shown {
 fn run(
     shader: &'static str,
     variant: Variant,
-    of: (&ViewUniform, &DilateUniform),
+    of: (&ViewUniform, usize),
     inputs: &[(&'static str, &[u8])],
 ) -> Vec<Pixel> {
     run_shown(shader, variant, of, inputs, &Shown::default())
@@ -66,7 +61,7 @@ fn run(
 pub fn run_shown(
     shader: &'static str,
     variant: Variant,
-    (view, dilate): (&ViewUniform, &DilateUniform),
+    (view, eye): (&ViewUniform, usize),
     inputs: &[(&'static str, &[u8])],
     shown: &Shown,
 ) -> Vec<Pixel> {
@@ -77,7 +72,8 @@ pub fn run_shown(
         gpu.device.create_buffer_init(&contents)
     };
     let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
-    let size_px = [view.eyes[dilate.eye as usize].width, view.eyes[dilate.eye as usize].height];
+    let size_px = [view.eyes[eye].width, view.eyes[eye].height];
+    let dilate = DilateUniform { eye: eye as u32 };
     let mut view = *view;
     for eye in &mut view.eyes {
         eye.first_px = eye.first_px.map(|px| px - GUARD_PX as f32);
@@ -94,7 +90,7 @@ pub fn run_shown(
         ("image_depth", buffer("image_depth", &poison, read)),
         ("image_color", buffer("image_color", &poison, read)),
         ("view", buffer("view", bytemuck::bytes_of(&view), uniform)),
-        ("dilate", buffer("dilate", bytemuck::bytes_of(dilate), uniform)),
+        ("dilate", buffer("dilate", bytemuck::bytes_of(&dilate), uniform)),
         ("resolve", buffer("resolve", bytemuck::bytes_of(&resolve), uniform)),
         ("hidden", buffer("hidden", bytemuck::cast_slice(hidden), storage)),
         ("tiles", buffer("tiles", bytemuck::cast_slice(&tiles), storage)),
@@ -104,7 +100,7 @@ pub fn run_shown(
     buffers.extend(inputs);
     let unused = buffer("unused", &[0; 16], storage);
     let of_name = |name| buffers.iter().find(|(of, _)| *of == name).map_or(&unused, |(_, buffer)| buffer);
-    let group = stage.bind(&gpu, OfEye::by_name(|name| of_name(name).as_entire_binding()), &nothing_besides);
+    let group = stage.bind(&gpu, &OfEye::by_name(|name| of_name(name).as_entire_binding()));
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.dispatch(&mut encoder.begin_compute_pass(&Default::default()), &group, tiles.len() as u32);
     gpu.queue.lock().submit([encoder.finish()]);

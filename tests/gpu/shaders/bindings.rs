@@ -1,11 +1,10 @@
 //! What shaders bind is in the table of `render::bindings`, and all of the table is bound. So no shader can ask for a
-//! resource that its stage is not given: stages take whole sets, of which host code cannot leave out a part.
-//! Techniques of the laboratory bind what they name besides.
+//! resource that its stage is not given: stages take whole sets, of which host code cannot leave out a part. A technique
+//! of the laboratory names what its texts bind besides, and stages that have a place for that may bind it.
 
-use super::{OUTSIDE, PARSED, ParsedText, parse};
-use lab::technique::NAMES;
+use super::{PARSED, ParsedText, parse};
 use naga::Module;
-use render::bindings::{AGAIN, Chunk, Clear, Cloud, Eye, Overlay, Pixels, Set};
+use render::bindings::{Chunk, Clear, Cloud, Eye, Overlay, Pixels, Set};
 use render::gpu::stage::used;
 use render::layout::Variant;
 use render::shaders::{SHADERS, source};
@@ -19,19 +18,35 @@ pub fn declared(module: &Module) -> Vec<(String, u32)> {
 
 /// Names that a text declares and its set lacks.
 fn lacking<'a>(declared: &'a [(String, u32)], names: &[&str]) -> Vec<&'a str> {
-    let is_lacking = |(name, group): &&(String, u32)| {
-        let own = name.strip_suffix(AGAIN).unwrap_or(name);
-        *group != 0 || !names.contains(&own)
-    };
+    let is_lacking = |(name, group): &&(String, u32)| *group != 0 || !names.contains(&name.as_str());
     declared.iter().filter(is_lacking).map(|(name, _)| name.as_str()).collect()
 }
 
 #[test]
 fn every_shader_binds_only_what_there_is() {
     for seen in PARSED.iter() {
-        let names = [&(seen.shader.names)()[..], seen.besides].concat();
+        let others = if seen.shader.has_others { &seen.others[..] } else { &[] };
+        let names = [&(seen.shader.names)()[..], others].concat();
         assert_eq!(lacking(&seen.declared, &names), [""; 0], "{}", seen.name);
     }
+}
+
+#[test]
+fn all_that_techniques_name_is_bound() {
+    let named: BTreeSet<&str> = PARSED.iter().flat_map(|seen| &seen.others).copied().collect();
+    assert!(named.len() > 6, "{named:?}");
+    let is_bound = |name: &&&str| {
+        let naming = PARSED.iter().filter(|seen| seen.others.contains(*name));
+        naming.flat_map(|seen| &seen.declared).any(|(declared, _)| declared == **name)
+    };
+    let idle: Vec<_> = named.iter().filter(|name| !is_bound(name)).collect();
+    assert!(idle.is_empty(), "nobody binds {idle:?}");
+}
+
+#[test]
+fn stages_over_batches_have_a_place_for_others() {
+    let have: Vec<_> = SHADERS.iter().filter(|shader| shader.has_others).map(|shader| shader.name).collect();
+    assert_eq!(have, ["cull", "depth", "depth32", "ids", "color", "color32"]);
 }
 
 #[test]
@@ -62,33 +77,15 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
             }
         }
     }
-    let besides: BTreeSet<_> =
-        PARSED.iter().flat_map(|seen| &seen.declared).map(|(name, _)| &**name).collect();
-    assert!(NAMES.iter().all(|name| besides.contains(name)), "nobody binds one of {NAMES:?}");
     for (set, bound) in sets.iter().zip(&bound) {
         let idle: Vec<_> = set.iter().filter(|name| !bound.contains(**name)).collect();
         assert!(idle.is_empty(), "nobody binds {idle:?}");
     }
 }
 
-/// The list of a set's resources is in the order of its names: each resource lands at its own name.
 #[test]
-fn resources_come_in_the_order_of_their_names() {
-    let names = <(Chunk, Eye)>::names();
-    assert_eq!(names.len(), Chunk::names().len() + Eye::names().len());
-    assert_eq!((names[0], names[Chunk::names().len()]), (Chunk::names()[0], Eye::names()[0]));
-}
-
-#[test]
-fn shaders_outside_the_table_bind_what_their_host_code_says() {
-    for (name, wgsl, want) in OUTSIDE {
-        let module = parse(name, wgsl);
-        let number =
-            |(_, v): (_, &naga::GlobalVariable)| Some((v.name.clone()?, v.binding.as_ref()?.binding));
-        let bound: Vec<_> = module.global_variables.iter().filter_map(number).collect();
-        let want: Vec<_> = want.iter().map(|&(name, number)| (name.to_owned(), number)).collect();
-        assert_eq!(bound, want, "{name}");
-    }
+fn the_shader_outside_the_table_binds_nothing() {
+    assert_eq!(declared(&parse("waiting", include_str!("../../../shaders/waiting.wgsl"))), []);
 }
 
 /// A pipeline asks for what its entry point uses, not for what the text declares.

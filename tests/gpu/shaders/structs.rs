@@ -1,16 +1,13 @@
 //! Structs that host and shaders share are the same ones, both ways: fields, offsets and sizes.
 
-use super::{OUTSIDE, PARSED, parse};
+use super::{PARSED, parse};
 use lab::technique::{counts, tree};
 use naga::{AddressSpace, Handle, Module, Type, TypeInner};
 use render::layout::{self, CullCounters, Variant};
 use render::shaders::source;
+use scanwalk::desktop;
 use std::collections::BTreeSet;
 use std::mem::offset_of;
-
-/// Structs of shaders that the host has no struct for, and why.
-const EXCEPTIONS: [(&str, &str); 1] =
-    [("Drawn", "the window's: four f32 in src/desktop/mirror.rs, which makes and writes them in one place")];
 
 /// Name, size and (field, offset) of a host struct.
 pub type HostStruct = (&'static str, usize, Vec<(&'static str, usize)>);
@@ -34,17 +31,18 @@ pub fn host_structs() -> Vec<HostStruct> {
             reserved_end),
         host!(layout::ViewUniform: head_hi, near, head_lo, forced_planes, threshold_px, flags, ring_cos, ring_sin,
             fill_reach_px, margin_px, undivided_px, reserved, eyes),
-        host!(layout::VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn, batch,
-            reserved, spacing_step, sample_spacing),
+        host!(layout::VisibleBatch: head_cell, first_point, offset, num_points, cell, flags, spacing, own, drawn,
+            spacing_step, sample_spacing, reserved, reserved_end),
         host!(layout::ChunkUniform: first_index, num_points, reserved),
         host!(layout::ClearUniform: value, num_left, num_right, reserved),
         host!(layout::ResolveUniform: size_px, background, is_bgra),
-        host!(layout::DilateUniform: eye, radius_px, reserved),
+        host!(layout::DilateUniform: eye),
         host!(layout::CullCounters: num_visible, workgroups_y, workgroups_z, num_points, num_nodes, num_extra, reserved),
         host!(tree::Run: behind, flags, reserved, reserved_end),
         host!(tree::DiscBatch: min_hi, first_point, min_lo, num_points, cell, run, steps_per_unit, interval),
         host!(tree::TreeUniform: tolerance_rad, tolerance_growth, step_base, reserved, reserved_end),
         host!(counts::Counts: num_drawn, num_asked, num_looks, num_colors, num_chosen, reserved),
+        host!(desktop::DrawnUniform: size, last),
     ]
 }
 
@@ -85,10 +83,8 @@ fn difference(module: &Module, (name, size, fields): &HostStruct) -> Option<Stri
 
 /// What is wrong with the structs of a shader's buffers.
 pub fn faults(module: &Module, hosts: &[HostStruct]) -> Vec<String> {
-    let is_exception = |name: &str| EXCEPTIONS.iter().any(|(exception, _)| *exception == name);
     let fault = |name: &String| match hosts.iter().find(|(host, ..)| host == name) {
         Some(host) => difference(module, host),
-        None if is_exception(name) => None,
         None => Some(format!("the host has no struct {name}")),
     };
     shared_structs(module).iter().filter_map(fault).collect()
@@ -102,16 +98,8 @@ fn shared_structs_are_the_same_in_host_and_shaders() {
         assert_eq!(seen.faults, [""; 0], "{}", seen.name);
         used.extend(seen.structs.clone());
     }
-    for (name, wgsl, _) in OUTSIDE {
-        let module = parse(name, wgsl);
-        assert_eq!(faults(&module, &hosts), [""; 0], "{name}");
-        used.extend(shared_structs(&module));
-    }
-    let names = hosts.iter().map(|(name, ..)| *name).chain(EXCEPTIONS.map(|(name, _)| name));
-    assert!(
-        used.iter().map(String::as_str).eq(names.collect::<BTreeSet<_>>()),
-        "no shader lacks one: {used:?}"
-    );
+    let names: BTreeSet<_> = hosts.iter().map(|(name, ..)| *name).collect();
+    assert!(used.iter().map(String::as_str).eq(names), "no shader lacks one: {used:?}");
 }
 
 #[test]
@@ -125,7 +113,8 @@ fn every_struct_of_the_layout_is_compared() {
     assert!(layout.iter().all(|path| files.iter().any(|file| path.ends_with(file))), "{layout:?}");
     let of_lab = ["tree.rs", "counts.rs"].map(|file| root.join("lab/src/technique").join(file));
     let mut num_found = 0;
-    for path in layout.into_iter().chain(of_lab) {
+    let of_window = root.with_file_name("src").join("desktop/mirror.rs");
+    for path in layout.into_iter().chain(of_lab).chain([of_window]) {
         let text = std::fs::read_to_string(path).expect("a source file");
         for of_c in text.split("#[repr(C)]").skip(1) {
             let name = of_c.split("pub struct ").nth(1).and_then(|s| s.split_whitespace().next());
@@ -158,8 +147,8 @@ fn the_comparison_of_structs_can_fail() {
     // The samples have fields in another order, one field too few, and a struct that the host does not know.
     assert_eq!(
         broken(
-            "own: vec2<u32>,\n    drawn: u32,\n    batch: u32,",
-            "drawn: u32,\n    batch: u32,\n    own: vec2<u32>,"
+            "own: vec2<u32>,\n    drawn: u32,\n    spacing_step: f32,",
+            "drawn: u32,\n    spacing_step: f32,\n    own: vec2<u32>,"
         )
         .len(),
         1

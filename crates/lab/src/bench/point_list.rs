@@ -9,9 +9,11 @@ use base::space::{Eye, Split, View};
 use bytemuck::{Pod, Zeroable};
 use cloud::{Batch, Cloud};
 use glam::{DVec3, DVec4, Mat4};
+use render::gpu::stage::{Bindings, shader_module};
 use render::gpu::timer::Timer;
-use render::gpu::{Gpu, QueueGuard, readback, stage::shader_module};
-use render::layout::BATCH_POINTS;
+use render::gpu::{Gpu, QueueGuard, readback};
+use render::layout::{ALL_PLANES, BATCH_POINTS, Variant};
+use render::shaders::ShaderOfSet;
 use std::mem::offset_of;
 use std::time::Instant;
 use wgpu::util::DeviceExt;
@@ -20,6 +22,18 @@ use wgpu::util::DeviceExt;
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Batches whose vertices are made and sent at once: 4 MB.
 const PIECE_BATCHES: usize = 25;
+
+render::sets! {
+    /// What an eye's points are drawn with.
+    Vertices, OfVertices {
+        /// Matrix from positions in the cloud to clip space.
+        clip_from_cloud,
+    }
+}
+
+/// The pass that draws vertices.
+pub const VERTEX_LIST: ShaderOfSet<Vertices> =
+    ShaderOfSet::new("vertex-list", &[], |_| &[include_str!("../../../../shaders/methods/vertex_list.wgsl")]);
 
 /// A point as the vertex stage reads it.
 #[repr(C)]
@@ -58,8 +72,11 @@ impl VertexList {
     /// # Errors
     /// If the device is lost.
     pub fn new(gpu: &Gpu, cloud: &Cloud, sizes_px: &[[u32; 2]]) -> Result<Self> {
-        let pipeline = pipeline(gpu);
-        let eyes: Vec<_> = sizes_px.iter().map(|&size_px| EyeTarget::new(gpu, &pipeline, size_px)).collect();
+        let wgsl = VERTEX_LIST.source(Variant::eyes(1));
+        let pipeline = pipeline(gpu, &wgsl);
+        let bindings = Bindings::of(VERTEX_LIST.name(), &wgsl, "vertex");
+        let eye = |&size_px: &[u32; 2]| EyeTarget::new(gpu, &pipeline, &bindings, size_px);
+        let eyes: Vec<_> = sizes_px.iter().map(eye).collect();
         let timer = Timer::new(gpu, 1, eyes[0].matrix.size());
         let points = upload(gpu, cloud)?;
         Ok(Self { split: cloud.split, pipeline, eyes, points, draw_points: u32::MAX, timer })
@@ -150,29 +167,27 @@ impl VertexList {
 }
 
 impl EyeTarget {
-    fn new(gpu: &Gpu, pipeline: &wgpu::RenderPipeline, size_px: [u32; 2]) -> Self {
+    fn new(
+        gpu: &Gpu,
+        pipeline: &wgpu::RenderPipeline,
+        bindings: &Bindings<Vertices>,
+        size_px: [u32; 2],
+    ) -> Self {
         let matrix = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("clip_from_cloud"),
             contents: bytemuck::bytes_of(&Mat4::IDENTITY),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
         });
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("point-list"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: matrix.as_entire_binding() }],
-        });
+        let resources = OfVertices { clip_from_cloud: matrix.as_entire_binding() };
+        let group = bindings.bind(&gpu.device, &pipeline.get_bind_group_layout(0), &resources);
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let depth = gpu.texture("point-list depth", size_px, DEPTH_FORMAT, usage);
         Self { matrix, group, depth }
     }
 }
 
-fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
-    let module = shader_module(
-        &gpu.device,
-        "point-list",
-        include_str!("../../../../shaders/methods/vertex_list.wgsl"),
-    );
+fn pipeline(gpu: &Gpu, wgsl: &str) -> wgpu::RenderPipeline {
+    let module = shader_module(&gpu.device, VERTEX_LIST.name(), wgsl);
     let attributes = [
         wgpu::VertexAttribute {
             format: wgpu::VertexFormat::Float32x3,
@@ -246,7 +261,7 @@ fn vertices(cloud: &Cloud, batch: &Batch) -> impl Iterator<Item = PointVertex> {
     let cell = DVec3::from_array(batch.cell.map(f64::from));
     (batch.first_point..batch.first_point + batch.num_points).map(move |point| {
         let words = [0, 1, 2].map(|plane: usize| cloud.planes[plane][point as usize]);
-        let steps = DVec3::from_array(cells(3, words).map(f64::from)) + 0.5;
+        let steps = DVec3::from_array(cells(ALL_PLANES, words).map(f64::from)) + 0.5;
         PointVertex {
             p_in_cloud: (min_in_cloud + steps * cell).as_vec3().to_array(),
             color: cloud.colors[point as usize].to_le_bytes(),

@@ -1,7 +1,7 @@
 //! The ways to draw that tables compare.
 
 use crate::technique::{DEFAULT_ERROR_PX, LabTechnique, Method};
-use render::layout::Detail;
+use render::layout::{ALL_PLANES, Detail};
 use render::options::{Dilate, Precision, Quality};
 use render::{Access, DrawOptions};
 
@@ -60,7 +60,7 @@ impl Way {
     /// Draw options of its frames.
     #[must_use]
     pub fn options(&self) -> DrawOptions {
-        let forced_planes = if self.precision == Precision::Full { 3 } else { 0 };
+        let forced_planes = if self.precision == Precision::Full { ALL_PLANES } else { 0 };
         let plain = Detail { forced_planes, ..Detail::default() };
         // Discs are drawn at their own width only with fill, which is on for that reason although nothing is dilated.
         let discs = Detail { fill_reach_px: Some([1.0; 3]), ..plain };

@@ -3,11 +3,11 @@
 use super::points::radius;
 use super::sizes::nearest_depth;
 use render::layout::{
-    Batch, CELLS, CHILD_ABSENT, CULL_SLACK, DRAWN_WHOLE, EyeUniform, FINE_THRESHOLD_PX, HEAD_CELL_LIMIT,
-    HEAD_CELL_STEP, MAX_EXTRA_SLICES, NO_CHILD, NODE_ROOT, NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS,
-    OWN_NONE, OWN_PER_WORD, OWN_SHIFT, POINTS_COVER, POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER,
-    SLICE_SHIFT, STATE_PARTS, STATE_SHIFT, VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_WIDE, ViewUniform,
-    VisibleBatch, WIDE_SLICE_PIXELS, WORKGROUP_SIZE,
+    ALL_PLANES, Batch, CELLS, CHILD_ABSENT, COARSE_PLANES, CULL_SLACK, DRAWN_WHOLE, EyeUniform,
+    FINE_THRESHOLD_PX, HEAD_CELL_LIMIT, HEAD_CELL_STEP, MAX_EXTRA_SLICES, MIDDLE_PLANES, NO_CHILD, NODE_ROOT,
+    NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS, OWN_NONE, OWN_PER_WORD, OWN_SHIFT, POINTS_COVER,
+    POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_SHIFT, STATE_PARTS, STATE_SHIFT,
+    VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_WIDE, ViewUniform, VisibleBatch, WIDE_SLICE_PIXELS, WORKGROUP_SIZE,
 };
 
 /// Half the number of cells along a box edge.
@@ -22,7 +22,7 @@ pub fn cull(
     nodes: &[Node],
     states: &[u32],
 ) -> Vec<VisibleBatch> {
-    let one = |(number, batch): (usize, &Batch)| {
+    let one = |batch: &Batch| {
         let node = &nodes[batch.node as usize];
         let drawn = states[batch.node as usize];
         if drawn == 0 {
@@ -30,9 +30,9 @@ pub fn cull(
         }
         let (visible, num_slices) = cull_batch(view, num_eyes, batch, node, drawn)?;
         let own = own_colors(node, states);
-        Some((VisibleBatch { own, drawn, batch: number as u32, ..visible }, num_slices))
+        Some((VisibleBatch { own, drawn, ..visible }, num_slices))
     };
-    in_slices(batches.iter().enumerate().filter_map(one))
+    in_slices(batches.iter().filter_map(one))
 }
 
 /// Splits each batch into as many slices as it asks for, while there is room for them.
@@ -59,9 +59,10 @@ fn num_slices_of_points(num_points: u32, radius: f32) -> u32 {
     (num_points as f32 * (side * side) / WIDE_SLICE_PIXELS as f32).clamp(1.0, most as f32) as u32
 }
 
-/// Counts the nodes of visible batches, which are in batch order; `node_of` returns a batch's node.
-pub fn num_nodes(visible: &[VisibleBatch], node_of: impl Fn(usize) -> u32) -> u32 {
-    let node = |visible: &VisibleBatch| node_of(visible.batch as usize);
+/// Counts the nodes of visible batches, which are in batch order; `node_of` returns the node of the batch that begins
+/// with a point.
+pub fn num_nodes(visible: &[VisibleBatch], node_of: impl Fn(u32) -> u32) -> u32 {
+    let node = |visible: &VisibleBatch| node_of(visible.first_point);
     visible.chunk_by(|a, b| node(a) == node(b)).count() as u32
 }
 
@@ -117,7 +118,7 @@ fn cull_batch(
     if flags == 0 {
         return None;
     }
-    let mut planes = view.forced_planes.max(1);
+    let mut planes = view.forced_planes.max(COARSE_PLANES);
     let mut slices = 1;
     for eye in &view.eyes[..num_eyes] {
         let [x, y, z, _] = eye.row_w.map(f32::abs);
@@ -154,10 +155,10 @@ fn cull_batch(
         spacing: node.spacing,
         own: [0; 2],
         drawn: 0,
-        batch: 0,
-        reserved: [0; 2],
         spacing_step: node.spacing_step,
         sample_spacing,
+        reserved: 0,
+        reserved_end: [0; 2],
     };
     Some((visible, slices))
 }
@@ -175,7 +176,7 @@ pub(super) fn head_place(
     let steps = axes(&|i| (head_hi[i] * steps_per_unit[i]).round_ties_even().clamp(-limit, limit));
     let head_cell = steps.map(|s| s as i32 * HEAD_CELL_STEP);
     let mut offset = axes(&|i| head_cell[i] as f32 * cell[i] - head_hi[i] - head_lo[i]);
-    if planes == 3 {
+    if planes == ALL_PLANES {
         offset = axes(&|i| offset[i] + 0.5 * cell[i]);
     }
     (head_cell, offset)
@@ -210,9 +211,9 @@ fn in_front(plane: [f32; 4], center: [f32; 3], half_edge: [f32; 3]) -> bool {
 
 pub(super) fn planes_needed(edge_px: f32) -> u32 {
     match edge_px {
-        px if px < PRECISION_THRESHOLD_PX => 1,
-        px if px < FINE_THRESHOLD_PX => 2,
-        _ => 3,
+        px if px < PRECISION_THRESHOLD_PX => COARSE_PLANES,
+        px if px < FINE_THRESHOLD_PX => MIDDLE_PLANES,
+        _ => ALL_PLANES,
     }
 }
 

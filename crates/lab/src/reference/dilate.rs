@@ -3,8 +3,8 @@
 use super::resolve::{EMPTY, Pixel};
 use super::rings::ring;
 use render::layout::{
-    BLUE_SHIFT, CHANNEL_MASK, DILATE_FALLOFF_BITS, DILATE_REACH_PX, DilateUniform, EMPTY_DEPTH, GREEN_SHIFT,
-    OPAQUE, REACH_MASK, SURFACE_TOLERANCE, ViewUniform,
+    BLUE_SHIFT, CHANNEL_MASK, DILATE_FALLOFF_BITS, DILATE_REACH_PX, EMPTY_DEPTH, GREEN_SHIFT, OPAQUE,
+    REACH_MASK, SURFACE_TOLERANCE, ViewUniform,
 };
 
 /// The nearest surface in a pixel's window of its row.
@@ -16,7 +16,7 @@ struct RowSurface {
     sums: [u32; 4],
 }
 
-/// The image of eye `dilate.eye`, whose pixels are `surface`, row by row.
+/// The image of an eye, whose pixels are `surface`, row by row.
 ///
 /// A pixel that lies farther than the nearest surface of its window, or has no point, takes that surface's nearest
 /// depth and the blend of its colors, in which closer pixels weigh more. The first pass goes over rows, the second over
@@ -26,11 +26,10 @@ struct RowSurface {
 /// # Panics
 /// If `surface` is smaller than the eye's image.
 #[must_use]
-pub fn dilate(view: &ViewUniform, dilate: &DilateUniform, surface: &[Pixel]) -> Vec<Pixel> {
-    let eye = &view.eyes[dilate.eye as usize];
-    let (width, height) = (eye.width as usize, eye.height as usize);
+pub fn dilate(view: &ViewUniform, eye: usize, surface: &[Pixel]) -> Vec<Pixel> {
+    let (width, height) = (view.eyes[eye].width as usize, view.eyes[eye].height as usize);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let reaching = |(x, y)| with_reach(surface[y * width + x], radius_px(view, dilate, x, y));
+    let reaching = |(x, y)| with_reach(surface[y * width + x], radius_px(view, eye, x, y));
     let reaching: Vec<Pixel> = pixels.clone().map(reaching).collect();
     let rows: Vec<RowSurface> =
         pixels.clone().map(|(x, y)| sum_row(&reaching[y * width..][..width], x)).collect();
@@ -50,11 +49,8 @@ fn with_reach([depth, color]: Pixel, radius: usize) -> Pixel {
 
 /// Reach of the kernel of the pixel in this column and row: 1, 2 or 3 by the ring that the pixel's centre lies in.
 #[must_use]
-pub fn radius_px(view: &ViewUniform, dilate: &DilateUniform, x: usize, y: usize) -> usize {
-    if dilate.radius_px != 0 {
-        return dilate.radius_px as usize;
-    }
-    let eye = &view.eyes[dilate.eye as usize];
+pub fn radius_px(view: &ViewUniform, eye: usize, x: usize, y: usize) -> usize {
+    let eye = &view.eyes[eye];
     let gaze = eye.gaze_in_view;
     let right = eye.tangent_origin[0] + eye.tangent_per_px[0] * (x as f32 + eye.first_px[0] + 0.5);
     let up = eye.tangent_origin[1] + eye.tangent_per_px[1] * (y as f32 + eye.first_px[1] + 0.5);

@@ -21,8 +21,8 @@ use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;
 use render::DrawOptions;
 use render::layout::{
-    Batch, DRAWN_WHOLE, DilateUniform, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch,
-    guarded, without_guard,
+    Batch, DRAWN_WHOLE, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch, guarded,
+    without_guard,
 };
 use render::options::{Dilate, Quality};
 use tree::Tree;
@@ -115,7 +115,7 @@ impl Frame {
     /// Points in the batches drawn.
     #[must_use]
     pub fn points_read(&self) -> u64 {
-        let batches = self.visible.chunk_by(|a, b| a.batch == b.batch);
+        let batches = self.visible.chunk_by(|a, b| a.first_point == b.first_point);
         batches.map(|slices| u64::from(slices[0].num_points)).sum()
     }
 }
@@ -132,14 +132,17 @@ pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states:
     let (states, visible, visible_nodes) = match &tree {
         Some(tree) => {
             let visible = tree::cull::cull(&uniform, num_eyes, tree);
-            let num_runs = cull::num_nodes(&visible, |batch| tree.batches[batch].run);
+            let run_of = |point| tree.batches[tree.batches.partition_point(|b| b.first_point < point)].run;
+            let num_runs = cull::num_nodes(&visible, run_of);
             (vec![DRAWN_WHOLE; tree.runs.len()], visible, num_runs)
         }
         None => {
             let mut states = states.map_or_else(|| vec![0; scene.nodes.len()], <[u32]>::to_vec);
             lod::lod(&uniform, num_eyes, &scene.nodes, &mut states);
             let visible = cull::cull(&uniform, num_eyes, &scene.batches, &scene.nodes, &states);
-            let num_nodes = cull::num_nodes(&visible, |batch| scene.batches[batch].node);
+            let node_of =
+                |point| scene.batches[scene.batches.partition_point(|b| b.first_point < point)].node;
+            let num_nodes = cull::num_nodes(&visible, node_of);
             (states, visible, num_nodes)
         }
     };
@@ -168,10 +171,7 @@ pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states:
     }
     let dilated = |(eye, surface): (usize, &Vec<resolve::Pixel>)| match options.dilate {
         Dilate::Off => surface.clone(),
-        Dilate::Rings => {
-            let by_ring = DilateUniform { eye: eye as u32, ..DilateUniform::default() };
-            dilate::dilate(&uniform, &by_ring, surface)
-        }
+        Dilate::Rings => dilate::dilate(&uniform, eye, surface),
     };
     frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
     let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, options.background_word());

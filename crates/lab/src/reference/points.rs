@@ -6,10 +6,11 @@ use super::tree::triangles::{Mixture, triangles};
 use super::tree::{Disc, Tree};
 use crate::technique::tree::VISIBLE_TRIANGLES;
 use render::layout::{
-    CELLS, COARSE_CENTER, COARSE_SHIFT, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, FILL_OVERLAP, ID_ODD,
-    ID_SHIFT, LOD_FADE, MAX_FILL_RADIUS, MIDDLE_CENTER, MIDDLE_SHIFT, OCTANT_SHIFT, OWN_BITS, OWN_NONE,
-    OWN_PER_WORD, OWN_SHIFT, PLANE_BITS, PLANE_MASK, POINTS_COVER, REACH_MASK, SAMPLES_COVER,
-    SPACING_EXPONENT_SHIFT, VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_PLANES, ViewUniform, VisibleBatch,
+    CELLS, COARSE_CENTER, COARSE_PLANES, COARSE_SHIFT, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END,
+    FILL_OVERLAP, ID_ODD, ID_SHIFT, LOD_FADE, MAX_FILL_RADIUS, MIDDLE_CENTER, MIDDLE_PLANES, MIDDLE_SHIFT,
+    OCTANT_SHIFT, OWN_BITS, OWN_NONE, OWN_PER_WORD, OWN_SHIFT, PLANE_BITS, PLANE_MASK, POINTS_COVER,
+    REACH_MASK, SAMPLES_BELOW, SAMPLES_COVER, SPACING_EXPONENT_SHIFT, VISIBLE_BY_EYE, VISIBLE_FILL,
+    VISIBLE_PLANES, ViewUniform, VisibleBatch,
 };
 
 /// A point in a pixel.
@@ -104,7 +105,7 @@ fn open_edge_px(view: &ViewUniform, edge_px: f32, undivided_px: f32) -> f32 {
     }
     let below = FADE_END * whole_px / undivided_px;
     let share = ((below - FADE_BEGIN) / (FADE_END - FADE_BEGIN)).clamp(0.0, 1.0);
-    whole_px / (1.0 + 3.0 * share).sqrt()
+    whole_px / (1.0 + (SAMPLES_BELOW - 1.0) * share).sqrt()
 }
 
 /// Reach of the narrowest kernel that closes a square of this width.
@@ -187,8 +188,8 @@ pub fn cells(num_planes: u32, [hi, mid, lo]: [u32; 3]) -> [i32; 3] {
     std::array::from_fn(|axis| {
         let part = |plane: u32| plane >> (PLANE_BITS * axis as u32) & PLANE_MASK;
         let cell = match num_planes {
-            1 => part(hi) << COARSE_SHIFT | COARSE_CENTER,
-            2 => part(hi) << COARSE_SHIFT | part(mid) << MIDDLE_SHIFT | MIDDLE_CENTER,
+            COARSE_PLANES => part(hi) << COARSE_SHIFT | COARSE_CENTER,
+            MIDDLE_PLANES => part(hi) << COARSE_SHIFT | part(mid) << MIDDLE_SHIFT | MIDDLE_CENTER,
             _ => part(hi) << COARSE_SHIFT | part(mid) << MIDDLE_SHIFT | part(lo),
         };
         cell as i32

@@ -3,11 +3,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use render::gpu::Gpu;
+use render::layout::WORKGROUP_SIZE;
 
 /// Name by which shaders bind the bins.
 pub const COUNT_BINS_NAME: &str = "count_bins";
-/// Number of bins of [`Counts`]. Each workgroup adds to one of them, so that few threads contend for a counter.
-pub const COUNT_BINS: u32 = 256;
 
 /// Counts over the frames so far, all eyes together.
 #[repr(C)]
@@ -27,8 +26,8 @@ pub struct Counts {
     pub reserved: [u32; 3],
 }
 
-/// Makes bins of zeros, whose sum is the count.
+/// Makes bins of zeros, one for each thread of a workgroup, so that few contend for a counter. Their sum is the count.
 pub(super) fn bins(gpu: &Gpu) -> wgpu::Buffer {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-    gpu.buffer("counts", u64::from(COUNT_BINS) * size_of::<Counts>() as u64, usage)
+    gpu.buffer("counts", u64::from(WORKGROUP_SIZE) * size_of::<Counts>() as u64, usage)
 }

@@ -6,10 +6,11 @@ use render::Access;
 use render::Parts;
 use render::bindings::{Eye, Geometry};
 use render::gpu::Gpu;
-use render::gpu::stage::{Stage, nothing_besides};
+use render::gpu::stage::Stage;
 use render::layout::{EMPTY_KEY, Variant};
 use render::shaders::{self, ShaderOfSet, parts};
-use render::technique::{Clears, Nearest, Pieces, Recording};
+use render::technique::{Nearest, Pieces, Recording};
+use std::cell::Cell;
 use std::sync::LazyLock;
 
 /// Ranges of the 40-bit depth: where each begins, in world units, and its steps per unit. Where the unit is the metre,
@@ -77,18 +78,28 @@ pub(super) fn depth(is_tree: bool) -> fn(Variant) -> Pieces {
     if is_tree { |_| &*OF_TREE } else { |_| &*OF_NODES }
 }
 
+render::sets! {
+    /// The target of [`SHADE40`].
+    Keys40, OfKeys40 {
+        /// An eye's depths and colors.
+        keys40,
+    }
+}
+
 /// The step of `resolve` that turns keys into colors and clears the keys.
-pub const SHADE40: ShaderOfSet<Eye> = ShaderOfSet::new("shade40", &[parts::SURFACE], |_| &*SHADE);
+pub const SHADE40: ShaderOfSet<(Eye, Keys40)> = ShaderOfSet::new("shade40", &[parts::SURFACE], |_| &*SHADE);
 
 /// The method's stages.
 #[derive(Debug)]
 pub(super) struct Fixed40 {
     depth: Stage<Geometry>,
-    shade: Stage<Eye>,
+    shade: Stage<(Eye, Keys40)>,
     /// Bind groups of `depth`, one per chunk.
     depth_groups: Vec<wgpu::BindGroup>,
-    /// Bind groups of `shade`, one per eye.
-    shade_groups: Vec<wgpu::BindGroup>,
+    /// Bind groups of `shade`, one per eye, with the number of its tiles.
+    shade_groups: Vec<(wgpu::BindGroup, u32)>,
+    /// True if `shade` has not cleared the keys yet.
+    keys_are_new: Cell<bool>,
 }
 
 impl Fixed40 {
@@ -98,27 +109,36 @@ impl Fixed40 {
             shade: Stage::of(gpu, SHADE40, variant, access),
             depth_groups: vec![],
             shade_groups: vec![],
+            keys_are_new: Cell::new(true),
         }
     }
 }
 
 impl Nearest for Fixed40 {
-    fn clears(&self) -> Clears {
-        Clears::Once
-    }
-
     fn bind(&mut self, parts: &Parts<'_>) {
         self.depth_groups = parts.bind_geometry(&self.depth);
         let eyes = 0..parts.targets.sizes_px.len();
-        let shade = |eye| self.shade.bind(parts.gpu, parts.of_eye(eye), &nothing_besides);
+        let shade = |eye: usize| {
+            let keys = OfKeys40 { keys40: parts.targets.keys[eye].as_entire_binding() };
+            (self.shade.bind(parts.gpu, &(parts.of_eye(eye), keys)), parts.num_tiles(eye))
+        };
         self.shade_groups = eyes.map(shade).collect();
+        self.keys_are_new.set(true);
     }
 
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder, recording: &Recording<'_>) {
-        recording.dispatch_visible(encoder, &self.depth, &self.depth_groups);
+        if self.keys_are_new.take() {
+            // What it makes of other keys, the frame's own step overwrites.
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            for (group, num_tiles) in &self.shade_groups {
+                self.shade.dispatch(&mut pass, group, *num_tiles);
+            }
+        }
+        let mut pass = recording.compute_pass(encoder);
+        self.depth.dispatch_visible(&mut pass, &self.depth_groups, recording.counters);
     }
 
     fn record_shade(&self, pass: &mut wgpu::ComputePass<'_>, eye: usize, num_tiles: u32) {
-        self.shade.dispatch(pass, &self.shade_groups[eye], num_tiles);
+        self.shade.dispatch(pass, &self.shade_groups[eye].0, num_tiles);
     }
 }

@@ -19,12 +19,11 @@ use point_list::PointList;
 use render::gpu::{Atomics, Gpu, QueueGuard};
 use render::layout::{Detail, Sums, Variant};
 use render::technique::{Nearest, Own, Technique, Texts};
-use render::{Access, CloudBuffers};
+use render::{Access, CloudBuffers, Targets};
 use tree::TreeUniform;
 
-/// Names of the resources that the texts bind besides the frame's sets.
-pub const NAMES: [&str; 4] =
-    [counts::COUNT_BINS_NAME, tree::TREE_NAME, tree::SHAPES_NAME, point_list::POINTS_NAME];
+/// Names by which an early look by plain loads binds the targets a second time.
+const AGAIN: [&str; 4] = ["keys_left_again", "keys_right_again", "depth_left_again", "depth_right_again"];
 /// Error in pixels that a disc of a sequential point tree may have, unless the settings say otherwise.
 pub const DEFAULT_ERROR_PX: f64 = 1.0;
 /// [`Detail::fill_reach_px`] for discs beside dilation. Discs are wide enough to close a surface, but lie unevenly.
@@ -84,6 +83,15 @@ impl LabTechnique {
     #[must_use]
     pub fn tree(error_px: f32) -> Self {
         Self { error_px: Some(error_px), ..Self::default() }
+    }
+
+    /// Names of the resources that its texts bind besides the frame's sets: its own, and those of its clouds.
+    #[must_use]
+    pub fn names(&self, counts: bool) -> Vec<&'static str> {
+        let of_tree = [tree::TREE_NAME, tree::RUNS_NAME, tree::SHAPES_NAME];
+        let names = of_tree.into_iter().filter(|_| self.error_px.is_some());
+        let names = names.chain(Some(counts::COUNT_BINS_NAME).filter(|_| counts));
+        names.chain(AGAIN.into_iter().filter(|_| self.early_z_load == EarlyZLoad::Plain)).collect()
     }
 
     /// Checks whether any GPU could draw this way.
@@ -159,9 +167,11 @@ impl Technique for OpenTechnique {
         }
     }
 
-    fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
-        let bins = self.count_bins.as_ref().filter(|_| name == counts::COUNT_BINS_NAME);
-        bins.map(wgpu::Buffer::as_entire_binding)
+    fn resources<'a>(&'a self, targets: &'a Targets) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+        let bins = self.count_bins.iter().map(|bins| (counts::COUNT_BINS_NAME, bins));
+        let again = AGAIN.into_iter().zip(targets.keys.iter().chain(&targets.depth));
+        let again = again.filter(|_| self.technique.early_z_load == EarlyZLoad::Plain);
+        bins.chain(again).map(|(name, buffer)| (name, buffer.as_entire_binding())).collect()
     }
 
     fn set_view(

@@ -4,25 +4,31 @@
 
 use super::texts::text;
 use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
-use render::bindings::{Chunk, Cloud, Eye};
+use render::bindings::{Batches, Chunk, Eye};
 use render::gpu::Gpu;
 use render::gpu::stage::{Bindings, Stage, shader_module};
 use render::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
 use render::shaders::{ShaderOfSet, parts};
-use render::technique::{Clears, Nearest, Recording};
+use render::technique::{Nearest, Recording};
 use render::{Access, Parts, Targets};
 
 /// The pass that draws points.
-pub const POINT_LIST: ShaderOfSet<(Cloud, Chunk)> =
+pub const POINT_LIST: ShaderOfSet<Batches> =
     ShaderOfSet::new("point-list", &[parts::POINTS], |_| &[text!("methods/point_list")]);
+render::sets! {
+    /// What [`POINT_LIST`] drew into.
+    PointImage, OfPointImage {
+        /// An eye's image of points.
+        points,
+    }
+}
+
 /// The step of `resolve` that takes points from the images that they were drawn into.
-pub const SHADE_POINTS: ShaderOfSet<(Chunk, Eye)> =
+pub const SHADE_POINTS: ShaderOfSet<((Chunk, Eye), PointImage)> =
     ShaderOfSet::new("shade-points", &[parts::SURFACE, parts::CHUNK_COLORS], |_| {
         &[text!("methods/shade_points")]
     });
 
-/// Name by which [`SHADE_POINTS`] binds the image that [`POINT_LIST`] drew into.
-pub(super) const POINTS_NAME: &str = "points";
 /// Format of an image of points: id and depth of a pixel's point.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 /// Clear value of an image of points: no id, and the depth of an empty pixel, [`render::layout::EMPTY_DEPTH`].
@@ -34,8 +40,8 @@ type DrawArguments = [u32; 4];
 /// The pipelines of both eyes, and what they draw into.
 #[derive(Debug)]
 pub(super) struct PointList {
-    eyes: [(wgpu::RenderPipeline, Bindings<(Cloud, Chunk)>); 2],
-    shade: Stage<(Chunk, Eye)>,
+    eyes: [(wgpu::RenderPipeline, Bindings<Batches>); 2],
+    shade: Stage<((Chunk, Eye), PointImage)>,
     images: Option<PointImages>,
     /// [`DrawArguments`] of each chunk.
     draws: Option<wgpu::Buffer>,
@@ -79,11 +85,6 @@ impl PointList {
 }
 
 impl Nearest for PointList {
-    /// Hardware clears its own images.
-    fn clears(&self) -> Clears {
-        Clears::Nothing
-    }
-
     fn bind(&mut self, parts: &Parts<'_>) {
         let sizes_px = &parts.targets.sizes_px;
         let images = self.images.take().filter(|images| images.sizes_px == *sizes_px);
@@ -92,15 +93,13 @@ impl Nearest for PointList {
         let draw = |eye: usize| {
             let (pipeline, bindings) = &self.eyes[eye];
             let layout = pipeline.get_bind_group_layout(0);
-            parts.each_chunk(|resources, besides| {
-                bindings.bind(&parts.gpu.device, &layout, resources, besides)
-            })
+            parts.each_chunk(|resources| bindings.bind(&parts.gpu.device, &layout, &resources))
         };
         let shade = |eye: usize| {
-            let points = |name: &str| {
-                (name == POINTS_NAME).then(|| wgpu::BindingResource::TextureView(&images.points[eye]))
-            };
-            parts.each_chunk_of_eye(eye, |resources| self.shade.bind(parts.gpu, resources, &points))
+            parts.each_chunk_of_eye(eye, |resources| {
+                let image = OfPointImage { points: wgpu::BindingResource::TextureView(&images.points[eye]) };
+                self.shade.bind(parts.gpu, &(resources, image))
+            })
         };
         self.draw_groups = eyes().map(draw).collect();
         self.shade_groups = eyes().map(shade).collect();

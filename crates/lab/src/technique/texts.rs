@@ -1,6 +1,5 @@
 //! The shader texts of the laboratory's techniques: the pieces that differ from the frame's, and nothing else.
 
-use super::counts::COUNT_BINS;
 use super::fixed40;
 use super::tree::{
     RUN_ONE_SIDED, RUN_TRIANGLES, SLICE_PIXELS, TRIANGLE_SLACK_PX, VISIBLE_DISCS, VISIBLE_TRIANGLES,
@@ -39,15 +38,11 @@ static TREE_CONSTANTS: LazyLock<String> = LazyLock::new(|| {
         f32 "": TRIANGLE_SLACK_PX;
     }
 });
-static COUNT_CONSTANTS: LazyLock<String> = LazyLock::new(|| constants! { u32 "u": COUNT_BINS; });
 static PAIR_CONSTANTS: LazyLock<String> = LazyLock::new(|| constants! { u32 "u": PAIR_SHIFT; });
 
 /// Pieces that all stages of a point tree need.
 static TREE: LazyLock<[&str; 3]> =
     LazyLock::new(|| [&TREE_CONSTANTS, text!("spt/layout.inc"), text!("spt/tree.inc")]);
-static COUNTS: LazyLock<[&str; 2]> = LazyLock::new(|| [&COUNT_CONSTANTS, text!("methods/counts.inc")]);
-static TREE_COUNTS: LazyLock<[&str; 3]> =
-    LazyLock::new(|| [&COUNT_CONSTANTS, text!("methods/counts.inc"), text!("spt/counts.inc")]);
 static PAIRS: LazyLock<[&str; 2]> = LazyLock::new(|| [&PAIR_CONSTANTS, text!("methods/color_pairs")]);
 
 const IS_CONVERGED: &str = "const CONVERGED: bool = true;\n";
@@ -64,13 +59,28 @@ pub fn texts(technique: &LabTechnique, counts: bool, has_subgroups: bool) -> Tex
         put: put(method),
         seen: if keep_unseen { &[text!("methods/unculled.inc")] } else { Texts::FRAME.seen },
         wide: if method.is_converged() { |_| &[text!("methods/converged.inc")] } else { Texts::wide },
-        counts: if counts { &*COUNTS } else { Texts::FRAME.counts },
+        main: if method == Method::Fixed40 { &[text!("methods/main.inc")] } else { Texts::FRAME.main },
         depth: depth(method, is_plain, error_px.is_some(), has_subgroups),
         hqs_depth: if is_plain { plain_depths } else { Texts::FRAME.hqs_depth },
         color32: if method == Method::Hqs { &*PAIRS } else { Texts::FRAME.color32 },
+        amend: if counts { counted } else { Texts::FRAME.amend },
         ..Texts::FRAME
     };
-    if error_px.is_some() { of_tree(all, method, counts) } else { all }
+    if error_px.is_some() { of_tree(all, method) } else { all }
+}
+
+/// A shader's text that counts: each function of `counted.inc.wgsl` takes the place of the one of its name, if there is
+/// one.
+fn counted(text: String) -> String {
+    let functions = text!("methods/counted.inc").split("\n\n").filter_map(|function| {
+        let (name, _) = function.strip_prefix("fn ")?.split_once('(')?;
+        Some((name, function))
+    });
+    let counted = functions.fold(text.clone(), |text, (name, function)| {
+        let (own, other) = (format!("fn {name}("), format!("fn uncounted_{name}("));
+        if text.contains(&own) { text.replace(&own, &other) + "\n" + function + "\n" } else { text }
+    });
+    if counted == text { text } else { counted + text!("methods/counts.inc") }
 }
 
 fn plain_depths(_: Variant) -> Pieces {
@@ -86,7 +96,7 @@ fn put(method: Method) -> Pieces {
 }
 
 /// Puts the texts for a tree's discs and triangles in place of those for points.
-fn of_tree(texts: Texts, method: Method, counts: bool) -> Texts {
+fn of_tree(texts: Texts, method: Method) -> Texts {
     Texts {
         besides: &*TREE,
         lod: &[text!("spt/lod")],
@@ -115,7 +125,6 @@ fn of_tree(texts: Texts, method: Method, counts: bool) -> Texts {
             ],
         },
         main: &[text!("spt/main.inc")],
-        counts: if counts { &*TREE_COUNTS } else { &[text!("no_counts.inc"), text!("spt/no_counts.inc")] },
         colors: &[text!("spt/colors.inc")],
         ..texts
     }

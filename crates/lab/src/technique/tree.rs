@@ -11,6 +11,8 @@ use wgpu::util::DeviceExt;
 
 /// Name by which shaders bind the uniform.
 pub const TREE_NAME: &str = "tree";
+/// Name by which shaders bind the runs.
+pub const RUNS_NAME: &str = "runs";
 /// Name by which shaders bind the column of discs and of words of triangles.
 pub const SHAPES_NAME: &str = "shapes";
 /// [`Run::flags`]: the run's discs have a back, which is not drawn.
@@ -166,19 +168,21 @@ pub fn upload(
     progress: &Progress,
 ) -> Result<CloudBuffers, UploadError> {
     let uniform = TreeUniform { step_base: tree.scale.base, ..TreeUniform::zeroed() };
-    let uniform = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(TREE_NAME),
-        contents: bytemuck::bytes_of(&uniform),
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-    });
     let runs: Vec<Run> = tree.runs.iter().map(Run::new).collect();
+    let buffer = |label, contents: &[u8], usage| {
+        let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        (label, gpu.device.create_buffer_init(&contents))
+    };
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+    let uniform = buffer(TREE_NAME, bytemuck::bytes_of(&uniform), usage);
+    let runs_buffer = buffer(RUNS_NAME, bytemuck::cast_slice(&runs), wgpu::BufferUsages::STORAGE);
     let whole = Whole {
         cloud: &tree.cloud,
         num_points: tree.num_points,
-        nodes: &runs,
+        num_nodes: runs.len(),
         batch: &|number, first_point| DiscBatch::new(tree, number, first_point),
         column: (SHAPES_NAME, &tree.shapes),
-        besides: vec![(TREE_NAME, uniform)],
+        besides: vec![uniform, runs_buffer],
     };
     CloudBuffers::upload_whole(gpu, whole, chunk_limit, progress)
 }

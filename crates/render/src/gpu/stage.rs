@@ -1,9 +1,9 @@
 //! A compute stage: one shader, one entry point `main`, its resources bound by their names in the shader.
 
 use super::Gpu;
-use crate::bindings::{AGAIN, Set};
+use crate::bindings::Set;
 use crate::draw_options::Access;
-use crate::layout::Variant;
+use crate::layout::{COUNTERS_STRIDE, Variant};
 use crate::shaders::ShaderOfSet;
 use std::collections::HashMap;
 use std::fmt;
@@ -56,34 +56,17 @@ impl PipelineCache {
     }
 }
 
-/// The resources that a shader uses in group 0, of a set and besides, each with its binding number.
+/// The resources of a set that a shader uses in group 0, each with its binding number.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Bindings<S: Set> {
     name: String,
-    used: Vec<(Used, u32)>,
+    used: Vec<(String, u32)>,
     set: PhantomData<S>,
 }
 
-/// A resource that a shader uses.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Used {
-    /// A resource of the set, by its place there.
-    OfSet(usize),
-    /// A resource besides, by its name.
-    Besides(String),
-}
-
-/// Gives resources that are of no set, by name.
-pub type Besides<'f, 'a> = dyn Fn(&str) -> Option<wgpu::BindingResource<'a>> + 'f;
-
 impl<S: Set> fmt::Debug for Bindings<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = S::names();
-        let name = |used: &Used| match used {
-            Used::OfSet(index) => names[*index].to_owned(),
-            Used::Besides(name) => name.clone(),
-        };
-        f.debug_map().entries(self.used.iter().map(|(used, binding)| (name(used), binding))).finish()
+        f.debug_map().entries(self.used.iter().map(|(name, binding)| (name, binding))).finish()
     }
 }
 
@@ -112,18 +95,8 @@ impl<S: Set> Bindings<S> {
     /// If the text is not valid: shaders are ours, and a test looks at each.
     #[must_use]
     pub fn of(name: &str, wgsl: &str, entry: &str) -> Self {
-        Self::of_used(name, used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}")))
-    }
-
-    /// From names and numbers of what a shader uses.
-    fn of_used(name: &str, used: Vec<(String, u32)>) -> Self {
-        let names = S::names();
-        let by_name = |(used, binding): (String, u32)| {
-            let own = used.strip_suffix(AGAIN).unwrap_or(&used);
-            let index = names.iter().position(|name| *name == own);
-            (index.map_or_else(|| Used::Besides(own.to_owned()), Used::OfSet), binding)
-        };
-        Self { name: name.to_owned(), used: used.into_iter().map(by_name).collect(), set: PhantomData }
+        let used = used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}"));
+        Self { name: name.to_owned(), used, set: PhantomData }
     }
 
     /// The resources that either shader of a pass uses.
@@ -135,38 +108,26 @@ impl<S: Set> Bindings<S> {
         self
     }
 
-    /// A bind group of the resources that the shader uses, of its set and besides.
+    /// A bind group of the resources that the shader uses.
     ///
     /// # Panics
-    /// If `besides` lacks something: a test looks at what each shader uses.
+    /// If the set lacks one: a test looks at what each shader uses.
     #[must_use]
-    pub fn bind<'a>(
+    pub fn bind(
         &self,
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
-        resources: S::Resources<'a>,
-        besides: &Besides<'_, 'a>,
+        resources: &S::Resources<'_>,
     ) -> wgpu::BindGroup {
-        let resources = S::list(resources);
-        let entry = |(used, binding): &(Used, u32)| wgpu::BindGroupEntry {
+        let entry = |(name, binding): &(String, u32)| wgpu::BindGroupEntry {
             binding: *binding,
-            resource: match used {
-                Used::OfSet(index) => resources[*index].clone(),
-                Used::Besides(name) => {
-                    besides(name).unwrap_or_else(|| panic!("shader {}: nobody has {name}", self.name))
-                }
-            },
+            resource: S::find(resources, name)
+                .unwrap_or_else(|| panic!("shader {}: nobody has {name}", self.name)),
         };
         let entries: Vec<_> = self.used.iter().map(entry).collect();
         let label = Some(&*self.name);
         device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
-}
-
-/// Gives no resource besides the set's.
-#[must_use]
-pub fn nothing_besides<'a>(_name: &str) -> Option<wgpu::BindingResource<'a>> {
-    None
 }
 
 impl<S: Set> Stage<S> {
@@ -198,19 +159,15 @@ impl<S: Set> Stage<S> {
             CachedPipeline { pipeline, used }
         };
         let CachedPipeline { pipeline, used } = gpu.pipelines.get(wgsl, checked, compile);
-        Self { compiled: Compiled { pipeline }, bindings: Bindings::of_used(name, used) }
+        let bindings = Bindings { name: name.to_owned(), used, set: PhantomData };
+        Self { compiled: Compiled { pipeline }, bindings }
     }
 
     /// A bind group for this stage; see [`Bindings::bind`].
     #[must_use]
-    pub fn bind<'a>(
-        &self,
-        gpu: &Gpu,
-        resources: S::Resources<'a>,
-        besides: &Besides<'_, 'a>,
-    ) -> wgpu::BindGroup {
+    pub fn bind(&self, gpu: &Gpu, resources: &S::Resources<'_>) -> wgpu::BindGroup {
         let layout = self.compiled.pipeline.get_bind_group_layout(0);
-        self.bindings.bind(&gpu.device, &layout, resources, besides)
+        self.bindings.bind(&gpu.device, &layout, resources)
     }
 }
 
@@ -239,17 +196,19 @@ impl Compiled {
         pass.dispatch_workgroups(x, y, 1);
     }
 
-    /// Records a dispatch whose workgroup counts lie in `arguments` at `offset` bytes.
-    pub fn dispatch_indirect(
+    /// Records a dispatch for each chunk's group, with a workgroup a visible batch. `counters` are those of all chunks,
+    /// [`COUNTERS_STRIDE`] bytes apart.
+    pub fn dispatch_visible(
         &self,
         pass: &mut wgpu::ComputePass,
-        group: &wgpu::BindGroup,
-        arguments: &wgpu::Buffer,
-        offset: u64,
+        groups: &[wgpu::BindGroup],
+        counters: &wgpu::Buffer,
     ) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups_indirect(arguments, offset);
+        for (number, group) in groups.iter().enumerate() {
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups_indirect(counters, number as u64 * u64::from(COUNTERS_STRIDE));
+        }
     }
 }
 

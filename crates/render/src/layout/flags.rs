@@ -13,8 +13,14 @@ pub const NODE_WHOLE: u32 = 1;
 pub const NODE_ROOT: u32 = 2;
 /// [`Node::flags`]: its points are on the GPU. A node without this is not drawn.
 pub const NODE_RESIDENT: u32 = 4;
-/// [`VisibleBatch::flags`]: planes to read, 1 to 3.
+/// [`VisibleBatch::flags`]: planes to read, [`COARSE_PLANES`] to [`ALL_PLANES`].
 pub const VISIBLE_PLANES: u32 = 3;
+/// Planes to read for the coarse bits of coordinates alone.
+pub const COARSE_PLANES: u32 = 1;
+/// Planes to read for the coarse and the middle bits of coordinates.
+pub const MIDDLE_PLANES: u32 = 2;
+/// Planes to read for all bits of coordinates.
+pub const ALL_PLANES: u32 = 3;
 /// [`VisibleBatch::flags`]: seen by the left eye. The bit above: seen by the right eye.
 pub const VISIBLE_BY_EYE: u32 = 16;
 /// [`VisibleBatch::flags`]: points may be further apart than a kernel reaches.

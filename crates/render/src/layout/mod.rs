@@ -8,8 +8,9 @@ mod view;
 mod words;
 
 pub use flags::{
-    LOD_FADE, LOD_SMOOTH, NODE_RESIDENT, NODE_ROOT, NODE_WHOLE, NUM_SLICES_SHIFT, SLICE_SHIFT,
-    VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_OTHERS, VISIBLE_PLANES, VISIBLE_WIDE,
+    ALL_PLANES, COARSE_PLANES, LOD_FADE, LOD_SMOOTH, MIDDLE_PLANES, NODE_RESIDENT, NODE_ROOT, NODE_WHOLE,
+    NUM_SLICES_SHIFT, SLICE_SHIFT, VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_OTHERS, VISIBLE_PLANES,
+    VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use prelude::{Sums, Variant, prelude};
@@ -73,6 +74,8 @@ pub const POINTS_COVER: f32 = 3.0;
 /// samples, which lie more evenly: less than 1 % of what level of detail leaves out lies further from the nearest
 /// sample than half of this (`tests/files/octree.rs`), which one sees at silhouettes.
 pub const SAMPLES_COVER: f32 = 2.24;
+/// Samples of a surface in the nodes of the next level, in multiples of those in a node: edges are half as long there.
+pub const SAMPLES_BELOW: f32 = 4.0;
 /// Points that a pixel's sums hold before the others go to the fallback sums: 16 bits hold 257 · 255, and the
 /// room above 255 is for threads that add at the same time [2021 §3.5.1].
 pub const PROTECTED_POINTS: u32 = 255;
@@ -86,9 +89,13 @@ pub const MAX_SLICES: u32 = 256;
 pub const MAX_EXTRA_SLICES: u32 = 16_384;
 /// The head's cell coordinate is clamped to ± this; beyond, plain f32 is relatively exact.
 pub const HEAD_CELL_LIMIT: i32 = 1 << 30;
-/// Pixels that a workgroup of `resolve` works on, across and down, four a thread. With the pixels that reach into them
+/// Pixels that a workgroup of `resolve` works on, across and down, [`PIXELS_PER_THREAD`] each thread. With the pixels that reach into them
 /// they take 15.2 of the 16 KiB of workgroup memory that every Vulkan device has.
 pub const TILE_PX: [u32; 2] = [32, 16];
+/// Pixels that a thread of `resolve` works on.
+pub const PIXELS_PER_THREAD: u32 = 4;
+/// Sums of channels of fewer points than this have means that floats compute exactly.
+pub const MAX_MEAN_COUNT: u32 = 12_000;
 /// Pixels that `dilate` reaches at most, to each side: 7×7.
 pub const DILATE_REACH_PX: u32 = 3;
 /// The bits of a pixel's depth that say how far `dilate` takes its surface at least, [`DILATE_REACH_PX`] at most; 0
@@ -289,14 +296,14 @@ pub struct VisibleBatch {
     pub own: [u32; 2],
     /// State of the node, not 0; see [`DRAWN_WHOLE`].
     pub drawn: u32,
-    /// Number of the batch.
-    pub batch: u32,
-    /// Always 0.
-    pub reserved: [u32; 2],
     /// [`Node::spacing_step`].
     pub spacing_step: f32,
     /// [`Node::sample_spacing`]; for the root, that of the samples that are drawn.
     pub sample_spacing: f32,
+    /// Always 0.
+    pub reserved: u32,
+    /// Always 0.
+    pub reserved_end: [u32; 2],
 }
 
 impl VisibleBatch {
@@ -335,14 +342,10 @@ impl CullCounters {
     }
 }
 
-/// Which image `dilate` works on, and how far it reaches.
+/// Which image `dilate` works on.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct DilateUniform {
     /// The eye, 0 or 1.
     pub eye: u32,
-    /// 0: by the pixel's ring; 1, 2, 3: that radius everywhere.
-    pub radius_px: u32,
-    /// Always 0.
-    pub reserved: [u32; 2],
 }

@@ -98,7 +98,7 @@ fn widest_cos(fov: &Fov) -> f32 {
 /// How much of a cloud a frame draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
-    /// 0: precision by projected size; 1, 2, 3: that many planes always.
+    /// 0: precision by projected size; else that many planes always, up to [`super::ALL_PLANES`].
     pub forced_planes: u32,
     /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
     pub threshold_px: [f32; 3],
@@ -138,7 +138,7 @@ pub struct ViewUniform {
     pub near: f32,
     /// Head position, fine part.
     pub head_lo: [f32; 3],
-    /// 0: precision by projected size; 1, 2, 3: that many planes always.
+    /// [`Detail::forced_planes`].
     pub forced_planes: u32,
     /// Pixels that a node's projected edge needs in the inner, middle and outer ring.
     pub threshold_px: [f32; 3],

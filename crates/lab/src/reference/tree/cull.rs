@@ -8,18 +8,14 @@ use crate::technique::tree::{
 };
 use cloud::format::{STEP_MASK, UNTIL_SHIFT};
 use render::layout::{
-    CULL_SLACK, DRAWN_WHOLE, EyeUniform, MAX_SLICES, OWN_NONE_WORD, VISIBLE_BY_EYE, VISIBLE_FILL,
-    VISIBLE_WIDE, ViewUniform, VisibleBatch,
+    ALL_PLANES, COARSE_PLANES, CULL_SLACK, DRAWN_WHOLE, EyeUniform, MAX_SLICES, OWN_NONE_WORD,
+    VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_WIDE, ViewUniform, VisibleBatch,
 };
 
 /// Returns the visible batches in batch order; the GPU's order is arbitrary.
 #[must_use]
 pub fn cull(view: &ViewUniform, num_eyes: usize, tree: &Tree) -> Vec<VisibleBatch> {
-    let one = |(number, batch): (usize, &DiscBatch)| {
-        let (visible, num_slices) = cull_batch(view, num_eyes, tree, batch)?;
-        Some((VisibleBatch { batch: number as u32, ..visible }, num_slices))
-    };
-    in_slices(tree.batches.iter().enumerate().filter_map(one))
+    in_slices(tree.batches.iter().filter_map(|batch| cull_batch(view, num_eyes, tree, batch)))
 }
 
 /// Number of workgroups that draw a batch of triangles.
@@ -56,7 +52,7 @@ fn cull_batch(
     let is_of_triangles = tree.runs[batch.run as usize].flags & RUN_TRIANGLES != 0;
     flags |= if is_of_triangles { VISIBLE_TRIANGLES } else { VISIBLE_FILL | VISIBLE_WIDE | VISIBLE_DISCS };
     let longest = 2.0 * half_edge[0].max(half_edge[1].max(half_edge[2]));
-    let mut planes = view.forced_planes.max(1);
+    let mut planes = view.forced_planes.max(COARSE_PLANES);
     let mut slices = 1;
     for eye in &view.eyes[..num_eyes] {
         let [x, y, z, _] = eye.row_w.map(f32::abs);
@@ -71,7 +67,7 @@ fn cull_batch(
         }
     }
     if is_of_triangles {
-        planes = 3;
+        planes = ALL_PLANES;
     }
     let (head_cell, offset) = head_place(head_hi, head_lo, batch.cell, batch.steps_per_unit, planes);
     let visible = VisibleBatch {
@@ -84,10 +80,10 @@ fn cull_batch(
         spacing: [0; 4],
         own: [OWN_NONE_WORD; 2],
         drawn: DRAWN_WHOLE,
-        batch: 0,
-        reserved: [0; 2],
         spacing_step: 1.0,
         sample_spacing: 0.0,
+        reserved: 0,
+        reserved_end: [0; 2],
     };
     Some((visible, slices))
 }

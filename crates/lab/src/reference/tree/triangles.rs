@@ -3,7 +3,7 @@
 use super::{Tree, tolerance};
 use crate::reference::points::{Put, cells, p_in_head, without_reach};
 use crate::technique::tree::TRIANGLE_SLACK_PX;
-use render::layout::{EyeUniform, ID_ODD, ID_SHIFT, VISIBLE_BY_EYE, ViewUniform, VisibleBatch};
+use render::layout::{ALL_PLANES, EyeUniform, ID_ODD, ID_SHIFT, VISIBLE_BY_EYE, ViewUniform, VisibleBatch};
 
 /// A triangle's corners and their shares in a pixel, from which `hqs` mixes the color; a key names one corner alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +100,7 @@ impl Triangle {
         let [a, b, c, step] = word.to_le_bytes();
         let points = [a, b, c].map(|corner| batch.first_point + u32::from(corner));
         let words = |point: u32| planes.map(|plane| plane[point as usize]);
-        let corners = points.map(|point| p_in_head(batch, cells(3, words(point))));
+        let corners = points.map(|point| p_in_head(batch, cells(ALL_PLANES, words(point))));
         let from_eye = |p: [f32; 3]| std::array::from_fn(|i| p[i] - eye.eye_in_head[i]);
         let tolerance = corners.map(|p| tolerance::of(view, &tree.uniform, number, from_eye(p)));
         if tree.scale().step_below(least(tolerance)) >= step {
