@@ -8,10 +8,11 @@ use glam::{DQuat, DVec3};
 use kit::frames::SplitMix;
 use lab::reference::color::Sum;
 use lab::reference::dilate::{dilate, radius_px};
-use lab::reference::resolve::{EMPTY, Pixel, blend};
+use lab::reference::resolve::{EMPTY, blend};
 use on_gpu::{Shown, blended_on_gpu, on_gpu, run_shown};
 use render::layout::{
-    Detail, DilateUniform, GUARD_PX, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row,
+    Detail, DilateUniform, GUARD_PX, Pixel, SURFACE_TOLERANCE, Variant, ViewUniform, depth_of,
+    mask_words_per_row,
 };
 use render::shaders;
 
@@ -49,10 +50,6 @@ fn fixed(radius_px: u32) -> DilateUniform {
 
 fn pixel(depth: f32, [r, g, b]: [u8; 3]) -> Pixel {
     [depth.to_bits(), u32::from_le_bytes([r, g, b, 255])]
-}
-
-fn depth_of(pixel: Pixel) -> f32 {
-    f32::from_bits(pixel[0])
 }
 
 /// Two smooth surfaces, one before the other, of which `percent` of the pixels are there, and single points anywhere.
