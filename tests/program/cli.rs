@@ -118,7 +118,7 @@ fn settings_are_listed_as_a_file_for_config() {
     assert!(laboratory["frame"].get("near_m").is_none() && laboratory["frame"].get("method").is_some());
     // Words find settings of users and of the laboratory.
     let named = listed(&["near_m", "chunk"]);
-    assert_eq!(named, "gpu.chunk_mib = 0\nframe.near_m = 0.05".parse().unwrap());
+    assert_eq!(named, "gpu.chunk_mib = 0\nframe.near_m = \"auto\"".parse().unwrap());
     // Settings are listed with the values in force, and the list says the same when it is read.
     let changed = listed(&["--preset", "performance", "--set", "lod.fade=false"]);
     assert!(changed != users && changed["lod"]["fade"].as_bool() == Some(false));
@@ -189,7 +189,7 @@ fn wrong_settings_exit_2_and_name_the_way_out() {
     let config = config.to_str().unwrap();
     for (args, words) in [
         (&["doctor", "--set", "frame.nearm=1"][..], "did you mean 'frame.near_m'?"),
-        (&["--set", "frame.near_m=far", "doctor"], "must be a number"),
+        (&["--set", "frame.near_m=far", "doctor"], "or a number"),
         (&["doctor", "--set", "frame.near_m=-1"], "must be from"),
         (&["doctor", "--set", "frame.near_m"], "KEY=VALUE"),
         (&["doctor", "--config", config], "walk.toml, line 2"),
