@@ -131,6 +131,8 @@ fn settings_are_listed_as_a_file_for_config() {
     assert!(users["cloud"].get("order").is_none());
     let (_, sentence) = refusal(&["settings", "nearm"]);
     assert!(sentence.contains("no setting 'nearm'; did you mean 'frame.near_m'?"), "{sentence}");
+    let (_, sentence) = refusal(&["settings", "bogus"]);
+    assert!(sentence.contains("no setting 'bogus'; `scanwalk settings` lists"), "{sentence}");
 }
 
 #[test]
@@ -202,7 +204,7 @@ fn wrong_settings_exit_2_and_name_the_way_out() {
     }
     let (code, text) = refusal(&["doctor", "--config", "no/such.toml"]);
     assert_eq!(code, 1, "a file that cannot be read is a failure: {text}");
-    assert!(text.contains("no/such.toml"), "{text}");
+    assert!(text.contains("no/such.toml") && text.contains("check its name and folder"), "{text}");
 }
 
 #[test]
@@ -212,6 +214,11 @@ fn failures_exit_1_in_one_line_that_names_the_file() {
         assert_eq!(code, 1, "{path}: {text}");
         assert!(text.starts_with("scanwalk: ") && text.contains(path), "{path}: {text}");
         assert_eq!(text.lines().count(), 1, "{path}: {text}");
+    }
+    for args in [&["report", "no/such.csv"][..], &["view", "a.laz", "--pose-path", "no/such.poses"]] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 1, "{args:?}: {text}");
+        assert!(text.contains("no/such") && text.contains("check its name and folder"), "{args:?}: {text}");
     }
 }
 

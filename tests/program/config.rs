@@ -229,9 +229,17 @@ fn unknown_keys_name_line_and_nearest_key() {
         ("near_m = 1.0\n", "walk.toml, line 1: there is no setting 'near_m'; did you mean 'frame.near_m'?"),
         (
             "frame.near_m.x = 1\n",
-            "walk.toml, line 1: frame.near_m must be a number, not the section { x = 1 }",
+            "walk.toml, line 1: frame.near_m must be \"auto\" or a number, not the section { x = 1 }",
         ),
-        ("[windows]\n", "walk.toml, line 1: there is no setting 'windows'; did you mean 'window.size'?"),
+        (
+            "[windows]\n",
+            "walk.toml, line 1: there is no setting 'windows'; did you mean 'window.size', 'window.mirror' or 'window.panel'?",
+        ),
+        (
+            "bogus = 1\n",
+            "walk.toml, line 1: there is no setting 'bogus'; `scanwalk settings` lists those of users, `scanwalk settings \
+             --laboratory` the others",
+        ),
     ] {
         assert_eq!(complaint(text), expected);
     }
