@@ -20,7 +20,7 @@ pub struct DrawPlan {
     pub tier: Tier,
     /// Points nearer than this are not drawn: metres in a headset, world units in a picture.
     pub near: f64,
-    /// True if [`Self::near`] is the default, which becomes less in a picture where it would cut a small scene.
+    /// True if nobody chose [`Self::near`], which then becomes less in a picture where it would cut a small scene.
     pub near_yields: bool,
 }
 

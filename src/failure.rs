@@ -1,8 +1,8 @@
 //! Why a command fails: one type from where it happens to where somebody decides by it.
 
 use crate::desktop::DesktopError;
+use crate::loader::LoadError;
 use crate::offscreen::PictureError;
-use crate::view::LoadError;
 use crate::walk::WalkError;
 use base::output::OutputError;
 use lab::report::BenchError;

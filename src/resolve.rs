@@ -1,6 +1,6 @@
 //! Resolves the settings once, to what each room is told. No room below sees [`Config`].
 
-use crate::config::{Config, Setting, choices};
+use crate::config::{Config, NearClip, Setting, choices};
 use crate::desktop::{Label, Selector, Widgets, WindowOptions};
 use crate::draw::DrawPlan;
 use crate::nodes::{CloudOptions, LodMethod};
@@ -73,14 +73,14 @@ impl Plan {
                 options: options(config),
                 technique: technique(config),
                 tier: gpu.tier,
-                near: frame.near_m,
-                near_yields: frame.near_m == Config::default().frame.near_m,
+                near: frame.near_m.metres(),
+                near_yields: frame.near_m == NearClip::Auto,
             },
             headset: XrOptions {
                 resolution_scale: headset.resolution_scale,
                 depth_layer: headset.depth_layer,
                 visibility_mask: headset.visibility_mask,
-                near_m: frame.near_m,
+                near_m: frame.near_m.metres(),
             },
             simulated: SimulatedOptions {
                 size_px: simulated.size_px,
@@ -222,10 +222,14 @@ mod tests {
     }
 
     #[test]
-    fn only_the_default_near_clip_yields() {
-        assert!(Plan::default().draw.near_yields);
-        let set = plan(|config| config.frame.near_m = 0.04);
-        assert!(!set.draw.near_yields && set.headset.near_m == 0.04);
+    fn only_a_near_clip_that_nobody_chose_yields() {
+        let auto = Plan::default();
+        assert!(auto.draw.near_yields);
+        // The user's number may be that of nobody's choice.
+        for near_m in [0.04, auto.draw.near] {
+            let set = plan(|config| config.frame.near_m = NearClip::Metres(near_m));
+            assert!(!set.draw.near_yields && set.draw.near == near_m && set.headset.near_m == near_m);
+        }
     }
 
     /// Logs, tables and the names of screenshots write what a user writes.

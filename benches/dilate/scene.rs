@@ -1,11 +1,11 @@
-//! The surface that is dilated: a bright disc before a dark wall, as far too few points show them.
+//! The surface that is dilated: a bright plate before a dark wall, as far too few points show them.
 
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
 use render::layout::{Detail, EMPTY_DEPTH, ViewUniform};
 
-/// Depth bits and color of each pixel. `empty_percent` of the pixels of the disc and of the wall are missing, and the
-/// wall shows through the gaps of the disc.
+/// Depth bits and color of each pixel. `empty_percent` of the pixels of the plate and of the wall are missing, and the
+/// wall shows through the gaps of the plate.
 pub fn two_layers([width, height]: [u32; 2], empty_percent: u32) -> Vec<[u32; 2]> {
     let mut state = 1u32;
     let mut missing = || {
@@ -19,10 +19,10 @@ pub fn two_layers([width, height]: [u32; 2], empty_percent: u32) -> Vec<[u32; 2]
     for y in 0..height {
         for x in 0..width {
             let (u, v) = (f64::from(x) / f64::from(width) - 0.5, f64::from(y) / f64::from(height) - 0.5);
-            let on_disc = u * u + v * v < 0.1;
+            let on_plate = u * u + v * v < 0.1;
             let (r, g) = ((255.0 * (u + 0.5)) as u32, (255.0 * (v + 0.5)) as u32);
-            let (no_disc, no_wall) = (missing(), missing());
-            pixels.push(if on_disc && !no_disc {
+            let (no_plate, no_wall) = (missing(), missing());
+            pixels.push(if on_plate && !no_plate {
                 [(2.0 + 0.5 * u as f32).to_bits(), r | g << 8 | 0xffc0_0000]
             } else if !no_wall {
                 [(5.0 + v as f32).to_bits(), (r / 4) | ((g / 4) << 8) | 0xff20_0000]

@@ -3,7 +3,7 @@
 use crate::contestant::Contestant;
 use anyhow::{Result, ensure};
 use base::space::View;
-use lab::reference::resolve::{Pixel, depth_of};
+use render::layout::{Pixel, depth_of};
 
 /// Share of the pixels on which hardware and compute must agree. They cannot agree on all: hardware snaps points to
 /// 1/256 of a pixel, so that about one in 130 falls into the next pixel.

@@ -9,8 +9,7 @@ use std::io::{self, Write};
 pub(super) fn run(args: &SettingsArgs, config: &Config) -> Result<(), Failure> {
     for word in &args.words {
         if !Setting::all().any(|setting| setting.key.contains(word.as_str())) {
-            let nearest = Setting::nearest(word).key;
-            return Err(Failure::Usage(format!("there is no setting '{word}'; did you mean '{nearest}'?")));
+            return Err(Failure::Usage(format!("there is no setting '{word}'; {}", Setting::advice(word))));
         }
     }
     let (values, defaults) = (config.to_table(), Config::default().to_table());

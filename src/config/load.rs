@@ -5,6 +5,7 @@ use super::assign::{Assignment, Location, in_file, in_set};
 use super::kind::ValueKind;
 use super::presets::in_preset;
 use super::{Config, Setting, check};
+use base::words::advice;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs::File;
@@ -19,7 +20,7 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file cannot be read at all.
-    #[error("the configuration {} cannot be read: {source}", path.display())]
+    #[error("the configuration {} cannot be read: {source}{advice}", path.display(), advice = advice(source))]
     Read {
         /// The file.
         path: PathBuf,
@@ -46,14 +47,14 @@ pub enum ConfigError {
         names: String,
     },
     /// A key that does not exist.
-    #[error("{place}: there is no setting '{key}'; did you mean '{nearest}'?")]
+    #[error("{place}: there is no setting '{key}'; {advice}")]
     UnknownKey {
         /// Place of the key.
         place: Location,
         /// Key as it was written.
         key: String,
-        /// The valid key that is spelt most like it.
-        nearest: &'static str,
+        /// What to write instead, or where to look.
+        advice: String,
     },
     /// A value of another type than the key wants.
     #[error("{place}: {key} must be {wanted}, not {found}")]
@@ -115,7 +116,9 @@ fn read(path: &Path) -> Result<String, ConfigError> {
     let mut text = String::new();
     File::open(path).map_err(fail)?.take(MAX_FILE_BYTES + 1).read_to_string(&mut text).map_err(fail)?;
     if text.len() as u64 > MAX_FILE_BYTES {
-        return Err(fail(io::Error::other("it is larger than 1 MiB, which no configuration is")));
+        return Err(fail(io::Error::other(
+            "it is larger than 1 MiB, which no configuration is; name another file",
+        )));
     }
     Ok(text)
 }
@@ -139,7 +142,7 @@ impl Resolving {
     fn apply(&mut self, assignment: Assignment) -> Result<(), ConfigError> {
         let Assignment { key, value, place } = assignment;
         let Some(setting) = Setting::find(&key) else {
-            return Err(ConfigError::UnknownKey { place, nearest: Setting::nearest(&key).key, key });
+            return Err(ConfigError::UnknownKey { place, advice: Setting::advice(&key), key });
         };
         let found = in_words(&value);
         self.table[setting.section][setting.name] = value;

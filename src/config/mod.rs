@@ -2,12 +2,13 @@
 //! then the command's own options.
 //!
 //! The command line and [`crate::resolve`] alone see them: all others get options of their own. Unknown keys and wrong types
-//! are refused with the line and the nearest valid key.
+//! are refused with the line and the nearest valid keys.
 
 mod assign;
 mod check;
 mod kind;
 mod load;
+mod near;
 mod page;
 mod presets;
 mod setting;
@@ -16,6 +17,7 @@ mod table;
 pub use assign::Location;
 pub use kind::{ValueKind, choices};
 pub use load::{ConfigError, load};
+pub use near::NearClip;
 pub use page::{FILES, file, page};
 pub use presets::{PRESETS, Preset};
 pub use setting::{Audience, Section, Setting};

@@ -2,6 +2,9 @@
 
 use super::kind::ValueKind;
 
+/// Settings that a wrong key may be meant for, at most.
+const MOST_NEAR: usize = 3;
+
 /// Settings that belong together.
 #[derive(Debug)]
 pub struct Section {
@@ -63,16 +66,31 @@ impl Setting {
         Self::all().find(|setting| setting.key == key)
     }
 
-    /// The setting whose key is spelt most like `key`: as a whole, or by its last word where the section is wrong.
+    /// What a user can do who wrote a key that no setting has: take one that is spelt much like it, or look for one.
     #[must_use]
-    pub fn nearest(key: &str) -> &'static Self {
-        let word = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
-        let distance = |candidate: &&Self| {
-            let whole = strsim::damerau_levenshtein(key, candidate.key);
-            let last = strsim::damerau_levenshtein(&word(key), candidate.name) + 1;
-            whole.min(last)
+    pub fn advice(key: &str) -> String {
+        let near = Self::near(key);
+        let Some((last, others)) = near.split_last() else {
+            return "`scanwalk settings` lists those of users, `scanwalk settings --laboratory` the others"
+                .into();
         };
-        Self::all().min_by_key(distance).expect("the table is not empty")
+        let others: Vec<String> = others.iter().map(|setting| format!("'{}'", setting.key)).collect();
+        let or = if others.is_empty() { "" } else { " or " };
+        format!("did you mean {}{or}'{}'?", others.join(", "), last.key)
+    }
+
+    /// The settings whose keys are spelt most like `key`: as a whole, by the last word where the section is wrong, or by
+    /// the section alone. There are none if more than half of the letters are others.
+    fn near(key: &str) -> Vec<&'static Self> {
+        let distance = strsim::damerau_levenshtein;
+        let word = key.rsplit('.').next().unwrap_or_default();
+        let distance = |candidate: &Self| {
+            let parts = distance(word, candidate.name).min(distance(key, candidate.section));
+            distance(key, candidate.key).min(parts + 1)
+        };
+        let most = key.chars().count() / 2;
+        let least = Self::all().map(distance).min().filter(|least| *least <= most);
+        Self::all().filter(|candidate| Some(distance(candidate)) == least).take(MOST_NEAR).collect()
     }
 
     /// Kind of value that its type takes.

@@ -1,6 +1,7 @@
 //! Every setting: the one place that says its key, type, default, range, unit, meaning, and whom it is for.
 
 use super::kind::ValueKind;
+use super::near::NearClip;
 use super::setting::{Audience, Section, Setting, settings};
 use crate::desktop::MirroredEyes;
 use crate::nodes::LodMethod;
@@ -56,9 +57,9 @@ settings! {
 
     /// How the frame is drawn.
     frame: FrameConfig {
-        /// Points nearer than this are not drawn; in a picture it counts in units of the scan. The default of 0.05 becomes
-        /// less in pictures of scenes smaller than 2.5 units.
-        near_m: f64 = 0.05, from 1e-6 to 1e6, in "metres";
+        /// Points nearer than this are not drawn; in a picture it counts in units of the scan. "auto" is 0.05, and less in
+        /// pictures of scenes smaller than 2.5 units.
+        near_m: NearClip = NearClip::Auto, from 1e-6 to 1e6, in "metres";
         /// Color where no point is: red, green, blue, 0 to 255.
         background: [u8; 3] = [0, 0, 0];
         /// Coordinate bits that are read: "auto" (10, 20 or 30 by the projected size) or "full" (always 30).

@@ -165,10 +165,9 @@ fn next(mirror: MirroredEyes) -> MirroredEyes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::resolve::Plan;
 
     fn controls() -> Controls {
-        Controls::new(WindowState::new(&Plan::default().window))
+        Controls::new(WindowState::new(&WindowOptions::sample()))
     }
 
     fn moving(direction: [f32; 3], fast: bool) -> Option<Action> {

@@ -45,6 +45,28 @@ pub struct Selector<T> {
     pub values: Vec<(String, T)>,
 }
 
+#[cfg(test)]
+impl WindowOptions {
+    /// A window whose panel is shown and offers all that there is.
+    pub(super) fn sample() -> Self {
+        let label = |title: &str| Label { title: title.into(), help: String::new() };
+        let mirrors =
+            [("Left", MirroredEyes::Left), ("Right", MirroredEyes::Right), ("Both", MirroredEyes::Both)];
+        let widgets = Widgets {
+            mirror: Selector {
+                label: label("Mirror"),
+                values: mirrors.map(|(title, eyes)| (title.into(), eyes)).into(),
+            },
+            overlay: Selector {
+                label: label("Overlay"),
+                values: Overlay::ALL.map(|overlay| (overlay.name().into(), overlay)).into(),
+            },
+            speed: label("Speed"),
+        };
+        Self { size: [640, 480], panel: true, mirror: MirroredEyes::Left, widgets }
+    }
+}
+
 impl<T: PartialEq> Selector<T> {
     /// The title of a value.
     pub(super) fn title(&self, of: &T) -> &str {

@@ -4,7 +4,6 @@ use super::controls::{Controls, WindowState};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
 use super::{MirroredEyes, WindowFacts, WindowOptions, help, keys, notice, panel, style};
-use crate::resolve::Plan;
 use crate::walk::link::{LoadState, MirrorImages};
 use crate::walk::state::AppState;
 use base::task::Done;
@@ -130,7 +129,7 @@ fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String 
         WindowFacts { scan: "hall.laz".into(), device: "Some GPU".into(), runtime: "Monado 25".into() };
     let now = Instant::now();
     let state = AppState::new(overlay);
-    let options = Plan::default().window;
+    let options = WindowOptions::sample();
     let contents = panel::Contents {
         facts: &facts,
         history,
@@ -203,7 +202,7 @@ fn the_panel_bears_having_nothing_to_tell() {
 
 #[test]
 fn the_help_lists_the_whole_table() {
-    let mut view = WindowState::new(&WindowOptions { panel: false, ..Plan::default().window });
+    let mut view = WindowState::new(&WindowOptions { panel: false, ..WindowOptions::sample() });
     assert_eq!(painted(|ui| help::show(ui, &mut view)), "");
     let mut controls = Controls::new(view);
     controls.key(winit::keyboard::KeyCode::F1, true, Instant::now());

@@ -8,21 +8,22 @@ pub use options::{PictureError, PictureFov, PictureOptions};
 use crate::draw::DrawPlan;
 use crate::nodes::{self, CloudOptions, LodMethod};
 use crate::overview::{self, Lens};
+use crate::picture_files::{Rgb, write_npy, write_png, write_with};
 use crate::resolve::Plan;
-use base::output::{Output, OutputError, OutputFile};
+use base::output::{Output, OutputFile};
 use base::percentile::Sorted;
 use base::space::{Eye, Pose, View};
-use base::task::Task;
+use base::task::{Cancelled, Task};
 use cloud::spt::build_spt;
 use glam::DVec3;
-use lab::reference::resolve::{Pixel, depth_of};
 use lab::technique::tree;
 use options::NO_DIRECTION;
 use points::{self, Scan, Scene};
 use render::gpu::Gpu;
-use render::gpu::readback::{self, ReadbackError};
+use render::gpu::readback::ReadbackError;
+use render::layout::depth_of;
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup};
-use std::io::{self, BufWriter, Write};
+use std::io::Write;
 use std::sync::Arc;
 use std::time::Instant;
 use timing::STAGES;
@@ -64,17 +65,18 @@ pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> Result<(), Pic
     // All files are written before the first gets its name, so that a failure leaves what was there before.
     let mut written: Vec<(&Output, OutputFile)> = Vec::new();
     for (output, image) in options.out.iter().zip(&offscreen.images) {
-        written.push((output, write_png(output, image, &gpu)?));
+        written.push((output, write_png(output, &Rgb::read(&gpu, image)?)?));
     }
     for (eye, output) in options.depth.iter().enumerate() {
-        written.push((output, write_npy(output, options.size_px, &offscreen.pixels(eye)?)?));
+        let depths: Vec<f32> = offscreen.depths(eye)?.collect();
+        written.push((output, write_npy(output, options.size_px, &depths)?));
     }
     if let Some(output) = &options.metrics {
         let text = metrics(&mut offscreen, &times, num_points, load_s)?;
         written.push((output, write_with(output, |file| file.write_all(text.as_bytes()))?));
     }
     if task.cancel_token().is_cancelled() {
-        return Err(PictureError::Cancelled);
+        return Err(Cancelled.into());
     }
     for (output, file) in written {
         output.keep(file)?;
@@ -181,7 +183,7 @@ impl Offscreen {
     /// True if any eye's picture has a point in it.
     fn shows_points(&self, view: &View) -> Result<bool, ReadbackError> {
         for eye in 0..view.eyes.len() {
-            if self.pixels(eye)?.iter().any(|&pixel| depth_of(pixel).is_finite()) {
+            if self.depths(eye)?.any(f32::is_finite) {
                 return Ok(true);
             }
         }
@@ -205,72 +207,10 @@ impl Offscreen {
         self.renderer.collect_times().ok_or(PictureError::NoFrame)
     }
 
-    /// The pixels of an eye: bits of the depth, color.
-    fn pixels(&self, eye: usize) -> Result<Vec<Pixel>, ReadbackError> {
-        self.renderer.read_pixels(eye)
+    /// The depths of an eye's pixels, row by row; infinite where there is no point.
+    fn depths(&self, eye: usize) -> Result<impl Iterator<Item = f32> + use<>, ReadbackError> {
+        Ok(self.renderer.read_pixels(eye)?.into_iter().map(depth_of))
     }
-}
-
-/// Writes an sRGB texture as an 8-bit RGB PNG.
-///
-/// # Errors
-/// The file cannot be written, or the device is lost.
-pub fn write_png(output: &Output, image: &wgpu::Texture, gpu: &Gpu) -> Result<OutputFile, PictureError> {
-    let pixels = readback::read_texture(gpu, image)?;
-    let [r, g, b] = if image.format() == wgpu::TextureFormat::Bgra8UnormSrgb { [2, 1, 0] } else { [0, 1, 2] };
-    let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[r], p[g], p[b]]).collect();
-    let written = write_with(output, |file| {
-        let mut encoder = png::Encoder::new(file, image.width(), image.height());
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let written = || {
-            let mut writer = encoder.write_header()?;
-            writer.write_image_data(&rgb)?;
-            writer.finish()
-        };
-        written().map_err(io_error)
-    });
-    Ok(written?)
-}
-
-/// The system's own error, if writing failed: whether a pipe is closed shows in it.
-fn io_error(error: png::EncodingError) -> io::Error {
-    match error {
-        png::EncodingError::IoError(error) => error,
-        error => io::Error::other(error),
-    }
-}
-
-/// Writes linear depths as a NumPy array of float32, shape (H, W).
-fn write_npy(
-    output: &Output,
-    [width, height]: [u32; 2],
-    pixels: &[Pixel],
-) -> Result<OutputFile, OutputError> {
-    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
-    // NumPy's format 1.0 begins with magic, version, length and dictionary. This head is padded to 64 bytes and ends
-    // in a newline.
-    let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
-    header.push_str(&" ".repeat(padded - header.len() - 1));
-    header.push('\n');
-    write_with(output, |file| {
-        file.write_all(b"\x93NUMPY\x01\x00")?;
-        file.write_all(&(padded as u16).to_le_bytes())?;
-        file.write_all(header.as_bytes())?;
-        pixels.iter().try_for_each(|&pixel| file.write_all(&depth_of(pixel).to_le_bytes()))
-    })
-}
-
-/// Writes a whole file that does not have its name yet.
-fn write_with(
-    output: &Output,
-    write: impl FnOnce(&mut BufWriter<&mut OutputFile>) -> io::Result<()>,
-) -> Result<OutputFile, OutputError> {
-    let mut file = output.begin()?;
-    let mut buffered = BufWriter::new(&mut file);
-    let written = write(&mut buffered).and_then(|()| buffered.flush());
-    drop(buffered);
-    written.map(|()| file).map_err(|source| output.failed(source))
 }
 
 /// Measures the figures of the picture, as JSON.
@@ -292,7 +232,7 @@ fn metrics(
     gpu_ms.insert("total".to_string(), serde_json::json!(median(&|t| t.gpu_ms)));
     let mut drawn = 0;
     for eye in 0..offscreen.images.len() {
-        drawn += offscreen.pixels(eye)?.iter().filter(|&&p| depth_of(p).is_finite()).count();
+        drawn += offscreen.depths(eye)?.filter(|depth| depth.is_finite()).count();
     }
     let metrics = serde_json::json!({
         "points": points,

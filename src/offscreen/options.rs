@@ -3,6 +3,7 @@
 use crate::draw::CannotDraw;
 use base::output::{Output, OutputError};
 use base::space::Fov;
+use base::task::Cancelled;
 use cloud::BuildError;
 use glam::DVec3;
 use points::{Scan, ScanError};
@@ -145,6 +146,6 @@ pub enum PictureError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// Somebody asked for an end.
-    #[error("stopped before the picture was written; nothing was kept")]
-    Cancelled,
+    #[error("{0}; nothing was kept")]
+    Cancelled(#[from] Cancelled),
 }

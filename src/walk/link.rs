@@ -6,7 +6,7 @@ use super::state::{Action, AppState, Snapshot};
 use base::task::{Count, Done};
 use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::Instant;
 use timing::FrameRow;
 
@@ -41,13 +41,21 @@ impl MirrorImages {
     }
 }
 
-/// State that changes rarely, read by the window once a frame of its own.
+/// What both ends hold.
 #[derive(Debug)]
 struct Shared {
+    /// The work that goes on. Readers do not keep each other out, so it is hidden from the frame thread only in the
+    /// moment in which the loader goes from one piece of work to the next.
+    doing: RwLock<Option<Arc<Count>>>,
+    rest: Mutex<Rest>,
+}
+
+/// State that changes rarely, read by the window once a frame of its own.
+#[derive(Debug)]
+struct Rest {
     mirror: Option<MirrorImages>,
+    /// All but [`LoadState::doing`].
     load: LoadState,
-    /// What [`LoadState::doing`] is read from.
-    doing: Option<Arc<Count>>,
     notice: Option<(Instant, String)>,
     snapshot: Snapshot,
 }
@@ -56,7 +64,7 @@ struct Shared {
 #[derive(Clone, Debug)]
 pub struct WalkEnd {
     rows: SyncSender<FrameRow>,
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Shared>,
 }
 
 /// The window's end.
@@ -66,7 +74,7 @@ pub struct ViewerEnd {
     pub rows: Receiver<FrameRow>,
     /// Actions for the frame thread.
     pub actions: Sender<Action>,
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Shared>,
 }
 
 /// Makes the two ends, and the receiver of actions for the frame thread.
@@ -74,16 +82,17 @@ pub struct ViewerEnd {
 pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (row_sender, rows) = sync_channel(512);
     let (actions, action_receiver) = channel();
-    let shared = Shared {
-        mirror: None,
-        load: LoadState::default(),
-        doing: None,
-        notice: None,
-        snapshot: AppState::new(Overlay::None),
-    };
-    let shared = Arc::new(Mutex::new(shared));
+    let (load, snapshot) = (LoadState::default(), AppState::new(Overlay::None));
+    let rest = Mutex::new(Rest { mirror: None, load, notice: None, snapshot });
+    let shared = Arc::new(Shared { doing: RwLock::new(None), rest });
     let walk = WalkEnd { rows: row_sender, shared: Arc::clone(&shared) };
     (walk, action_receiver, ViewerEnd { rows, actions, shared })
+}
+
+impl Shared {
+    fn rest(&self) -> MutexGuard<'_, Rest> {
+        self.rest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl WalkEnd {
@@ -94,34 +103,33 @@ impl WalkEnd {
 
     /// Sets new mirror textures, or another part of them: at start and when the eyes' sizes change.
     pub fn set_mirror(&self, images: MirrorImages) {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror = Some(images);
+        self.shared.rest().mirror = Some(images);
     }
 
     /// Publishes the state, which has changed.
     pub fn publish(&self, snapshot: Snapshot) {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).snapshot = snapshot;
+        self.shared.rest().snapshot = snapshot;
     }
 
     /// Tells the user something, once.
     pub fn set_notice(&self, text: String) {
         let notice = Some((Instant::now(), text));
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).notice = notice;
+        self.shared.rest().notice = notice;
     }
 
     /// Has the window look at this work from now on; `None` if there is none any more.
     pub fn set_doing(&self, doing: Option<Arc<Count>>) {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).doing = doing;
+        *self.shared.doing.write().unwrap_or_else(PoisonError::into_inner) = doing;
     }
 
-    /// The work that goes on; `None` if that cannot be told without waiting for somebody.
-    pub(super) fn try_doing(&self) -> Option<Option<Done>> {
-        let shared = self.shared.try_lock().ok()?;
-        Some(shared.doing.as_ref().map(|count| count.now()))
+    /// The work that goes on; `None` if there is none, or if it cannot be told without waiting for the loader.
+    pub(super) fn try_doing(&self) -> Option<Done> {
+        Some(self.shared.doing.try_read().ok()?.as_ref()?.now())
     }
 
     /// Changes what else the window says about loading; called by the loader's thread only.
     pub fn update_load(&self, change: impl FnOnce(&mut LoadState)) {
-        change(&mut self.shared.lock().unwrap_or_else(PoisonError::into_inner).load);
+        change(&mut self.shared.rest().load);
     }
 }
 
@@ -129,25 +137,48 @@ impl ViewerEnd {
     /// The mirror textures, once there are any.
     #[must_use]
     pub fn mirror(&self) -> Option<MirrorImages> {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).mirror.clone()
+        self.shared.rest().mirror.clone()
     }
 
     /// The state as it was when it last changed.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).snapshot
+        self.shared.rest().snapshot
     }
 
     /// What the user was told last, and when.
     #[must_use]
     pub fn notice(&self) -> Option<(Instant, String)> {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner).notice.clone()
+        self.shared.rest().notice.clone()
     }
 
     /// What loading has come to.
     #[must_use]
     pub fn load(&self) -> LoadState {
-        let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
-        LoadState { doing: shared.doing.as_ref().map(|count| count.now()), ..shared.load.clone() }
+        let doing = self.shared.doing.read().unwrap_or_else(PoisonError::into_inner);
+        let doing = doing.as_ref().map(|count| count.now());
+        LoadState { doing, ..self.shared.rest().load.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::task::{CancelToken, Task};
+
+    #[test]
+    fn only_the_loader_hides_its_work_from_the_frame_thread() {
+        let (walk, _actions, viewer) = link();
+        assert_eq!(walk.try_doing(), None);
+        let loader = walk.clone();
+        let task = Task::new(&CancelToken::default())
+            .observed(move |count| loader.set_doing(Some(Arc::clone(count))));
+        let reading = task.begin("reading", "points", 4);
+        reading.add(1);
+        let looking = (viewer.shared.rest(), viewer.shared.doing.read().unwrap());
+        assert_eq!(walk.try_doing().map(|done| done.fraction()), Some(0.25));
+        drop(looking);
+        let _changing = walk.shared.doing.write().unwrap();
+        assert_eq!(walk.try_doing(), None);
     }
 }

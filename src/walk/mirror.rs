@@ -10,8 +10,6 @@ use render::{Overlays, Renderer};
 #[derive(Debug)]
 pub(super) struct Mirror {
     overlays: Overlays,
-    /// The overlay that `overlays` was last drawn for.
-    drawn: Overlay,
     /// Copies, made once they are needed.
     copies: Option<Copies>,
     /// Images that the window has been told of.
@@ -28,12 +26,17 @@ struct Copies {
 impl Mirror {
     /// A mirror of the images that `renderer` draws.
     pub fn new(renderer: &Renderer) -> Self {
-        Self { overlays: Overlays::new(renderer), drawn: Overlay::None, copies: None, shown: None }
+        Self { overlays: Overlays::new(renderer), copies: None, shown: None }
     }
 
     /// The images that the window shows, once there is a frame.
     pub fn shown(&self) -> Option<&MirrorImages> {
         self.shown.as_ref()
+    }
+
+    /// Lets go of what the overlay before kept: an overlay that is not drawn must not keep a cloud's memory.
+    pub fn overlay_changed(&mut self) {
+        self.overlays.release();
     }
 
     /// Records the mirror's part of a frame; to be called after the renderer has recorded the frame into `images`.
@@ -49,10 +52,6 @@ impl Mirror {
         images_last: bool,
         overlay: Overlay,
     ) {
-        if overlay != std::mem::replace(&mut self.drawn, overlay) {
-            // An overlay that is not drawn must not keep a cloud's memory.
-            self.overlays.release();
-        }
         let drawn = &renderer.targets().drawn_px;
         let drawn_px = [drawn[0], drawn[1]];
         let textures = if images_last && overlay == Overlay::None {

@@ -157,8 +157,6 @@ struct Frames {
     /// `None` until the headset tells that something is hidden.
     masks: Option<Masks>,
     governor: Governor,
-    /// Settings in force for the frame that is being recorded.
-    settings: Settings,
     /// Width, height of each eye's image.
     sizes_px: [[u32; 2]; 2],
     /// Pixels of each eye's image that are drawn, from the top left corner.
@@ -182,7 +180,6 @@ impl Frames {
             atomics: walk.draw.atomics(&walk.gpu)?,
         };
         let governor = Governor::new(walk.options.governor, &walk.draw.options);
-        let settings = governor.settings();
         let technique = walk.draw.technique.open(&walk.gpu);
         let renderer = Renderer::with_technique(&walk.gpu, setup, walk.draw.options, technique)?;
         let mirror = walk.mirrored.then(|| Mirror::new(&renderer));
@@ -197,7 +194,6 @@ impl Frames {
             views: Views::default(),
             masks: None,
             governor,
-            settings,
             sizes_px,
             drawn_px: sizes_px,
             may_pitch: headset.is_simulated(),
@@ -257,6 +253,11 @@ impl Frames {
         if self.state != before {
             walk.link.publish(self.state);
         }
+        if let Some(mirror) = &mut self.mirror
+            && self.state.overlay != before.overlay
+        {
+            mirror.overlay_changed();
+        }
         false
     }
 
@@ -275,7 +276,7 @@ impl Frames {
         if let Some(locomotion) = &mut self.locomotion {
             locomotion.advance(seconds, self.state.speed(), &input, &self.stage_from_head);
         }
-        self.settle(headset)?;
+        let settings = self.settle(headset)?;
         let images = headset.acquire()?;
         let mut encoder =
             walk.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
@@ -320,9 +321,9 @@ impl Frames {
             visible_nodes: 0,
             points_read: 0,
             points_resident: self.renderer.resident().0,
-            lod_scale: self.settings.lod_scale,
-            resolution_scale: self.settings.resolution_scale,
-            quality: self.settings.quality.name(),
+            lod_scale: settings.lod_scale,
+            resolution_scale: settings.resolution_scale,
+            quality: settings.quality.name(),
             upload_bytes: self.rows.uploaded(walk.gpu.queue.written_bytes()),
             world_from_head,
             phase: self.phase(),
@@ -341,13 +342,9 @@ impl Frames {
         }
     }
 
-    /// Draws with the governor's settings from now on.
-    fn settle(&mut self, headset: &mut dyn Headset) -> Result<(), WalkError> {
+    /// Draws the frame with the governor's settings, which it returns.
+    fn settle(&mut self, headset: &mut dyn Headset) -> Result<Settings, WalkError> {
         let settings = self.governor.begin(self.rows.frame);
-        if settings == self.settings {
-            return Ok(());
-        }
-        self.settings = settings;
         self.renderer.set_lod_scale(settings.lod_scale);
         self.renderer.set_quality(settings.quality)?;
         let drawn_px = self.sizes_px.map(|full_px| settings.drawn_px(full_px));
@@ -356,7 +353,7 @@ impl Frames {
             self.renderer.set_drawn(&drawn_px);
             headset.set_drawn_px(drawn_px);
         }
-        Ok(())
+        Ok(settings)
     }
 
     /// The head, where the user or the pose path has it; `None` before a scan is shown.

@@ -3,9 +3,10 @@
 
 use super::link::WalkEnd;
 use super::mirror::{Mirror, copy};
-use crate::offscreen::{PictureError, write_png};
-use base::output::{Output, OutputKind};
+use crate::picture_files::{Rgb, write_png};
+use base::output::{Output, OutputError, OutputKind};
 use render::gpu::Gpu;
+use render::gpu::readback::ReadbackError;
 use render::options::Overlay;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -84,13 +85,24 @@ impl Screenshots {
     }
 }
 
+/// Why there is no screenshot.
+#[derive(Debug, thiserror::Error)]
+enum ScreenshotError {
+    /// The GPU gives no picture back.
+    #[error(transparent)]
+    Readback(#[from] ReadbackError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
 /// Writes pictures into `folder`; returns what their names begin with.
 fn write(
     gpu: &Gpu,
     folder: &Path,
     since_1970: Duration,
     pictures: &[(String, wgpu::Texture)],
-) -> Result<PathBuf, PictureError> {
+) -> Result<PathBuf, ScreenshotError> {
     let stem = folder.join(format!("scanwalk-{}", date_time(since_1970)));
     let path = |stem: &Path, name: &str| PathBuf::from(format!("{}.{name}", stem.display()));
     // A second screenshot within a second must not be written over the first.
@@ -102,7 +114,7 @@ fn write(
     let mut written = Vec::new();
     for (name, picture) in pictures {
         let output = Output::fresh(path(&free, name), OutputKind::Picture)?;
-        written.push((write_png(&output, picture, gpu)?, output));
+        written.push((write_png(&output, &Rgb::read(gpu, picture)?)?, output));
     }
     for (file, output) in written {
         output.keep(file)?;

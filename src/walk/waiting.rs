@@ -3,7 +3,6 @@
 use super::link::WalkEnd;
 use super::locomotion::head_of;
 use base::space::{Eye, Pose};
-use base::task::Done;
 use glam::DVec3;
 use render::Renderer;
 use render::gpu::QueueGuard;
@@ -12,11 +11,9 @@ use xr::StageEye;
 /// Distance of the bar before the viewer, metres.
 const AWAY_M: f64 = 2.0;
 
-/// What is shown while there is no scan, and where.
+/// Where the bar is shown while there is no scan.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
-    /// What the loader does, as far as is known.
-    doing: Option<Done>,
     /// Chosen when it is first shown, so that it stands still.
     stage_from_bar: Option<Pose>,
 }
@@ -30,9 +27,6 @@ impl Waiting {
         link: &WalkEnd,
         (eyes, drawn_px, near): (&[StageEye; 2], [[u32; 2]; 2], f64),
     ) {
-        if let Some(doing) = link.try_doing() {
-            self.doing = doing;
-        }
         let stage_from_bar = *self.stage_from_bar.get_or_insert_with(|| before(&head_of(eyes)));
         let sized = [0, 1].map(|eye: usize| Eye {
             world_from_view: eyes[eye].stage_from_view,
@@ -40,7 +34,7 @@ impl Waiting {
             size_px: drawn_px[eye],
             gaze_in_view: Eye::AHEAD,
         });
-        let fraction = self.doing.map(|done| done.fraction());
+        let fraction = link.try_doing().map(|done| done.fraction());
         renderer.set_waiting(queue, &sized, near, &stage_from_bar, fraction);
     }
 }

@@ -6,8 +6,9 @@ use base::task::{CancelToken, Cancelled, Progress};
 use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
+use kit::frames::scan_of;
 use lab::reference::{self, ReferenceCloud};
-use points::{Grid, Scan, ScanBuilder};
+use points::Scan;
 use proptest::prelude::*;
 use render::DrawOptions;
 use render::layout::{
@@ -27,12 +28,8 @@ impl Random {
     }
 }
 
-/// A scan in steps of a millimetre far from the origin; the color of point i is i, so every point is known.
-fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
-    let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
-    let rgb = (0..xyz.len()).map(|i| [i, i >> 8, i >> 16].map(|c| c as u16 & 255)).collect();
-    ScanBuilder::new(grid, xyz).rgb(rgb).scan()
-}
+/// Far from the origin, where coordinates have digits to lose.
+const FAR: DVec3 = DVec3::new(5e5, 4e6, 100.0);
 
 fn octree_of(scan: &Scan) -> Octree {
     build_octree(scan, &Progress::hidden()).expect("an octree")
@@ -210,7 +207,7 @@ fn smallest_distance(octree: &Octree, node: &Node) -> f64 {
 #[test]
 fn octrees_of_all_shapes_keep_every_promise() {
     for (name, xyz) in shapes() {
-        let scan = scan_of(xyz);
+        let scan = scan_of(&xyz, 0.001, FAR);
         let octree = octree_of(&scan);
         let faults = faults(&octree, &scan);
         assert!(faults.is_empty(), "{name}: {:#?}", &faults[..faults.len().min(9)]);
@@ -219,7 +216,7 @@ fn octrees_of_all_shapes_keep_every_promise() {
 
 #[test]
 fn broken_promises_are_seen() {
-    let scan = scan_of(shapes().swap_remove(0).1);
+    let scan = scan_of(&shapes().swap_remove(0).1, 0.001, FAR);
     let whole = octree_of(&scan);
     assert!(faults(&whole, &scan).is_empty());
     let broken = |spoil: &dyn Fn(&mut Octree)| {
@@ -248,8 +245,8 @@ proptest! {
         num_points in 1usize..90_000, bits in prop::array::uniform3(0u32..31), seed: u64,
     ) {
         let mut random = Random(seed);
-        let xyz = (0..num_points).map(|_| bits.map(|b| random.below(1 << b))).collect();
-        let scan = scan_of(xyz);
+        let xyz: Vec<_> = (0..num_points).map(|_| bits.map(|b| random.below(1 << b))).collect();
+        let scan = scan_of(&xyz, 0.001, FAR);
         let faults = faults(&octree_of(&scan), &scan);
         prop_assert!(faults.is_empty(), "{:#?}", &faults[..faults.len().min(9)]);
     }
@@ -257,7 +254,7 @@ proptest! {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let scan = scan_of(shapes().swap_remove(0).1);
+    let scan = scan_of(&shapes().swap_remove(0).1, 0.001, FAR);
     let on = |num_threads: usize, scan: &Scan| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().unwrap();
         let octree = pool.install(|| octree_of(scan));
@@ -283,7 +280,7 @@ fn filtered_colors_are_the_averages_of_cells() {
     // The corners fix the cube: 128 cells of 1024 steps.
     let mut xyz: Vec<[i32; 3]> = (0..128 * 128 * 4).map(&mut point).collect();
     xyz.extend([[0, 0, 0], [131_072, 131_072, 0]]);
-    let scan = scan_of(xyz);
+    let scan = scan_of(&xyz, 0.001, FAR);
     let octree = octree_of(&scan);
     let root = &octree.nodes[0];
     assert!((root.edge - 131.072).abs() < 0.2, "rounded up to 12 bits");
@@ -331,7 +328,7 @@ fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
         (0..num * num).map(move |i| [first + i % num * step, i / num * step, i / 7 % 3])
     };
     let border_mm = 5000;
-    let scan = scan_of(sheet(500, 10, 0).chain(sheet(100, 70, border_mm)).collect());
+    let scan = scan_of(&sheet(500, 10, 0).chain(sheet(100, 70, border_mm)).collect::<Vec<_>>(), 0.001, FAR);
     let octree = octree_of(&scan);
     let inner = octree.nodes.iter().filter(|node| node.sample_spacing > 0.0);
     let told: Vec<(f64, f64)> = inner.clone().flat_map(|node| spacings(&octree, node)).collect();
@@ -360,9 +357,9 @@ fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
 #[test]
 fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
     let mut random = Random(3);
-    let xyz =
+    let xyz: Vec<_> =
         (0..2_500_000).map(|_| [random.below(90_000), random.below(90_000), random.below(30)]).collect();
-    let scan = scan_of(xyz);
+    let scan = scan_of(&xyz, 0.001, FAR);
     let octree = octree_of(&scan);
     let mut seen: Vec<usize> = Vec::new();
     let mut runs: Vec<usize> = Vec::new();
@@ -391,7 +388,8 @@ fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
 /// The batches form a flat cloud: the stages that draw such clouds draw all of its points.
 #[test]
 fn all_batches_together_draw_the_whole_cloud() {
-    let scan = scan_of((0..400 * 400).map(|i| [i % 400 * 10, 0, i / 400 * 10]).collect());
+    let scan =
+        scan_of(&(0..400 * 400).map(|i| [i % 400 * 10, 0, i / 400 * 10]).collect::<Vec<_>>(), 0.001, FAR);
     let octree = octree_of(&scan);
     let center = octree.cloud.bounds.center();
     let eye = Pose::look_at(center - DVec3::new(0.0, 4.0, 0.0), center, DVec3::Z);
@@ -423,9 +421,9 @@ fn all_batches_together_draw_the_whole_cloud() {
 
 #[test]
 fn small_and_impossible_clouds() {
-    let tiny = octree_of(&scan_of(vec![[0, 0, 0], [5, 0, 0], [0, 9, 1]]));
+    let tiny = octree_of(&scan_of(&[[0, 0, 0], [5, 0, 0], [0, 9, 1]], 0.001, FAR));
     assert_eq!((tiny.nodes.len(), tiny.cloud.batches.len()), (1, 1));
-    let one_place = octree_of(&scan_of(vec![[1, 2, 3]; 100_000]));
+    let one_place = octree_of(&scan_of(&[[1, 2, 3]; 100_000], 0.001, FAR));
     assert_eq!((one_place.nodes.len(), one_place.cloud.batches.len()), (1, 10));
     assert_eq!(one_place.nodes[0].edge, 0.0);
 
@@ -433,7 +431,7 @@ fn small_and_impossible_clouds() {
     assert_eq!(build(&Scan::default(), &Progress::hidden()), BuildError::Empty);
     let stop = CancelToken::default();
     stop.cancel();
-    let scan = scan_of(vec![[1, 2, 3]; 5]);
+    let scan = scan_of(&[[1, 2, 3]; 5], 0.001, FAR);
     assert_eq!(build(&scan, &Progress::silent(&stop)), BuildError::Cancelled(Cancelled));
 }
 
@@ -442,8 +440,8 @@ fn small_and_impossible_clouds() {
 #[test]
 fn a_few_crowded_places_keep_every_promise() {
     let mut random = Random(190_902_201_275);
-    let xyz = (0..28_720).map(|_| [0, 0, 2].map(|bits| random.below(1 << bits))).collect();
-    let scan = scan_of(xyz);
+    let xyz: Vec<_> = (0..28_720).map(|_| [0, 0, 2].map(|bits| random.below(1 << bits))).collect();
+    let scan = scan_of(&xyz, 0.001, FAR);
     let faults = faults(&octree_of(&scan), &scan);
     assert!(faults.is_empty(), "{:#?}", &faults[..faults.len().min(9)]);
 }

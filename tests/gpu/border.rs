@@ -7,9 +7,8 @@ use cloud::octree::{Octree, build_octree};
 use glam::DVec3;
 use kit::frames::{Canvas, Drawn, SplitMix, gpu, scan_of, sizes, tiers};
 use lab::reference::dilate::dilate;
-use lab::reference::resolve::Pixel;
 use render::gpu::Atomics;
-use render::layout::{Detail, GUARD_PX, ViewUniform};
+use render::layout::{Detail, GUARD_PX, Pixel, ViewUniform};
 use render::options::{Dilate, Quality};
 use render::{DrawOptions, RINGS_REACH_PX};
 

@@ -12,6 +12,7 @@ use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
 use points::Scan;
 use render::DrawOptions;
+use render::layout::depth_of;
 use render::options::{Dilate, Quality};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -179,7 +180,7 @@ fn rays(x: [f64; 2], z: [f64; 2], away: f64, [width, height]: [u32; 2]) -> Vec<f
 /// Number of pixels that are not as the rays say.
 fn num_wrong(frame: &Frame, rays: &[f64]) -> usize {
     let wrong = |(pixel, &ray): (&[u32; 2], &f64)| {
-        let depth = f64::from(reference::resolve::depth_of(*pixel));
+        let depth = f64::from(depth_of(*pixel));
         if ray.is_finite() { (depth - ray).abs() > 1e-5 * ray } else { ray > 0.0 && depth != ray }
     };
     frame.pixels[0].iter().zip(rays).filter(|&pair| wrong(pair)).count()
@@ -229,8 +230,7 @@ fn triangles_cross_the_near_plane() {
     for v in 0..size_px[1] {
         let down = (2.0 * f64::from(v) + 1.0) / f64::from(size_px[1]) - 1.0;
         for u in 0..size_px[0] {
-            let depth =
-                f64::from(reference::resolve::depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
+            let depth = f64::from(depth_of(want.pixels[0][(v * size_px[0] + u) as usize]));
             // A triangle is as deep beyond its edges as at them.
             let (ray, slack) = (height / down, 2.0 / f64::from(size_px[1]) / 64.0 / down);
             if down < 0.0 {
@@ -260,7 +260,7 @@ fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
             (centre(i % size_px[0] as usize, size_px[0]), centre(i / size_px[0] as usize, size_px[1]));
         if TANGENT * (u * u + v * v).sqrt() < 0.98 * inner {
             num_inside += 1;
-            num_holes += usize::from(f64::from(reference::resolve::depth_of(*pixel)) > distance);
+            num_holes += usize::from(f64::from(depth_of(*pixel)) > distance);
         }
     }
     (num_inside, num_holes)

@@ -14,7 +14,7 @@ use lab::technique::tree::TreeUniform;
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
-use render::layout::{Detail, ViewUniform};
+use render::layout::{Detail, ViewUniform, depth_of};
 use render::options::{Dilate, Quality};
 use render::{DrawOptions, RINGS_REACH_PX};
 use std::sync::OnceLock;
@@ -158,7 +158,7 @@ const OUTLINE: f64 = 0.005;
 
 /// Share of the pixels that show something in which only one frame does, or the frames differ.
 fn share_of_others(a: &Frame, b: &Frame) -> f64 {
-    let depth = |pixel: &[u32; 2]| f64::from(reference::resolve::depth_of(*pixel));
+    let depth = |pixel: &[u32; 2]| f64::from(depth_of(*pixel));
     let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
     let is_same = |a: f64, b: f64| a == b || a.max(b) < 1.01 * a.min(b);
     let others = pairs().filter(|(a, b)| !is_same(depth(a), depth(b))).count();

@@ -118,7 +118,7 @@ fn settings_are_listed_as_a_file_for_config() {
     assert!(laboratory["frame"].get("near_m").is_none() && laboratory["frame"].get("method").is_some());
     // Words find settings of users and of the laboratory.
     let named = listed(&["near_m", "chunk"]);
-    assert_eq!(named, "gpu.chunk_mib = 0\nframe.near_m = 0.05".parse().unwrap());
+    assert_eq!(named, "gpu.chunk_mib = 0\nframe.near_m = \"auto\"".parse().unwrap());
     // Settings are listed with the values in force, and the list says the same when it is read.
     let changed = listed(&["--preset", "performance", "--set", "lod.fade=false"]);
     assert!(changed != users && changed["lod"]["fade"].as_bool() == Some(false));
@@ -131,6 +131,8 @@ fn settings_are_listed_as_a_file_for_config() {
     assert!(users["cloud"].get("order").is_none());
     let (_, sentence) = refusal(&["settings", "nearm"]);
     assert!(sentence.contains("no setting 'nearm'; did you mean 'frame.near_m'?"), "{sentence}");
+    let (_, sentence) = refusal(&["settings", "bogus"]);
+    assert!(sentence.contains("no setting 'bogus'; `scanwalk settings` lists"), "{sentence}");
 }
 
 #[test]
@@ -189,7 +191,7 @@ fn wrong_settings_exit_2_and_name_the_way_out() {
     let config = config.to_str().unwrap();
     for (args, words) in [
         (&["doctor", "--set", "frame.nearm=1"][..], "did you mean 'frame.near_m'?"),
-        (&["--set", "frame.near_m=far", "doctor"], "must be a number"),
+        (&["--set", "frame.near_m=far", "doctor"], "or a number"),
         (&["doctor", "--set", "frame.near_m=-1"], "must be from"),
         (&["doctor", "--set", "frame.near_m"], "KEY=VALUE"),
         (&["doctor", "--config", config], "walk.toml, line 2"),
@@ -202,7 +204,7 @@ fn wrong_settings_exit_2_and_name_the_way_out() {
     }
     let (code, text) = refusal(&["doctor", "--config", "no/such.toml"]);
     assert_eq!(code, 1, "a file that cannot be read is a failure: {text}");
-    assert!(text.contains("no/such.toml"), "{text}");
+    assert!(text.contains("no/such.toml") && text.contains("check its name and folder"), "{text}");
 }
 
 #[test]
@@ -212,6 +214,11 @@ fn failures_exit_1_in_one_line_that_names_the_file() {
         assert_eq!(code, 1, "{path}: {text}");
         assert!(text.starts_with("scanwalk: ") && text.contains(path), "{path}: {text}");
         assert_eq!(text.lines().count(), 1, "{path}: {text}");
+    }
+    for args in [&["report", "no/such.csv"][..], &["view", "a.laz", "--pose-path", "no/such.poses"]] {
+        let (code, text) = refusal(args);
+        assert_eq!(code, 1, "{args:?}: {text}");
+        assert!(text.contains("no/such") && text.contains("check its name and folder"), "{args:?}: {text}");
     }
 }
 

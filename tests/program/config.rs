@@ -1,7 +1,9 @@
 //! Settings: the table yields the files that show them, and every mistake is named with its place and the way out.
 
 use render::options::Precision;
-use scanwalk::config::{Config, ConfigError, FILES, PRESETS, Preset, Setting, ValueKind, file, load, page};
+use scanwalk::config::{
+    Config, ConfigError, FILES, NearClip, PRESETS, Preset, Setting, ValueKind, file, load, page,
+};
 use scanwalk::desktop::MirroredEyes;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +66,7 @@ fn the_files_are_the_defaults_and_all_of_them() {
     keys.sort_unstable();
     assert_eq!(keys, all, "every key once");
     // The comparison can fail.
-    let other: Config = toml::from_str(&texts[0].replace("near_m = 0.05", "near_m = 0.06")).unwrap();
+    let other: Config = toml::from_str(&texts[0].replace("near_m = \"auto\"", "near_m = 0.05")).unwrap();
     assert_ne!(other, Config::default());
 }
 
@@ -192,7 +194,7 @@ fn the_command_line_wins_over_the_file() {
     let path = folder.path().join("walk.toml");
     std::fs::write(&path, "frame.near_m = 0.2\n[window]\nmirror = \"both\"\n").unwrap();
     let config = load(&[], Some(&path), &["frame.near_m=0.3".into(), "frame.near_m=0.4".into()]).unwrap();
-    assert_eq!((config.frame.near_m, config.window.mirror), (0.4, MirroredEyes::Both));
+    assert_eq!((config.frame.near_m, config.window.mirror), (NearClip::Metres(0.4), MirroredEyes::Both));
     assert_eq!(config.simulated, Config::default().simulated, "the rest stays");
 }
 
@@ -227,9 +229,17 @@ fn unknown_keys_name_line_and_nearest_key() {
         ("near_m = 1.0\n", "walk.toml, line 1: there is no setting 'near_m'; did you mean 'frame.near_m'?"),
         (
             "frame.near_m.x = 1\n",
-            "walk.toml, line 1: frame.near_m must be a number, not the section { x = 1 }",
+            "walk.toml, line 1: frame.near_m must be \"auto\" or a number, not the section { x = 1 }",
         ),
-        ("[windows]\n", "walk.toml, line 1: there is no setting 'windows'; did you mean 'window.size'?"),
+        (
+            "[windows]\n",
+            "walk.toml, line 1: there is no setting 'windows'; did you mean 'window.size', 'window.mirror' or 'window.panel'?",
+        ),
+        (
+            "bogus = 1\n",
+            "walk.toml, line 1: there is no setting 'bogus'; `scanwalk settings` lists those of users, `scanwalk settings \
+             --laboratory` the others",
+        ),
     ] {
         assert_eq!(complaint(text), expected);
     }
@@ -248,7 +258,7 @@ fn wrong_types_name_what_is_wanted() {
     for (text, expected) in [
         (
             "[frame]\nnear_m = \"far\"\n",
-            "walk.toml, line 2: frame.near_m must be a number, not the text \"far\"",
+            "walk.toml, line 2: frame.near_m must be \"auto\" or a number, not the text \"far\"",
         ),
         ("gpu.adapter = 3", "walk.toml, line 1: gpu.adapter must be a text in quotes, not 3"),
         (
@@ -348,6 +358,6 @@ fn digests_tell_configurations_apart() {
     let digest = Config::default().digest();
     assert_eq!(digest.len(), 16);
     assert_eq!(digest, sets(&[]).unwrap().digest(), "the same settings, the same digest");
-    assert_ne!(digest, sets(&["frame.near_m=0.051"]).unwrap().digest());
+    assert_ne!(digest, sets(&["frame.near_m=0.05"]).unwrap().digest(), "a number that somebody chose");
     assert_ne!(digest, sets(&["gpu.adapter=x"]).unwrap().digest());
 }

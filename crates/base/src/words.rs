@@ -1,6 +1,7 @@
-//! Counts as people read them, in messages of all parts.
+//! Words that messages of all parts share: counts as people read them, and what to do about a file that cannot be read.
 
 use std::fmt::Display;
+use std::io;
 
 /// A count, however it is written, and what is counted: "1 point", "1,000 points".
 pub fn counted(count: impl Display, thing: &str) -> String {
@@ -38,6 +39,17 @@ pub fn grouped_by(count: u64, separator: char) -> String {
         text.push(digit);
     }
     text
+}
+
+/// What to do about a file that cannot be read, as the end of a sentence; nothing where that is not known.
+pub fn advice(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "; check its name and folder",
+        io::ErrorKind::PermissionDenied => "; ask its owner for the right to read it (chmod +r)",
+        io::ErrorKind::IsADirectory => "; name a file in that folder",
+        io::ErrorKind::InvalidData => "; name a file of text",
+        _ => "",
+    }
 }
 
 #[cfg(test)]

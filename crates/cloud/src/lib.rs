@@ -3,6 +3,8 @@
 mod build;
 pub mod format;
 mod index;
+#[cfg(test)]
+mod made_up;
 pub mod morton;
 pub mod octree;
 pub mod quantize;

@@ -11,12 +11,12 @@ use base::output::{Output, OutputKind};
 use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::reference::Frame;
-use lab::reference::resolve::{EMPTY, Pixel};
+use lab::reference::resolve::EMPTY;
 use lab::synth::{self, SynthKind, SynthOptions};
 use lab::technique::{LabTechnique, tree};
 use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
 use render::DrawOptions;
-use render::layout::{ALL_PLANES, CullCounters, Detail, EMPTY_DEPTH, VisibleBatch, without_guard};
+use render::layout::{ALL_PLANES, CullCounters, Detail, EMPTY_DEPTH, Pixel, VisibleBatch, without_guard};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
 use std::sync::{Arc, OnceLock};
 

@@ -2,6 +2,7 @@
 
 use crate::format_names;
 use base::task::Cancelled;
+use base::words::advice;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -169,13 +170,4 @@ impl ScanError {
 
 fn at(offset: Option<u64>) -> String {
     offset.map_or_else(String::new, |byte| format!(" at byte {byte}"))
-}
-
-/// What to do about an error, where that is known.
-fn advice(error: &io::Error) -> &'static str {
-    match error.kind() {
-        io::ErrorKind::NotFound => "; check its name and folder",
-        io::ErrorKind::PermissionDenied => "; ask its owner for the right to read it (chmod +r)",
-        _ => "",
-    }
 }

@@ -137,7 +137,9 @@ fn add(scan: &mut Scan, file: Read, show_withheld: bool) {
     let bounds = bounds(&collected);
     let Collected { grid, points, stats } = collected;
     let Choice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, trailer.white);
-    let sentences = header.warnings.iter().chain(&trailer.losses).chain(&trailer.warnings).chain(&of_colors);
+    let losses: Vec<String> =
+        trailer.losses.iter().map(|loss| format!("{loss}; get or export it again")).collect();
+    let sentences = header.warnings.iter().chain(&losses).chain(&trailer.warnings).chain(&of_colors);
     scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
     let num_withheld = points.num_withheld;
     if num_withheld > 0 && !show_withheld {

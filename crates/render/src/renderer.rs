@@ -10,7 +10,7 @@ use crate::draw_options::DrawOptions;
 use crate::gpu::readback::{self, ReadbackError};
 use crate::gpu::timer::Timer;
 use crate::gpu::{Atomics, Gpu, QueueGuard};
-use crate::layout::{COUNTERS_STRIDE, Sums, ViewUniform, of_image};
+use crate::layout::{COUNTERS_STRIDE, Pixel, Sums, ViewUniform, of_image};
 use crate::nearest::{Nearest, Recording};
 use crate::options::Quality;
 use crate::technique::{Own, Technique};
@@ -268,7 +268,7 @@ impl Renderer {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn read_pixels(&self, eye: usize) -> Result<Vec<[u32; 2]>, ReadbackError> {
+    pub fn read_pixels(&self, eye: usize) -> Result<Vec<Pixel>, ReadbackError> {
         let read = |buffer| -> Result<Vec<u32>, ReadbackError> {
             let words = bytemuck::pod_collect_to_vec(&readback::read_buffer(&self.gpu, buffer)?);
             Ok(of_image(&words, self.targets.drawn_px[eye]))

@@ -5,6 +5,7 @@
 //! are skipped. Between two poses the head moves evenly; after the last it stays.
 
 use base::space::Pose;
+use base::words::advice;
 use glam::{DQuat, DVec3};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ const JUMP_S: f64 = 1e-6;
 #[derive(Debug, thiserror::Error)]
 pub enum PosePathError {
     /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("{} cannot be read: {source}{advice}", path.display(), advice = advice(source))]
     Io {
         /// The file.
         path: PathBuf,

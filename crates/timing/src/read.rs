@@ -4,7 +4,7 @@
 use super::Phase;
 use super::columns::{DROPPED, HEAD, TITLE};
 use base::space::Pose;
-use base::words::counted;
+use base::words::{advice, counted};
 use glam::{DQuat, DVec3};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -27,7 +27,7 @@ const MAX_NUMBER: f64 = 1e12;
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file cannot be read.
-    #[error("{} cannot be read: {source}", path.display())]
+    #[error("{} cannot be read: {source}{advice}", path.display(), advice = advice(source))]
     Io {
         /// The file.
         path: PathBuf,

@@ -77,7 +77,7 @@ fn lines_that_are_no_numbers_are_left_out() {
     let xs: Vec<f64> = scan.files[0].points.xyz.iter().map(|&p| scan.files[0].grid.p_in_world(p).x).collect();
     assert_eq!(xs, [0.0, 4.0]);
     assert_eq!(scan.warnings.len(), 1);
-    let expected = "scan.ply: has 3 lines that could not be read and were left out, first line 10, \"1 0\"";
+    let expected = "scan.ply: has 3 lines that could not be read and were left out, first line 10, \"1 0\"; get or export it again";
     assert!(scan.warnings[0].ends_with(expected), "{:?}", scan.warnings);
 }
 

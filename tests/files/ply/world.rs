@@ -85,7 +85,7 @@ fn a_bad_word_costs_its_row_only() {
     assert_eq!(read_one(whole.as_bytes()).0.points.xyz.len(), 100);
     let (file, warnings) = read_one(whole.replace("\n50 0 100\n", "\n50 zero 100\n").as_bytes());
     assert_eq!(file.points.xyz.len(), 99);
-    let sentence = "has 1 line that could not be read and was left out: line 111, \"50 zero 100\"";
+    let sentence = "has 1 line that could not be read and was left out: line 111, \"50 zero 100\"; get or export it again";
     assert!(warnings.len() == 1 && warnings[0].ends_with(sentence), "{warnings:?}");
     let places: Vec<f64> = file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz).x).collect();
     assert!(places.iter().all(|&x| x != 50.0 && x < 100.0) && places[98] == 99.0);

@@ -8,10 +8,11 @@ use glam::{DQuat, DVec3};
 use kit::frames::SplitMix;
 use lab::reference::color::Sum;
 use lab::reference::dilate::{dilate, radius_px};
-use lab::reference::resolve::{EMPTY, Pixel, blend};
+use lab::reference::resolve::{EMPTY, blend};
 use on_gpu::{Shown, blended_on_gpu, on_gpu, run_shown};
 use render::layout::{
-    Detail, GUARD_PX, MAX_MEAN_COUNT, SURFACE_TOLERANCE, Variant, ViewUniform, mask_words_per_row,
+    Detail, GUARD_PX, MAX_MEAN_COUNT, Pixel, SURFACE_TOLERANCE, Variant, ViewUniform, depth_of,
+    mask_words_per_row,
 };
 
 /// Two eyes with asymmetric images of this size, canted, looking off the center, so that all rings are in the
@@ -52,10 +53,6 @@ fn fixed(view: &ViewUniform, radius_px: usize) -> ViewUniform {
 
 fn pixel(depth: f32, [r, g, b]: [u8; 3]) -> Pixel {
     [depth.to_bits(), u32::from_le_bytes([r, g, b, 255])]
-}
-
-fn depth_of(pixel: Pixel) -> f32 {
-    f32::from_bits(pixel[0])
 }
 
 /// Two smooth surfaces, one before the other, of which `percent` of the pixels are there, and single points anywhere.

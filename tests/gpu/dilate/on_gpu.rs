@@ -2,13 +2,12 @@
 
 use kit::frames::gpu;
 use lab::reference::color::Sum;
-use lab::reference::resolve::Pixel;
 use render::bindings::{Eye, OfEye};
 use render::gpu::readback;
 use render::gpu::stage::Stage;
 use render::layout::{
-    DilateUniform, GUARD_PX, PACKED_BLUE_SHIFT, PACKED_GREEN_SHIFT, PACKED_RED_SHIFT, ResolveUniform, Sums,
-    Variant, ViewUniform, guarded, image_pitch_px, mask_words_per_row, of_image,
+    DilateUniform, GUARD_PX, PACKED_BLUE_SHIFT, PACKED_GREEN_SHIFT, PACKED_RED_SHIFT, Pixel, ResolveUniform,
+    Sums, Variant, ViewUniform, guarded, image_pitch_px, mask_words_per_row, of_image,
 };
 use render::{shaders, tiles};
 use wgpu::util::DeviceExt;

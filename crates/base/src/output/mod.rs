@@ -1,5 +1,5 @@
 //! The files that scanwalk writes for a user. No other module creates, renames or removes one
-//! (`tests/program/house.rs`).
+//! (`tests/program/house/calls.rs`).
 //!
 //! A command declares all that it reads and all that it writes ([`Files`]) before it does either. [`Files::check`]
 //! refuses what would destroy something that is read, or a file that is none of the kind that is written, tells of a

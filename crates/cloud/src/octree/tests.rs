@@ -4,16 +4,8 @@ use super::keys::{Cube, Frame, Key, Root, sorted};
 use super::sample::{Sample, Sampled, Sampler};
 use super::tree::{Builder, Draft};
 use super::*;
-use points::{Grid, ScanBuilder};
+use crate::made_up::{motley, scan_of};
 use proptest::prelude::*;
-
-/// A scan of grid points a millimetre apart whose colors are made from their numbers.
-fn scan_of(xyz: Vec<[i32; 3]>) -> Scan {
-    let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
-    let rgb = (0..xyz.len() as u32).map(|i| [i * 7 % 256, i * 31 % 256, i / 5 % 256].map(|c| c as u16));
-    let rgb = rgb.collect();
-    ScanBuilder::new(grid, xyz).rgb(rgb).scan()
-}
 
 /// The root, and each point of the scan as a candidate in the root's frame.
 fn candidates(scan: &Scan) -> (Root, Vec<Sample>) {
@@ -56,7 +48,7 @@ proptest! {
     fn every_point_counts_once_for_the_samples(num_points in 1usize..4000, edge in 1i32..3000, seed: u32) {
         let mut xyz = sheet(num_points, seed);
         xyz.iter_mut().flatten().for_each(|v| *v %= edge);
-        let (root, all) = candidates(&scan_of(xyz));
+        let (root, all) = candidates(&scan_of(xyz, motley));
         let sampled = sample(&root, &all, MAX_NODE_POINTS);
         prop_assert_eq!(totals(&sampled.samples), totals(&all));
         prop_assert_eq!(sampled.num_taken.iter().sum::<u32>() as usize, sampled.samples.len());
@@ -64,7 +56,7 @@ proptest! {
 
     #[test]
     fn a_limit_is_kept_and_loses_nothing(limit in 1usize..3000, seed: u32) {
-        let (root, all) = candidates(&scan_of(sheet(4000, seed)));
+        let (root, all) = candidates(&scan_of(sheet(4000, seed), motley));
         let unlimited = sample(&root, &all, usize::MAX).samples.len();
         let sampled = sample(&root, &all, limit);
         prop_assert_eq!(sampled.samples.len(), limit.min(unlimited));
@@ -75,7 +67,7 @@ proptest! {
 
 #[test]
 fn a_lost_point_shows_in_the_totals() {
-    let (_, all) = candidates(&scan_of(sheet(100, 1)));
+    let (_, all) = candidates(&scan_of(sheet(100, 1), motley));
     assert_ne!(totals(&all[1..]), totals(&all));
     assert_ne!(totals(&[&all[..], &all[..1]].concat()), totals(&all));
 }
@@ -96,7 +88,7 @@ const HALF_STEP: f64 = 0.5;
 /// The root keeps all its samples: its filtered colors tell the average of the whole cloud.
 #[test]
 fn the_roots_filtered_colors_average_the_cloud() {
-    let scan = scan_of(sheet(120_000, 7));
+    let scan = scan_of(sheet(120_000, 7), motley);
     let index = Index::new(&scan);
     let root = Root::new(&scan.bounds());
     let mut keys = sorted(&index, &root);
@@ -146,7 +138,7 @@ fn resampled(frame: &Frame, index: &Index, draft: &Draft, keys: &[Key]) -> Vec<S
 
 #[test]
 fn of_equal_candidates_the_first_is_taken_and_stands_for_all() {
-    let scan = scan_of([vec![[0, 0, 0]; 5], vec![[1000, 1000, 1000]]].concat());
+    let scan = scan_of([vec![[0, 0, 0]; 5], vec![[1000, 1000, 1000]]].concat(), motley);
     let (root, all) = candidates(&scan);
     let sampled = sample(&root, &all, MAX_NODE_POINTS);
     let counts: Vec<(u32, u32)> = sampled.samples.iter().map(|s| (s.key, s.num_points)).collect();
@@ -173,7 +165,7 @@ fn room_and_outlier(num_points: usize, edge: i32) -> Vec<[i32; 3]> {
 /// given the root's cells instead, nothing would be left to it, and a level of detail would be missing.
 #[test]
 fn a_crowded_level_keeps_points_of_its_own() {
-    let scan = scan_of(room_and_outlier(400_000, 20_000));
+    let scan = scan_of(room_and_outlier(400_000, 20_000), motley);
     let octree = build_octree(&scan, &Progress::hidden()).unwrap();
     let inner = |node: &&Node| !node.children.is_empty();
     let level_1 = octree.nodes.iter().filter(inner).find(|node| node.level == 1).expect("the box");

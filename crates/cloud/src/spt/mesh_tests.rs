@@ -1,8 +1,9 @@
 //! What is promised of meshes: no place is lost between triangles and discs, and what files know is used.
 
 use super::meshlets::meshlets;
-use super::tests::{leaves, motley, noise, path, scan_of, shapes};
+use super::tests::{leaves, noise, path, shapes};
 use super::*;
+use crate::made_up::{motley, scan_of};
 use glam::DVec3;
 use proptest::prelude::*;
 

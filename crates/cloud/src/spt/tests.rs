@@ -1,10 +1,10 @@
 //! What the tree and the list promise, each promise as a checker, and each checker shown a tree that breaks it.
 
 use super::*;
+use crate::made_up::{motley, scan_of};
 use base::space::Bounds;
 use base::task::{CancelToken, Cancelled};
 use glam::DVec3;
-use points::{Grid, ScanBuilder};
 use proptest::prelude::*;
 
 /// Numbers below `range`, the same for the same seed.
@@ -14,17 +14,6 @@ pub(super) fn noise(seed: u32) -> impl FnMut(i32) -> i32 {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) as i32 % range
     }
-}
-
-/// A scan of points on a grid of a millimetre, colored by `color`.
-pub(super) fn scan_of(xyz: Vec<[i32; 3]>, color: impl Fn(usize) -> [u16; 3]) -> Scan {
-    let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
-    let rgb = (0..xyz.len()).map(color).collect();
-    ScanBuilder::new(grid, xyz).rgb(rgb).scan()
-}
-
-pub(super) fn motley(i: usize) -> [u16; 3] {
-    [i * 7 % 256, i * 31 % 256, i / 5 % 256].map(|c| c as u16)
 }
 
 fn tree_of(scan: &Scan) -> PointTree {

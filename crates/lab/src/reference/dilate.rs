@@ -1,9 +1,9 @@
 //! CPU reference of `dilate`: the gaps between points of one surface, closed by rows and columns.
 
-use super::resolve::{EMPTY, Pixel};
+use super::resolve::EMPTY;
 use super::rings::ring;
 use render::layout::{
-    BLUE_SHIFT, CHANNEL_MASK, DILATE_FALLOFF_BITS, DILATE_REACH_PX, EMPTY_DEPTH, GREEN_SHIFT, OPAQUE,
+    BLUE_SHIFT, CHANNEL_MASK, DILATE_FALLOFF_BITS, DILATE_REACH_PX, EMPTY_DEPTH, GREEN_SHIFT, OPAQUE, Pixel,
     REACH_MASK, SURFACE_TOLERANCE, ViewUniform,
 };
 

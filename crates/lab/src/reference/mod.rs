@@ -21,7 +21,7 @@ use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;
 use render::DrawOptions;
 use render::layout::{
-    Batch, DRAWN_WHOLE, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, ViewUniform, VisibleBatch, guarded,
+    Batch, DRAWN_WHOLE, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, Pixel, ViewUniform, VisibleBatch, guarded,
     without_guard,
 };
 use render::options::{Dilate, Quality};
@@ -104,9 +104,9 @@ pub struct Frame {
     /// `hqs`: sums of colors.
     pub sums: Vec<Vec<color::Sum>>,
     /// Depths and colors of the pixels before gaps are filled.
-    pub surface: Vec<Vec<resolve::Pixel>>,
+    pub surface: Vec<Vec<Pixel>>,
     /// The finished pixels.
-    pub pixels: Vec<Vec<resolve::Pixel>>,
+    pub pixels: Vec<Vec<Pixel>>,
     /// The images.
     pub images: Vec<Vec<u32>>,
 }
@@ -169,12 +169,12 @@ pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states:
             frame.surface = eyes.map(|(depth, sums)| resolve::blend(depth, sums)).collect();
         }
     }
-    let dilated = |(eye, surface): (usize, &Vec<resolve::Pixel>)| match options.dilate {
+    let dilated = |(eye, surface): (usize, &Vec<Pixel>)| match options.dilate {
         Dilate::Off => surface.clone(),
         Dilate::Rings => dilate::dilate(&uniform, eye, surface),
     };
     frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
-    let image = |pixels: &Vec<resolve::Pixel>| resolve::image(pixels, options.background_word());
+    let image = |pixels: &Vec<Pixel>| resolve::image(pixels, options.background_word());
     frame.images = frame.pixels.iter().map(image).collect();
     Frame {
         visible_nodes,

@@ -1,10 +1,7 @@
 //! CPU reference of `resolve`: what each pixel shows, before gaps are filled.
 
 use super::color::Sum;
-use render::layout::{BLUE_SHIFT, EMPTY_DEPTH, GREEN_SHIFT, KEY_DEPTH_SHIFT, OPAQUE};
-
-/// Bits of linear depth, and color r | g≪8 | b≪16 | 255≪24 as stored.
-pub type Pixel = [u32; 2];
+use render::layout::{BLUE_SHIFT, EMPTY_DEPTH, GREEN_SHIFT, KEY_DEPTH_SHIFT, OPAQUE, Pixel};
 
 /// A pixel without points.
 pub const EMPTY: Pixel = [EMPTY_DEPTH, 0];
@@ -36,10 +33,4 @@ pub fn blend(depth: &[u32], sums: &[Sum]) -> Vec<Pixel> {
 #[must_use]
 pub fn image(pixels: &[Pixel], background: u32) -> Vec<u32> {
     pixels.iter().map(|&[depth, color]| if depth == EMPTY_DEPTH { background } else { color }).collect()
-}
-
-/// Linear depth of a pixel; infinite where there is no point.
-#[must_use]
-pub fn depth_of([depth, _]: Pixel) -> f32 {
-    if depth == EMPTY_DEPTH { f32::INFINITY } else { f32::from_bits(depth) }
 }

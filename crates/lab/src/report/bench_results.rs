@@ -1,7 +1,7 @@
 //! What `scanwalk bench --json` writes and `scanwalk report RESULTS.json` reads: one set of types for both.
 
 use super::table::{TextTable, in_order, ms};
-use base::words::grouped_by;
+use base::words::{advice, grouped_by};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::File;
@@ -172,7 +172,7 @@ pub struct GpuMs {
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
     /// The file cannot be read.
-    #[error("{} cannot be read: {source}", path.display())]
+    #[error("{} cannot be read: {source}{advice}", path.display(), advice = advice(source))]
     Io {
         /// The file.
         path: PathBuf,

@@ -6,8 +6,7 @@ use super::record::WrittenLayout;
 use super::{SynthKind, WrittenScan};
 use base::output::{Output, OutputError, OutputFile};
 use base::random::Rng;
-use base::task::Progress;
-
+use base::task::{Cancelled, Progress};
 use laz::ParLasZipCompressor;
 use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
@@ -68,10 +67,12 @@ pub enum SynthError {
         source: las::Error,
     },
     /// The user asked to stop.
-    #[error("stopped before {path} was whole; nothing was kept")]
+    #[error("{path}: {source}; nothing was kept")]
     Cancelled {
         /// The file.
         path: PathBuf,
+        /// How the work ended.
+        source: Cancelled,
     },
 }
 
@@ -154,20 +155,18 @@ impl<'a> SynthFile<'a> {
         let mut header = WrittenHeader::new(format, grid, self.form == FileFormat::Laz);
         let written = (|| {
             let mut points = PointWriter::start(&header, file)?;
-            let whole = write_points(device, seed, progress, &mut points, &mut header.totals)?;
+            write_points(device, seed, progress, &mut points, &mut header.totals)?;
             let mut file = points.finish()?;
             header.write_to(&mut file)?;
             let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
             let file_bytes = file.num_bytes()?;
-            Ok((whole, file, file_bytes))
+            Ok((file, file_bytes))
         })();
-        let (whole, file, file_bytes) = written.map_err(|e| match e {
+        let (file, file_bytes) = written.map_err(|e| match e {
             WriteError::Io(source) => SynthError::Write { path: path(), needed_mb, source },
             WriteError::Header(source) => SynthError::Header { path: path(), source },
+            WriteError::Cancelled(source) => SynthError::Cancelled { path: path(), source },
         })?;
-        if !whole {
-            return Err(SynthError::Cancelled { path: path() });
-        }
         self.output.keep(file)?;
         Ok(WrittenScan {
             num_points: header.totals.num_points,
@@ -184,16 +183,18 @@ enum WriteError {
     Io(#[from] io::Error),
     #[error(transparent)]
     Header(#[from] las::Error),
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
-/// Writes all points; false if stopped before the end.
+/// Writes all points.
 fn write_points(
     device: &impl MeasuringDevice,
     seed: u64,
     progress: &Progress,
     out: &mut PointWriter,
     totals: &mut Totals,
-) -> Result<bool, WriteError> {
+) -> Result<(), WriteError> {
     let plan = device.plan();
     // A block has whole lines, the same on every machine.
     let lines_per_block = (BLOCK_POINTS * plan.num_lines()).div_ceil(plan.points().max(1));
@@ -210,9 +211,7 @@ fn write_points(
     };
     let mut ready = group(0);
     for next in (GROUP_BLOCKS..num_blocks + GROUP_BLOCKS).step_by(GROUP_BLOCKS as usize) {
-        if progress.is_cancelled() {
-            return Ok(false);
-        }
+        progress.check()?;
         // One thread writes while the others make the next blocks.
         let (written, made) = rayon::join(|| out.write(&ready), || group(next));
         written?;
@@ -221,7 +220,7 @@ fn write_points(
         }
         ready = made;
     }
-    Ok(!progress.is_cancelled())
+    Ok(progress.check()?)
 }
 
 /// Records of consecutive lines, as bytes.

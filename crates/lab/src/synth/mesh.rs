@@ -6,7 +6,7 @@
 
 use super::statue;
 use base::random::Rng;
-use base::task::Progress;
+use base::task::{Cancelled, Progress};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -48,9 +48,11 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The surface with about `points` vertices, at least some 20 000; another seed lays the grid elsewhere. `None`
-/// if stopped.
-pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
+/// The surface with about `points` vertices, at least some 20 000; another seed lays the grid elsewhere.
+///
+/// # Errors
+/// If the user asked to stop.
+pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Result<Mesh, Cancelled> {
     let grid = CubeGrid::new(points, seed);
     let corners: Vec<[u64; 3]> =
         grid.blocks(progress).into_par_iter().flat_map_iter(|block| grid.cut(block, progress)).collect();
@@ -61,10 +63,10 @@ pub fn of_statue(points: u64, seed: u64, progress: &Progress) -> Option<Mesh> {
     let triangles = corners.par_iter().map(|keys| keys.map(number)).collect();
     let vertex = |&key: &u64| {
         progress.add(1);
-        (!progress.is_cancelled()).then(|| grid.vertex(key))
+        progress.check().map(|()| grid.vertex(key))
     };
-    let vertices = keys.par_iter().map(vertex).collect::<Option<Vec<Vertex>>>()?;
-    (!progress.is_cancelled()).then_some(Mesh { vertices, triangles })
+    let vertices = keys.par_iter().map(vertex).collect::<Result<Vec<Vertex>, Cancelled>>()?;
+    progress.check().map(|()| Mesh { vertices, triangles })
 }
 
 /// Cubes round the statue.

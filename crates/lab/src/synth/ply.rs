@@ -18,8 +18,8 @@ impl SynthFile<'_> {
     pub fn write_mesh(&self, points: u64, seed: u64, progress: &Progress) -> Result<WrittenScan, SynthError> {
         let path = || self.output.path().to_path_buf();
         let file = self.output.begin()?;
-        let mesh =
-            mesh::of_statue(points, seed, progress).ok_or_else(|| SynthError::Cancelled { path: path() })?;
+        let mesh = mesh::of_statue(points, seed, progress)
+            .map_err(|source| SynthError::Cancelled { path: path(), source })?;
         let (num_points, num_triangles) = (mesh.vertices.len() as u64, mesh.triangles.len() as u64);
         let needed_mb = (num_points * VERTEX_BYTES + num_triangles * TRIANGLE_BYTES).div_ceil(1_000_000);
         let (file, file_bytes) =

@@ -83,7 +83,7 @@ impl QueueGuard<'_> {
     }
 
     /// The queue itself, for a library that stages its own uploads (egui). Never to be cloned or submitted to:
-    /// `tests/program/house.rs` allows its use in the window's painter alone.
+    /// `tests/program/house/calls.rs` allows its use in the window's painter alone.
     #[must_use]
     pub fn for_uploads(&self) -> &wgpu::Queue {
         &self.queue

@@ -3,6 +3,7 @@
 
 mod flags;
 mod guard;
+mod pixel;
 mod prelude;
 mod view;
 mod words;
@@ -13,6 +14,7 @@ pub use flags::{
     VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
+pub use pixel::{Pixel, depth_of};
 pub use prelude::{Sums, Variant, prelude};
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 pub use words::{

@@ -106,7 +106,7 @@ impl Dataset for LasFile {
         if las.points_offset >= source.len() {
             let (start, end) = (las.points_offset, source.len());
             return no_points(match announced {
-                0 => "its header announces none".to_owned(),
+                0 => "its header announces none; choose another file".to_owned(),
                 _ => format!(
                     "{announced} should start at byte {start}, but the file ends at byte {end}; get it again"
                 ),
@@ -117,7 +117,7 @@ impl Dataset for LasFile {
             Packing::Laz(laz) => laz.read(source, las, &Laz::wanted(las, layout, want), take, progress)?,
         };
         if num_points == 0 {
-            return no_points(format!("its header announces {announced}, none could be read"));
+            return no_points(format!("its header announces {announced}, none could be read; get it again"));
         }
         if num_points < announced {
             let end = source.len();

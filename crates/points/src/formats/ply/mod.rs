@@ -355,7 +355,7 @@ impl PlyFile {
     fn no_points(&self, first_bad_row: Option<String>, num_read: u64) -> ScanError {
         let announced = self.num_announced();
         let reason = match first_bad_row {
-            _ if announced == 0 => "its header announces none".into(),
+            _ if announced == 0 => "its header announces none; choose another file".into(),
             Some(row) => format!(
                 "its header announces {announced}, none could be read, see {row}: numbers have points, not commas, and \
                  blanks or semicolons between them; write them so"

@@ -1,0 +1,71 @@
+//! The value of `frame.near_m`: a length that the user chose, or none.
+
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
+
+/// Name that stands for no length of the user's.
+const AUTO: &str = "auto";
+
+/// Points nearer than this are not drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum NearClip {
+    /// A length that becomes less in a picture where it would cut a small scene.
+    #[default]
+    Auto,
+    /// The length that the user chose, however small the scene is.
+    Metres(f64),
+}
+
+impl NearClip {
+    /// The length in metres.
+    #[must_use]
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Auto => 0.05,
+            Self::Metres(metres) => metres,
+        }
+    }
+}
+
+impl Serialize for NearClip {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => to.serialize_str(AUTO),
+            Self::Metres(metres) => to.serialize_f64(*metres),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for NearClip {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(Length)
+    }
+}
+
+/// Takes the name or a number.
+struct Length;
+
+impl Visitor<'_> for Length {
+    type Value = NearClip;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("`auto` or a number")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<NearClip, E> {
+        if text == AUTO { Ok(NearClip::Auto) } else { Err(E::invalid_value(Unexpected::Str(text), &self)) }
+    }
+
+    fn visit_f64<E: Error>(self, metres: f64) -> Result<NearClip, E> {
+        Ok(NearClip::Metres(metres))
+    }
+
+    fn visit_i64<E: Error>(self, metres: i64) -> Result<NearClip, E> {
+        Ok(NearClip::Metres(metres as f64))
+    }
+
+    fn visit_u64<E: Error>(self, metres: u64) -> Result<NearClip, E> {
+        Ok(NearClip::Metres(metres as f64))
+    }
+}

@@ -1,0 +1,67 @@
+//! The house's own rules, kept by reading its files: which room may name which, where `unsafe` may stand, how long a
+//! file gets, what the documents must mention. Each rule is shown to fail on a sample.
+
+mod calls;
+mod circles;
+mod documents;
+mod messages;
+mod rooms;
+
+use std::path::{Path, PathBuf};
+
+/// A file: its path from the root, with `/`, and its text.
+struct File {
+    path: String,
+    text: String,
+}
+
+/// Files with one of these endings below `folder`.
+fn files(folder: &str, endings: &[&str]) -> Vec<File> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    let mut folders = vec![root.join(folder)];
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        let paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+        for path in paths {
+            let name = path.strip_prefix(root).unwrap().to_string_lossy().replace('\\', "/");
+            if path.is_dir() {
+                folders.push(path);
+            } else if endings.iter().any(|ending| name.ends_with(ending)) {
+                found.push(File { path: name, text: std::fs::read_to_string(&path).unwrap() });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found
+}
+
+fn sources() -> Vec<File> {
+    let mut sources = files("src", &[".rs"]);
+    sources.extend(files("crates", &[".rs"]));
+    // The test kit is not part of the program.
+    sources.retain(|file| !file.path.starts_with("crates/kit/"));
+    assert!(sources.len() > 20, "the sources were not found");
+    sources
+}
+
+/// Lines of code with their numbers; anything behind `//` is left out.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(at, line)| (at + 1, line.split("//").next().unwrap_or_default()))
+}
+
+/// True if `word` stands in `line` and is not part of a longer name.
+fn names(line: &str, word: &str) -> bool {
+    let part_of_name = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    line.match_indices(word).any(|(at, _)| {
+        let before = line[..at].chars().next_back();
+        let after = line[at + word.len()..].chars().next();
+        let word_starts = word.starts_with(|c: char| c.is_alphanumeric());
+        !(part_of_name(after) || word_starts && part_of_name(before))
+    })
+}
+
+/// The part of a file before its module of tests.
+fn without_tests(file: &File) -> &str {
+    file.text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
+}

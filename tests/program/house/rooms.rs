@@ -1,0 +1,100 @@
+//! The walls between rooms: which one may name which, and where code may be unsafe.
+
+use std::path::Path;
+
+/// The rooms from the bottom up. Each may name the rooms that stand beside it here, which come before it, and no
+/// other. Cargo refuses circles and what a manifest does not list; this table keeps the manifests.
+const ROOMS: [(&str, &[&str]); 10] = [
+    ("base", &[]),
+    ("raw", &[]),
+    ("timing", &["base"]),
+    ("points", &["base"]),
+    ("cloud", &["base", "points"]),
+    ("render", &["base", "cloud", "raw", "timing"]),
+    ("xr", &["base", "raw", "render"]),
+    ("lab", &["base", "cloud", "points", "render", "timing"]),
+    ("kit", &["base", "cloud", "lab", "points", "render"]),
+    ("", &["base", "cloud", "lab", "points", "raw", "render", "timing", "xr"]),
+];
+/// Libraries that a room must not have: the GPU is unknown to files and clouds; the renderer knows no headset, no window and no
+/// settings file; windows are the program's matter.
+const NOT_IN: [(&str, &[&str]); 8] = [
+    ("wgpu", &["base", "timing", "points", "cloud"]),
+    ("ash", &["base", "timing", "points", "cloud", "render", "lab"]),
+    ("openxr", &["base", "timing", "points", "cloud", "render", "lab"]),
+    ("wgpu-hal", &["base", "timing", "points", "cloud", "render", "lab", "xr"]),
+    ("winit", &["base", "timing", "points", "cloud", "raw", "render", "lab", "xr"]),
+    ("egui", &["base", "timing", "points", "cloud", "raw", "render", "lab", "xr"]),
+    ("toml", &["base", "timing", "cloud", "raw", "render", "lab", "xr"]),
+    ("las", &["base", "timing", "cloud", "raw", "render", "xr"]),
+];
+
+/// Names below `[dependencies]` of a room's manifest.
+fn dependencies(manifest: &str) -> Vec<String> {
+    let table: toml::Table = manifest.parse().expect("a manifest is TOML");
+    let of = |name: &str| table.get(name).and_then(toml::Value::as_table);
+    of("dependencies").into_iter().flat_map(|names| names.keys().cloned()).collect()
+}
+
+/// Dependencies in the manifest of `room` that it may not have.
+fn forbidden_dependencies(room: &str, manifest: &str) -> Vec<String> {
+    let may_name = ROOMS.iter().find(|(name, _)| *name == room).map_or(&[][..], |(_, below)| *below);
+    let names = dependencies(manifest);
+    let is_forbidden = |name: &&String| {
+        let is_room = ROOMS.iter().any(|(room, _)| room == name);
+        let is_kept_out = NOT_IN.iter().any(|(library, rooms)| library == name && rooms.contains(&room));
+        is_room && !may_name.contains(&name.as_str()) || is_kept_out
+    };
+    names.iter().filter(is_forbidden).map(|name| format!("{room} depends on {name}")).collect()
+}
+
+/// The manifest of a room; the program's own room is "".
+fn manifest(room: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = if room.is_empty() { root.to_owned() } else { root.join("crates").join(room) };
+    std::fs::read_to_string(folder.join("Cargo.toml")).unwrap()
+}
+
+#[test]
+fn dependencies_point_one_way() {
+    let rooms = ROOMS.map(|(room, _)| room);
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    for entry in std::fs::read_dir(crates).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(rooms.contains(&name.as_str()), "crates/{name} is in no table");
+    }
+    for (at, (room, below)) in ROOMS.iter().enumerate() {
+        assert!(below.iter().all(|name| rooms[..at].contains(name)), "{room}: from the bottom up");
+        assert_eq!(forbidden_dependencies(room, &manifest(room)), [""; 0]);
+    }
+    let sample = |room: &str, name: &str| {
+        forbidden_dependencies(room, &format!("[dependencies]\n{name}.workspace = true\n")).len()
+    };
+    assert_eq!(sample("cloud", "wgpu"), 1);
+    assert_eq!(sample("render", "xr"), 1);
+    assert_eq!(sample("points", "cloud"), 1);
+    assert_eq!(sample("cloud", "points") + sample("xr", "openxr"), 0);
+}
+
+/// Whether a room's code cannot be unsafe, whatever its files allow.
+fn forbids_unsafe(room: &str, manifest: &str, lib: &str) -> bool {
+    if room.is_empty() {
+        return lib.contains("\n#![forbid(unsafe_code)]\n");
+    }
+    manifest.contains("\n[lints]\nworkspace = true\n")
+}
+
+#[test]
+fn unsafe_stands_in_one_room() {
+    assert!(manifest("").contains("[workspace.lints.rust]\nunsafe_code = \"forbid\"\n"));
+    let lib = concat!(include_str!("../../../src/lib.rs"), include_str!("../../../src/main.rs"));
+    assert_eq!(lib.matches("\n#![forbid(unsafe_code)]\n").count(), 2);
+    let open: Vec<&str> = ROOMS
+        .map(|(room, _)| room)
+        .into_iter()
+        .filter(|room| !forbids_unsafe(room, &manifest(room), lib))
+        .collect();
+    assert_eq!(open, ["raw"]);
+    assert!(!forbids_unsafe("xr", "[package]\n", ""));
+    assert!(!forbids_unsafe("", "", "//! x\n"));
+}
