@@ -3,7 +3,7 @@
 @group(0) @binding(0) var<uniform> view: ViewUniform;
 @group(0) @binding(1) var<uniform> dilate: DilateUniform;
 
-// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its centre lies in. The
+// How far the kernel of the pixel in this column and row reaches: 1, 2, 3 by the ring that its center lies in. The
 // terms are added in the CPU reference's order.
 fn radius_px(eye: EyeUniform, x: i32, y: i32) -> u32 {
     let gaze = eye.gaze_in_view;

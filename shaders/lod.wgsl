@@ -16,7 +16,7 @@ fn threshold_px(gaze: vec3<f32>, center: vec3<f32>, radius: f32) -> f32 {
     let along = center.x * gaze.x + center.y * gaze.y + center.z * gaze.z;
     let distance_sq = center.x * center.x + center.y * center.y + center.z * center.z;
     let across = sqrt(max(distance_sq - along * along, 0.0));
-    // How far the sphere's centre lies outside the rings' cones.
+    // How far the sphere's center lies outside the rings' cones.
     let outside_inner = across * view.ring_cos.x - along * view.ring_sin.x;
     let outside_middle = across * view.ring_cos.y - along * view.ring_sin.y;
     if outside_inner <= radius {

@@ -7,7 +7,7 @@ override ENCODE_SRGB: bool;
 // The part of the image that is drawn, from its top left corner, in uv.
 struct DrawnUniform {
     size: vec2f,
-    // Centre of the last texel: beyond it, filtering would mix in pixels that are not drawn.
+    // Center of the last texel: beyond it, filtering would mix in pixels that are not drawn.
     last: vec2f,
 }
 

@@ -66,7 +66,7 @@ fn project(eye: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, exists: vec4<bool
     return Projected(select(vec4<u32>(NO_PIXEL), pixel, inside), u, v, select(vec4<f32>(0.0), w, is_there));
 }
 
-// Coordinates in 30-bit cells of the turn at a place. Bits that are not read are set to half, the centre of the coarser cell.
+// Coordinates in 30-bit cells of the turn at a place. Bits that are not read are set to half, the center of the coarser cell.
 fn cells_of(at: u32, planes: u32) -> Cells {
     let hi = hi_of(at);
     let mask = vec4<u32>(PLANE_MASK);

@@ -1,7 +1,7 @@
 // The projected size of boxes, by their depth, for `lod` and `cull`.
 
 // The least depth of the points of a box that the eye sees; at least near, since nothing nearer is drawn. `reach` is
-// how far the box reaches along the optical axis from its centre. The terms are added in the CPU reference's order.
+// how far the box reaches along the optical axis from its center. The terms are added in the CPU reference's order.
 fn nearest_depth(eye: EyeUniform, center: vec3<f32>, half_edge: vec3<f32>, reach: f32) -> f32 {
     let axis = eye.row_w;
     let middle = axis.x * center.x + axis.y * center.y + axis.z * center.z + axis.w;

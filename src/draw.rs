@@ -18,7 +18,7 @@ pub struct DrawPlan {
     pub technique: LabTechnique,
     /// What the stages ask of the GPU's atomics.
     pub tier: Tier,
-    /// Points nearer than this are not drawn: metres in a headset, world units in a picture.
+    /// Points nearer than this are not drawn: meters in a headset, world units in a picture.
     pub near: f64,
     /// True if nobody chose [`Self::near`], which then becomes less in a picture where it would cut a small scene.
     pub near_yields: bool,

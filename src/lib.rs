@@ -3,7 +3,7 @@
 //! ```text
 //!  files ─points─▶ Scan ──cloud──▶ Cloud ──render──▶ CloudBuffers (GPU)
 //!                (columns)   (Morton batches,             │
-//!                             quantised planes)           ▼
+//!                             quantized planes)           ▼
 //!  Headset (xr | simulated) ──eyes──▶ Renderer: clear · lod · cull · depth · color · resolve
 //!        ▲                                   │ timings          │ images
 //!        └────────── walk (frame thread) ◀───┴──────────────────┘

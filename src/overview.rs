@@ -94,7 +94,7 @@ fn short(length: f64) -> String {
     }
 }
 
-/// Along one axis of the picture, the two planes of a lens: a position (v along the axis, z towards the eye) is seen
+/// Along one axis of the picture, the two planes of a lens: a position (v along the axis, z toward the eye) is seen
 /// from (e, back) if `high_tan · z + v ≤ high_tan · back + e` and `low_tan · z + v ≥ low_tan · back + e`.
 struct Range {
     low_tan: f64,

@@ -73,14 +73,14 @@ impl Plan {
                 options: options(config),
                 technique: technique(config),
                 tier: gpu.tier,
-                near: frame.near_m.metres(),
+                near: frame.near_m.meters(),
                 near_yields: frame.near_m == NearClip::Auto,
             },
             headset: XrOptions {
                 resolution_scale: headset.resolution_scale,
                 depth_layer: headset.depth_layer,
                 visibility_mask: headset.visibility_mask,
-                near_m: frame.near_m.metres(),
+                near_m: frame.near_m.meters(),
             },
             simulated: SimulatedOptions {
                 size_px: simulated.size_px,
@@ -227,7 +227,7 @@ mod tests {
         assert!(auto.draw.near_yields);
         // The user's number may be that of nobody's choice.
         for near_m in [0.04, auto.draw.near] {
-            let set = plan(|config| config.frame.near_m = NearClip::Metres(near_m));
+            let set = plan(|config| config.frame.near_m = NearClip::Meters(near_m));
             assert!(!set.draw.near_yields && set.draw.near == near_m && set.headset.near_m == near_m);
         }
     }
@@ -252,7 +252,7 @@ mod tests {
         let Label { title, help } = widgets.speed;
         assert_eq!(title, "Speed");
         assert!(
-            help.starts_with("A factor on locomotion.speed: ") && help.ends_with("metres a second."),
+            help.starts_with("A factor on locomotion.speed: ") && help.ends_with("meters a second."),
             "{help}"
         );
     }

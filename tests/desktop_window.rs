@@ -1,5 +1,5 @@
 //! The window on a virtual screen: pictures, panel, keys, mouse, sizes, ends, all under Vulkan's validation layer
-//! with synchronisation validation. The tests need Xvfb, xdotool and the layer, and fail where these are missing.
+//! with synchronization validation. The tests need Xvfb, xdotool and the layer, and fail where these are missing.
 //!
 //! Every case runs the real window in a process of its own (winit allows one event loop a process, on the
 //! main thread): this program again, with a role in the environment.

@@ -1,7 +1,7 @@
 // point-list: each point is a hardware primitive of one pixel, hidden by the hardware's depth test; the compute frame
 // is measured against it. An instance a visible batch, a vertex a point. [2022 §4.1, GL_POINTS]
 //
-// The image is that of the other methods: a vertex lies at the centre of its point's pixel, and depths are the bits of
+// The image is that of the other methods: a vertex lies at the center of its point's pixel, and depths are the bits of
 // w, moved down so that they are floats from 0 to 1. Points at the same depth win in the order of batches, which is
 // any.
 

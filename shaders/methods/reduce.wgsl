@@ -4,7 +4,7 @@
 fn put(eye: u32, pixel: u32, w: f32, id: u32) {
     let depth = bitcast<u32>(w);
     let of_all = least_if_same(pixel, depth);
-    let of_pair = vec2<u32>(neighbours(pixel), neighbours(depth));
+    let of_pair = vec2<u32>(neighbors(pixel), neighbors(depth));
     let least = min(of_all, select(depth, of_pair.y, of_pair.x == pixel));
     if pixel == NO_PIXEL || depth > least {
         return;

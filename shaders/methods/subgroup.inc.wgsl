@@ -9,7 +9,7 @@ fn least_if_same(key: u32, value: u32) -> u32 {
 }
 
 // The value of the other thread of a pair.
-fn neighbours(value: u32) -> u32 {
+fn neighbors(value: u32) -> u32 {
     return subgroupShuffleXor(value, 1u);
 }
 

@@ -20,7 +20,7 @@ fn least_if_same(key: u32, value: u32) -> u32 {
     return select(value, least, same);
 }
 
-fn neighbours(value: u32) -> u32 {
+fn neighbors(value: u32) -> u32 {
     tell(value, 0u);
     return told[this_thread ^ 1u].x;
 }

@@ -25,7 +25,7 @@ fn is_needed(batch: DiscBatch, run: Run, eye: u32, center: vec3<f32>, half_edge:
     let nearest = sqrt(near.x * near.x + near.y * near.y + near.z * near.z);
     let farthest = sqrt(far.x * far.x + far.y * far.y + far.z * far.z);
     let radius = sqrt(half_edge.x * half_edge.x + half_edge.y * half_edge.y + half_edge.z * half_edge.z);
-    // The tolerance in the box, at least and at most: by the box's ends, and by what it may change from the centre on.
+    // The tolerance in the box, at least and at most: by the box's ends, and by what it may change from the center on.
     let change = steepest_tolerance(eye) * radius;
     let middle = tolerance_of(eye, from_eye.x, from_eye.y, from_eye.z);
     let least = max(tree.tolerance_rad[eye] * nearest, middle - change);

@@ -1,7 +1,7 @@
 // Triangles of meshes, beside the discs of a sequential point tree. [SPT §3.8] Their corners are the batch's points;
 // the word beside point i is triangle i: corner | corner≪8 | corner≪16 | step of its longest side≪24.
 //
-// A pixel belongs to a triangle if its centre does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are
+// A pixel belongs to a triangle if its center does, or lies less than TRIANGLE_SLACK_PX beside it. Edge functions are
 // of homogeneous coordinates, so that triangles need not be clipped at the near plane. [1997]
 //
 // A thread draws a triangle; large ones wait until all threads draw them together. If threads ask each other
@@ -94,7 +94,7 @@ fn triangle_of(eye: u32, batch: VisibleBatch, number: u32) -> Triangle {
     let first = view.eyes[eye].first_px;
     let end = view.eyes[eye].end_px;
     if min(t.w.x, min(t.w.y, t.w.z)) > view.near {
-        // Centres of pixels lie at halves.
+        // Centers of pixels lie at halves.
         let u = t.x / t.w - 0.5;
         let v = t.y / t.w - 0.5;
         let low = vec2<f32>(min(u.x, min(u.y, u.z)), min(v.x, min(v.y, v.z))) - TRIANGLE_SLACK_PX;
@@ -117,7 +117,7 @@ fn num_pixels_of(t: Triangle) -> i32 {
 fn put_triangle(eye: u32, t: Triangle, at: i32, exists: bool) {
     let width = max(t.last.x - t.first.x + 1, 1);
     let px = t.first + vec2<i32>(at % width, at / width);
-    // The corners seen from the pixel's centre, times w.
+    // The corners seen from the pixel's center, times w.
     let x = t.x - (f32(px.x) + 0.5) * t.w;
     let y = t.y - (f32(px.y) + 0.5) * t.w;
     let edge = x.yzx * y.zxy - x.zxy * y.yzx;

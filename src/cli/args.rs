@@ -92,10 +92,10 @@ pub enum BenchTable {
     /// 40-bit depths and two passes.
     #[value(name = "2019")]
     Paper2019,
-    /// Point cloud rasterisation with compute shaders.
+    /// Point cloud rasterization with compute shaders.
     #[value(name = "2021")]
     Paper2021,
-    /// Batches, quantised coordinates, virtual reality.
+    /// Batches, quantized coordinates, virtual reality.
     #[value(name = "2022")]
     Paper2022,
     /// Both eyes.

@@ -13,7 +13,7 @@ use lab::report::BenchResults;
 use points::Scene;
 use std::io::{self, Write};
 
-/// Height of the eye above the floor, metres.
+/// Height of the eye above the floor, meters.
 const EYE_HEIGHT_M: f64 = 1.7;
 
 /// Measures, writes the page if one is wanted, prints the results.

@@ -50,9 +50,9 @@ fn one_line(error: &dyn Error) -> String {
 pub(super) fn stop_on_signals(partials: &Partials) -> CancelToken {
     let stop = CancelToken::default();
     let (asked, partials) = (stop.clone(), partials.clone());
-    let mut signalled = false;
+    let mut signaled = false;
     let installed = ctrlc::set_handler(move || {
-        if std::mem::replace(&mut signalled, true) {
+        if std::mem::replace(&mut signaled, true) {
             partials.discard();
             std::process::exit(INTERRUPTED);
         }

@@ -48,7 +48,7 @@ pub struct RenderArgs {
     /// Two pictures, one for each eye
     #[arg(long)]
     pub stereo: bool,
-    /// Distance of the eyes for --stereo, in metres
+    /// Distance of the eyes for --stereo, in meters
     #[arg(long, value_name = "M", default_value = "0.063", value_parser = parse::eye_distance)]
     pub ipd: f64,
     /// Settings that belong together; may be repeated. plain: every point, one a pixel; quality, balanced,

@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(ValueKind::of::<Quality>().to_string(), "\"closest\" or \"hqs\"");
         assert_eq!(ValueKind::of::<Up>().to_string(), "one of \"auto\", \"z\", \"y\", \"-y\"");
         let unit = ValueKind::of::<Unit>().to_string();
-        assert!(unit.starts_with("\"auto\", \"m\"") && unit.ends_with("or a number of metres"), "{unit}");
+        assert!(unit.starts_with("\"auto\", \"m\"") && unit.ends_with("or a number of meters"), "{unit}");
     }
 
     #[test]

@@ -14,16 +14,16 @@ pub enum NearClip {
     #[default]
     Auto,
     /// The length that the user chose, however small the scene is.
-    Metres(f64),
+    Meters(f64),
 }
 
 impl NearClip {
-    /// The length in metres.
+    /// The length in meters.
     #[must_use]
-    pub fn metres(self) -> f64 {
+    pub fn meters(self) -> f64 {
         match self {
             Self::Auto => 0.05,
-            Self::Metres(metres) => metres,
+            Self::Meters(meters) => meters,
         }
     }
 }
@@ -32,7 +32,7 @@ impl Serialize for NearClip {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Auto => to.serialize_str(AUTO),
-            Self::Metres(metres) => to.serialize_f64(*metres),
+            Self::Meters(meters) => to.serialize_f64(*meters),
         }
     }
 }
@@ -57,15 +57,15 @@ impl Visitor<'_> for Length {
         if text == AUTO { Ok(NearClip::Auto) } else { Err(E::invalid_value(Unexpected::Str(text), &self)) }
     }
 
-    fn visit_f64<E: Error>(self, metres: f64) -> Result<NearClip, E> {
-        Ok(NearClip::Metres(metres))
+    fn visit_f64<E: Error>(self, meters: f64) -> Result<NearClip, E> {
+        Ok(NearClip::Meters(meters))
     }
 
-    fn visit_i64<E: Error>(self, metres: i64) -> Result<NearClip, E> {
-        Ok(NearClip::Metres(metres as f64))
+    fn visit_i64<E: Error>(self, meters: i64) -> Result<NearClip, E> {
+        Ok(NearClip::Meters(meters as f64))
     }
 
-    fn visit_u64<E: Error>(self, metres: u64) -> Result<NearClip, E> {
-        Ok(NearClip::Metres(metres as f64))
+    fn visit_u64<E: Error>(self, meters: u64) -> Result<NearClip, E> {
+        Ok(NearClip::Meters(meters as f64))
     }
 }

@@ -66,7 +66,7 @@ impl Setting {
         Self::all().find(|setting| setting.key == key)
     }
 
-    /// What a user can do who wrote a key that no setting has: take one that is spelt much like it, or look for one.
+    /// What a user can do who wrote a key that no setting has: take one that is spelled much like it, or look for one.
     #[must_use]
     pub fn advice(key: &str) -> String {
         let near = Self::near(key);
@@ -79,7 +79,7 @@ impl Setting {
         format!("did you mean {}{or}'{}'?", others.join(", "), last.key)
     }
 
-    /// The settings whose keys are spelt most like `key`: as a whole, by the last word where the section is wrong, or by
+    /// The settings whose keys are spelled most like `key`: as a whole, by the last word where the section is wrong, or by
     /// the section alone. There are none if more than half of the letters are others.
     fn near(key: &str) -> Vec<&'static Self> {
         let distance = strsim::damerau_levenshtein;

@@ -42,12 +42,12 @@ settings! {
         /// shown.
         strict: bool = false;
         /// The unit of the files' lengths: "auto" (as the files state it), "m", "mm", "cm", "ft", "us-ft" or a number of
-        /// metres.
-        unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "metres";
+        /// meters.
+        unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "meters";
         /// The unit of the files' heights where it is not that of cloud.unit, written in the same way; heights are then
         /// scaled to the unit across.
-        vertical_unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "metres";
-        /// Coordinates on the earth, drawn upright and in metres about the scan's middle: "auto" (those that the files
+        vertical_unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "meters";
+        /// Coordinates on the earth, drawn upright and in meters about the scan's middle: "auto" (those that the files
         /// state, and those that leave no doubt), "degrees" or "geocentric" (whatever the files state), or "off" (drawn as
         /// they are).
         project: Project = Project::Auto;
@@ -59,7 +59,7 @@ settings! {
     frame: FrameConfig {
         /// Points nearer than this are not drawn; in a picture it counts in units of the scan. "auto" is 0.05, and less in
         /// pictures of scenes smaller than 2.5 units.
-        near_m: NearClip = NearClip::Auto, from 1e-6 to 1e6, in "metres";
+        near_m: NearClip = NearClip::Auto, from 1e-6 to 1e6, in "meters";
         /// Color where no point is: red, green, blue, 0 to 255.
         background: [u8; 3] = [0, 0, 0];
         /// Coordinate bits that are read: "auto" (10, 20 or 30 by the projected size) or "full" (always 30).
@@ -103,7 +103,7 @@ settings! {
         /// true: points of a node of the octree appear one by one; false: all at once.
         fade: bool = true;
         /// A disc of the point tree is drawn in place of what it stands for if it is wrong by this many pixels at most
-        /// where the eye looks; towards the edge of sight by as many times that as the last of lod.threshold_px is the
+        /// where the eye looks; toward the edge of sight by as many times that as the last of lod.threshold_px is the
         /// first.
         error_px: f64 = lab::technique::DEFAULT_ERROR_PX, from 0.1 to 16, in "pixels", for Laboratory;
         /// true: discs of the point tree that show the eye their backs are left out. This is for scans whose files have
@@ -136,19 +136,19 @@ settings! {
         /// Half angles of the left eye's field of view: outwards, inwards, up, down. The right eye mirrors it.
         fov_deg: [f64; 4] = [45.0, 45.0, 45.0, 45.0], from -89 to 89, in "degrees";
         /// Distance between the eyes.
-        eye_distance_m: f64 = 0.063, from 0 to 10, in "metres";
+        eye_distance_m: f64 = 0.063, from 0 to 10, in "meters";
         /// Outward turn of each eye's display.
         cant_deg: f64 = 0.0, from -60 to 60, in "degrees";
         /// Displays a second; the frame's budget is one period.
         refresh_hz: f64 = 90.0, from 1 to 1000, in "hertz";
         /// Height of the eyes above the floor.
-        eye_height_m: f64 = 1.7, from -1000 to 1000, in "metres";
+        eye_height_m: f64 = 1.7, from -1000 to 1000, in "meters";
     }
 
     /// Getting about.
     locomotion: LocomotionConfig {
         /// Speed at full stick or key; 0: chosen from the scan's size.
-        speed: f64 = 0.0, from 0 to 1e6, in "metres a second";
+        speed: f64 = 0.0, from 0 to 1e6, in "meters a second";
         /// Factor while the fast key is held.
         fast: f64 = 4.0, from 1 to 1000;
         /// Angle of a snap turn.

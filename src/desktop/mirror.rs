@@ -31,7 +31,7 @@ pub const MIRROR: ShaderOfSet<Mirrored> =
 pub struct DrawnUniform {
     /// Width, height.
     pub size: [f32; 2],
-    /// Centre of the last pixel.
+    /// Center of the last pixel.
     pub last: [f32; 2],
 }
 

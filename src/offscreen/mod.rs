@@ -256,7 +256,7 @@ mod tests {
     use points::{Grid, ScanBuilder, UpAxis, WorldFromFile};
 
     #[test]
-    fn places_are_those_of_the_file_and_eyes_are_apart_in_metres() {
+    fn places_are_those_of_the_file_and_eyes_are_apart_in_meters() {
         let options = PictureOptions {
             scans: Vec::new(),
             out: Vec::new(),
@@ -270,7 +270,7 @@ mod tests {
             depth: Vec::new(),
             metrics: None,
         };
-        // The scan is in millimetres with y up, and its heights are in metres.
+        // The scan is in millimeters with y up, and its heights are in meters.
         let world_from_file = WorldFromFile::Axes { up: UpAxis::Y, across_scale: 1.0, height_scale: 1000.0 };
         let made = ScanBuilder::new(Grid::default(), Vec::new()).world_from_file(world_from_file);
         let mut scan = made.scan();
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(in_world.eye, Some(DVec3::new(1.0, -3.0, 2000.0)));
         assert_eq!((in_world.target, in_world.up), (None, Some(DVec3::Z)));
         assert!((in_world.ipd - 63.0).abs() < 1e-9);
-        // A scan in metres as it is changes nothing.
+        // A scan in meters as it is changes nothing.
         let same = options.in_world(&Scan::default());
         assert_eq!((same.eye, same.up, same.ipd), (options.eye, options.up, options.ipd));
     }

@@ -24,7 +24,7 @@ pub struct PictureOptions {
     pub out: Vec<Output>,
     /// Where the camera stands, in the files' coordinates; None: where it sees the whole scan.
     pub eye: Option<DVec3>,
-    /// Where it looks, in the files' coordinates; None: the scan's centre.
+    /// Where it looks, in the files' coordinates; None: the scan's center.
     pub target: Option<DVec3>,
     /// Which way is up, along the files' axes; None: what is up in the world.
     pub up: Option<DVec3>,
@@ -34,7 +34,7 @@ pub struct PictureOptions {
     pub size_px: [u32; 2],
     /// True for two eyes, `ipd` apart along the camera's right, both looking the same way.
     pub stereo: bool,
-    /// Distance of the eyes in metres.
+    /// Distance of the eyes in meters.
     pub ipd: f64,
     /// Linear depth of each eye as NumPy float32 (H, W), +inf where there is no point; empty if it is not wanted.
     pub depth: Vec<Output>,

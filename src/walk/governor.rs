@@ -155,7 +155,7 @@ impl Governor {
         }
     }
 
-    /// Forgets all that was learnt: the walk's own cloud is shown from the next frame on. `has_detail` is true if it
+    /// Forgets all that was learned: the walk's own cloud is shown from the next frame on. `has_detail` is true if it
     /// can be drawn with fewer points.
     pub fn restart(&mut self, has_detail: bool) {
         let ladder = ladder(self.ladder[0].settings.quality, has_detail);

@@ -15,7 +15,7 @@ const SNAP_AT: f32 = 0.7;
 /// How sticks, keys and mouse move the viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocomotionOptions {
-    /// Metres a second at full stick or key; `None`: chosen from the scan's size.
+    /// Meters a second at full stick or key; `None`: chosen from the scan's size.
     pub speed_m_per_s: Option<f64>,
     /// Factor while the fast key is held.
     pub fast: f64,
@@ -32,11 +32,11 @@ pub struct Start {
     pub floor_in_world: DVec3,
     /// Direction of view about the world's vertical, radians; 0 looks along +y (north), positive to the left.
     pub yaw: f64,
-    /// World units a metre.
+    /// World units a meter.
     pub units_per_m: f64,
     /// Factor by which the scan is shown larger than it is, as by a magnifying glass.
     pub magnified: f64,
-    /// Longest horizontal extent of the scan in metres: it sets the default speed.
+    /// Longest horizontal extent of the scan in meters: it sets the default speed.
     pub extent_m: f64,
     /// Place and yaw from which the whole scan is seen.
     pub overview: (DVec3, f64),
@@ -82,7 +82,7 @@ impl Locomotion {
         self.reset();
     }
 
-    /// Metres a second at full deflection, until the user changes it.
+    /// Meters a second at full deflection, until the user changes it.
     #[must_use]
     pub fn speed(&self) -> f64 {
         // One moves slowly round a small object.
@@ -175,7 +175,7 @@ impl Locomotion {
         }
     }
 
-    /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` is in metres.
+    /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` is in meters.
     #[must_use]
     pub fn view(
         &self,

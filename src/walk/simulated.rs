@@ -22,13 +22,13 @@ pub struct SimulatedOptions {
     pub size_px: [u32; 2],
     /// What the left eye sees; the right eye mirrors it.
     pub left_fov: Fov,
-    /// Distance between the eyes, metres.
+    /// Distance between the eyes, meters.
     pub eye_distance_m: f64,
     /// Outward turn of each eye's display, radians.
     pub cant_rad: f64,
     /// Displays a second.
     pub refresh_hz: f64,
-    /// Height of the eyes above the floor, metres.
+    /// Height of the eyes above the floor, meters.
     pub eye_height_m: f64,
 }
 

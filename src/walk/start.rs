@@ -9,25 +9,25 @@ use base::space::{Bounds, Fov, Pose};
 use glam::DVec3;
 use points::Scene;
 
-/// Least spread of a landscape in metres, which is twice the width of the middle half of its points along the longer
+/// Least spread of a landscape in meters, which is twice the width of the middle half of its points along the longer
 /// axis. A landscape is looked at from its edge, from above.
 const LANDSCAPE_M: f64 = 250.0;
-/// Least length that a long thin scene is cut to, metres, to be looked at.
+/// Least length that a long thin scene is cut to, meters, to be looked at.
 const PART_M: f64 = 40.0;
-/// Least length that a long thin scene is cut to, metres, to find a place in it.
+/// Least length that a long thin scene is cut to, meters, to find a place in it.
 const NEAR_PART_M: f64 = 20.0;
-/// Length in metres below which nobody sees much of a scene, so that it is shown larger, as by a magnifying glass.
+/// Length in meters below which nobody sees much of a scene, so that it is shown larger, as by a magnifying glass.
 const SMALLEST_M: f64 = 0.02;
-/// Length in metres at which a scene shorter than [`SMALLEST_M`] is shown.
+/// Length in meters at which a scene shorter than [`SMALLEST_M`] is shown.
 const SHOWN_M: f64 = 0.3;
-/// Rough height of the eye above the floor, metres.
+/// Rough height of the eye above the floor, meters.
 const EYE_M: f64 = 1.6;
-/// Least distance at which one stands before an object, metres.
+/// Least distance at which one stands before an object, meters.
 const BEFORE_M: f64 = 0.4;
 /// Angle that one sees without turning one's head, degrees.
 const SEEN_DEG: f64 = 60.0;
 
-/// The starting place for a scene whose world unit is `unit_m` metres.
+/// The starting place for a scene whose world unit is `unit_m` meters.
 #[must_use]
 pub fn start(scene: &Scene, unit_m: f64) -> Start {
     let bounds = scene.bounds;
@@ -59,7 +59,7 @@ fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64)> {
     })
 }
 
-/// World units a metre of the viewer's, and the factor by which the scene is shown larger.
+/// World units a meter of the viewer's, and the factor by which the scene is shown larger.
 fn scale(bounds: &Bounds, unit_m: f64) -> (f64, f64) {
     let edge_m = bounds.edge() * unit_m;
     let magnified = if edge_m > 0.0 && edge_m < SMALLEST_M { SHOWN_M / edge_m } else { 1.0 };

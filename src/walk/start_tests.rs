@@ -99,7 +99,7 @@ fn tiny_things_are_magnified_and_single_points_seen() {
         let start = start(&scene, 1.0);
         assert!((start.magnified * edge - SHOWN_M).abs() < 0.01 && seen(&scene, start) == 1.0, "{start:?}");
     }
-    // A scan whose unit is known to be a millimetre is not magnified if it is 50 mm long.
+    // A scan whose unit is known to be a millimeter is not magnified if it is 50 mm long.
     assert_eq!(start(&scene(DVec3::ZERO, egg(50.0, 50.0)), 1e-3).magnified, 1.0);
     for num in [1, 500] {
         let scene = scene(UTM, vec![DVec3::ZERO; num]);

@@ -8,7 +8,7 @@ use points::Scene;
 
 /// Most cells along the longer side of the floor plan.
 const MAX_CELLS: f64 = 64.0;
-/// Least edge of a cell, metres.
+/// Least edge of a cell, meters.
 const MIN_CELL_M: f64 = 0.25;
 /// Least number of points that a cell has on average.
 const MEAN_CELL_POINTS: f64 = 16.0;
@@ -22,33 +22,33 @@ const FLOOR_SHARE: f64 = 0.05;
 /// Share of the points that reflections and dust leave in the air of any scan. This share of a mean cell's points is
 /// in nobody's way, and this share of the points in a direction is no wall.
 const AIR_SHARE: f64 = 0.05;
-/// Heights above the floor, metres, between which a body would bump into things.
+/// Heights above the floor, meters, between which a body would bump into things.
 const BODY_M: [f64; 2] = [0.4, 1.9];
-/// Room that a body needs to each side, metres.
+/// Room that a body needs to each side, meters.
 const BODY_RADIUS_M: f64 = 0.5;
-/// Heights above the floor, metres, at which walls are looked for: above tables, below ceilings.
+/// Heights above the floor, meters, at which walls are looked for: above tables, below ceilings.
 const WALL_M: [f64; 2] = [1.0, 2.2];
 /// Number of directions in which walls are looked for.
 const NUM_DIRECTIONS: usize = 32;
 /// Least share of the directions that have a wall in a room.
 const ENCLOSED: f64 = 0.7;
-/// Least distance of the walls of a room, metres.
+/// Least distance of the walls of a room, meters.
 const ARMS_LENGTH_M: f64 = 0.9;
 /// Least share of the floor up to the walls that is level. A hollow scene that is no room is round below.
 const FLOOR_LEVEL_SHARE: f64 = 0.5;
-/// Largest difference in height of a level floor, metres.
+/// Largest difference in height of a level floor, meters.
 const FLOOR_LEVEL_M: f64 = 0.3;
-/// Nobody stands on tables: a place is on one if the floor within the first distance is lower by the second, metres.
+/// Nobody stands on tables: a place is on one if the floor within the first distance is lower by the second, meters.
 const TABLE_M: [f64; 2] = [1.0, 0.3];
-/// Walls nearer than this, metres, are those of a tower or a shed, to be seen from outside if there is an open place.
+/// Walls nearer than this, meters, are those of a tower or a shed, to be seen from outside if there is an open place.
 const SMALL_ROOM_M: f64 = 2.5;
-/// Distance, metres, in which a place outside has nothing in a body's way, if there is such a place.
+/// Distance, meters, in which a place outside has nothing in a body's way, if there is such a place.
 const CLEARANCE_M: f64 = 3.0;
-/// Least length of a scene that has an open place, metres.
+/// Least length of a scene that has an open place, meters.
 const OPEN_M: f64 = 12.0;
-/// Distance within which the ground of an open place is looked at, metres.
+/// Distance within which the ground of an open place is looked at, meters.
 const GROUND_M: f64 = 5.0;
-/// Largest difference in height of the level ground of an open place, metres.
+/// Largest difference in height of the level ground of an open place, meters.
 const LEVEL_M: f64 = 0.5;
 /// Least share of the ground of an open place that is level.
 const GROUND_SHARE: f64 = 0.7;
@@ -87,7 +87,7 @@ fn standing_in(plan: &FloorPlan, units_per_m: f64) -> Option<Standing> {
     Some(Standing { floor_in_world, enclosed })
 }
 
-/// A scene from above: its points by the cells of a floor plan of where most of it is. Lengths are in metres from the
+/// A scene from above: its points by the cells of a floor plan of where most of it is. Lengths are in meters from the
 /// plan's origin.
 struct FloorPlan {
     /// Origin in world space.

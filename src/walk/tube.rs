@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 use points::Scene;
 
-/// Least radius of a tube that one can stand in, metres.
+/// Least radius of a tube that one can stand in, meters.
 const LEAST_RADIUS_M: f64 = 1.2;
 /// Least length of a tube that one can stand in, in radii.
 const LEAST_LENGTH: f64 = 6.0;

@@ -8,7 +8,7 @@ use render::Renderer;
 use render::gpu::QueueGuard;
 use xr::StageEye;
 
-/// Distance of the bar before the viewer, metres.
+/// Distance of the bar before the viewer, meters.
 const AWAY_M: f64 = 2.0;
 
 /// Where the bar is shown while there is no scan.

@@ -1,4 +1,4 @@
-//! A mistake on purpose: it proves that the validation layer watches, synchronisation included.
+//! A mistake on purpose: it proves that the validation layer watches, synchronization included.
 
 use ash::vk;
 use render::gpu::Gpu;

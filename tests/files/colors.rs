@@ -148,12 +148,12 @@ fn of_points_of_two_kinds_among_each_other_a_warning_says_so() {
         }
     }
     // Nothing is guessed where dark points of 10 bits may as well be bright ones of 8.
-    let grey = |at: usize| [((at * 40_503 % 65_536) as f64 / 64_000.0).min(1.0); 3];
+    let gray = |at: usize| [((at * 40_503 % 65_536) as f64 / 64_000.0).min(1.0); 3];
     let stored = |at: usize| if at.is_multiple_of(2) { 255.0 } else { 1023.0 };
-    let mixed = scan(|at| grey(at).map(|c| (c * stored(at)).round() as u16));
+    let mixed = scan(|at| gray(at).map(|c| (c * stored(at)).round() as u16));
     assert_eq!(mixed.files[0].coloring.source, ColorSource::Rgb10);
     assert!(bits_said(&mixed, 255.0, 1023.0) && mixed.warnings[0].contains("cannot be told"));
-    assert!((900..1100).contains(&num_off(&mixed, grey)), "{}", num_off(&mixed, grey));
+    assert!((900..1100).contains(&num_off(&mixed, gray)), "{}", num_off(&mixed, gray));
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn one_color_everywhere_gives_way_to_intensity() {
 }
 
 #[test]
-fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
+fn one_color_everywhere_but_at_a_few_points_gives_way_to_grays_by_intensity() {
     for (color, other) in [
         ([65535; 3], [200, 10, 10]),
         ([65535; 3], [65535, 0, 0]),
@@ -210,15 +210,15 @@ fn one_color_everywhere_but_at_a_few_points_gives_way_to_greys_by_intensity() {
             drop(folder);
             let what = format!("{num_others} {other:?} among {color:?}: {info}");
             let bytes = shown(&scan);
-            let greys: Vec<[u8; 3]> = (0..NUM_POINTS).filter(|at| at % 500 > 0).map(|at| bytes[at]).collect();
-            assert!(greys.iter().all(|[r, g, b]| r == g && g == b && (64..=191).contains(r)), "{what}");
+            let grays: Vec<[u8; 3]> = (0..NUM_POINTS).filter(|at| at % 500 > 0).map(|at| bytes[at]).collect();
+            assert!(grays.iter().all(|[r, g, b]| r == g && g == b && (64..=191).contains(r)), "{what}");
             // Grays rise with the intensity.
-            assert!(greys[1..400].is_sorted() && greys[1] < greys[400], "{what}");
+            assert!(grays[1..400].is_sorted() && grays[1] < grays[400], "{what}");
             assert!(
                 scan.warnings[0].contains(&format!("a color at only {num_others} of 2,000 points")),
                 "{what}"
             );
-            assert!(info.contains("shown by intensity, in greys"), "{what}");
+            assert!(info.contains("shown by intensity, in grays"), "{what}");
             if other[0] > 9 {
                 assert!(bytes[0][0] >= 200, "{what}: the few keep their color, {:?}", bytes[0]);
             }
@@ -247,9 +247,9 @@ fn points_without_a_color_among_a_few_that_have_one_are_seen() {
     assert!(scan.warnings[0].contains("a color at only 4 of 2,000 points"), "{:?}", scan.warnings);
     let bytes = shown(&scan);
     assert_eq!(bytes[3], [255, 1, 0]);
-    let greys: Vec<u8> = bytes.iter().filter(|[r, g, b]| r == g && g == b).map(|rgb| rgb[0]).collect();
-    assert_eq!(greys.len(), NUM_POINTS - 4);
-    let (darkest, brightest) = (greys.iter().min(), greys.iter().max());
+    let grays: Vec<u8> = bytes.iter().filter(|[r, g, b]| r == g && g == b).map(|rgb| rgb[0]).collect();
+    assert_eq!(grays.len(), NUM_POINTS - 4);
+    let (darkest, brightest) = (grays.iter().min(), grays.iter().max());
     assert_eq!((darkest, brightest), (Some(&64), Some(&191)), "before black and before white");
 }
 
@@ -291,7 +291,7 @@ fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
             let sentence = format!("a color at {only}{num} of 2,000 points").replace("1700", "1,700");
             let sentence = sentence.replace("1400", "1,400").replace("1000", "1,000");
             assert!(scan.warnings.iter().any(|w| w.contains(&sentence)), "{sentence}: {:?}", scan.warnings);
-            assert!(info.contains("which are black and shown by intensity, in greys"), "{info}");
+            assert!(info.contains("which are black and shown by intensity, in grays"), "{info}");
             for (at, bytes) in shown(&scan).into_iter().enumerate() {
                 let expected = channels(at).map(|c| (c * 255.0).round() as u8);
                 let is_right = if has_color(at) {

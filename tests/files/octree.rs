@@ -184,7 +184,7 @@ fn above(octree: &Octree, number: usize) -> impl Iterator<Item = usize> {
         .map(|n| n as usize)
 }
 
-/// Smallest distance between two points of a node in units of its cell; half a cell of quantisation is granted to
+/// Smallest distance between two points of a node in units of its cell; half a cell of quantization is granted to
 /// each point. Points are put into cells as wide as half the node's cell, so only neighboring cells matter.
 fn smallest_distance(octree: &Octree, node: &Node) -> f64 {
     let mut cells = std::collections::HashMap::<[i64; 3], Vec<DVec3>>::new();

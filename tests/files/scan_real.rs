@@ -129,7 +129,7 @@ fn four_tiles_hold_the_points_of_the_whole() {
 
 #[test]
 #[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
-fn colors_and_units_are_recognised() {
+fn colors_and_units_are_recognized() {
     let folder = folder();
     let scan = |name: &str| read_in(&folder, name).unwrap();
     assert_eq!(scan("laz-aerial-autzen/autzen_trim.laz").files[0].coloring.source, ColorSource::Rgb8);
@@ -151,7 +151,7 @@ fn colors_and_units_are_recognised() {
     let degrees = scan("las-small/epsg_4326.las");
     assert_eq!((degrees.crs.as_deref(), degrees.unit_in_file_m), (Some("EPSG:4326, WGS 84"), None));
     assert!(degrees.warnings[0].contains("in degrees"));
-    // The scan is two kilometres across, upright, in metres.
+    // The scan is two kilometers across, upright, in meters.
     let size = degrees.bounds().size();
     assert!((2000.0..2200.0).contains(&size.x) && (1050.0..1200.0).contains(&size.y), "{size}");
     assert!((38.0..41.0).contains(&size.z) && degrees.unit_m == Some(1.0), "{size}");

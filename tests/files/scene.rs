@@ -315,7 +315,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     let (far, near) = (octree(&far), octree(&near));
     let positions = sorted(drawn(&far.cloud));
     // Cells are shares of a node's cube, and the root's cube is as wide as everything. The point or two of the scene
-    // that the root takes are millimetres off; all points below it are right to micrometres.
+    // that the root takes are millimeters off; all points below it are right to micrometers.
     let moved = positions.iter().filter(|&p| (*p - rounded(p)).abs().max_element() > 2e-6).count();
     assert!(positions.len() == truth.len() && moved <= 2, "{moved}");
     // The tree reaches as far down into the scene as without strays, with not many more nodes.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use kit::las_files::save;
 use points::{ReadOptions, Scan, Up, read};
 
-/// A tower 6 m high and 20 m across, with points within, in metres about its foot.
+/// A tower 6 m high and 20 m across, with points within, in meters about its foot.
 const TOWER: [[f64; 3]; 5] =
     [[-10.0, -10.0, 0.0], [10.0, 10.0, 6.0], [3.0, -4.0, 1.5], [-7.25, 2.5, 0.0], [0.0, 0.0, 3.0]];
 
@@ -134,7 +134,7 @@ fn a_maps_coordinates_along_x_and_z_mean_y_is_up() {
         "{:?}",
         turned.warnings
     );
-    // These are as surveys have them: in a map's coordinates, in millimetres about a local zero, and far up.
+    // These are as surveys have them: in a map's coordinates, in millimeters about a local zero, and far up.
     for place in [
         |p: DVec3| p + DVec3::new(5e5, 5e6, 300.0),
         |p: DVec3| p * 1000.0,

@@ -232,7 +232,7 @@ fn hysteresis_keeps_nodes_from_flickering() {
     let scene = ReferenceCloud::layered(octree);
     let place = synth::viewpoints(SynthKind::Terrestrial)[0];
     let lod = |step: u32, states: &mut Vec<u32>| {
-        // The head moves by a centimetre a frame, and by more than that to and fro.
+        // The head moves by a centimeter a frame, and by more than that to and fro.
         let along = 0.01 * f64::from(step) + 0.015 * f64::from(step % 2);
         let eye = place.eye + DVec3::new(0.0, along, 0.0);
         let view = stereo(eye, place.target + eye - place.eye, [1000, 1000]);
@@ -344,13 +344,13 @@ fn flat_clouds_blend_too() {
     }
 }
 
-/// The wall is at one metre, and its points lie two centimetres apart, give or take: eight pixels. Its surface is
+/// The wall is at one meter, and its points lie two centimeters apart, give or take: eight pixels. Its surface is
 /// closed, and its edge stays where it is.
 #[test]
 fn close_up_the_surface_is_closed_and_keeps_its_edge() {
     let mut random = kit::frames::SplitMix(3);
     let mut jitter = || (random.unit() * 60.0) as i32 - 30;
-    // Lengths are in tenths of a millimetre: from −1 m to 0.2 m across, as high as the view.
+    // Lengths are in tenths of a millimeter: from −1 m to 0.2 m across, as high as the view.
     let grid = (-50..=10).flat_map(|x| (-50..=50).map(move |z| [200 * x, 0, 200 * z]));
     let wall: Vec<[i32; 3]> = grid.map(|[x, _, z]| [x + jitter(), jitter() / 10, z + jitter()]).collect();
     let octree = octree_of(&scan_of(&wall, 0.0001, DVec3::new(5e5, 4e6, 0.0)));

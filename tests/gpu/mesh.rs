@@ -148,7 +148,7 @@ fn the_comparison_notices_what_is_wrong() {
     );
 }
 
-/// A rectangle of two triangles in the plane y = `away`, in metres from the offset, with corners of one color.
+/// A rectangle of two triangles in the plane y = `away`, in meters from the offset, with corners of one color.
 fn wall(x: [f64; 2], z: [f64; 2], away: f64) -> SequentialCloud {
     let at = |x: f64, z: f64| DVec3::new(x, away, z) * 1e4;
     let corners = [at(x[0], z[0]), at(x[1], z[0]), at(x[1], z[1]), at(x[0], z[1])];
@@ -253,11 +253,11 @@ const TANGENT: f64 = 0.2;
 /// Numbers of pixels within the ball's outline, and of those that show nothing, or something behind the center.
 fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
     let inner = (RADIUS - BUMP) / (distance * distance - RADIUS * RADIUS).sqrt();
-    let centre = |i: usize, n: u32| (2.0 * i as f64 + 1.0) / f64::from(n) - 1.0;
+    let center = |i: usize, n: u32| (2.0 * i as f64 + 1.0) / f64::from(n) - 1.0;
     let (mut num_inside, mut num_holes) = (0, 0);
     for (i, pixel) in frame.pixels[0].iter().enumerate() {
         let (u, v) =
-            (centre(i % size_px[0] as usize, size_px[0]), centre(i / size_px[0] as usize, size_px[1]));
+            (center(i % size_px[0] as usize, size_px[0]), center(i / size_px[0] as usize, size_px[1]));
         if TANGENT * (u * u + v * v).sqrt() < 0.98 * inner {
             num_inside += 1;
             num_holes += usize::from(f64::from(depth_of(*pixel)) > distance);
@@ -310,7 +310,7 @@ fn the_transition_has_no_holes() {
     assert!(ends[1].0 == 0 && ends[1].1 > 0, "far: {ends:?}");
 }
 
-/// The cells of a flat sheet grow from millimetres to half a metre, each way by itself: many are eighty times as long
+/// The cells of a flat sheet grow from millimeters to half a meter, each way by itself: many are eighty times as long
 /// as wide.
 #[test]
 fn uneven_sheets_have_no_holes() {

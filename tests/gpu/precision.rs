@@ -1,4 +1,4 @@
-//! Far from the origin and in a huge cloud, a millimetre is still a millimetre, and it stays where it is.
+//! Far from the origin and in a huge cloud, a millimeter is still a millimeter, and it stays where it is.
 
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
@@ -90,7 +90,7 @@ fn misplaced(
 }
 
 #[test]
-fn a_millimetre_grid_in_twenty_kilometres_is_drawn_to_the_pixel() {
+fn a_millimeter_grid_in_twenty_kilometers_is_drawn_to_the_pixel() {
     let (cloud, positions, numbers) = wall();
     for full in [false, true] {
         let view = view(DVec3::new(0.0003, 0.0, 0.0001));
@@ -116,9 +116,9 @@ fn nothing_jitters_while_the_head_moves() {
     }
 }
 
-/// The comparison sees an error of 0.4 mm, less than a step of f32 at 10 km from the cloud's centre.
+/// The comparison sees an error of 0.4 mm, less than a step of f32 at 10 km from the cloud's center.
 #[test]
-fn the_comparison_notices_less_than_half_a_millimetre() {
+fn the_comparison_notices_less_than_half_a_millimeter() {
     let (cloud, positions, numbers) = wall();
     let view = view(DVec3::ZERO);
     let frame =

@@ -380,7 +380,7 @@ fn everywhere(detail: Detail) -> Detail {
     Detail { threshold_px: [100.0; 3], ..detail }
 }
 
-/// Towards the edge of sight errors may be larger, so fewer discs are drawn, none more is read, and no hole opens.
+/// Toward the edge of sight errors may be larger, so fewer discs are drawn, none more is read, and no hole opens.
 #[test]
 fn the_fovea_counts_for_point_trees() {
     let spt = courtyard();

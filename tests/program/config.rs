@@ -194,7 +194,7 @@ fn the_command_line_wins_over_the_file() {
     let path = folder.path().join("walk.toml");
     std::fs::write(&path, "frame.near_m = 0.2\n[window]\nmirror = \"both\"\n").unwrap();
     let config = load(&[], Some(&path), &["frame.near_m=0.3".into(), "frame.near_m=0.4".into()]).unwrap();
-    assert_eq!((config.frame.near_m, config.window.mirror), (NearClip::Metres(0.4), MirroredEyes::Both));
+    assert_eq!((config.frame.near_m, config.window.mirror), (NearClip::Meters(0.4), MirroredEyes::Both));
     assert_eq!(config.simulated, Config::default().simulated, "the rest stays");
 }
 

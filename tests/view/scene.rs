@@ -8,7 +8,7 @@ use lab::synth::{self, SynthKind, SynthOptions};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// Eye distance of the test headset in metres.
+/// Eye distance of the test headset in meters.
 pub const EYE_DISTANCE: f64 = 0.063;
 
 pub struct Scene {

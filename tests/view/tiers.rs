@@ -1,4 +1,4 @@
-//! Every tier of atomics draws the same picture in every mode, and Vulkan's validation layer, with synchronisation
+//! Every tier of atomics draws the same picture in every mode, and Vulkan's validation layer, with synchronization
 //! validation, has nothing to say.
 
 use crate::scene::Scene;

@@ -1,6 +1,6 @@
 //! Random numbers and noise that are the same on every machine and for every number of threads.
 //!
-//! Both rest on one mixing function (the finaliser of SplitMix64): a stream is the mixed sequence
+//! Both rest on one mixing function (the finalizer of SplitMix64): a stream is the mixed sequence
 //! `key + i·γ`, so any number of streams can be started anywhere without the ones before.
 
 use glam::DVec3;

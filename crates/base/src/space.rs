@@ -2,7 +2,7 @@
 //!
 //! Spaces, all right-handed:
 //! - **world**: the scan's coordinates (f64, z up), in one unit along all axes: see `points::WorldFromFile`.
-//! - **stage**: the headset's play space: metres, y up, floor at 0.
+//! - **stage**: the headset's play space: meters, y up, floor at 0.
 //! - **view**: an eye's own space: x right, y up, looking along −z. Lengths are world units.
 //! - **head**: world axes, origin at the point midway between the eyes. The GPU works in it: numbers near
 //!   the viewer are small, so f32 is exact enough there.
@@ -198,7 +198,7 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// The optical axis: the gaze of an eye that nobody tracks. It is not the image's centre, which an asymmetric field
+    /// The optical axis: the gaze of an eye that nobody tracks. It is not the image's center, which an asymmetric field
     /// of view puts degrees away.
     pub const AHEAD: DVec3 = DVec3::NEG_Z;
 
@@ -266,7 +266,7 @@ impl View {
 ///
 /// `p − origin = hi + lo`: `hi` is a multiple of `unit`, a power of two so large that every `hi` of the scene
 /// has at most 22 significant bits. The difference of two `hi` is then exact in f32, and `lo`, at most
-/// half a unit, is exact to 2⁻²⁵ of it: micrometres in a scene of a thousand kilometres. Points far outside the scene
+/// half a unit, is exact to 2⁻²⁵ of it: micrometers in a scene of a thousand kilometers. Points far outside the scene
 /// are exact to 2⁻²⁴ of their distance at least.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
@@ -277,7 +277,7 @@ pub struct Split {
 }
 
 impl Split {
-    /// The split for a scene in the box of `all` points: the scene's centre as origin. Differences are exact as far as
+    /// The split for a scene in the box of `all` points: the scene's center as origin. Differences are exact as far as
     /// the points reach, or a million times as far as the scene does: beyond that its own precision would suffer.
     #[must_use]
     pub fn of(scene: &Bounds, all: &Bounds) -> Self {
@@ -354,7 +354,7 @@ mod tests {
         }
 
         #[test]
-        fn pairs_keep_micrometres_in_twenty_kilometres(a in vec(10_000.0), b in vec(10_000.0)) {
+        fn pairs_keep_micrometers_in_twenty_kilometers(a in vec(10_000.0), b in vec(10_000.0)) {
             let corner = DVec3::new(500_000.0, 4_000_000.0, 100.0);
             let bounds = Bounds { min: corner - 10_000.0, max: corner + 10_000.0 };
             let split = Split::of(&bounds, &bounds);

@@ -1,4 +1,4 @@
-//! Scan to cloud: order, cut into batches, quantise; every step on all cores.
+//! Scan to cloud: order, cut into batches, quantize; every step on all cores.
 
 use super::index::Index;
 use super::quantize::{Cells, planes};
@@ -49,7 +49,7 @@ const MAX_POINTS: usize = 2_147_000_000;
 /// Longest edge of a cloud's box: readers accept coordinates up to [`FARTHEST`] to either side of the origin.
 const MAX_EDGE: f64 = 2.0 * FARTHEST;
 
-/// Orders the points of a scan, cuts them into batches and quantises them.
+/// Orders the points of a scan, cuts them into batches and quantizes them.
 ///
 /// Peak memory above the scan: 16 B a point to sort, 16 B for the planes.
 ///

@@ -10,7 +10,7 @@ pub const POINTS_PER_LOAD: u32 = 4;
 /// Points of a page of the pool: an octree's node has pages of its own, so that it can come and go. Its last page is
 /// half empty on average, which wastes some 0.3 % of a node.
 pub const PAGE_POINTS: u32 = 128;
-/// Bits of a quantised coordinate; three planes of [`PLANE_BITS`].
+/// Bits of a quantized coordinate; three planes of [`PLANE_BITS`].
 pub const COORDINATE_BITS: u32 = 30;
 /// Bits an axis in one plane.
 pub const PLANE_BITS: u32 = 10;

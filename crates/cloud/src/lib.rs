@@ -1,4 +1,4 @@
-//! Pure CPU: points to Morton-ordered batches of quantised planes, ready for the GPU. Names no GPU API.
+//! Pure CPU: points to Morton-ordered batches of quantized planes, ready for the GPU. Names no GPU API.
 
 mod build;
 pub mod format;
@@ -36,7 +36,7 @@ pub enum Order {
 /// Points of a group of [`Order::ShuffledMorton`] [2021 §4].
 pub const GROUP_POINTS: usize = 128;
 
-/// A run of consecutive points and the box that they are quantised in.
+/// A run of consecutive points and the box that they are quantized in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Batch {
     /// First point in the planes; a multiple of [`crate::format::POINTS_PER_LOAD`].

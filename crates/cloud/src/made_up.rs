@@ -3,7 +3,7 @@
 use glam::DVec3;
 use points::{Grid, Scan, ScanBuilder};
 
-/// A scan of points on a grid of a millimetre far from the origin, colored by `color`.
+/// A scan of points on a grid of a millimeter far from the origin, colored by `color`.
 pub(crate) fn scan_of(xyz: Vec<[i32; 3]>, color: impl Fn(usize) -> [u16; 3]) -> Scan {
     let grid = Grid { scale: DVec3::splat(0.001), offset: DVec3::new(5e5, 4e6, 100.0) };
     let rgb = (0..xyz.len()).map(color).collect();

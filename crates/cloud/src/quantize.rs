@@ -46,7 +46,7 @@ impl Cells {
         [axis(d.x, x), axis(d.y, y), axis(d.z, z)]
     }
 
-    /// World position of a cell's centre (on a flat axis: of the box).
+    /// World position of a cell's center (on a flat axis: of the box).
     #[must_use]
     pub fn center(&self, xyz: [u32; 3]) -> DVec3 {
         let offset = std::array::from_fn(|axis| (f64::from(xyz[axis]) + 0.5) * f64::from(self.cell[axis]));

@@ -58,7 +58,7 @@ pub fn made_up(kind: SynthKind, points: u64) -> Scan {
     points::read(&[out], &ReadOptions::default(), &CancelToken::default()).expect("a scan")
 }
 
-/// Points in a box of `edge` world units, in steps of a millimetre.
+/// Points in a box of `edge` world units, in steps of a millimeter.
 pub fn random_points(count: usize, edge: f64, seed: u64) -> Vec<[i32; 3]> {
     let mut random = SplitMix(seed);
     let mut axis = || (random.unit() * edge * 1000.0) as i32;

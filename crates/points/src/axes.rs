@@ -1,4 +1,4 @@
-//! What x, y and z of a file are: lengths on a map, angles, or lengths from the earth's centre. The file's coordinate
+//! What x, y and z of a file are: lengths on a map, angles, or lengths from the earth's center. The file's coordinate
 //! system says which. Its coordinates decide where there is no system, and where they cannot be what the system says.
 
 use super::crs::{Angle, Axes};
@@ -17,7 +17,7 @@ pub(super) fn of(file: &ScanFile, header: &Header, options: &ReadOptions) -> Axe
         Project::Auto => {
             let stated = header.axes.and_then(|axes| on_earth(file, header, axes));
             // A stated unit of length says that the coordinates are lengths.
-            let may_be = |axes: &Axes| *axes == Axes::Geocentric || options.unit.metres().is_none();
+            let may_be = |axes: &Axes| *axes == Axes::Geocentric || options.unit.meters().is_none();
             let evident = || evident_axes(file, header.is_on_fixed_grid).filter(may_be);
             stated.or_else(evident).unwrap_or(Axes::Planar)
         }
@@ -67,25 +67,25 @@ fn evident_axes(file: &ScanFile, is_on_fixed_grid: bool) -> Option<Axes> {
     };
     let has_extent = size.x > 0.0 && size.y > 0.0;
     // A degree is 111 km, so a scan in degrees looks like a needle: tall against its width, and far from zero against
-    // its width. A grid of whole steps in metres lacks the decimals that degrees need, or has them for heights too.
+    // its width. A grid of whole steps in meters lacks the decimals that degrees need, or has them for heights too.
     let (step, needle) = (file.grid.scale.abs(), size.z / across);
     let step_across = step.x.max(step.y);
     let is_far = middle.truncate().length() >= 1000.0 * across;
     let has_decimals = step_across <= 1e-5 && step.z >= 10.0 * step_across;
     let is_needle = across < 1.0 && is_far && needle >= if is_on_fixed_grid { 50.0 } else { 1000.0 };
-    // Nobody stores lengths across to a thousandth of a millimetre and heights only to a tenth of one, nor heights of
+    // Nobody stores lengths across to a thousandth of a millimeter and heights only to a tenth of one, nor heights of
     // land more finely than that. Land in degrees is always taller than wide, except a single plane.
     let is_degrees_grid = is_on_fixed_grid
         && step_across <= 1.1e-6
         && step.z >= (90.0 * step_across).max(9e-5)
         && (needle >= 3.0 || size.z == 0.0 && is_far);
-    // Nobody stores the width of a thread to a ten thousandth of a millimetre.
+    // Nobody stores the width of a thread to a ten thousandth of a millimeter.
     let is_thread = across < 1.0 && is_far && needle >= 10_000.0 && step_across <= 1.1e-7;
     if in_order.is_some() && has_extent && (is_needle && has_decimals || is_degrees_grid || is_thread) {
         return in_order;
     }
     // No survey has heights of 20 km. The middle may by chance be as far from zero as the ground is from the earth's
-    // centre, but not most points.
+    // center, but not most points.
     let is_on_ground = |&p: &DVec3| (-1000.0..9000.0).contains(&Geodetic::of_geocentric(p).height_m);
     let places: Vec<DVec3> = samples(file).collect();
     let are_most = || 5 * places.iter().filter(|p| is_on_ground(p)).count() >= 4 * places.len();

@@ -50,7 +50,7 @@ pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> Cho
         _ => make_one(rgb, known, white),
     };
     sentences.extend(source.white().and_then(|white| nearly_black(rgb, &raised, blank, white)));
-    Choice { coloring: Coloring { source, blank, greys: None, raised }, sentences }
+    Choice { coloring: Coloring { source, blank, grays: None, raised }, sentences }
 }
 
 /// Returns a sentence if nearly all colors are so dark that nobody sees them.

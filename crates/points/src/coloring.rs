@@ -70,7 +70,7 @@ pub struct Coloring {
     /// The color that stands for none.
     pub blank: Option<Blank>,
     /// Grays of points without a color, where others have one.
-    pub(super) greys: Option<Greys>,
+    pub(super) grays: Option<Grays>,
     /// Raises that make colors of fewer bits as bright as the others.
     pub(super) raised: Raised,
 }
@@ -85,7 +85,7 @@ impl Coloring {
 
 /// Grays for points without a color.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Greys {
+pub(super) struct Grays {
     /// True if the gray follows intensity, false if it follows height.
     pub by_intensity: bool,
     /// Values at the dark end and at the bright end.
@@ -94,14 +94,14 @@ pub(super) struct Greys {
 
 /// Darkest and brightest gray of points without a color, as parts of white: both are seen before black and before
 /// white.
-const GREYS: [f64; 2] = [0.25, 0.75];
+const GRAYS: [f64; 2] = [0.25, 0.75];
 
-impl Greys {
+impl Grays {
     /// The gray that stands for a value, beside colors of this white.
     fn of(self, value: f64, white: u16) -> u16 {
         let [low, high] = self.ends;
         let t = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
-        (f64::from(white) * (GREYS[0] + (GREYS[1] - GREYS[0]) * t)).round() as u16
+        (f64::from(white) * (GRAYS[0] + (GRAYS[1] - GRAYS[0]) * t)).round() as u16
     }
 }
 
@@ -205,18 +205,18 @@ impl ScanFile {
     /// Red, green and blue of a point, as parts of `white`.
     #[inline]
     pub(super) fn rgb(&self, index: usize, white: u16) -> [u16; 3] {
-        let Coloring { blank, greys, raised, .. } = &self.coloring;
+        let Coloring { blank, grays, raised, .. } = &self.coloring;
         let rgb = raised.color(index, self.points.rgb[index]);
-        match (greys, blank) {
-            (Some(greys), Some(blank)) if blank.is(rgb) => {
-                [greys.of(self.grey_value(index, *greys), white); 3]
+        match (grays, blank) {
+            (Some(grays), Some(blank)) if blank.is(rgb) => {
+                [grays.of(self.gray_value(index, *grays), white); 3]
             }
             _ => rgb,
         }
     }
 
-    fn grey_value(&self, index: usize, greys: Greys) -> f64 {
-        if greys.by_intensity { self.intensity(index) } else { self.height(index) }
+    fn gray_value(&self, index: usize, grays: Grays) -> f64 {
+        if grays.by_intensity { self.intensity(index) } else { self.height(index) }
     }
 
     /// Intensity of a point; 0 where there is none.

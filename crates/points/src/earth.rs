@@ -1,18 +1,18 @@
 //! The earth as far as a scan needs it: longitude, latitude and height turned into places in space, and the local frame
-//! that is drawn. One ellipsoid is enough for all coordinate systems: those of other surveys differ by metres in place
+//! that is drawn. One ellipsoid is enough for all coordinate systems: those of other surveys differ by meters in place
 //! and by millionths in size, and only differences within a scan are drawn.
 
 use glam::{DMat3, DVec3};
 use libm::{atan2, sincos};
 
-/// Equatorial radius of WGS 84 in metres.
+/// Equatorial radius of WGS 84 in meters.
 const EQUATOR_M: f64 = 6_378_137.0;
 /// Flattening of WGS 84.
 const FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// Eccentricity of WGS 84, squared.
 const ECCENTRICITY_2: f64 = FLATTENING * (2.0 - FLATTENING);
 
-/// Longitude and latitude in radians, height above the ellipsoid in metres.
+/// Longitude and latitude in radians, height above the ellipsoid in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geodetic {
     /// East of Greenwich.
@@ -24,7 +24,7 @@ pub struct Geodetic {
 }
 
 impl Geodetic {
-    /// The place in metres from the earth's centre.
+    /// The place in meters from the earth's center.
     #[must_use]
     pub fn geocentric(self) -> DVec3 {
         let ((sin_lat, cos_lat), (sin_lon, cos_lon)) = (sincos(self.latitude), sincos(self.longitude));
@@ -34,7 +34,7 @@ impl Geodetic {
         DVec3::new(across * cos_lon, across * sin_lon, up)
     }
 
-    /// Converts a place in metres from the earth's centre. No latitude is right close to the centre.
+    /// Converts a place in meters from the earth's center. No latitude is right close to the center.
     #[must_use]
     pub fn of_geocentric(p: DVec3) -> Self {
         let across = p.x.hypot(p.y);
@@ -72,13 +72,13 @@ impl LocalFrame {
         Self { origin, geocentric_from_local: DMat3::from_cols(east, north, up) }
     }
 
-    /// Converts metres from the earth's centre to metres along these axes.
+    /// Converts meters from the earth's center to meters along these axes.
     #[must_use]
     pub fn p_in_local(&self, p_in_geocentric: DVec3) -> DVec3 {
         self.direction_in_local(p_in_geocentric - self.origin)
     }
 
-    /// Converts metres along these axes to metres from the earth's centre.
+    /// Converts meters along these axes to meters from the earth's center.
     #[must_use]
     pub fn p_in_geocentric(&self, p_in_local: DVec3) -> DVec3 {
         self.geocentric_from_local * p_in_local + self.origin
@@ -125,7 +125,7 @@ mod tests {
             prop_assert!((frame.p_in_local(here.geocentric()) - DVec3::Z * height).length() < 1e-8);
             let above = Geodetic { height_m: height + 6.0, ..here };
             prop_assert!((frame.p_in_local(above.geocentric()) - DVec3::Z * (height + 6.0)).length() < 1e-8);
-            // A second of latitude is 31 metres to the north.
+            // A second of latitude is 31 meters to the north.
             let north = frame.p_in_local(place(lon, lat + 1.0 / 3600.0, height).geocentric());
             prop_assert!(north.x.abs() < 1e-6 && (30.7..31.1).contains(&north.y) && (north.z - height).abs() < 1e-3, "{north}");
             let p = DVec3::new(120.0, -340.0, 5.0);

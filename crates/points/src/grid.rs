@@ -42,7 +42,7 @@ impl Grid {
 /// Coordinates beyond this are no place: their sums and differences might not be finite.
 const MOST: f64 = 1e300;
 
-/// Step where all coordinates are equal, so that any would do: about a millimetre.
+/// Step where all coordinates are equal, so that any would do: about a millimeter.
 const ANY_STEP: f64 = 1.0 / 1024.0;
 
 /// Edges of the scene that can be held round it: steps are then a 2²²th of the scene.

@@ -183,7 +183,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     text
 }
 
-/// Metres per unit of height, where it differs from the unit across.
+/// Meters per unit of height, where it differs from the unit across.
 fn vertical_unit_m(scan: &Scan) -> Option<f64> {
     match scan.world_from_file() {
         WorldFromFile::Axes { across_scale, height_scale, .. } => {
@@ -204,7 +204,7 @@ fn up(scan: &Scan) -> Option<UpAxis> {
     }
 }
 
-/// Size of the scan in metres along the files' axes, or along the drawn axes if the files have places on the earth.
+/// Size of the scan in meters along the files' axes, or along the drawn axes if the files have places on the earth.
 fn size_m(scan: &Scan) -> Option<DVec3> {
     let size = scan.bounds().size() * scan.unit_m?;
     Some(match up(scan) {
@@ -264,7 +264,7 @@ fn color_words(file: &ScanFile) -> String {
     let num_all = file.points.xyz.len();
     let (num, all) = (grouped(num_all.saturating_sub(num_others)), grouped(num_all));
     let by = if by_intensity { "intensity" } else { "height" };
-    format!("{bits}; none at {num} of {all} points, which are {blank} and shown by {by}, in greys")
+    format!("{bits}; none at {num} of {all} points, which are {blank} and shown by {by}, in grays")
 }
 
 fn unit_words(scan: &Scan, vertical_unit_m: Option<f64>) -> String {
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn people_see_sizes_in_metres() {
+    fn people_see_sizes_in_meters() {
         let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(10.0, 20.0, 30.0) };
         let lines = |size_m| box_lines(bounds, size_m, [3, 2, 1]).map(|(_, text)| text);
         let feet = lines(Some(bounds.size() * 0.3048));

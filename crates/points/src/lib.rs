@@ -134,11 +134,11 @@ pub struct Scan {
     pub warnings: Vec<String>,
     /// Coordinate reference system, as the files name it.
     pub crs: Option<String>,
-    /// Metres per world unit, where the files or the user say so.
+    /// Meters per world unit, where the files or the user say so.
     pub unit_m: Option<f64>,
     /// The scan's points without strays; empty until they are found.
     pub scene: Scene,
-    /// Metres per unit of the files' lengths across, where the files or the user say so.
+    /// Meters per unit of the files' lengths across, where the files or the user say so.
     pub unit_in_file_m: Option<f64>,
 }
 
@@ -187,9 +187,9 @@ pub struct Header {
     pub attributes: Vec<String>,
     /// Coordinate reference system.
     pub crs: Option<String>,
-    /// Metres per unit of x and y.
+    /// Meters per unit of x and y.
     pub unit_m: Option<f64>,
-    /// Metres per unit of height, where that is stated by itself.
+    /// Meters per unit of height, where that is stated by itself.
     pub vertical_unit_m: Option<f64>,
     /// What x, y and z are.
     pub axes: Option<Axes>,

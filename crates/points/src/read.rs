@@ -62,7 +62,7 @@ pub(super) fn read_with_headers(
     world::place(&mut scan, &headers, options);
     uncolored::settle(&mut scan);
     let mut scan = scan.with_scene();
-    scan.files.iter_mut().for_each(uncolored::find_greys);
+    scan.files.iter_mut().for_each(uncolored::find_grays);
     Ok((scan, headers))
 }
 

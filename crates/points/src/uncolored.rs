@@ -2,7 +2,7 @@
 //! Such a file may have colors besides at a few points: marked points, wrong points, or those of a merged scan that had
 //! photographs, among several that had none.
 
-use super::coloring::Greys;
+use super::coloring::Grays;
 use super::distribution::Distribution;
 use super::ramp::byte;
 use super::white::White;
@@ -133,7 +133,7 @@ impl Blank {
             format!("{nearly} {color:?}, which is taken for none")
         };
         Some(format!(
-            "has a color at {only}{num} of {all} points; the others are {others}: they are drawn in greys"
+            "has a color at {only}{num} of {all} points; the others are {others}: they are drawn in grays"
         ))
     }
 }
@@ -170,16 +170,16 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
 /// differ, or where other files have colors of many kinds; otherwise they tell nothing. Grays tell nothing either,
 /// because exporters fill them in.
 pub(super) fn settle(scan: &mut Scan) {
-    let is_grey = |[r, g, b]: [u8; 3]| are_alike([r, g, b], [g, b, r]);
+    let is_gray = |[r, g, b]: [u8; 3]| are_alike([r, g, b], [g, b, r]);
     let colors = scan.files.iter().filter_map(|file| file.coloring.blank.map(|blank| blank.shown()));
-    let single: Vec<[u8; 3]> = colors.filter(|&color| !is_grey(color)).collect();
+    let single: Vec<[u8; 3]> = colors.filter(|&color| !is_gray(color)).collect();
     let is_colored =
         |file: &ScanFile| file.coloring.blank.is_none() && file.coloring.source.white().is_some();
     let do_differ =
         single.iter().any(|&color| !are_alike(color, single[0])) || scan.files.iter().any(is_colored);
     for file in &mut scan.files {
         let Some(blank) = file.coloring.blank else { continue };
-        if do_differ && !is_grey(blank.shown()) {
+        if do_differ && !is_gray(blank.shown()) {
             file.coloring.blank = None;
             file.coloring.source = ColorSource::with_white(blank.white);
             continue;
@@ -195,13 +195,13 @@ pub(super) fn settle(scan: &mut Scan) {
 
 /// Finds the grays that the points without a color are drawn in, if others of the file have colors: by intensity, or by
 /// height where the intensity is the same everywhere.
-pub(super) fn find_greys(file: &mut ScanFile) {
+pub(super) fn find_grays(file: &mut ScanFile) {
     let (Some(mut blank), Some(_)) = (file.coloring.blank, file.coloring.source.white()) else { return };
     let num_points = file.points.xyz.len();
     let by_intensity = ends(|at| file.intensity(at), num_points);
     blank.by_intensity = by_intensity[0] < by_intensity[1];
     let ends = if blank.by_intensity { by_intensity } else { ends(|at| file.height(at), num_points) };
-    file.coloring.greys = Some(Greys { by_intensity: blank.by_intensity, ends });
+    file.coloring.grays = Some(Grays { by_intensity: blank.by_intensity, ends });
     file.coloring.blank = Some(blank);
 }
 

@@ -13,12 +13,12 @@ fn filled(color: ColorSource, intensity: Vec<u16>) -> Vec<[u16; 3]> {
     let mut file = ScanBuilder::new(grid, xyz).rgb(rgb).intensity(intensity).color(color).file();
     file.coloring.blank =
         Some(Blank { color: [0; 3], near: 0, white: 255, num_others: 1, by_intensity: false });
-    find_greys(&mut file);
+    find_grays(&mut file);
     (0..5).map(|at| file.rgb(at, color.white().unwrap_or(255))).collect()
 }
 
 #[test]
-fn black_points_are_grey_by_intensity_or_height_and_colored_ones_stay() {
+fn black_points_are_gray_by_intensity_or_height_and_colored_ones_stay() {
     let by_intensity = filled(ColorSource::Rgb8, vec![100, 300, 0, 500, 900]);
     assert_eq!(by_intensity, [[78; 3], [106; 3], [9, 0, 0], [135; 3], [191; 3]]);
     // Heights fall along this file, and the sixteen bits are filled.
@@ -152,8 +152,8 @@ fn partly_black(share: f64, bright: impl Fn(f64) -> f64, white: f64) -> Vec<[u16
         (hash >> 40) as f64 / (1u64 << 24) as f64
     };
     let color = |at: usize| {
-        let grey = bright(part(at + 70_000));
-        let channel = |c: usize| ((grey + 6.0 * part(3 * at + c) - 3.0) / 255.0).clamp(0.0, 1.0);
+        let gray = bright(part(at + 70_000));
+        let channel = |c: usize| ((gray + 6.0 * part(3 * at + c) - 3.0) / 255.0).clamp(0.0, 1.0);
         [0, 1, 2].map(|c| (channel(c) * white).round() as u16)
     };
     (0..20_000).map(|at| if part(at) < share { [0; 3] } else { color(at) }).collect()

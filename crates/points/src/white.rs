@@ -21,7 +21,7 @@ const FEWEST_POINTS_OF_TWO: u64 = 20;
 /// A lesser part of all points than this is no second distribution.
 const LEAST_OF_TWO: f64 = 0.003;
 /// Points in the brightest quarter of 8 bits are more than this many times as many as points above, up to 319: points
-/// that thin out towards 255 and beyond are the noise of black of 16 bits.
+/// that thin out toward 255 and beyond are the noise of black of 16 bits.
 const CUT_OFF: u64 = 8;
 /// Channels from 256 to 511 are whites that were rounded up if channels from 16 to 255 are more than this many times as
 /// many, and few lie above.

@@ -212,8 +212,8 @@ fn two_whites_are_found_whichever_they_are_and_however_they_are_merged() {
 
 #[test]
 fn single_points_do_not_tell_their_white_where_dark_ones_may_be_of_either() {
-    let told_by = |low: fn(f64) -> u16, high: fn(f64) -> u16, grey: bool| {
-        let tone = |rgb: [f64; 3]| if grey { [rgb[0].sqrt(); 3] } else { rgb };
+    let told_by = |low: fn(f64) -> u16, high: fn(f64) -> u16, gray: bool| {
+        let tone = |rgb: [f64; 3]| if gray { [rgb[0].sqrt(); 3] } else { rgb };
         let all: Vec<[f64; 3]> = scene(20_000, 1.0).into_iter().map(tone).collect();
         let mut rgb = written(&all[..10_000], low);
         rgb.extend(written(&all[10_000..], high));
@@ -267,9 +267,9 @@ fn a_scene_of_one_white_stays_of_one() {
                     for darkness in [1.0, 0.6] {
                         let mut rgb = written(&scene(20_000, darkness), write);
                         (0..rgb.len()).filter(|at| at * 37 % 100 < share).for_each(|at| {
-                            let grey = shade * (1.0 + spread * bell(at));
+                            let gray = shade * (1.0 + spread * bell(at));
                             rgb[at] =
-                                [0, 1, 2].map(|c| (grey * (1.0 + 0.02 * bell(3 * at + c + 50_000))) as u16);
+                                [0, 1, 2].map(|c| (gray * (1.0 + 0.02 * bell(3 * at + c + 50_000))) as u16);
                         });
                         let case = format!("{share} % of {shade} ± {spread} of {right}, darkness {darkness}");
                         assert_eq!(white(&rgb), White::One(right), "{case}");

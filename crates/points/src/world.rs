@@ -31,7 +31,7 @@ pub enum Project {
     Off,
     /// All files: x and y are longitude and latitude in degrees, whatever the files say.
     Degrees,
-    /// All files: x, y and z are lengths from the earth's centre, whatever the files say.
+    /// All files: x, y and z are lengths from the earth's center, whatever the files say.
     Geocentric,
 }
 
@@ -53,14 +53,14 @@ pub enum WorldFromFile {
         angle: Angle,
         /// True if x is the latitude and y the longitude.
         latitude_first: bool,
-        /// Metres per unit of z.
+        /// Meters per unit of z.
         height_m: f64,
         /// The world's axes.
         frame: LocalFrame,
     },
-    /// Lengths from the earth's centre.
+    /// Lengths from the earth's center.
     Geocentric {
-        /// Metres per unit.
+        /// Meters per unit.
         unit_m: f64,
         /// The world's axes.
         frame: LocalFrame,
@@ -109,7 +109,7 @@ impl WorldFromFile {
         }
     }
 
-    /// Metres per unit of length of a file on the earth; per unit of height, if it has angles.
+    /// Meters per unit of length of a file on the earth; per unit of height, if it has angles.
     fn scale(&self) -> f64 {
         match self {
             Self::Axes { .. } => 1.0,
@@ -119,7 +119,7 @@ impl WorldFromFile {
 }
 
 impl Axes {
-    /// Converts coordinates on the earth to metres from the earth's centre.
+    /// Converts coordinates on the earth to meters from the earth's center.
     fn geocentric(self, p_in_file: DVec3, unit_m: f64) -> DVec3 {
         let (angle, longitude, latitude) = match self {
             Self::Planar | Self::Geocentric => return p_in_file * unit_m,
@@ -182,18 +182,18 @@ impl Units {
     /// The units that the user states, or else the file. A unit that the user states for all axes holds for heights
     /// too.
     fn of(header: &Header, axes: Axes, options: &ReadOptions) -> Self {
-        let (unit_m, vertical_m) = (options.unit.metres(), options.vertical_unit.metres());
-        // A user who states only a unit of heights has metres across, unless the file says otherwise.
-        let metre = vertical_m.map(|_| 1.0);
+        let (unit_m, vertical_m) = (options.unit.meters(), options.vertical_unit.meters());
+        // A user who states only a unit of heights has meters across, unless the file says otherwise.
+        let meter = vertical_m.map(|_| 1.0);
         // A map's unit says nothing of places on the earth.
         let in_file_m = header.unit_m.filter(|_| axes == Axes::Planar || header.axes != Some(Axes::Planar));
         Self {
-            across_m: unit_m.or(in_file_m).or(metre),
+            across_m: unit_m.or(in_file_m).or(meter),
             up_m: vertical_m.or(unit_m).or(header.vertical_unit_m),
         }
     }
 
-    /// World units, of `world_m` metres each, per unit across and per unit of height of planar axes. A unit that is not
+    /// World units, of `world_m` meters each, per unit across and per unit of height of planar axes. A unit that is not
     /// known is taken for the world's.
     fn planar(&self, world_m: Option<f64>) -> [f64; 2] {
         let (Some(across), Some(world)) = (self.across_m, world_m) else { return [1.0; 2] };
@@ -201,7 +201,7 @@ impl Units {
         [ratio(across), ratio(self.up_m.unwrap_or(across))]
     }
 
-    /// Metres per unit of the lengths of coordinates on the earth.
+    /// Meters per unit of the lengths of coordinates on the earth.
     fn scale(&self, axes: Axes) -> f64 {
         match axes {
             Axes::Planar => 1.0,
@@ -227,7 +227,7 @@ pub(super) fn median(points: Vec<DVec3>) -> DVec3 {
     DVec3::new(along(0), along(1), along(2))
 }
 
-/// The middle of files on the earth, each with its axes and metres per unit.
+/// The middle of files on the earth, each with its axes and meters per unit.
 fn middle<'a>(files: impl Iterator<Item = (&'a ScanFile, Axes, f64)>) -> Geodetic {
     let places =
         files.flat_map(|(file, axes, unit_m)| samples(file).map(move |p| axes.geocentric(p, unit_m)));
@@ -324,7 +324,7 @@ fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geo
             WorldFromFile::Geographic { latitude_first: true, .. } => "in angles, the latitude first",
             WorldFromFile::Geographic { angle: Angle::Degree, .. } => "in degrees",
             WorldFromFile::Geographic { .. } => "in angles",
-            _ => "from the earth's centre",
+            _ => "from the earth's center",
         };
         let is_as_stated = match (header.axes, file.world_from_file) {
             (Some(Axes::Geographic(stated)), WorldFromFile::Geographic { angle, .. }) => stated == angle,
@@ -338,11 +338,11 @@ fn sentences(scan: &Scan, headers: &[Header], options: &ReadOptions, middle: Geo
         let (lon, lat) = (middle.longitude.to_degrees(), middle.latitude.to_degrees());
         let path = file.path.display();
         sentences.push(format!(
-            "{path}: {how} {what}; they are drawn in metres east, north and up of longitude {lon:.5}, latitude {lat:.5} \
+            "{path}: {how} {what}; they are drawn in meters east, north and up of longitude {lon:.5}, latitude {lat:.5} \
              (cloud.project=off draws them as they are)"
         ));
         let is_geographic = matches!(file.world_from_file, WorldFromFile::Geographic { .. });
-        if is_geographic && options.project == Project::Auto && options.unit.metres().is_some() {
+        if is_geographic && options.project == Project::Auto && options.unit.meters().is_some() {
             sentences.push(format!(
                 "{path}: cloud.unit is the unit of its heights only, for its coordinate system is one of angles \
                  (cloud.project=off, if it has lengths)"

@@ -1,7 +1,7 @@
 //! Depth beside a projection layer (XR_KHR_composition_layer_depth), which the openxr crate has raw only.
 //!
 //! The frame writes near ÷ w: 1 at the near plane, 0 infinitely far away. In the extension's words: the window depths 0
-//! and 1 (minDepth, maxDepth) lie at the distances "infinitely far" (nearZ) and "near" (farZ), in metres; nearZ >
+//! and 1 (minDepth, maxDepth) lie at the distances "infinitely far" (nearZ) and "near" (farZ), in meters; nearZ >
 //! farZ says that depth is reversed. The specification allows an infinite nearZ; f32::MAX gives the same depths to
 //! the last bit, keeps a runtime's own arithmetic free of ∞ − ∞, and is what runtimes are given most.
 

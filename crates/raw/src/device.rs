@@ -20,7 +20,7 @@ use std::sync::Arc;
 use wgpu_hal::api::Vulkan as HalVulkan;
 use wgpu_hal::vulkan as hal;
 
-/// What `xrCreateSession` of the Vulkan flavour yields.
+/// What `xrCreateSession` of the Vulkan flavor yields.
 pub type Session = (xr::Session<xr::Vulkan>, xr::FrameWaiter, xr::FrameStream<xr::Vulkan>);
 
 /// Newest Vulkan that wgpu-hal asks for by itself.

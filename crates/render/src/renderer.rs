@@ -116,7 +116,7 @@ impl Renderer {
     }
 
     /// Sets what is shown while there is no cloud: the part of the work until then that is done, 0 to 1, as a bar and a
-    /// number that stand at `world_from_bar`, in metres. `None` shows nothing. It is shown from the frame on that is
+    /// number that stand at `world_from_bar`, in meters. `None` shows nothing. It is shown from the frame on that is
     /// recorded next.
     pub fn set_waiting(
         &mut self,

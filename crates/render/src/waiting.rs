@@ -7,16 +7,16 @@ use crate::gpu::{Gpu, QueueGuard};
 use base::space::{Eye, Pose};
 use glam::DVec3;
 
-/// A rectangle from its lower left to its upper right corner, in metres from the bar's middle, and its brightness.
+/// A rectangle from its lower left to its upper right corner, in meters from the bar's middle, and its brightness.
 type Rectangle = ([f64; 4], f32);
 /// A corner in clip coordinates, and its brightness.
 type Vertex = [f32; 5];
 
-/// The bar, metres.
+/// The bar, meters.
 const BAR: [f64; 4] = [-0.4, -0.02, 0.4, 0.02];
 /// Brightness of the part that is done and of the part that is not, in linear light.
 const BRIGHTNESS: [f32; 2] = [0.6, 0.04];
-/// A digit's width and height, how thick its strokes are, and how far apart digits are: metres.
+/// A digit's width and height, how thick its strokes are, and how far apart digits are: meters.
 const DIGIT: [f64; 4] = [0.05, 0.1, 0.012, 0.075];
 /// Upper edge of the digits.
 const DIGITS_TOP: f64 = -0.07;

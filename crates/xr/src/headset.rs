@@ -24,7 +24,7 @@ pub enum FrameState {
     Ended(End),
 }
 
-/// An eye as the headset reports it, in stage space (metres, y up).
+/// An eye as the headset reports it, in stage space (meters, y up).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageEye {
     /// Pose of the eye in the stage.

@@ -100,11 +100,11 @@ fn both_counts_can_fail() {
     assert!(num_missed(&area, &vec![0; words.len()]) > 700);
 }
 
-/// A test of corners and centre alone would hide this pixel.
+/// A test of corners and center alone would hide this pixel.
 #[test]
 fn a_hole_between_corners_keeps_its_pixel() {
     let fov = Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 };
-    // Everything is hidden except a strip through the only pixel, between its centre and its corners.
+    // Everything is hidden except a strip through the only pixel, between its center and its corners.
     let (below, above) = ([[-9.0, -9.0], [9.0, -9.0]], [[-9.0, 9.0], [9.0, 9.0]]);
     let band = |[a, b]: [[f32; 2]; 2], y: f32| [[a, b, [9.0, y]], [a, [9.0, y], [-9.0, y]]];
     let strip = |from, to| HiddenArea { triangles: [band(below, from), band(above, to)].concat() };

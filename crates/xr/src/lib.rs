@@ -46,7 +46,7 @@ pub struct XrOptions {
     pub depth_layer: bool,
     /// True to ask the runtime what the lenses hide, if it tells.
     pub visibility_mask: bool,
-    /// The frame's near plane, which depth images are relative to, metres.
+    /// The frame's near plane, which depth images are relative to, meters.
     pub near_m: f64,
 }
 

@@ -40,7 +40,7 @@ pub(super) struct XrSession {
     pub refresh_hz: f64,
     pub life: Lifecycle,
     mask: Option<VisibilityMask>,
-    /// The near plane that depth images are relative to, metres.
+    /// The near plane that depth images are relative to, meters.
     near_m: f32,
     eyes: Eyes,
     frame: Option<OpenFrame>,
@@ -157,7 +157,7 @@ impl XrSession {
                 xr::Event::SessionStateChanged(event) => self.enter(event.state())?,
                 xr::Event::InstanceLossPending(_) => self.life.end(End::RuntimeLost),
                 xr::Event::ReferenceSpaceChangePending(event) => {
-                    // The user has recentred the space. The runtime moves it under us at the change time; all that we
+                    // The user has recentered the space. The runtime moves it under us at the change time; all that we
                     // remember in it is the last good pose, which the next `locate` replaces.
                     let ours = event.reference_space_type() == self.stage_kind;
                     tracing::info!(
@@ -272,7 +272,7 @@ fn add_depth(images: &mut EyeSwapchains, session: &xr::Session<xr::Vulkan>, gpu:
 
 /// The stage: the floor at y = 0, under the user where the runtime can tell.
 ///
-/// LOCAL_FLOOR follows the user's recentring and knows the floor; STAGE knows the floor; LOCAL knows
+/// LOCAL_FLOOR follows the user's recentering and knows the floor; STAGE knows the floor; LOCAL knows
 /// neither, so its floor is taken to be [`EYE_HEIGHT_M`] below its origin.
 fn stage_space(session: &xr::Session<xr::Vulkan>) -> xr::Result<(xr::Space, xr::ReferenceSpaceType)> {
     let offered = session.enumerate_reference_spaces()?;

@@ -1,4 +1,4 @@
-//! The governor's ladder: what there is to trade, from what was asked for down to the cheapest, and what was learnt of
+//! The governor's ladder: what there is to trade, from what was asked for down to the cheapest, and what was learned of
 //! each rung.
 
 use render::options::Quality;
@@ -60,7 +60,7 @@ impl Settings {
     }
 }
 
-/// A place on the ladder, and what was learnt of getting there from the one below.
+/// A place on the ladder, and what was learned of getting there from the one below.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rung {
     pub(super) settings: Settings,

@@ -15,18 +15,18 @@ fn coordinates_that_plainly_contradict_the_system_are_taken_for_what_they_are() 
     let in_degrees = |keys: &[[u16; 4]]| {
         Las::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), degrees.clone()).with_keys(keys)
     };
-    let from_centre = |keys: &[[u16; 4]]| {
+    let from_center = |keys: &[[u16; 4]]| {
         Las::new(DVec3::splat(1e-3), cartesian[0].round(), cartesian.clone()).with_keys(keys)
     };
     for (what, las, words) in [
         ("degrees, UTM", in_degrees(&utm), "but has its coordinates in degrees"),
         ("degrees, feet", in_degrees(&feet), "but has its coordinates in degrees"),
-        ("from the centre, UTM", from_centre(&utm), "but has its coordinates from the earth's centre"),
-        ("from the centre, feet", from_centre(&feet), "but has its coordinates from the earth's centre"),
+        ("from the center, UTM", from_center(&utm), "but has its coordinates from the earth's center"),
+        ("from the center, feet", from_center(&feet), "but has its coordinates from the earth's center"),
         (
-            "from the centre, degrees",
-            from_centre(&geographic),
-            "but has its coordinates from the earth's centre",
+            "from the center, degrees",
+            from_center(&geographic),
+            "but has its coordinates from the earth's center",
         ),
     ] {
         let scan = las.read(&ReadOptions::default());
@@ -42,30 +42,30 @@ fn coordinates_that_plainly_contradict_the_system_are_taken_for_what_they_are() 
 
 #[test]
 fn a_unit_of_length_is_taken_or_spoken_of() {
-    let metres = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
+    let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
     let degrees = || {
         Las::new(DVec3::new(1e-7, 1e-7, 1e-3), DVec3::new(16.0, 48.0, 0.0), tower_on_earth(16.0, 48.0, 200.0))
     };
     // The user says what the first file is, which does not say it itself.
-    let scan = degrees().read(&metres);
+    let scan = degrees().read(&meters);
     assert_eq!((scan.bounds(), scan.unit_m), (scan.bounds_in_file(), Some(1.0)));
     assert!(scan.warnings.is_empty(), "{:?}", scan.warnings);
     // The second file says that it has angles.
     let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
-    let scan = degrees().with_keys(&keys).read(&metres);
+    let scan = degrees().with_keys(&keys).read(&meters);
     assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }));
     assert!(
         scan.warnings.iter().any(|w| w.contains("cloud.unit is the unit of its heights only")),
         "{:?}",
         scan.warnings
     );
-    let off = ReadOptions { project: Project::Off, ..metres };
+    let off = ReadOptions { project: Project::Off, ..meters };
     let scan = degrees().with_keys(&keys).read(&off);
     assert_eq!((scan.bounds(), scan.unit_m), (scan.bounds_in_file(), Some(1.0)));
 }
 
 #[test]
-fn angles_and_lengths_of_every_number_are_drawn_in_metres() {
+fn angles_and_lengths_of_every_number_are_drawn_in_meters() {
     let gradians: Vec<DVec3> =
         tower_on_earth(2.0, 45.0, 100.0).iter().map(|p| *p * DVec3::new(1.0 / 0.9, 1.0 / 0.9, 1.0)).collect();
     for keys in [
@@ -127,7 +127,7 @@ fn latitude_comes_first_where_longitude_cannot() {
 }
 
 #[test]
-fn longitudes_may_go_on_to_360_and_no_scan_has_steps_of_a_hundred_metres() {
+fn longitudes_may_go_on_to_360_and_no_scan_has_steps_of_a_hundred_meters() {
     let east = tower_on_earth(254.8, 40.0, 1500.0);
     let scan = Las::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::default());
     assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }), "{:?}", scan.warnings);

@@ -9,7 +9,7 @@ use kit::las_files::save;
 use points::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
 
 const US_FOOT: f64 = 1200.0 / 3937.0;
-/// A tower 6 m high and 20 m across, with points within, in metres about its foot.
+/// A tower 6 m high and 20 m across, with points within, in meters about its foot.
 const TOWER: [[f64; 3]; 5] =
     [[-10.0, -10.0, 0.0], [10.0, 10.0, 6.0], [3.0, -4.0, 1.5], [-7.25, 2.5, 0.0], [0.0, 0.0, 3.0]];
 
@@ -99,7 +99,7 @@ fn tower() -> impl Iterator<Item = DVec3> {
 }
 
 /// The tower at a place on the earth, as longitude, latitude in degrees and height, by steps of a second: not by the
-/// code under test, but by radii of curvature, which is exact to a tenth of a millimetre at this size.
+/// code under test, but by radii of curvature, which is exact to a tenth of a millimeter at this size.
 fn tower_on_earth(longitude: f64, latitude: f64, height: f64) -> Vec<DVec3> {
     let (a, e2) = (6_378_137.0, 0.006_694_379_990_141_3);
     let w = 1.0 - e2 * latitude.to_radians().sin().powi(2);
@@ -126,7 +126,7 @@ fn errors(scan: &Scan, height: f64) -> (f64, f64) {
     (distance.fold(0.0, f64::max), heights.fold(0.0, f64::max))
 }
 
-/// The size is of longitude, latitude and height in metres, along the same axes as the file's size beside it.
+/// The size is of longitude, latitude and height in meters, along the same axes as the file's size beside it.
 #[test]
 fn info_gives_the_size_of_a_scan_on_the_earth_in_the_order_of_its_axes() {
     let tower = tower_on_earth(8.0, 47.0, 500.0);
@@ -150,8 +150,8 @@ fn units_are_stated_by_code_or_by_the_user() {
     let scan = by_code.read(&ReadOptions::default());
     assert_eq!((scan.unit_m, scan.unit_in_file_m), (Some(US_FOOT), Some(US_FOOT)));
     assert!((scan.bounds().size() * US_FOOT - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 1e-3);
-    let millimetres = ReadOptions { unit: Unit::Metres(0.001), ..ReadOptions::default() };
-    let scan = by_code.read(&millimetres);
+    let millimeters = ReadOptions { unit: Unit::Meters(0.001), ..ReadOptions::default() };
+    let scan = by_code.read(&millimeters);
     assert_eq!(scan.unit_m, Some(0.001));
     assert_eq!(scan.files[0].grid.scale, DVec3::splat(0.001), "a unit of all axes scales none of them");
 }
@@ -163,7 +163,7 @@ fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
     let tile = || Las::new(DVec3::splat(0.001), base, tower().map(|p| p * foot + base).collect());
     let wkt = r#"COMPD_CS["both",PROJCS["UTM",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["x",2005],UNIT["US survey foot",0.304800609601219]]]"#;
     let keys = [[1024, 0, 1, 1], [3072, 0, 1, 26918], [4099, 0, 1, 9003]];
-    let vertical = ReadOptions { vertical_unit: Unit::Metres(US_FOOT), ..ReadOptions::default() };
+    let vertical = ReadOptions { vertical_unit: Unit::Meters(US_FOOT), ..ReadOptions::default() };
     let stored = tile().read(&ReadOptions::default()).files[0].points.xyz.clone();
     for (how, scan) in [
         ("wkt", tile().with_wkt(wkt).read(&ReadOptions::default())),
@@ -184,12 +184,12 @@ fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
     // Without a word about the unit of heights the tower is 19.7 units tall. The user's unit of all axes wins over
     // the file's.
     assert!((tile().read(&ReadOptions::default()).bounds().size().z - 19.685).abs() < 1e-3);
-    let metres = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
-    assert!((tile().with_wkt(wkt).read(&metres).bounds().size().z - 19.685).abs() < 1e-3);
+    let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
+    assert!((tile().with_wkt(wkt).read(&meters).bounds().size().z - 19.685).abs() < 1e-3);
 }
 
 #[test]
-fn places_on_the_earth_stand_upright_in_metres_wherever_they_are() {
+fn places_on_the_earth_stand_upright_in_meters_wherever_they_are() {
     let options = ReadOptions::default();
     for longitude in [-179.9999, -73.9, 8.0, 139.7] {
         for latitude in [-77.5, -33.9, 0.3, 47.0, 78.2] {
@@ -204,7 +204,7 @@ fn places_on_the_earth_stand_upright_in_metres_wherever_they_are() {
                 for (what, las) in [
                     ("degrees by code", geographic.read(&options)),
                     (
-                        "from the centre by code",
+                        "from the center by code",
                         cartesian.with_keys(&[[1024, 0, 1, 3], [2048, 0, 1, 4978]]).read(&options),
                     ),
                 ] {
@@ -297,7 +297,7 @@ fn a_system_that_the_points_contradict_is_not_believed() {
     utm(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]);
 }
 
-/// Scans in lengths that look a little like degrees or places from the earth's centre.
+/// Scans in lengths that look a little like degrees or places from the earth's center.
 #[test]
 fn lengths_are_never_taken_for_places_on_the_earth() {
     let mm = DVec3::splat(1e-3);
@@ -378,9 +378,9 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
             scan.warnings
         );
     }
-    let centre: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
-    let scan = Las::new(mm, centre[0].round(), centre).read(&ReadOptions::default());
-    assert!(scan.warnings[0].contains("from the earth's centre"), "{:?}", scan.warnings);
+    let center: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
+    let scan = Las::new(mm, center[0].round(), center).read(&ReadOptions::default());
+    assert!(scan.warnings[0].contains("from the earth's center"), "{:?}", scan.warnings);
 }
 
 #[test]
@@ -410,19 +410,19 @@ fn zeros_beside_places_on_the_earth_are_left_out_and_cost_nothing() {
 
 #[test]
 fn files_with_other_units_are_scaled_to_that_of_the_first() {
-    // The files have one projection, whose register has it in metres and in feet.
+    // The files have one projection, whose register has it in meters and in feet.
     let base = DVec3::new(400_000.0, 170_000.0, 20.0);
     let tile = |unit_m: f64, shift: f64, keys: &[[u16; 4]]| {
         let points: Vec<DVec3> = tower().map(|p| (p + base + DVec3::X * shift) / unit_m).collect();
         Las::new(DVec3::splat(0.001), (points[0]).round(), points).with_keys(keys).bytes()
     };
-    let metres = [[1024, 0, 1, 1], [3076, 0, 1, 9001]];
+    let meters = [[1024, 0, 1, 1], [3076, 0, 1, 9001]];
     let feet = [[1024, 0, 1, 1], [3076, 0, 1, 9002]];
     let both: Vec<DVec3> =
         [0.0, 20.0].iter().flat_map(|&shift| tower().map(move |p| p + base + DVec3::X * shift)).collect();
     for feet_first in [false, true] {
         let shift = |is_feet: bool| if is_feet == feet_first { 0.0 } else { 20.0 };
-        let (_a, a) = save("m.las", &tile(1.0, shift(false), &metres));
+        let (_a, a) = save("m.las", &tile(1.0, shift(false), &meters));
         let (_b, b) = save("ft.las", &tile(0.3048, shift(true), &feet));
         let paths = if feet_first { [b, a] } else { [a, b] };
         let scan = read(&paths, &ReadOptions::default(), &CancelToken::default()).unwrap();
@@ -433,19 +433,19 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
         }
         let [warning] = &scan.warnings[..] else { panic!("{:?}", scan.warnings) };
         let other = if feet_first {
-            "m.las: has its lengths in another unit, metre"
+            "m.las: has its lengths in another unit, meter"
         } else {
             "ft.las: has its lengths in another unit, foot"
         };
         assert!(warning.contains(other), "{warning}");
         // A unit that the user states is that of all files.
-        let options = ReadOptions { unit: Unit::Metres(1.0), ..ReadOptions::default() };
+        let options = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
         let scan = read(&paths, &options, &CancelToken::default()).unwrap();
         assert!(!scan.warnings.iter().any(|w| w.contains("another unit")), "{:?}", scan.warnings);
         assert_eq!(scan.bounds(), scan.bounds_in_file());
     }
     // Nothing is scaled beside a file that states no unit.
-    let (_a, a) = save("m.las", &tile(1.0, 0.0, &metres));
+    let (_a, a) = save("m.las", &tile(1.0, 0.0, &meters));
     let (_b, b) = save("none.las", &tile(1.0, 20.0, &[]));
     let scan = read(&[b, a], &ReadOptions::default(), &CancelToken::default()).unwrap();
     assert_eq!((scan.warnings.len(), scan.unit_m), (0, Some(1.0)), "{:?}", scan.warnings);

@@ -99,8 +99,8 @@ fn of_several_colors_those_are_shown_that_points_have() {
                 continue;
             }
             // All points are black, or gray, or most are black.
-            for (grey, step) in [(0, usize::MAX), (128, usize::MAX), (0, 9)] {
-                let other = |at: usize| if at % step == 1 { rgb(at) } else { [grey; 3] };
+            for (gray, step) in [(0, usize::MAX), (128, usize::MAX), (0, 9)] {
+                let other = |at: usize| if at % step == 1 { rgb(at) } else { [gray; 3] };
                 for is_first in [true, false] {
                     let properties = if is_first { [without, with] } else { [with, without] };
                     let bytes = points(&properties.join(", "), |at| {
@@ -110,7 +110,7 @@ fn of_several_colors_those_are_shown_that_points_have() {
                     let (file, warnings) = read_one(&bytes);
                     assert!(
                         shown(&file) == expected,
-                        "{with} beside {without} of {grey}, {step}: {warnings:?}"
+                        "{with} beside {without} of {gray}, {step}: {warnings:?}"
                     );
                 }
             }

@@ -44,7 +44,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
 
 #[test]
 #[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
-fn colors_normals_and_programs_are_recognised() {
+fn colors_normals_and_programs_are_recognized() {
     let folder = folder();
     let color = |name: &str| read_in(&folder, name).unwrap().files[0].coloring.source;
     assert_eq!(color("ply/Guanyin.ply"), ColorSource::Rgb8);

@@ -5,7 +5,7 @@ use super::las::{Las, place};
 use super::{Row, judged, row};
 
 const LINE: u8 = 6;
-/// US survey feet in metres.
+/// US survey feet in meters.
 const US_FOOT: f64 = 1200.0 / 3937.0;
 
 fn compound(horizontal: &str, vertical: &str) -> String {
@@ -18,7 +18,7 @@ fn compound(horizontal: &str, vertical: &str) -> String {
     )
 }
 
-/// A row whose file has this unit, and whose place has its size in metres, as `info` says.
+/// A row whose file has this unit, and whose place has its size in meters, as `info` says.
 fn of_unit(name: &'static str, make: fn() -> Las, set: &'static [&'static str], unit_m: f64) -> Row {
     row(LINE, name, format!("unit {unit_m:.7} m, eyes 1.7 m above the ground"), move |desk| {
         desk.put("place.las", make().bytes());
@@ -32,11 +32,11 @@ fn of_unit(name: &'static str, make: fn() -> Las, set: &'static [&'static str], 
     })
 }
 
-fn metres(edge: f64) -> Las {
+fn meters(edge: f64) -> Las {
     Las::new(2, place(3000, [0.0; 3], edge))
 }
 
-/// The tower's height in the picture as a share of its height in the picture of the same place in metres.
+/// The tower's height in the picture as a share of its height in the picture of the same place in meters.
 fn tower(desk: &Desk, las: &Las, args: &[&str]) -> Result<f64, String> {
     desk.put("tower.las", las.bytes());
     let mut heights = Vec::new();
@@ -51,20 +51,20 @@ fn tower(desk: &Desk, las: &Las, args: &[&str]) -> Result<f64, String> {
 }
 
 fn isotropic(name: &'static str, make: fn(Las) -> Las, set: &'static [&'static str]) -> Row {
-    row(LINE, name, "the tower as high as in metres", move |desk| {
-        let plain = tower(desk, &metres(20.0), &[])?;
-        let mut feet = metres(20.0);
+    row(LINE, name, "the tower as high as in meters", move |desk| {
+        let plain = tower(desk, &meters(20.0), &[])?;
+        let mut feet = meters(20.0);
         feet.points.iter_mut().for_each(|point| point.at[2] /= US_FOOT);
         let naive = tower(desk, &feet, &[])?;
         let got = tower(desk, &make(feet), set)?;
         judged(
             (got - plain).abs() <= 2.0 && naive > plain + 4.0,
-            format!("{got} pixels, {plain} in metres, {naive} as stored"),
+            format!("{got} pixels, {plain} in meters, {naive} as stored"),
         )
     })
 }
 
-/// A place at longitude 8, latitude 47, in degrees and metres.
+/// A place at longitude 8, latitude 47, in degrees and meters.
 fn degrees(longitude: f64, latitude: f64) -> Las {
     let mut points = place(3000, [0.0; 3], 20.0);
     for point in &mut points {
@@ -94,10 +94,10 @@ fn geocentric(longitude: f64, latitude: f64) -> Las {
     Las::new(2, points).at(middle.map(f64::round))
 }
 
-/// A row whose scan is walked in metres about its middle, upright, which is said; `info` has the file's own
+/// A row whose scan is walked in meters about its middle, upright, which is said; `info` has the file's own
 /// coordinates.
 fn projected(name: &'static str, make: fn() -> Las) -> Row {
-    row(LINE, name, "an upright place of 20 m, walked in metres; said; the box as in the file", move |desk| {
+    row(LINE, name, "an upright place of 20 m, walked in meters; said; the box as in the file", move |desk| {
         let las = make();
         desk.put("earth.las", las.bytes());
         let start = desk.start(&["earth.las"])?;
@@ -106,7 +106,7 @@ fn projected(name: &'static str, make: fn() -> Las) -> Row {
         let true_low = las.points.iter().map(|point| point.at[1]).fold(f64::INFINITY, f64::min);
         let is_own = (low - true_low).abs() < 0.002;
         let is_near = start.head[..2].iter().all(|c| c.abs() < 120.0);
-        let is_told = start.ran.says(&["metres"]) || info.says(&["metres"]) || start.ran.says(&["upright"]);
+        let is_told = start.ran.says(&["meters"]) || info.says(&["meters"]) || start.ran.says(&["upright"]);
         let got = format!("head at {:.2?}, box from {low}; {}", start.head, start.ran.in_words());
         // Level ground seen from the side is a line with a tower on it, wider than high.
         let picture = desk.render(&["earth.las"])?;
@@ -163,10 +163,10 @@ fn upright(
 
 /// Two tiles side by side, each of which states its unit.
 fn tiles() -> Row {
-    row(LINE, "a tile in metres and one in feet", "both of one size and side by side; said", |desk| {
+    row(LINE, "a tile in meters and one in feet", "both of one size and side by side; said", |desk| {
         let mut feet = place(3000, [20.0, 0.0, 0.0], 20.0);
         feet.iter_mut().for_each(|point| point.at = point.at.map(|c| c / 0.3048));
-        desk.put("m.las", metres(20.0).geo_keys(&[(1024, 1), (3076, 9001)]).bytes());
+        desk.put("m.las", meters(20.0).geo_keys(&[(1024, 1), (3076, 9001)]).bytes());
         desk.put("ft.las", Las::new(2, feet).geo_keys(&[(1024, 1), (3076, 9002)]).bytes());
         let info = desk.info(&["m.las", "ft.las"])?;
         let side = |to: usize, axis: usize| info.json["scene"][to][axis].as_f64().unwrap_or(f64::NAN);
@@ -208,33 +208,33 @@ pub fn rows() -> Vec<Row> {
         zeros_on_earth(),
         of_unit(
             "EPSG:2263 by its code alone",
-            || metres(65.0).geo_keys(&[(1024, 1), (3072, 2263)]),
+            || meters(65.0).geo_keys(&[(1024, 1), (3072, 2263)]),
             &[],
             US_FOOT,
         ),
         of_unit(
             "EPSG:2225 by its code alone",
-            || metres(65.0).geo_keys(&[(1024, 1), (3072, 2225)]),
+            || meters(65.0).geo_keys(&[(1024, 1), (3072, 2225)]),
             &[],
             US_FOOT,
         ),
         of_unit(
             "EPSG:32632 by its code alone",
-            || metres(20.0).geo_keys(&[(1024, 1), (3072, 32632)]),
+            || meters(20.0).geo_keys(&[(1024, 1), (3072, 32632)]),
             &[],
             1.0,
         ),
-        of_unit("linear units key: feet", || metres(65.0).geo_keys(&[(1024, 1), (3076, 9002)]), &[], 0.3048),
-        of_unit("no unit, cloud.unit=ft", || metres(65.0), &["--set", "cloud.unit=ft"], 0.3048),
+        of_unit("linear units key: feet", || meters(65.0).geo_keys(&[(1024, 1), (3076, 9002)]), &[], 0.3048),
+        of_unit("no unit, cloud.unit=ft", || meters(65.0), &["--set", "cloud.unit=ft"], 0.3048),
         of_unit(
             "no unit, cloud.unit=cm",
-            || metres(2000.0).scaled([0.01; 3]),
+            || meters(2000.0).scaled([0.01; 3]),
             &["--set", "cloud.unit=cm"],
             0.01,
         ),
-        of_unit("no unit, cloud.unit=0.9144", || metres(22.0), &["--set", "cloud.unit=0.9144"], 0.9144),
+        of_unit("no unit, cloud.unit=0.9144", || meters(22.0), &["--set", "cloud.unit=0.9144"], 0.9144),
         isotropic(
-            "metres across, US feet up (WKT)",
+            "meters across, US feet up (WKT)",
             |las| {
                 Las { format: 7, ..las }
                     .wkt(&compound("UNIT[\"metre\",1]", "UNIT[\"US survey foot\",0.304800609601219]"))
@@ -242,7 +242,7 @@ pub fn rows() -> Vec<Row> {
             &[],
         ),
         isotropic(
-            "metres across, US feet up (GeoTIFF keys)",
+            "meters across, US feet up (GeoTIFF keys)",
             |las| las.geo_keys(&[(1024, 1), (3072, 32632), (4099, 9003)]),
             &[],
         ),
@@ -258,7 +258,7 @@ pub fn rows() -> Vec<Row> {
             geocentric(150.9, -33.8).geo_keys(&[(1024, 3), (2048, 4978)])
         }),
     ];
-    rows.push(row(LINE, "a statue in millimetres, cloud.unit=mm", "seen from 0.3 to 6 m away", |desk| {
+    rows.push(row(LINE, "a statue in millimeters, cloud.unit=mm", "seen from 0.3 to 6 m away", |desk| {
         let text = super::ply::points("float", &super::ply::statue(3000, 250.0));
         desk.put("statue.ply", text);
         let (away, _) = desk.start(&["statue.ply", "--set", "cloud.unit=mm"])?.from([0.0, 0.0, 60.0]);

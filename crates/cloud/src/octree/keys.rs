@@ -69,7 +69,7 @@ impl Root {
         self.min + DVec3::from_array(cube.number.map(f64::from)) * self.edge(cube.level)
     }
 
-    /// The cells in which a node's points are quantised.
+    /// The cells in which a node's points are quantized.
     pub fn cells(&self, cube: Cube) -> Cells {
         Cells { min: self.min(cube), cell: [self.cell / (1u32 << cube.level) as f32; 3] }
     }
@@ -85,7 +85,7 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Levels below a frame's cube that its codes serve: a node of the last of them still has 4 bits an axis
-    /// below its grid cells, to tell which point is nearest to a cell's centre.
+    /// below its grid cells, to tell which point is nearest to a cell's center.
     pub const LEVELS: u32 = morton::BITS - super::GRID_BITS - 4;
 
     pub fn new(root: &Root, cube: Cube) -> Self {

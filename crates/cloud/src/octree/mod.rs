@@ -15,7 +15,7 @@
 //!
 //! What an inner node guarantees:
 //! - **Spread**: no two of its points share a cell of its grid of 128³, and no two are closer than half a cell,
-//!   [`Node::cell`] / 2. In a cell, the point nearest to the centre is taken. If that makes more than
+//!   [`Node::cell`] / 2. In a cell, the point nearest to the center is taken. If that makes more than
 //!   [`MAX_NODE_POINTS`], some are dropped, evenly.
 //! - **Filter**: its points' filtered colors average all points of its cube, each counted once. A cell's points count
 //!   for the cell's sample. If that sample is dropped because another is too close, they count for the nearest that was

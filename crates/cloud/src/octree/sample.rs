@@ -1,7 +1,7 @@
 //! Sampling: which points of its children a node takes, and which colors they then stand for.
 //!
 //! Candidates come in Morton order, so the candidates of a grid cell follow one another: the one nearest to the cell's
-//! centre in each run is proposed. It is kept unless one already kept in a neighboring cell is closer than half a cell.
+//! center in each run is proposed. It is kept unless one already kept in a neighboring cell is closer than half a cell.
 //! Which cells are taken is a bitmap in Morton order; since cells come in that order too, the number of a cell's sample
 //! is the count of bits before its own, and no hash table is needed.
 //!
@@ -106,7 +106,7 @@ pub(super) struct Sampler {
     places: Vec<[u64; 3]>,
     sampled: Sampled,
     /// The current run of candidates: its best so far, which stands for all of them, the child that this one comes
-    /// from, and how near to the cell's centre it is.
+    /// from, and how near to the cell's center it is.
     run: Option<(Sample, usize, u64)>,
     grid: SamplingGrid,
 }
@@ -136,7 +136,7 @@ impl SamplingGrid {
         [compact(inside), compact(inside >> 1), compact(inside >> 2)]
     }
 
-    /// Square of the distance to the grid cell's centre, in half code cells.
+    /// Square of the distance to the grid cell's center, in half code cells.
     fn off_center(&self, code: u64) -> u64 {
         let size = 1i64 << self.cell_bits;
         let axis_sq = |v: u64| (2 * (v as i64 & (size - 1)) + 1 - size).unsigned_abs().pow(2);

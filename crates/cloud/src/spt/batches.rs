@@ -1,4 +1,4 @@
-//! The list as a cloud: its parts as batches, quantised, with a word for each disc's interval and size beside its
+//! The list as a cloud: its parts as batches, quantized, with a word for each disc's interval and size beside its
 //! color; and triangles, cut into batches of their own.
 
 use super::clusters::{Cone, cone_of};
@@ -20,7 +20,7 @@ const _: () = assert!(MAX_DISCS <= BATCH_POINTS as usize);
 /// A sequential point tree as the GPU wants it.
 #[derive(Clone, Debug)]
 pub struct SequentialCloud {
-    /// The discs: their centres and mean colors. After them the triangles' corners.
+    /// The discs: their centers and mean colors. After them the triangles' corners.
     pub cloud: Cloud,
     /// One word beside each of `cloud.colors`: [`DiscShape::word`] for a disc; in a batch of triangles corner |
     /// corner≪8 | corner≪16 | step≪24, a triangle that is drawn below that step. Gaps hold zeros, which no tolerance
@@ -51,7 +51,7 @@ pub struct BatchRun {
     pub has_triangles: bool,
 }
 
-/// Entries of a batch before they are quantised.
+/// Entries of a batch before they are quantized.
 struct BatchEntries<'a> {
     /// Nodes of its entries.
     nodes: &'a [u32],
@@ -100,7 +100,7 @@ impl<'a> AllEntries<'a> {
 }
 
 impl SequentialCloud {
-    /// Quantises the discs and the triangles of a tree. `progress` counts each disc and each corner.
+    /// Quantizes the discs and the triangles of a tree. `progress` counts each disc and each corner.
     ///
     /// Peak memory above tree and list: 20 B a disc, and 40 B a triangle.
     ///

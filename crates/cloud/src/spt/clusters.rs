@@ -94,7 +94,7 @@ impl Cone {
         let to_center = bounds.center() - eye_in_world;
         let along = to_center.dot(self.axis);
         let across = (to_center.length_squared() - along * along).max(0.0).sqrt();
-        // The left side is how far the centre lies within the cone; a sphere round the box must lie within it too.
+        // The left side is how far the center lies within the cone; a sphere round the box must lie within it too.
         along * libm::sin(self.angle) - across * libm::cos(self.angle) >= 0.5 * bounds.size().length()
     }
 }

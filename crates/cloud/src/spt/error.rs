@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A disc, relative to some origin near by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
-    /// Centre.
+    /// Center.
     pub center: DVec3,
     /// Normal of unit length; its sign does not matter here.
     pub normal: DVec3,
@@ -112,7 +112,7 @@ mod tests {
         assert!((radius - 8f64.sqrt()).abs() < 1e-12);
         let parent = disc([0.0; 3], DVec3::Z, radius);
         assert!(perpendicular(&parent, &children) < 1e-12);
-        // The width along an axis is 2 from centre to centre and a radius at either end.
+        // The width along an axis is 2 from center to center and a radius at either end.
         let want = 2.0 * radius - (2.0 + 2.0 * 2f64.sqrt());
         assert!((tangential(&parent, &children) - want).abs() < 1e-12);
         assert!(geometric(&parent, &children) < 0.2 * 2.0 * radius, "small against the diameter");

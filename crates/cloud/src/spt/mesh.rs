@@ -162,7 +162,7 @@ pub(super) fn floors(tree: &PointTree, scale: &StepScale) -> Vec<u8> {
 }
 
 /// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
-/// grow on the way from the disc's centre to any of its points, which are within `radius`. It is one step less because
+/// grow on the way from the disc's center to any of its points, which are within `radius`. It is one step less because
 /// the GPU has corners and discs on different grids of cells.
 pub(super) fn first_step(scale: &StepScale, floor: u8, radius: f64, max_slope: f64) -> u8 {
     let length = f64::from(scale.length(floor)) - max_slope * radius;

@@ -104,7 +104,7 @@ pub(super) fn octave(step: u8) -> u8 {
 }
 
 /// A node's interval and size. An interval ends where the parent's begins, and later by what the tolerance may grow on
-/// the way from the parent's centre to the node's: so a parent that is just too near to be drawn never leaves a hole
+/// the way from the parent's center to the node's: so a parent that is just too near to be drawn never leaves a hole
 /// [SPT §3.6].
 fn shape(tree: &PointTree, scale: &StepScale, max_slope: f64, number: usize) -> DiscShape {
     let node = &tree.nodes[number];

@@ -265,7 +265,7 @@ fn every_check_can_fail() {
     assert!(check_parts(&tree_of(&sheet(9000, 3)), &mixed).is_err());
 }
 
-/// A square grid of points a centimetre apart, on a plane that leans.
+/// A square grid of points a centimeter apart, on a plane that leans.
 fn plane(color: impl Fn(usize) -> [u16; 3]) -> Scan {
     scan_of((0..64 * 64).map(|i| [i % 64 * 10, i / 64 * 10, i % 64 * 10]).collect(), color)
 }
@@ -293,7 +293,7 @@ fn a_plane_is_soon_drawn_by_few_large_discs() {
 /// A plane with two colors in stripes errs by its diameters until the stripes are averaged.
 #[test]
 fn colors_keep_discs_small() {
-    let grey = tree_of(&plane(|_| [90; 3]));
+    let gray = tree_of(&plane(|_| [90; 3]));
     // Stripes four points wide: cubes of two are of one color, those of four points and more are not.
     let striped = tree_of(&plane(|i| if i / 4 % 2 == 0 { [60; 3] } else { [120; 3] }));
     let front = |tree: &PointTree, step_of: f32| {
@@ -301,11 +301,11 @@ fn colors_keep_discs_small() {
         let step = sequence.scale.step_below(step_of);
         sequence.shapes.iter().filter(|shape| shape.is_drawn(step)).count()
     };
-    let (few, many) = (front(&grey, 0.03), front(&striped, 0.03));
+    let (few, many) = (front(&gray, 0.03), front(&striped, 0.03));
     assert!(many > 2 * few, "{many} discs with stripes, {few} without");
     let of_diameter = striped.nodes.iter().filter(|n| n.num_points > 1 && n.error == n.diameter).count();
     assert!(of_diameter > 0);
-    assert!(grey.nodes.iter().all(|n| n.num_points == 1 || n.error < n.diameter));
+    assert!(gray.nodes.iter().all(|n| n.num_points == 1 || n.error < n.diameter));
 }
 
 /// Points on a sphere, with normals that point outwards if `with_normals`.

@@ -39,7 +39,7 @@ pub struct Node {
     pub normal: u32,
     /// Mean of its points' colors: r | g≪8 | b≪16 | 255≪24.
     pub color: u32,
-    /// Diameter of the disc, and of a sphere round its centre that holds the children's spheres, world units.
+    /// Diameter of the disc, and of a sphere round its center that holds the children's spheres, world units.
     pub diameter: f32,
     /// How far the disc is from what it stands for, world units: 0 for a point, else not less than any child's.
     pub error: f32,
@@ -68,7 +68,7 @@ pub struct PointTree {
 }
 
 impl PointTree {
-    /// Centre of a node, world space.
+    /// Center of a node, world space.
     #[must_use]
     pub fn position(&self, number: usize) -> DVec3 {
         self.bounds.min + self.offset(&self.nodes[number])
@@ -83,7 +83,7 @@ impl PointTree {
         }
     }
 
-    /// Centre of a node, relative to the box's smallest corner.
+    /// Center of a node, relative to the box's smallest corner.
     fn offset(&self, node: &Node) -> DVec3 {
         DVec3::from_array(node.position.map(f64::from)) * self.step
     }

@@ -6,7 +6,7 @@ use base::percentile::Sorted;
 use base::space::View;
 use std::io::{self, Write};
 
-/// Radius of the centre ring, degrees from the gaze.
+/// Radius of the center ring, degrees from the gaze.
 const CENTER_DEG: f64 = 20.0;
 
 /// Pictures and changes that are kept of all that one contestant drew from one viewpoint.
@@ -70,7 +70,7 @@ impl Recording {
 pub struct Figures {
     /// PSNR over the pixels that the truth covers.
     pub psnr_db: f64,
-    /// PSNR over the pixels of the centre ring that the truth covers.
+    /// PSNR over the pixels of the center ring that the truth covers.
     pub center_psnr_db: f64,
     /// SSIM of the whole picture.
     pub ssim: f64,
@@ -161,7 +161,7 @@ impl Table {
             "{} {}: {points:.2} M points, truth from {true_points:.2} M",
             self.scan, self.viewpoint
         )?;
-        let titles = ["PSNR dB", "centre dB", "SSIM"].map(|title| format!("{title:>11}")).concat();
+        let titles = ["PSNR dB", "center dB", "SSIM"].map(|title| format!("{title:>11}")).concat();
         let ratios = ["holes %", "flicker", "own flicker"].map(|title| format!("{title:>16}")).concat();
         writeln!(out, "  {:<25}{titles}{ratios}{:>14}{:>9}", "", "pop (median)", "LOD pop")?;
         // The truth stands first.

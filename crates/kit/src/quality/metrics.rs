@@ -18,7 +18,7 @@ pub fn psnr_db(a: &Picture, b: &Picture, counts: impl Fn(usize) -> bool) -> f64 
     10.0 * (255.0 * 255.0 * num_values as f64 / squares as f64).log10()
 }
 
-/// The pixels whose centre is at most `deg` degrees from the gaze.
+/// The pixels whose center is at most `deg` degrees from the gaze.
 pub fn within_ring(eye: &Eye, deg: f64) -> Vec<bool> {
     let [width, height] = eye.size_px;
     let fov = eye.fov;

@@ -153,7 +153,7 @@ impl TestRuntime {
         self.variable("XR_DEVICE", if device == HeadsetDevice::Remote { "remote" } else { "simulated" })
     }
 
-    /// Turns on OpenXR validation, and Vulkan validation with synchronisation validation; see
+    /// Turns on OpenXR validation, and Vulkan validation with synchronization validation; see
     /// [`Finished::assert_valid`].
     pub fn validate(mut self) -> Self {
         self.validate = true;

@@ -25,7 +25,7 @@ impl Remote {
     }
 }
 
-/// A rigid pose: orientation x, y, z, w and position in metres.
+/// A rigid pose: orientation x, y, z, w and position in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RemotePose {
     pub orientation: [f32; 4],

@@ -72,7 +72,7 @@ pub struct BenchOptions {
     pub size_px: Option<[u32; 2]>,
 }
 
-/// Eye positions in world space, one that sees all of a scene and one inside it; the number is the metres of a unit.
+/// Eye positions in world space, one that sees all of a scene and one inside it; the number is the meters of a unit.
 pub type EyesIn = fn(&Scene, f64) -> [DVec3; 2];
 
 /// Names that [`BenchOptions::methods`] may hold for these tables: those of their rows, each once.

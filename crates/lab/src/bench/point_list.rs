@@ -255,7 +255,7 @@ fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
     Ok(buffers)
 }
 
-/// A batch's points at the centres of their 30-bit cells, which is where the compute frame draws them.
+/// A batch's points at the centers of their 30-bit cells, which is where the compute frame draws them.
 fn vertices(cloud: &Cloud, batch: &Batch) -> impl Iterator<Item = PointVertex> {
     let min_in_cloud = batch.min - cloud.split.origin;
     let cell = DVec3::from_array(batch.cell.map(f64::from));

@@ -47,7 +47,7 @@ fn with_reach([depth, color]: Pixel, radius: usize) -> Pixel {
     [depth & !REACH_MASK | (depth & REACH_MASK).max(radius as u32), color]
 }
 
-/// Reach of the kernel of the pixel in this column and row: 1, 2 or 3 by the ring that the pixel's centre lies in.
+/// Reach of the kernel of the pixel in this column and row: 1, 2 or 3 by the ring that the pixel's center lies in.
 #[must_use]
 pub fn radius_px(view: &ViewUniform, eye: usize, x: usize, y: usize) -> usize {
     let eye = &view.eyes[eye];

@@ -3,7 +3,7 @@
 use render::layout::{EyeUniform, ViewUniform};
 
 /// The least depth that visible points of a box can have, at least that of the near plane. `reach` is how far the box
-/// reaches along the optical axis from its centre.
+/// reaches along the optical axis from its center.
 pub(super) fn nearest_depth(
     view: &ViewUniform,
     eye: &EyeUniform,

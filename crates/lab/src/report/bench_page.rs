@@ -80,7 +80,7 @@ fn heading(table: &str) -> String {
         "2021-nodes" => "Table 2021-nodes: all points in small and in large nodes".into(),
         "2022-order" => "Table 2022-order: a scanner's order beside Morton order".into(),
         "2021" => "Table 2021: compute shaders beside hardware points".into(),
-        "2022" => "Table 2022: batches and quantised coordinates".into(),
+        "2022" => "Table 2022: batches and quantized coordinates".into(),
         "vr" => "Table vr: both eyes".into(),
         "spt" => "Table spt: sequential point trees".into(),
         other => format!("Table {other}"),

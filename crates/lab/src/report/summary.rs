@@ -78,7 +78,7 @@ impl PhaseFigures {
 }
 
 impl Summary {
-    /// Summarises a log.
+    /// Summarizes a log.
     #[must_use]
     pub fn of(log: &FrameLogFile) -> Self {
         let sorted = |value: &dyn Fn(&LoggedFrame) -> f64| Sorted::new(log.counted().map(value));

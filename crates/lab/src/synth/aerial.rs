@@ -71,7 +71,7 @@ impl Aircraft {
     }
 }
 
-/// Unit vector towards the sun, which stands high in the south-east.
+/// Unit vector toward the sun, which stands high in the south-east.
 fn to_sun() -> DVec3 {
     DVec3::new(0.48, -0.42, 0.77).normalize()
 }

@@ -1,6 +1,6 @@
 //! The land that the aircraft flies over: hills, a river, a road with a bridge, a village, trees.
 //!
-//! Coordinates are its own: metres, x east and y north from 0 to [`SIZE_M`], z up from the river's valley.
+//! Coordinates are its own: meters, x east and y north from 0 to [`SIZE_M`], z up from the river's valley.
 
 use super::material::{rgb, smooth};
 use super::span::{Ray, ball};

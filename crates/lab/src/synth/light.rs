@@ -19,7 +19,7 @@ const PROBE_STEP_M: f64 = 1.0;
 /// Rays that a probe sends out.
 const PROBE_RAYS: u32 = 32;
 
-/// Light of sky and walls at one place: strength towards every direction to first order, so that
+/// Light of sky and walls at one place: strength toward every direction to first order, so that
 /// irradiance / π at unit normal n is `mean + 2·n·slope`.
 #[derive(Clone, Copy, Debug)]
 struct Probe {

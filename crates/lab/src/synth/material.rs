@@ -93,7 +93,7 @@ fn on_surface(p: DVec3, normal: DVec3) -> (f64, f64) {
     }
 }
 
-/// The stone of a running bond at a place, and the distance to its joint in metres.
+/// The stone of a running bond at a place, and the distance to its joint in meters.
 fn bond(u: f64, v: f64, width: f64, height: f64) -> ([i64; 3], f64) {
     let row = (v / height).floor();
     let shifted = u / width + 0.5 * (row - 2.0 * (0.5 * row).floor());

@@ -4,7 +4,7 @@ use super::span::{Hit, NEAREST, Ray, Span, ball, bar, cuboid, slab};
 use base::space::Bounds;
 use glam::DVec3;
 
-/// A shape in world axes; lengths in metres. All are solid except the last two.
+/// A shape in world axes; lengths in meters. All are solid except the last two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// An axis-aligned box.
@@ -32,7 +32,7 @@ pub enum Shape {
     },
     /// A vertical cone without its tip, or a cylinder.
     Frustum {
-        /// Centre of the lower disc.
+        /// Center of the lower disc.
         base: DVec3,
         /// Height.
         height: f64,
@@ -43,7 +43,7 @@ pub enum Shape {
     },
     /// A vertical tube.
     Ring {
-        /// Centre of the lower face.
+        /// Center of the lower face.
         base: DVec3,
         /// Height.
         height: f64,
@@ -63,7 +63,7 @@ pub enum Shape {
     },
     /// A ball.
     Ball {
-        /// Centre.
+        /// Center.
         center: DVec3,
         /// Radius.
         radius: f64,
@@ -81,7 +81,7 @@ pub enum Shape {
     },
     /// A flat disc.
     Disc {
-        /// Centre.
+        /// Center.
         center: DVec3,
         /// Unit normal.
         normal: DVec3,
@@ -91,7 +91,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The first surface that the ray meets; its normal looks towards the ray's origin.
+    /// The first surface that the ray meets; its normal looks toward the ray's origin.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let hit = match *self {
             Self::Cuboid { min, max } => cuboid(ray, min, max)?.first()?,
@@ -210,7 +210,7 @@ fn frustum(ray: &Ray, base: DVec3, height: f64, bottom: f64, top: f64) -> Option
     let side = if a > 0.0 {
         Span::new(hit(near), hit(far))?
     } else if k * d.z > 0.0 {
-        // A line steeper than the side is inside from the cone's surface on, towards where the cone widens for ever.
+        // A line steeper than the side is inside from the cone's surface on, toward where the cone widens for ever.
         Span { enter: hit(far), exit: end(f64::INFINITY) }
     } else {
         Span { enter: end(f64::NEG_INFINITY), exit: hit(near) }

@@ -1,6 +1,6 @@
 //! The statue that the photographs show: a robed reader on a plinth, as a distance function.
 //!
-//! Coordinates are metres, z up, the plinth's foot at the origin, the face towards −y. Distances are rough far off;
+//! Coordinates are meters, z up, the plinth's foot at the origin, the face toward −y. Distances are rough far off;
 //! near the surface distance / |gradient| is good.
 
 use super::material::{rgb, smooth};
@@ -43,7 +43,7 @@ fn cuboid(p: DVec3, center: DVec3, half: DVec3, round: f64) -> f64 {
     q.max(DVec3::ZERO).length() + q.max_element().min(0.0) - round
 }
 
-/// Distance to the plinth: steps, die, mouldings.
+/// Distance to the plinth: steps, die, moldings.
 fn plinth(p: DVec3) -> f64 {
     // The distance to a box around it is enough far off.
     let far = cuboid(p, DVec3::new(0.0, 0.0, 0.5 * PLINTH), DVec3::new(0.82, 0.82, 0.5 * PLINTH + 0.1), 0.0);

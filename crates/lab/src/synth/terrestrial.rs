@@ -172,7 +172,7 @@ impl Scanner {
         let haze = rgb(196, 208, 220);
         let color = color + (haze - color) * (hit.t / 900.0).min(1.0);
         let grain = 1.0 + 0.012 * rng.normal();
-        // The curve is straight up to 0.8, then bends towards 1.
+        // The curve is straight up to 0.8, then bends toward 1.
         let expose = |c: f64| if c < 0.8 { c } else { 1.0 - 0.04 / (c - 0.6) };
         (color * grain).to_array().map(|c| (65_535.0 * expose(c.max(0.0)).clamp(0.0, 1.0)).round() as u16)
     }

@@ -13,8 +13,8 @@ use render::technique::{Nearest, Pieces, Recording};
 use std::cell::Cell;
 use std::sync::LazyLock;
 
-/// Ranges of the 40-bit depth: where each begins, in world units, and its steps per unit. Where the unit is the metre,
-/// a step is a nanometre up to 10 m, a micrometre up to 10 km, then a millimetre [2019 §2.1].
+/// Ranges of the 40-bit depth: where each begins, in world units, and its steps per unit. Where the unit is the meter,
+/// a step is a nanometer up to 10 m, a micrometer up to 10 km, then a millimeter [2019 §2.1].
 pub const RANGES: [(f64, f64); 3] = [(0.0, 1e9), (10.0, 1e6), (10_000.0, 1e3)];
 /// A depth that no point has reached.
 pub const EMPTY40: u64 = (1 << 40) - 1;

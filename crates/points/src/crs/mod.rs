@@ -8,9 +8,9 @@ mod wkt;
 pub(crate) use geotiff::from_geotiff;
 pub(crate) use wkt::from_wkt;
 
-/// Metres of a US survey foot.
+/// Meters of a US survey foot.
 pub(crate) const US_SURVEY_FOOT_M: f64 = 1200.0 / 3937.0;
-/// Metres of an international foot.
+/// Meters of an international foot.
 pub(crate) const FOOT_M: f64 = 0.3048;
 
 /// What x, y and z of a coordinate system are.
@@ -22,7 +22,7 @@ pub enum Axes {
     Geographic(Angle),
     /// Latitude, longitude and a height. No coordinate system is read as this, but some files store it.
     LatitudeFirst(Angle),
-    /// Lengths from the earth's centre: to longitude 0 on the equator, to 90 degrees east, to the north pole.
+    /// Lengths from the earth's center: to longitude 0 on the equator, to 90 degrees east, to the north pole.
     Geocentric,
 }
 
@@ -69,9 +69,9 @@ impl Angle {
 pub(crate) struct Crs {
     /// Name for people: "EPSG:26910, NAD83 / UTM zone 10N".
     pub name: Option<String>,
-    /// Metres per unit of x and y; `None` also for angles.
+    /// Meters per unit of x and y; `None` also for angles.
     pub unit_m: Option<f64>,
-    /// Metres per unit of height, where that is stated by itself.
+    /// Meters per unit of height, where that is stated by itself.
     pub vertical_unit_m: Option<f64>,
     /// What x, y and z are.
     pub axes: Option<Axes>,
@@ -144,10 +144,10 @@ fn named_with(code: Option<u32>, name: Option<String>) -> Option<String> {
     }
 }
 
-/// Returns a length in metres if it makes sense. Feet get back the last digits that files round off.
-fn length(metres: f64) -> Option<f64> {
-    let close = |unit: &f64| (metres / unit - 1.0).abs() < 1e-7;
-    let unit_m = [FOOT_M, US_SURVEY_FOOT_M].into_iter().find(close).unwrap_or(metres);
+/// Returns a length in meters if it makes sense. Feet get back the last digits that files round off.
+fn length(meters: f64) -> Option<f64> {
+    let close = |unit: &f64| (meters / unit - 1.0).abs() < 1e-7;
+    let unit_m = [FOOT_M, US_SURVEY_FOOT_M].into_iter().find(close).unwrap_or(meters);
     Some(unit_m).filter(|unit| unit.is_finite() && *unit > 0.0)
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Angle, FOOT_M, US_SURVEY_FOOT_M};
 
-/// Feet of several times and countries: metres of one foot, and the numbers of the foot, the yard (3 feet), the chain
+/// Feet of several times and countries: meters of one foot, and the numbers of the foot, the yard (3 feet), the chain
 /// (66 feet) and the link (a hundredth of a chain). 0 stands for no number.
 const FEET: [(f64, [u16; 4]); 14] = [
     (FOOT_M, [9002, 9096, 9097, 9098]),
@@ -27,14 +27,14 @@ const FEET: [(f64, [u16; 4]); 14] = [
     (0.304_799_6, [9082, 9086, 0, 0]),
 ];
 
-/// Metres of all other units of length.
+/// Meters of all other units of length.
 const OTHERS: [(u16, f64); 11] = [
     (1025, 0.001),
     (1033, 0.01),
     (9001, 1.0),
     (9014, 1.828_8),
     (9030, 1852.0),
-    // German legal metre.
+    // German legal meter.
     (9031, 1.000_013_596_5),
     (9035, 5280.0 * US_SURVEY_FOOT_M),
     (9036, 1000.0),
@@ -55,14 +55,14 @@ const OLDER: [(u16, u16); 8] = [
     (9015, 9030),
 ];
 
-/// Metres of the unit of length with this number.
+/// Meters of the unit of length with this number.
 pub(super) fn length_m(number: u16) -> Option<f64> {
     let number = OLDER.iter().find(|(older, _)| *older == number).map_or(number, |(_, newer)| *newer);
     let of_feet = FEET.iter().flat_map(|(foot_m, numbers)| {
         let times = [1.0, 3.0, 66.0, 0.66];
         std::iter::zip(*numbers, times).map(move |(number, times)| (number, times * foot_m))
     });
-    of_feet.chain(OTHERS).find(|(known, _)| *known == number && number != 0).map(|(_, metres)| metres)
+    of_feet.chain(OTHERS).find(|(known, _)| *known == number && number != 0).map(|(_, meters)| meters)
 }
 
 /// The unit of angle with this number.
@@ -86,8 +86,8 @@ mod tests {
         let units = texts.flat_map(|text| text.split("LENGTHUNIT[").skip(1));
         let unit = |unit: &str| {
             let mut words = unit.split(']').next()?.split(',').skip(1);
-            let metres = words.next()?.parse().ok()?;
-            Some((words.nth(1)?.parse().ok()?, metres))
+            let meters = words.next()?.parse().ok()?;
+            Some((words.nth(1)?.parse().ok()?, meters))
         };
         units.filter_map(unit).collect()
     }
@@ -96,9 +96,9 @@ mod tests {
     fn lengths_are_the_registers() {
         let register = of_register();
         assert!(register.len() >= 15, "{register:?}");
-        for (number, metres) in register {
-            let known = length_m(number).unwrap_or_else(|| panic!("{number}: {metres} m"));
-            assert!((known / metres - 1.0).abs() < 1e-14, "{number}: {known}, not {metres}");
+        for (number, meters) in register {
+            let known = length_m(number).unwrap_or_else(|| panic!("{number}: {meters} m"));
+            assert!((known / meters - 1.0).abs() < 1e-14, "{number}: {known}, not {meters}");
         }
     }
 
@@ -115,10 +115,10 @@ mod tests {
         for (foot_m, _) in FEET {
             assert!((foot_m / FOOT_M - 1.0).abs() < 5e-5, "{foot_m}");
         }
-        for (number, metres) in
+        for (number, meters) in
             [(9037, 0.914_391_796_2), (9084, 0.914_398_530_744_440), (9062, 20.116_782_494_375_9)]
         {
-            assert!((length_m(number).unwrap() / metres - 1.0).abs() < 1e-14, "{number}");
+            assert!((length_m(number).unwrap() / meters - 1.0).abs() < 1e-14, "{number}");
         }
         assert_eq!((length_m(9014), length_m(0), length_m(9102)), (Some(1.8288), None, None));
     }

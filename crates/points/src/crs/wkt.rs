@@ -83,7 +83,7 @@ impl WktNode {
         id.and_then(|id| id.text(1).parse().ok())
     }
 
-    /// Metres of the unit of length that the node states, itself or at its first axis.
+    /// Meters of the unit of length that the node states, itself or at its first axis.
     fn unit_m(&self) -> Option<f64> {
         let axis = || self.child(&["AXIS"]).and_then(|axis| axis.child(&["LENGTHUNIT", "UNIT"]));
         let unit = self.child(&["LENGTHUNIT", "UNIT"]).or_else(axis);

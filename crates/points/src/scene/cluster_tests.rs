@@ -83,7 +83,7 @@ impl Strays {
 /// Asserts that the scene's own box is found: all of it, and at most an edge more, by strays that happen to be near.
 fn assert_found(scene: &Bounds, found: Option<Bounds>, what: &str) {
     let found = found.expect("a scene");
-    // f64 resolves a nanometre at coordinates of 5e6.
+    // f64 resolves a nanometer at coordinates of 5e6.
     let slack = 1e-8 + scene.edge();
     assert!(found.contains(scene.min) && found.contains(scene.max), "{what}: {found:?} cuts {scene:?}");
     let most = scene.grown(slack);
@@ -103,7 +103,7 @@ fn strays_of_any_kind_share_number_and_place_do_not_count() {
                     (20.0, DVec3::new(5e5, 5e6, 300.0)),
                     (5e4, DVec3::ZERO),
                 ] {
-                    // The largest number is slow without optimisation, so only some of its cases are run.
+                    // The largest number is slow without optimization, so only some of its cases are run.
                     if num == 100_000 && (edge != 20.0 || ![1e-5, 0.2].contains(&share)) {
                         continue;
                     }

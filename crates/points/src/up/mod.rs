@@ -24,7 +24,7 @@ pub enum Up {
     /// z, as surveyors have it.
     #[serde(rename = "z")]
     Z,
-    /// y, and z points towards the viewer, as in models.
+    /// y, and z points toward the viewer, as in models.
     #[serde(rename = "y")]
     Y,
     /// −y, and z points away from the viewer, as in cameras' coordinates and many splats.
@@ -160,7 +160,7 @@ fn vote(file: &ScanFile) -> Vote {
     }
 }
 
-/// The axis that must point up because the others have offsets of a map: a hundred kilometres and more, large against
+/// The axis that must point up because the others have offsets of a map: a hundred kilometers and more, large against
 /// the scan.
 fn offset(file: &ScanFile) -> Option<UpAxis> {
     let middle = super::world::median(super::world::samples(file).collect());

@@ -281,7 +281,7 @@ pub struct VisibleBatch {
     pub head_cell: [i32; 3],
     /// First point in the chunk's planes.
     pub first_point: u32,
-    /// `p_in_head` of the corner of cell `head_cell` (of its centre at 30 bits).
+    /// `p_in_head` of the corner of cell `head_cell` (of its center at 30 bits).
     pub offset: [f32; 3],
     /// Points in the batch.
     pub num_points: u32,

@@ -38,7 +38,7 @@ pub struct EyeUniform {
     pub reserved: f32,
     /// Tangents of the angles to the corner that coordinates count from: right and up are positive.
     pub tangent_origin: [f32; 2],
-    /// Tangents from one pixel to the next, to the right and down. The centre of pixel (x, y) lies in the
+    /// Tangents from one pixel to the next, to the right and down. The center of pixel (x, y) lies in the
     /// direction `(tangent_origin + tangent_per_px · (x + ½, y + ½), −1)` of view space.
     pub tangent_per_px: [f32; 2],
     /// The top left pixel; a whole number.

@@ -145,7 +145,7 @@ fn roofs(parts: &mut Shapes) {
     for s in [-1.0, 1.0] {
         let corner = DVec3::new(s * (COLUMNS_X - overhang), -HALF_Y, eave);
         roof(corner, length * DVec3::Y, s * DVec3::X, HALF_X - COLUMNS_X + overhang, parts);
-        // The gable towards the terrace.
+        // The gable toward the terrace.
         let corner = DVec3::new(s * HALF_X, COLUMNS_Y, eave);
         let (u, v) = (-s * (HALF_X - COLUMNS_X + overhang) * DVec3::X, (ridge - eave) * DVec3::Z);
         let plaster = Material::Plaster { tint: rgb(222, 190, 138), foot: -10.0, top: ridge };

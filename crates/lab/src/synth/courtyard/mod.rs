@@ -1,6 +1,6 @@
 //! The place that the terrestrial scanner sees: an old courtyard with an arcade round it.
 //!
-//! Coordinates are its own: metres, x east, y north, z up, the fountain at the origin, the paving at height 0. The
+//! Coordinates are its own: meters, x east, y north, z up, the fountain at the origin, the paving at height 0. The
 //! court measures 30 × 24 m between its walls; the arcade, 3.2 m deep, takes part of that all round.
 
 mod arcade;

@@ -21,7 +21,7 @@ pub fn add(parts: &mut Shapes) {
     benches(parts);
 }
 
-/// A room's floor, walls and ceiling; the wall towards the court is the court's own.
+/// A room's floor, walls and ceiling; the wall toward the court is the court's own.
 struct Room {
     min: [f64; 2],
     max: [f64; 2],

@@ -5,14 +5,14 @@ use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use glam::DVec3;
 
-/// Lower edge of the upper storey.
-const STOREY: f64 = 4.4;
+/// Lower edge of the upper story.
+const STORY: f64 = 4.4;
 /// Upper edge of the walls.
 const TOP: f64 = 8.4;
 /// Color of a window's wooden parts.
 const SHUTTER: DVec3 = rgb(86, 116, 104);
 
-/// A wall along a horizontal axis, a storey high.
+/// A wall along a horizontal axis, a story high.
 pub struct Wall {
     /// Axis along which the wall runs: 0 for x, 1 for y.
     pub along: usize,
@@ -130,7 +130,7 @@ impl Side {
         }
     }
 
-    /// Ground floor and upper storey.
+    /// Ground floor and upper story.
     fn walls(self, tint: DVec3) -> (Wall, Wall) {
         let out = self.outward();
         let (along, half, length) =
@@ -141,8 +141,8 @@ impl Side {
         let plaster = Material::Plaster { tint, foot: ARCADE_FLOOR, top: TOP };
         let upper = Material::Plaster { tint, foot: -10.0, top: TOP };
         (
-            Wall { along, faces, ends, heights: [0.0, STOREY], material: plaster },
-            Wall { along, faces, ends, heights: [STOREY, TOP], material: upper },
+            Wall { along, faces, ends, heights: [0.0, STORY], material: plaster },
+            Wall { along, faces, ends, heights: [STORY, TOP], material: upper },
         )
     }
 

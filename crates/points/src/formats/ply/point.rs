@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn harmonics_are_colors_about_grey() {
+    fn harmonics_are_colors_about_gray() {
         let color = |c: f64| rgb(Color::Harmonics, &row(&[(3, c), (4, 0.0), (5, -9.0)]), 1.0);
         assert_eq!(color(0.0), [32768, 32768, 0]);
         assert_eq!(color(1.0)[0], (0.782_094_8f64 * 65535.0).round() as u16);
