@@ -7,16 +7,16 @@ use std::sync::{Mutex, PoisonError};
 
 /// The reason for an end that several threads may have, shared by them.
 #[derive(Debug)]
-pub struct Ending<'a> {
-    stop: &'a CancelToken,
+pub struct Ending {
+    stop: CancelToken,
     reason: Mutex<Option<Failure>>,
 }
 
-impl<'a> Ending<'a> {
+impl Ending {
     /// The ending of work that looks at `stop`.
     #[must_use]
-    pub fn new(stop: &'a CancelToken) -> Self {
-        Self { stop, reason: Mutex::new(None) }
+    pub fn new(stop: &CancelToken) -> Self {
+        Self { stop: stop.clone(), reason: Mutex::new(None) }
     }
 
     /// Ends the work with this reason, unless there is one already.
@@ -43,12 +43,12 @@ impl<'a> Ending<'a> {
         StopOnPanic(self.stop.clone())
     }
 
-    /// Returns the outcome once all threads have ended.
+    /// Takes the outcome, once all threads have ended or are left behind.
     ///
     /// # Errors
     /// The first failure.
-    pub fn into_result(self) -> Result<(), Failure> {
-        self.reason.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+    pub fn take_result(&self) -> Result<(), Failure> {
+        self.reason.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
 }
 
@@ -79,8 +79,8 @@ mod tests {
             });
             scope.spawn(|| ending.fail(Failure::Usage("no display".into())));
         });
-        assert_eq!(ending.into_result().unwrap_err().to_string(), "no display");
-        assert!(Ending::new(&CancelToken::default()).into_result().is_ok());
+        assert_eq!(ending.take_result().unwrap_err().to_string(), "no display");
+        assert!(Ending::new(&CancelToken::default()).take_result().is_ok());
     }
 
     #[test]
@@ -92,7 +92,7 @@ mod tests {
         assert!(ending.has_failed() && !stop.is_cancelled());
         ending.fail(Failure::Usage("and then no display".into()));
         assert!(stop.is_cancelled());
-        assert_eq!(ending.into_result().unwrap_err().to_string(), "no scan");
+        assert_eq!(ending.take_result().unwrap_err().to_string(), "no scan");
     }
 
     #[test]

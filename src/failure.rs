@@ -4,6 +4,7 @@ use crate::desktop::DesktopError;
 use crate::loader::LoadError;
 use crate::offscreen::PictureError;
 use crate::walk::WalkError;
+use crate::walk::headsets::NoHeadset;
 use base::output::OutputError;
 use lab::report::BenchError;
 use lab::synth::SynthError;
@@ -12,7 +13,6 @@ use render::gpu::GpuError;
 use std::io;
 use timing::log::LogError;
 use timing::pose_path::PosePathError;
-use xr::XrMissing;
 
 /// Why a command fails.
 #[derive(Debug, thiserror::Error)]
@@ -41,9 +41,9 @@ pub enum Failure {
     /// There is no GPU that can be used.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// There is no headset, and one is required.
-    #[error("--headset require")]
-    Headset(#[source] XrMissing),
+    /// There is no headset to walk with.
+    #[error(transparent)]
+    Headset(#[from] NoHeadset),
     /// There is no window, and one is required.
     #[error("--window on")]
     Window(#[source] DesktopError),

@@ -1,8 +1,8 @@
-//! The walk's loader: it makes points of files and an octree of points, whose nodes are drawn as they come, the root
-//! first.
+//! The walk's loader: it makes points of files, keeps them, and brings an octree of them to each GPU that the walk gets,
+//! whose nodes are drawn as they come, the root first.
 
 use crate::nodes::{self, CloudOptions, LodMethod};
-use crate::walk::Loaded;
+use crate::walk::filling::{Filling, Loaded};
 use crate::walk::link::WalkEnd;
 use crate::walk::start::start;
 use base::task::{CancelToken, Task};
@@ -11,34 +11,48 @@ use cloud::spt::build_spt;
 use cloud::{self, BuildError};
 use lab::technique::tree;
 use points::{self, ReadOptions, Scan, ScanError, Scene};
-use render::gpu::Gpu;
 use render::{CloudBuffers, UploadError};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::Receiver;
+
+/// Name of the fact that tells how much of the GPU's memory the scan takes.
+const GPU_MEMORY: &str = "GPU memory";
 
 /// What the loader goes by, and whom it tells.
 #[derive(Debug)]
-pub struct Loader<'a> {
+pub struct Loader {
+    /// Files, which are one scan.
+    pub scans: Vec<PathBuf>,
+    /// How they are read.
+    pub read: ReadOptions,
     /// How a scan is kept on the GPU.
-    pub options: &'a CloudOptions,
-    /// The device that the frames are drawn with.
-    pub gpu: &'a Gpu,
+    pub options: CloudOptions,
     /// Whom the window hears of loading from.
-    pub link: &'a WalkEnd,
-    /// The walk, which gets the cloud as soon as something of it can be drawn.
-    pub loaded: &'a Sender<Loaded>,
+    pub link: WalkEnd,
+    /// Set when the walk ends.
+    pub stop: CancelToken,
 }
 
-impl Loader<'_> {
-    /// Reads scans and shows them as one.
+impl Loader {
+    /// Reads the files, and brings their points to each GPU of `fillings`, until the walk ends.
     ///
     /// # Errors
     /// See [`LoadError`].
-    pub fn load(&self, scans: &[PathBuf], read: &ReadOptions, stop: &CancelToken) -> Result<(), LoadError> {
-        let watching = self.link.clone();
-        let task = Task::in_terminal(stop).observed(move |count| watching.set_doing(Some(Arc::clone(count))));
-        let scan = points::read(scans, read, &task)?;
+    pub fn run(&self, fillings: &Receiver<Filling>) -> Result<(), LoadError> {
+        let result = self.serve(fillings);
+        // No work goes on any more, however loading ended.
+        self.link.set_doing(None);
+        if let Err(error) = &result
+            && !error.is_cancelled()
+        {
+            self.link.update_load(|load| load.error = Some(error.to_string()));
+        }
+        result
+    }
+
+    fn serve(&self, fillings: &Receiver<Filling>) -> Result<(), LoadError> {
+        let scan = points::read(&self.scans, &self.read, self.task(&self.stop))?;
         for warning in &scan.warnings {
             eprintln!("scanwalk: warning: {warning}");
         }
@@ -46,51 +60,74 @@ impl Loader<'_> {
             load.facts = scan_facts(&scan);
             load.warnings.clone_from(&scan.warnings);
         });
-        let bytes = self.send(scan, &task)?;
-        self.link.update_load(|load| {
-            load.facts.push(("GPU memory".into(), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)));
-        });
+        // A GPU that was lost meanwhile: the walk takes it for filled when this goes, so it goes when another comes.
+        let mut unfilled: Option<Filling> = None;
+        while let Ok(first) = fillings.recv() {
+            drop(unfilled.take());
+            // Only the newest GPU counts.
+            let filling = fillings.try_iter().last().unwrap_or(first);
+            match self.send(&scan, &filling) {
+                Ok(bytes) => self.link.update_load(|load| {
+                    let size = format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64);
+                    load.facts.retain(|(name, _)| name != GPU_MEMORY);
+                    load.facts.push((GPU_MEMORY.into(), size));
+                }),
+                // The walk is about to have another GPU.
+                Err(error) if error.is_lost() || (error.is_cancelled() && !self.stop.is_cancelled()) => {
+                    unfilled = Some(filling);
+                }
+                Err(error) => return Err(error),
+            }
+            self.link.set_doing(None);
+        }
         Ok(())
     }
 
+    /// Work that the terminal and the window show.
+    fn task(&self, stop: &CancelToken) -> Task {
+        let watching = self.link.clone();
+        Task::in_terminal(stop).observed(move |count| watching.set_doing(Some(Arc::clone(count))))
+    }
+
     /// Sends a scan to the GPU, in the form that the settings ask for; returns its bytes there.
-    fn send(&self, scan: Scan, task: &Task) -> Result<u64, LoadError> {
+    fn send(&self, scan: &Scan, filling: &Filling) -> Result<u64, LoadError> {
+        let task = self.task(&filling.stop);
         match self.options.lod {
-            None => return self.flat(&scan, task),
-            Some(LodMethod::Spt) => return self.sequential(&scan, task),
+            None => return self.flat(scan, filling, &task),
+            Some(LodMethod::Spt) => return self.sequential(scan, filling, &task),
             Some(LodMethod::Octree) => {}
         }
-        match self.layered(&scan, task) {
+        match self.layered(scan, filling, &task) {
             Ok(bytes) => Ok(bytes),
             Err(error) => {
-                stay_flat(error, self.link)?;
-                self.flat(&scan, task)
+                stay_flat(error, &self.link)?;
+                self.flat(scan, filling, &task)
             }
         }
     }
 
     /// Sends a cloud without level of detail, of which every point is always drawn.
-    fn flat(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
+    fn flat(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
         let num_points = scan.num_points() as u64;
         let sorting = task.begin("sorting", "points", num_points);
         let cloud = cloud::build(scan, self.options.order, &sorting)?;
         drop(sorting);
         let sending = task.begin("sending to the GPU", "bytes", 16 * num_points);
-        let buffers = CloudBuffers::upload(self.gpu, &cloud, self.options.chunk_limit, &sending)?;
-        Ok(self.show(buffers, &cloud.scene, scan))
+        let buffers = CloudBuffers::upload(&filling.gpu, &cloud, self.options.chunk_limit, &sending)?;
+        Ok(show(filling, buffers, &cloud.scene, scan))
     }
 
     /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
-    fn layered(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
+    fn layered(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
         let mut bytes = 0;
-        nodes::send(self.gpu, scan, self.options.chunk_limit, task, |cloud, hierarchy| {
-            bytes = self.show(cloud, &hierarchy.scene, scan);
+        nodes::send(&filling.gpu, scan, self.options.chunk_limit, task, |cloud, hierarchy| {
+            bytes = show(filling, cloud, &hierarchy.scene, scan);
         })
         .map(|()| bytes)
     }
 
     /// Builds the sequential point tree of a scan and sends it to the GPU.
-    fn sequential(&self, scan: &Scan, task: &Task) -> Result<u64, LoadError> {
+    fn sequential(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
         // Points are counted twice, discs once.
         let building = task.begin("building the point tree", nodes::PASSES, 7 * scan.num_points() as u64 / 2);
         let spt = build_spt(scan, self.options.cull_backfaces, &building)?;
@@ -98,23 +135,23 @@ impl Loader<'_> {
         // The bytes are those of three planes, colors and shapes.
         let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
         let sending = task.begin("sending to the GPU", "bytes", num_bytes);
-        let buffers = tree::upload(self.gpu, &spt, self.options.chunk_limit, &sending)?;
-        Ok(self.show(buffers, &spt.cloud.scene, scan))
+        let buffers = tree::upload(&filling.gpu, &spt, self.options.chunk_limit, &sending)?;
+        Ok(show(filling, buffers, &spt.cloud.scene, scan))
     }
+}
 
-    /// Hands a cloud to the walk; returns its bytes.
-    fn show(&self, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
-        let unit_m = scan.unit_m.unwrap_or(1.0);
-        let start = start(scene, unit_m);
-        if start.magnified > 1.0 {
-            let (size, times) = (scene.bounds.edge() * unit_m, start.magnified);
-            eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
-        }
-        let bytes = cloud.bytes;
-        // The walk may have ended meanwhile: then nobody waits for the cloud.
-        let _ = self.loaded.send(Loaded { cloud, start });
-        bytes
+/// Hands a cloud to the walk; returns its bytes.
+fn show(filling: &Filling, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
+    let unit_m = scan.unit_m.unwrap_or(1.0);
+    let start = start(scene, unit_m);
+    if start.magnified > 1.0 {
+        let (size, times) = (scene.bounds.edge() * unit_m, start.magnified);
+        eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
     }
+    let bytes = cloud.bytes;
+    // The walk may have ended meanwhile: then nobody waits for the cloud.
+    let _ = filling.loaded.send(Loaded { cloud, start });
+    bytes
 }
 
 /// Tells the user that a scan gets no level of detail; the walk is through all points then.
@@ -184,9 +221,11 @@ fn scan_facts(scan: &points::Scan) -> Vec<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::walk::filling::Filler;
     use crate::walk::link;
     use base::task::Cancelled;
     use cloud::Order;
+    use render::gpu::Gpu;
 
     /// The panel says what keeps a scan from getting its octree, and the walk goes on.
     #[test]
@@ -226,14 +265,16 @@ mod tests {
     /// The walk begins with the root alone, and all that follows is drawn from the same buffers.
     #[test]
     fn the_walk_begins_with_the_root() {
-        let gpu = Gpu::open(None).unwrap();
+        let gpu = Arc::new(Gpu::open(None).unwrap());
         let xyz: Vec<[i32; 3]> = (0..300_000).map(|i| [i * 37 % 1000, i * 91 % 1000, i / 300]).collect();
         let num_points = xyz.len() as u64;
         let rgb = vec![[100; 3]; xyz.len()];
         let made = points::ScanBuilder::new(points::Grid::default(), xyz).rgb(rgb);
         let scan = made.color(points::ColorSource::default()).scan();
         let (link, _actions, _viewer) = link::link();
-        let (sender, loaded) = std::sync::mpsc::channel();
+        let (mut filler, fillings) = Filler::new(&CancelToken::default());
+        let loaded = filler.fill(&gpu);
+        let filling = fillings.recv().unwrap();
         let options = CloudOptions {
             lod: Some(LodMethod::Octree),
             order: Order::Morton,
@@ -246,9 +287,10 @@ mod tests {
         let seen = Arc::clone(&counts);
         let task = Task::new(&CancelToken::default())
             .observed(move |count| seen.lock().unwrap().push(Arc::clone(count)));
-        let loader = Loader { options: &options, gpu: &gpu, link: &link, loaded: &sender };
+        let (scans, read, stop) = (vec![], ReadOptions::default(), CancelToken::default());
+        let loader = Loader { scans, read, options, link, stop };
         let first = std::thread::scope(|scope| {
-            let loading = scope.spawn(|| loader.send(scan, &task).expect("a cloud"));
+            let loading = scope.spawn(|| loader.layered(&scan, &filling, &task).expect("a cloud"));
             let Loaded { cloud, .. } = loaded.recv().expect("a cloud");
             let first = cloud.num_resident();
             loading.join().unwrap();

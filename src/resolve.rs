@@ -6,6 +6,7 @@ use crate::draw::DrawPlan;
 use crate::nodes::{CloudOptions, LodMethod};
 use crate::walk::WalkOptions;
 use crate::walk::governor::GovernorOptions;
+use crate::walk::headsets::{HeadsetOptions, Wish};
 use crate::walk::locomotion::LocomotionOptions;
 use crate::walk::simulated::SimulatedOptions;
 use base::space::Fov;
@@ -108,6 +109,12 @@ impl Plan {
             },
             digest: config.digest(),
         }
+    }
+
+    /// What is asked of headsets.
+    #[must_use]
+    pub fn headsets(&self, wish: Wish) -> HeadsetOptions {
+        HeadsetOptions { wish, real: self.headset, simulated: self.simulated, adapter: self.adapter.clone() }
     }
 }
 

@@ -9,31 +9,26 @@ use crate::failure::Failure;
 use crate::loader::Loader;
 use crate::resolve::Plan;
 use crate::walk::Walk;
+use crate::walk::filling::Filler;
+use crate::walk::headsets::{Headsets, SoughtHeadsets, Wish};
 use crate::walk::link;
-use crate::walk::simulated::SimulatedHeadset;
 use base::output::Output;
 use base::task::CancelToken;
 use base::words::counted;
 use render::gpu::Gpu;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 use timing::RunFacts;
 use timing::log::FrameLog;
 use timing::pose_path::PosePath;
 use xr::Headset;
 
-/// Use of something that may be absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum Wish {
-    /// Use it if it is there.
-    #[default]
-    Auto,
-    /// Fail without it.
-    On,
-    /// Do not use it.
-    Off,
-}
+/// How long the end of a walk waits for a runtime or a driver that does not answer.
+const LEAVE_WITHIN: Duration = Duration::from_millis(1500);
+/// Time between two looks whether a thread has ended.
+const LOOK_EVERY: Duration = Duration::from_millis(10);
 
 /// How to walk.
 #[derive(Clone, Debug)]
@@ -61,94 +56,76 @@ impl ViewOptions {
     }
 }
 
-/// Walks until the user, the runtime or a limit ends it.
+/// Walks until the user or a limit ends it.
 ///
 /// # Errors
 /// Unreadable scan, no usable GPU, a headset or window that was required and is missing, a frame log that cannot
-/// be begun, a runtime or device that fails.
+/// be begun, a device that fails and cannot be replaced.
 pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(), Failure> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
     let display = open_display(options.window, stop)?;
     if stop.is_cancelled() {
         return Ok(());
     }
-    let (gpu, mut headset) = open_headset(options.headset, plan)?;
-    let facts = facts(options, plan, &gpu, &*headset);
-    let log = options.log.as_ref().map(|output| FrameLog::start(output, &facts)).transpose()?;
     let (link, actions, viewer) = link::link();
-    let windowed = display.is_some();
-    let ending = Ending::new(stop);
-    let (loaded_sender, loaded) = std::sync::mpsc::channel();
+    let (filler, fillings) = Filler::new(stop);
+    let mut headsets = SoughtHeadsets::open(plan.headsets(options.headset), link.clone(), filler)?;
+    let (gpu, headset) = headsets.current();
+    let facts = facts(options, plan, &gpu, headset);
+    let log = options.log.as_ref().map(|output| FrameLog::start(output, &facts)).transpose()?.map(Arc::new);
+    let ending = Arc::new(Ending::new(stop));
 
-    let summary = std::thread::scope(|scope| {
-        let ending = &ending;
-        let _guard = ending.guard();
-        let loader = scope.spawn({
-            let (gpu, link) = (Arc::clone(&gpu), link.clone());
-            move || {
-                let _guard = ending.guard();
-                let loader = Loader { options: &plan.cloud, gpu: &gpu, link: &link, loaded: &loaded_sender };
-                let result = loader.load(&options.scans, &plan.read, stop);
-                // The walk takes this for the sign that all has come.
-                drop(loaded_sender);
-                // No work goes on any more, however loading ended.
-                link.set_doing(None);
-                match result {
-                    // Whoever asked for the end has the reason.
-                    Err(error) if error.is_cancelled() => {}
-                    Err(error) => {
-                        link.update_load(|load| load.error = Some(error.to_string()));
-                        // A window stays until the user has read the error and closes it, unless nobody may be there.
-                        if windowed && !options.ends_by_itself() && !error.is_lost() {
-                            ending.fail_later(error.into());
-                        } else {
-                            ending.fail(error.into());
-                        }
-                    }
-                    Ok(()) => {}
-                }
-            }
-        });
-        let walk = Walk {
-            gpu: Arc::clone(&gpu),
-            draw: plan.draw,
-            options: plan.walk,
-            loaded,
-            actions,
-            link,
-            mirrored: windowed,
-            log: log.as_ref(),
-            pose_path: pose_path.as_ref(),
-            max_frames: options.frames,
-            max_time: options.seconds.map(Duration::from_secs_f64),
-            stop: stop.clone(),
-        };
-        let frames = scope.spawn(move || {
-            let _guard = ending.guard();
-            let summary = walk.run(&mut *headset).map_err(|error| ending.fail(error.into())).ok();
-            // The end of the walk ends the window and the loader too, unless something has failed: then the failure
-            // has decided.
-            if !ending.has_failed() {
-                stop.cancel();
-            }
-            summary
-        });
-        if let Some(display) = display {
-            let facts = window_facts(options, &facts);
-            let shown = display.run(Arc::clone(&gpu), viewer, facts, plan.window.clone(), stop.clone());
-            match shown {
-                Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
-                Err(error) => ending.fail(error.into()),
-                Ok(()) => {}
-            }
+    // The threads borrow nothing, for they may have to be left behind.
+    let loader = Loader {
+        scans: options.scans.clone(),
+        read: plan.read.clone(),
+        options: plan.cloud.clone(),
+        link: link.clone(),
+        stop: stop.clone(),
+    };
+    // A window stays until the user has read the error and closes it, unless nobody may be there.
+    let error_stays = display.is_some() && !options.ends_by_itself();
+    let loader = thread(&ending, move |ending| match loader.run(&fillings) {
+        Err(error) if !error.is_cancelled() && error_stays => ending.fail_later(error.into()),
+        Err(error) if !error.is_cancelled() => ending.fail(error.into()),
+        // Whoever asked for the end has the reason.
+        _ => {}
+    });
+    let walk = Walk {
+        draw: plan.draw,
+        options: plan.walk,
+        actions,
+        link,
+        mirrored: display.is_some(),
+        log: log.clone(),
+        pose_path,
+        max_frames: options.frames,
+        max_time: options.seconds.map(Duration::from_secs_f64),
+        stop: stop.clone(),
+    };
+    let walk_stop = stop.clone();
+    let frames = thread(&ending, move |ending| {
+        let summary = walk.run(&mut headsets).map_err(|error| ending.fail(error.into())).ok();
+        // The end of the walk ends the window and the loader too, unless something has failed: then the failure
+        // has decided.
+        if !ending.has_failed() {
+            walk_stop.cancel();
         }
-        let summary = join(frames);
-        join(loader);
         summary
     });
+    if let Some(display) = display {
+        match display.run(viewer, names(options), plan.window.clone(), stop.clone()) {
+            Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
+            Err(error) => ending.fail(error.into()),
+            Ok(()) => {}
+        }
+    }
+    let mut leaving = Leaving { stop, since: None };
+    let summary = leaving.join(frames).flatten();
+    leaving.join(loader);
     // After a failure, a log without a frame of the scan is dropped, so that an older log stays.
-    ending.into_result()?;
-    finish_log(log, options);
+    ending.take_result()?;
+    finish_log(log.as_deref(), options);
     if let Some(summary) = summary {
         tracing::info!(
             "{}, {} of the scan; ended {}",
@@ -158,6 +135,45 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(),
         );
     }
     Ok(())
+}
+
+/// Starts a thread that stops the others if it panics.
+fn thread<T: Send + 'static>(
+    ending: &Arc<Ending>,
+    work: impl FnOnce(&Ending) -> T + Send + 'static,
+) -> JoinHandle<T> {
+    let ending = Arc::clone(ending);
+    std::thread::spawn(move || {
+        let _guard = ending.guard();
+        work(&ending)
+    })
+}
+
+/// How long the end of a walk waits for its threads.
+struct Leaving<'a> {
+    stop: &'a CancelToken,
+    /// When the end was first seen to be asked for.
+    since: Option<Instant>,
+}
+
+impl Leaving<'_> {
+    /// Waits for a thread's end. `None` if it does not end in time after `stop` was requested: a runtime or a driver keeps
+    /// it, and the user is not to wait for them.
+    fn join<T>(&mut self, thread: JoinHandle<T>) -> Option<T> {
+        while !thread.is_finished() {
+            if self.stop.is_cancelled()
+                && self.since.get_or_insert_with(Instant::now).elapsed() > LEAVE_WITHIN
+            {
+                eprintln!(
+                    "scanwalk: left without waiting for the headset's software or the GPU's driver, which does not answer"
+                );
+                return None;
+            }
+            std::thread::sleep(LOOK_EVERY);
+        }
+        // A panic is a mistake of ours: let it show as one.
+        Some(thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    }
 }
 
 /// Opens the display that was wished for, before anything else is opened or read.
@@ -177,20 +193,6 @@ fn open_display(wish: Wish, stop: &CancelToken) -> Result<Option<Display>, Failu
     }
 }
 
-/// Opens the headset that was wished for, and the GPU that it lives on.
-fn open_headset(wish: Wish, plan: &Plan) -> Result<(Arc<Gpu>, Box<dyn Headset>), Failure> {
-    if wish != Wish::Off {
-        match xr::open(&plan.headset) {
-            Ok((gpu, headset)) => return Ok((gpu, Box::new(headset))),
-            Err(missing) if wish == Wish::On => return Err(Failure::Headset(missing)),
-            Err(missing) => eprintln!("scanwalk: no headset, so a simulated one is used: {missing}"),
-        }
-    }
-    let gpu = Arc::new(Gpu::open(Some(&plan.adapter))?);
-    let headset = SimulatedHeadset::new(&gpu, plan.simulated);
-    Ok((gpu, Box::new(headset)))
-}
-
 fn facts(options: &ViewOptions, plan: &Plan, gpu: &Gpu, headset: &dyn Headset) -> RunFacts {
     let files: Vec<String> = options.scans.iter().map(|p| p.display().to_string()).collect();
     let [left, right] = headset.eye_sizes();
@@ -205,22 +207,13 @@ fn facts(options: &ViewOptions, plan: &Plan, gpu: &Gpu, headset: &dyn Headset) -
     }
 }
 
-/// What the window says of the walk.
-fn window_facts(options: &ViewOptions, facts: &RunFacts) -> desktop::WindowFacts {
+/// Names of the files, for the window's title.
+fn names(options: &ViewOptions) -> String {
     let names = options.scans.iter().filter_map(|p| Some(p.file_name()?.display().to_string()));
-    desktop::WindowFacts {
-        scan: names.collect::<Vec<_>>().join(" "),
-        device: facts.device.clone(),
-        runtime: facts.runtime.clone(),
-    }
+    names.collect::<Vec<_>>().join(" ")
 }
 
-fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
-    // A panic is a mistake of ours: let it show as one.
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-}
-
-fn finish_log(log: Option<FrameLog>, options: &ViewOptions) {
+fn finish_log(log: Option<&FrameLog>, options: &ViewOptions) {
     if let (Some(log), Some(output)) = (log, &options.log) {
         let summary = log.finish();
         if summary.error.is_some() {

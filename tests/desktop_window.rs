@@ -17,6 +17,7 @@ const CASES: &[(&str, fn())] = &[
     ("losing_the_keyboard_stops_moving", losing_the_keyboard_stops_moving),
     ("closing_the_window_ends_the_walk", closing_the_window_ends_the_walk),
     ("the_end_of_the_walk_closes_the_window", the_end_of_the_walk_closes_the_window),
+    ("the_window_outlives_its_gpu", the_window_outlives_its_gpu),
     ("loading_and_its_failure_are_shown", loading_and_its_failure_are_shown),
     ("no_display_is_a_plain_sentence", no_display_is_a_plain_sentence),
     ("the_validation_layer_can_object", the_validation_layer_can_object),
@@ -189,6 +190,23 @@ fn losing_the_keyboard_stops_moving() {
     screen.take_keyboard();
     window.wait_command("Move { direction: [0.0, 0.0, 0.0], fast: false }", already);
     window.xdotool(&["keyup", "w"]);
+    close(window);
+}
+
+/// The window draws on another GPU, with its panel as it was, and takes keys as before.
+fn the_window_outlives_its_gpu() {
+    let screen = Screen::start();
+    let window = Window::open("another", &screen);
+    window.xdotool(&["key", "Tab"]);
+    window.wait_command("another GPU", 0);
+    window.xdotool(&["windowsize", &window.id, "1100", "700"]);
+    wait_quarters(&window, [0.0, 0.0, 1100.0, 700.0], true, 0);
+    let already = window.commands().len();
+    window.xdotool(&["key", "r"]);
+    window.wait_command("Reset", already);
+    window.xdotool(&["key", "Tab"]);
+    let without = window.picture();
+    settled(&window, |p| p.num_different(&without) > 20_000).keep("another-gpu");
     close(window);
 }
 

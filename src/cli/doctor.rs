@@ -6,6 +6,7 @@ use base::task::CancelToken;
 use render::gpu::{Atomics, Gpu};
 use serde::Serialize;
 use std::io::{self, Write};
+use xr::Connection;
 
 /// One thing that a walk needs, or is better with.
 #[derive(Debug, Serialize)]
@@ -113,8 +114,11 @@ fn display(stop: &CancelToken) -> Check {
 
 /// Checks whether there is an OpenXR runtime with a headset.
 fn headset() -> Check {
-    match xr::probe() {
-        Ok((runtime, headset)) => Check::good("headset", format!("{headset}, by {runtime}")),
+    match Connection::new() {
+        Ok(connection) => {
+            let (runtime, headset) = connection.names();
+            Check::good("headset", format!("{headset}, by {runtime}"))
+        }
         Err(missing) => Check::bad("headset", "none that answers", missing.to_string()),
     }
 }

@@ -55,7 +55,7 @@ pub struct RenderArgs {
     /// performance: as the headset would draw; valve-index, meta-quest-3, bigscreen-beyond-2: headsets to simulate
     #[arg(long, value_name = "NAME", default_value = PLAIN)]
     pub preset: Vec<String>,
-    /// How points get into pixels, by the papers' names; all but just-set draw the same picture [default: the preset's]
+    /// How points get into pixels, by the papers' names; nearly all draw the same picture (`scanwalk settings --laboratory`) [default: the preset's]
     #[arg(long, value_name = "NAME")]
     pub method: Option<Method>,
     /// Order of the points in memory; of equal depths the smaller number is drawn [default: the preset's]

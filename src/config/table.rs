@@ -66,7 +66,8 @@ settings! {
         precision: Precision = Precision::Auto;
         /// How points get into pixels, by the papers' names: "prefetch" (the fastest), "basic", "just-set", "busy-loop",
         /// "exchange-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup", "fixed40", "point-list" (the
-        /// hardware's own points), "hqs", "hqs1" or "hqs1r". All but just-set draw the same picture. The first two are of
+        /// hardware's own points), "hqs", "hqs1" or "hqs1r". All draw the same picture, except for just-set, for hqs1 in
+        /// pixels of too many points, and for point-list and fixed40 where points are equally far. The first two are of
         /// either quality, those that begin with hqs of that one, the others of the quality closest, whatever
         /// frame.quality says. point-list, reduce, reduce-early-z and dedup draw points of one pixel, whatever frame.fill
         /// says.

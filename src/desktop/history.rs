@@ -39,8 +39,11 @@ pub(super) struct TimeSummary {
 }
 
 impl History {
-    /// Takes in a row that arrived at `now`.
+    /// Takes in a row that arrived at `now`. Frames that were not drawn tell nothing.
     pub(super) fn push(&mut self, row: FrameRow, now: Instant) {
+        if row.phase == Phase::Unseen {
+            return;
+        }
         // A row that is older than the newest one is of another run.
         if self.rows.back().is_some_and(|newest| row.time_s < newest.time_s) {
             self.rows.clear();
@@ -122,6 +125,7 @@ impl History {
 pub(super) mod tests {
     use super::*;
     use std::time::Duration;
+    use timing::CallTimes;
 
     /// A frame at `time_s` that took the GPU `gpu_ms`.
     pub(in crate::desktop) fn row(frame: u64, time_s: f64, gpu_ms: f32) -> FrameRow {
@@ -146,6 +150,9 @@ pub(super) mod tests {
             world_from_head: None,
             phase: Phase::Walking,
             visible_batches: 900,
+            calls: CallTimes::default(),
+            session: "simulated",
+            place: None,
         }
     }
 

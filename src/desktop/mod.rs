@@ -21,13 +21,12 @@
 //! use base::task::CancelToken;
 //! use render::gpu::Gpu;
 //! use scanwalk::{desktop, resolve::Plan, walk::link};
-//! let gpu = std::sync::Arc::new(Gpu::open(None)?);
 //! let (stop, options) = (CancelToken::default(), Plan::default().window);
 //! let (walk_end, actions, viewer) = link::link();
+//! walk_end.set_gpu(&std::sync::Arc::new(Gpu::open(None)?));
 //! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end cancels `stop`
-//! let facts = desktop::WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
 //! match desktop::Display::open(&stop) {
-//!     Ok(display) => display.run(gpu, viewer, facts, options, stop.clone())?,
+//!     Ok(display) => display.run(viewer, "hall.laz".into(), options, stop.clone())?,
 //!     Err(_) => {} // `--window auto`: the walk goes on without
 //! }
 //! frames.join().ok();
@@ -35,7 +34,7 @@
 //! # }
 //! ```
 //!
-//! The mirror images need `TEXTURE_BINDING`, an sRGB format, and the same device as `gpu`.
+//! The mirror images need `TEXTURE_BINDING`, an sRGB format, and the device of the link's GPU.
 
 mod controls;
 mod help;
@@ -62,20 +61,11 @@ pub use server::{Server, is_named, server};
 
 use crate::walk::link::ViewerEnd;
 use base::task::CancelToken;
-use render::gpu::Gpu;
-use std::sync::Arc;
+use std::time::Duration;
 use winit::event_loop::EventLoop;
 
-/// What the window tells of the run, besides what comes through the link.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct WindowFacts {
-    /// Files shown, for the title: "hall.laz".
-    pub scan: String,
-    /// GPU name.
-    pub device: String,
-    /// OpenXR runtime, or "simulated".
-    pub runtime: String,
-}
+/// How long the window waits for the queue, which a runtime that is stuck may hold.
+const QUEUE_PATIENCE: Duration = Duration::from_millis(500);
 
 /// Why there is no window; each sentence says what to do.
 #[derive(Debug, thiserror::Error)]
@@ -101,6 +91,9 @@ pub enum DesktopError {
     /// Vulkan refused the surface.
     #[error("the GPU's driver cannot draw into a window of this desktop: {0}; use --window off")]
     Surface(#[from] wgpu::CreateSurfaceError),
+    /// The walk has no GPU yet.
+    #[error("the window has no GPU to draw on")]
+    NoGpu,
     /// The GPU has no way to this display.
     #[error(
         "the GPU '{gpu}' cannot show pictures on this display; choose another with --adapter, or use --window off"
@@ -128,7 +121,7 @@ impl Display {
         server::event_loop(stop).map(Self)
     }
 
-    /// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
+    /// Shows the window until it is closed or `stop` is requested, on the main thread; `scan` names the files shown. Closing it sends
     /// [`Action::Quit`](crate::walk::state::Action::Quit) and requests `stop`; a failure does not, for a walk may go
     /// on without a window.
     ///
@@ -136,13 +129,12 @@ impl Display {
     /// A display that takes no window, or a GPU that cannot draw into it.
     pub fn run(
         self,
-        gpu: Arc<Gpu>,
         viewer: ViewerEnd,
-        facts: WindowFacts,
+        scan: String,
         options: WindowOptions,
         stop: CancelToken,
     ) -> Result<(), DesktopError> {
-        let mut app = window::App::new(gpu, viewer, facts, options, stop);
+        let mut app = window::App::new(viewer, scan, options, stop);
         self.0
             .run_app(&mut app)
             .map_err(|error| DesktopError::EventLoop { reason: server::event_loop_words(&error) })?;

@@ -1,7 +1,7 @@
 //! What must be seen even without the panel: loading, why it failed, and that a second Esc quits.
 
 use super::numbers;
-use super::style::{self, BAD, FAINT, GOOD};
+use super::style::{self, BAD, FAINT, GOOD, WARN};
 use crate::walk::link::LoadState;
 use base::task::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
@@ -27,6 +27,16 @@ pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant
     if let Some((_, text)) = notice.filter(|(at, _)| now.saturating_duration_since(*at) < TOLD_FOR) {
         card(ui, "told", Align2::CENTER_TOP, 16.0, |ui| ui.label(text));
     }
+}
+
+/// Draws why the walk waits for the headset that it had.
+pub(super) fn waiting(ui: &mut Ui, because: Option<&str>) {
+    let Some(because) = because else { return };
+    card(ui, "waiting", Align2::RIGHT_TOP, 16.0, |ui| {
+        ui.set_max_width(300.0);
+        ui.label(RichText::new("Waiting for the headset").color(WARN));
+        ui.label(because);
+    });
 }
 
 fn loading(ui: &mut Ui, doing: &Done, picture: bool) {

@@ -1,6 +1,7 @@
 //! One picture of the window: the mirror, egui on top. Draws into any texture view, so tests need no window.
 
 use super::MirroredEyes;
+use super::QUEUE_PATIENCE;
 use super::mirror::MirrorPipeline;
 use crate::walk::link::MirrorImages;
 use render::gpu::Gpu;
@@ -15,6 +16,8 @@ pub(super) struct Painter {
     format: wgpu::TextureFormat,
     /// Textures that egui freed in the picture before, which had to be submitted first.
     freed: Vec<egui::TextureId>,
+    /// Changes of textures that the GPU does not know of yet.
+    unsent: egui::TexturesDelta,
 }
 
 /// What egui wants painted.
@@ -39,10 +42,16 @@ impl Painter {
     /// A painter for pictures of `format`.
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let egui = egui_wgpu::Renderer::new(device, format, egui_wgpu::RendererOptions::default());
-        Self { mirror: MirrorPipeline::new(device, format), egui, format, freed: Vec::new() }
+        Self {
+            mirror: MirrorPipeline::new(device, format),
+            egui,
+            format,
+            freed: Vec::new(),
+            unsent: Default::default(),
+        }
     }
 
-    /// Records a picture of `size_px`; the caller submits the commands, in order.
+    /// Records a picture of `size_px`; the caller submits the commands, in order. `None` if the queue is not to be had.
     ///
     /// The queue is locked only for egui's uploads, which copy into staging memory and wait for nothing.
     pub(super) fn record(
@@ -52,19 +61,20 @@ impl Painter {
         size_px: [u32; 2],
         mirror: Option<(&MirrorImages, MirroredEyes)>,
         mut ui: EguiPicture,
-    ) -> Vec<wgpu::CommandBuffer> {
+    ) -> Option<Vec<wgpu::CommandBuffer>> {
         let device = &gpu.device;
-        for id in self.freed.drain(..) {
-            self.egui.free_texture(&id);
-        }
-        self.freed.extend(ui.textures.free.drain());
+        self.unsent.append(std::mem::take(&mut ui.textures));
         let screen =
             egui_wgpu::ScreenDescriptor { size_in_pixels: size_px, pixels_per_point: ui.pixels_per_point };
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("window") });
         let mut commands = {
-            let queue = gpu.queue.lock();
-            for (id, deltas) in ui.textures.set.drain() {
+            let queue = gpu.queue.lock_within(QUEUE_PATIENCE)?;
+            for id in self.freed.drain(..) {
+                self.egui.free_texture(&id);
+            }
+            self.freed.extend(self.unsent.free.drain());
+            for (id, deltas) in self.unsent.set.drain() {
                 for delta in &deltas {
                     self.egui.update_texture(device, queue.for_uploads(), id, delta);
                 }
@@ -92,7 +102,7 @@ impl Painter {
         self.egui.render(&mut pass, &ui.primitives, &screen);
         drop(pass);
         commands.push(encoder.finish());
-        commands
+        Some(commands)
     }
 
     /// [`EMPTY`] as a clear value: the hardware encodes it for sRGB formats.
@@ -100,5 +110,12 @@ impl Painter {
         let linear = |c: f64| if self.format.is_srgb() { ((c + 0.055) / 1.055).powf(2.4) } else { c };
         let [r, g, b] = EMPTY.map(linear);
         wgpu::Color { r, g, b, a: 1.0 }
+    }
+}
+
+impl Drop for Painter {
+    fn drop(&mut self) {
+        // egui insists that nobody forgets its textures; these go with the GPU's.
+        self.unsent.clear();
     }
 }

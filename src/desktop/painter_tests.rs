@@ -3,8 +3,8 @@
 use super::controls::{Controls, WindowState};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
-use super::{MirroredEyes, WindowFacts, WindowOptions, help, keys, notice, panel, style};
-use crate::walk::link::{LoadState, MirrorImages};
+use super::{MirroredEyes, WindowOptions, help, keys, notice, panel, style};
+use crate::walk::link::{HeadsetState, LoadState, MirrorImages};
 use crate::walk::state::AppState;
 use base::task::Done;
 use render::gpu::Gpu;
@@ -39,7 +39,9 @@ fn mirrored(gpu: &Gpu, images: &MirrorImages, mirror: MirroredEyes, format: Text
     let nothing = EguiPicture { primitives: Vec::new(), textures: Default::default(), pixels_per_point: 1.0 };
     let view = target.create_view(&Default::default());
     let mut painter = Painter::new(&gpu.device, format);
-    let commands = painter.record(gpu, &view, [EDGE, EDGE], Some((images, mirror)), nothing);
+    let commands = painter
+        .record(gpu, &view, [EDGE, EDGE], Some((images, mirror)), nothing)
+        .expect("nobody else has the queue");
     let row_bytes = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
@@ -125,15 +127,15 @@ fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
 }
 
 fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String {
-    let facts =
-        WindowFacts { scan: "hall.laz".into(), device: "Some GPU".into(), runtime: "Monado 25".into() };
+    let headset =
+        HeadsetState { device: "Some GPU".into(), runtime: "Monado 25".into(), ..HeadsetState::default() };
     let now = Instant::now();
     let state = AppState::new(overlay);
     let options = WindowOptions::sample();
     let contents = panel::Contents {
-        facts: &facts,
         history,
         load,
+        headset: &headset,
         widgets: &options.widgets,
         state,
         eye_px: Some([1440, 1600]),
@@ -242,6 +244,9 @@ fn notices_say_what_goes_on() {
         "",
         "nothing goes on any more"
     );
+    assert_eq!(painted(|ui| notice::waiting(ui, None)), "");
+    let words = painted(|ui| notice::waiting(ui, Some("the headset was lost (LOSS_PENDING)")));
+    assert!(words.contains("Waiting for the headset") && words.contains("LOSS_PENDING"), "{words}");
     let now = Instant::now();
     let told = Some((now, "Saved a.left.png".to_string()));
     let words = |at| painted(|ui| notice::told(ui, told.as_ref(), at));

@@ -3,8 +3,8 @@
 use super::controls::WindowState;
 use super::history::{History, TimeSummary};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
-use super::{Label, Widgets, WindowFacts, numbers, plot};
-use crate::walk::link::LoadState;
+use super::{Label, Widgets, numbers, plot};
+use crate::walk::link::{HeadsetState, LoadState};
 use crate::walk::state::{Action, SPEED_LIMIT, Snapshot};
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
 use render::options::{Overlay, Quality};
@@ -18,12 +18,12 @@ const MARGIN: f32 = 12.0;
 
 /// Everything that the panel tells.
 pub(super) struct Contents<'a> {
-    /// Facts of the run.
-    pub facts: &'a WindowFacts,
     /// The last seconds of frames.
     pub history: &'a History,
     /// What loading has come to.
     pub load: &'a LoadState,
+    /// Which headset the walk has.
+    pub headset: &'a HeadsetState,
     /// What the user can choose.
     pub widgets: &'a Widgets,
     /// The application's state.
@@ -250,8 +250,8 @@ fn scan(ui: &mut Ui, load: &LoadState) {
 /// Tells what the walk runs on.
 fn machine(ui: &mut Ui, contents: &Contents) {
     fold(ui, "Machine", true, |ui| {
-        fact(ui, "GPU", &contents.facts.device);
-        fact(ui, "Headset", &contents.facts.runtime);
+        fact(ui, "GPU", &contents.headset.device);
+        fact(ui, "Headset", &contents.headset.runtime);
         if let Some([width, height]) = contents.eye_px {
             fact(ui, "An eye", &format!("{width} × {height} px"));
         }

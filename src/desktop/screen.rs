@@ -5,7 +5,7 @@
 //!   waits for work that is queued behind the headset's frames.
 //! - Configuring waits for the GPU, under the queue lock; so a resize does it at most ten times a second.
 
-use super::DesktopError;
+use super::{DesktopError, QUEUE_PATIENCE};
 use render::gpu::Gpu;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -93,11 +93,11 @@ impl WindowSurface {
         })
     }
 
-    /// Submits the picture's commands and shows it.
+    /// Submits the picture's commands and shows it, if the queue is to be had.
     pub(super) fn present(&self, commands: Vec<wgpu::CommandBuffer>, picture: wgpu::SurfaceTexture) {
+        let Some(queue) = self.gpu.queue.lock_within(QUEUE_PATIENCE) else { return };
         self.finished.store(false, Ordering::Release);
         self.window.pre_present_notify();
-        let queue = self.gpu.queue.lock();
         queue.submit(commands);
         let finished = Arc::clone(&self.finished);
         queue.on_submitted_work_done(move || finished.store(true, Ordering::Release));
@@ -118,10 +118,12 @@ impl WindowSurface {
         if self.last_configure.is_some_and(|last| last.elapsed() < CONFIGURE_PAUSE) {
             return false;
         }
+        let Some(queue) = self.gpu.queue.lock_within(QUEUE_PATIENCE) else { return false };
         (self.config.width, self.config.height) = (width, height);
         if let Some(surface) = &self.surface {
-            self.gpu.queue.lock().configure(surface, &self.gpu.device, &self.config);
+            queue.configure(surface, &self.gpu.device, &self.config);
         }
+        drop(queue);
         self.last_configure = Some(Instant::now());
         self.configured = true;
         true
@@ -134,11 +136,13 @@ impl WindowSurface {
         Ok(())
     }
 
-    /// Destroys the surface under the queue lock: that waits for the GPU, which uses the queue.
-    fn release(&mut self) {
-        let queue = self.gpu.queue.lock();
-        self.surface = None;
-        drop(queue);
+    /// Destroys the surface under the queue lock: that waits for the GPU, which uses the queue. Where a runtime holds the
+    /// queue for ever, the surface is left to the system.
+    pub(super) fn release(&mut self) {
+        match self.gpu.queue.lock_within(QUEUE_PATIENCE) {
+            Some(_queue) => self.surface = None,
+            None => std::mem::forget(self.surface.take()),
+        }
     }
 }
 

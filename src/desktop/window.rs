@@ -5,8 +5,8 @@ use super::controls::{Controls, WindowState};
 use super::history::History;
 use super::painter::{EguiPicture, Painter};
 use super::screen::WindowSurface;
-use super::{DesktopError, WindowFacts, WindowOptions, help, notice, panel, server, style};
-use crate::walk::link::{LoadState, ViewerEnd};
+use super::{DesktopError, QUEUE_PATIENCE, WindowOptions, help, notice, panel, server, style};
+use crate::walk::link::{HeadsetState, LoadState, ViewerEnd};
 use crate::walk::state::{Action, Snapshot};
 use base::task::CancelToken;
 use render::gpu::Gpu;
@@ -30,14 +30,15 @@ const PX_PER_LINE: f32 = 40.0;
 
 /// The window's program.
 pub(super) struct App {
-    gpu: Arc<Gpu>,
     viewer: ViewerEnd,
-    facts: WindowFacts,
+    /// Names of the files shown.
+    scan: String,
     options: WindowOptions,
     stop: CancelToken,
     controls: Controls,
     history: History,
     load: LoadState,
+    headset: HeadsetState,
     /// The state when it was last looked at.
     state: Snapshot,
     shown: Option<Shown>,
@@ -45,11 +46,10 @@ pub(super) struct App {
     next_tick: Instant,
 }
 
-/// What exists while the window does. The screen is dropped before the window.
+/// What exists while the window does.
 struct Shown {
-    screen: WindowSurface,
-    painter: Painter,
-    egui: egui_winit::State,
+    /// What draws, which is dropped before the window.
+    canvas: Canvas,
     window: Arc<Window>,
     occluded: bool,
     full_screen: bool,
@@ -58,11 +58,50 @@ struct Shown {
     drawn_at: Option<Instant>,
 }
 
+/// What draws into the window, on one GPU.
+struct Canvas {
+    gpu: Arc<Gpu>,
+    screen: WindowSurface,
+    painter: Painter,
+    egui: egui_winit::State,
+}
+
+impl Canvas {
+    /// A canvas whose panels are as `memory` has them.
+    fn new(gpu: &Arc<Gpu>, window: &Arc<Window>, memory: egui::Memory) -> Result<Self, DesktopError> {
+        let screen = WindowSurface::new(Arc::clone(gpu), Arc::clone(window))?;
+        let painter = Painter::new(&gpu.device, screen.format());
+        // The context of another GPU has uploaded its textures there.
+        let context = egui::Context::default();
+        context.memory_mut(|own| *own = memory);
+        style::apply(&context);
+        let egui = egui_winit::State::new(
+            context,
+            egui::ViewportId::ROOT,
+            window,
+            Some(window.scale_factor() as f32),
+            Some(winit::window::Theme::Dark),
+            Some(gpu.device.limits().max_texture_dimension_2d as usize),
+        );
+        Ok(Self { gpu: Arc::clone(gpu), screen, painter, egui })
+    }
+}
+
 impl Shown {
+    /// Draws on this GPU from now on.
+    fn move_to(&mut self, gpu: &Arc<Gpu>) -> Result<(), DesktopError> {
+        let memory = self.canvas.egui.egui_ctx().memory(Clone::clone);
+        // A window has one surface at a time.
+        self.canvas.screen.release();
+        self.canvas = Canvas::new(gpu, &self.window, memory)?;
+        self.stale = true;
+        Ok(())
+    }
+
     /// True if egui has a widget's drag under way or something of its own at `at_px`. egui's answer to the event
     /// tells where the pointer was in the last pass; it may have moved since.
     fn on_panel(&self, at_px: [f64; 2]) -> bool {
-        let context = self.egui.egui_ctx();
+        let context = self.canvas.egui.egui_ctx();
         let at = egui::Pos2::from(at_px.map(|px| px as f32)) / context.pixels_per_point();
         context.egui_is_using_pointer()
             || context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background)
@@ -71,24 +110,18 @@ impl Shown {
 
 impl App {
     /// A window that is not open yet: winit says when to open it.
-    pub(super) fn new(
-        gpu: Arc<Gpu>,
-        viewer: ViewerEnd,
-        facts: WindowFacts,
-        options: WindowOptions,
-        stop: CancelToken,
-    ) -> Self {
+    pub(super) fn new(viewer: ViewerEnd, scan: String, options: WindowOptions, stop: CancelToken) -> Self {
         let controls = Controls::new(WindowState::new(&options));
-        let (load, state) = (viewer.load(), viewer.snapshot());
+        let (load, headset, state) = (viewer.load(), viewer.headset(), viewer.snapshot());
         Self {
-            gpu,
             viewer,
-            facts,
+            scan,
             options,
             stop,
             controls,
             history: History::default(),
             load,
+            headset,
             state,
             shown: None,
             failure: None,
@@ -103,7 +136,7 @@ impl App {
 
     fn open(&self, events: &ActiveEventLoop) -> Result<Shown, DesktopError> {
         let [width, height] = self.options.size.map(|edge| edge.max(1));
-        let title = match self.facts.scan.as_str() {
+        let title = match self.scan.as_str() {
             "" => "scanwalk".to_string(),
             scan => format!("{scan} – scanwalk"),
         };
@@ -112,23 +145,9 @@ impl App {
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(160, 120));
         let window = Arc::new(events.create_window(attributes).map_err(refused)?);
-        let screen = WindowSurface::new(Arc::clone(&self.gpu), Arc::clone(&window))?;
-        let painter = Painter::new(&self.gpu.device, screen.format());
-        let context = egui::Context::default();
-        style::apply(&context);
-        let longest_px = self.gpu.device.limits().max_texture_dimension_2d as usize;
-        let egui = egui_winit::State::new(
-            context,
-            egui::ViewportId::ROOT,
-            &window,
-            Some(window.scale_factor() as f32),
-            Some(winit::window::Theme::Dark),
-            Some(longest_px),
-        );
+        let gpu = self.viewer.gpu().ok_or(DesktopError::NoGpu)?;
         Ok(Shown {
-            screen,
-            painter,
-            egui,
+            canvas: Canvas::new(&gpu, &window, egui::Memory::default())?,
             window,
             occluded: false,
             full_screen: false,
@@ -166,9 +185,9 @@ impl App {
             }
             news = true;
         };
-        let (load, state) = (self.viewer.load(), self.viewer.snapshot());
-        if load != self.load || state != self.state {
-            (self.load, self.state) = (load, state);
+        let (load, headset, state) = (self.viewer.load(), self.viewer.headset(), self.viewer.snapshot());
+        if load != self.load || headset != self.headset || state != self.state {
+            (self.load, self.headset, self.state) = (load, headset, state);
             news = true;
         }
         if let Some(shown) = &mut self.shown {
@@ -225,15 +244,27 @@ impl App {
 
     fn draw(&mut self) -> Result<(), DesktopError> {
         let Some(shown) = &mut self.shown else { return Ok(()) };
-        let Some(picture) = shown.screen.begin()? else { return Ok(()) };
+        if let Some(gpu) = self.viewer.gpu().filter(|gpu| !Arc::ptr_eq(gpu, &shown.canvas.gpu)) {
+            shown.move_to(&gpu)?;
+        }
+        let canvas = &mut shown.canvas;
+        // Nothing can be drawn on a GPU that is lost; the walk looks for another.
+        if canvas.gpu.lost().is_some() {
+            return Ok(());
+        }
+        // While a runtime is stuck with the queue, the window takes keys and shows its last picture.
+        if canvas.gpu.queue.lock_within(QUEUE_PATIENCE).is_none() {
+            return Ok(());
+        }
+        let Some(picture) = canvas.screen.begin()? else { return Ok(()) };
         let now = Instant::now();
-        let input = shown.egui.take_egui_input(&shown.window);
-        let context = shown.egui.egui_ctx().clone();
-        let images = self.viewer.mirror();
+        let input = canvas.egui.take_egui_input(&shown.window);
+        let context = canvas.egui.egui_ctx().clone();
+        let images = self.viewer.mirror(&canvas.gpu);
         let contents = panel::Contents {
-            facts: &self.facts,
             history: &self.history,
             load: &self.load,
+            headset: &self.headset,
             widgets: &self.options.widgets,
             state: self.state,
             eye_px: images.as_ref().map(|images| images.drawn_px[0]),
@@ -245,13 +276,14 @@ impl App {
         let mut output = context.run_ui(input, |ui| {
             action = panel::show(ui, &contents, view).or(action);
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
+            notice::waiting(ui, self.headset.waiting_because.as_deref());
             notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
         });
         if dragging {
             output.platform_output.cursor_icon = egui::CursorIcon::Grabbing;
         }
-        shown.egui.handle_platform_output(&shown.window, std::mem::take(&mut output.platform_output));
+        canvas.egui.handle_platform_output(&shown.window, std::mem::take(&mut output.platform_output));
         let repaint = output.viewport_output.get(&egui::ViewportId::ROOT).map(|v| v.repaint_delay);
         shown.stale = repaint.is_some_and(|delay| delay <= TICK);
         shown.drawn_at = Some(now);
@@ -259,8 +291,9 @@ impl App {
         let mirror = images.as_ref().map(|images| (images, self.controls.view.mirror));
         let target = picture.texture.create_view(&Default::default());
         let size_px = [picture.texture.width(), picture.texture.height()];
-        let commands = shown.painter.record(&self.gpu, &target, size_px, mirror, ui);
-        shown.screen.present(commands, picture);
+        if let Some(commands) = canvas.painter.record(&canvas.gpu, &target, size_px, mirror, ui) {
+            canvas.screen.present(commands, picture);
+        }
         self.send(action);
         Ok(())
     }
@@ -294,9 +327,9 @@ impl ApplicationHandler for App {
                 shown.stale = true;
                 // egui gets keys only while one of its widgets has asked for them (a number being typed);
                 // releases always reach the controls, which may have seen the key go down.
-                let typing = shown.egui.egui_ctx().egui_wants_keyboard_input();
+                let typing = shown.canvas.egui.egui_ctx().egui_wants_keyboard_input();
                 if typing {
-                    let _ = shown.egui.on_window_event(&shown.window, &event);
+                    let _ = shown.canvas.egui.on_window_event(&shown.window, &event);
                 }
                 if !typing || key.state == ElementState::Released {
                     self.keyboard(key, *is_synthetic);
@@ -306,7 +339,7 @@ impl ApplicationHandler for App {
                 if let WindowEvent::Occluded(occluded) = other {
                     shown.occluded = *occluded;
                 }
-                let response = shown.egui.on_window_event(&shown.window, other);
+                let response = shown.canvas.egui.on_window_event(&shown.window, other);
                 let resized =
                     matches!(other, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
                 shown.stale |= response.repaint || resized;

@@ -4,6 +4,7 @@
 
 use super::state::{Action, AppState, Snapshot};
 use base::task::{Count, Done};
+use render::gpu::Gpu;
 use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
@@ -21,6 +22,17 @@ pub struct LoadState {
     pub facts: Vec<(String, String)>,
     /// Warnings of the readers.
     pub warnings: Vec<String>,
+}
+
+/// Which headset the walk has, for the window.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeadsetState {
+    /// Its OpenXR runtime, or "simulated".
+    pub runtime: String,
+    /// The GPU's name.
+    pub device: String,
+    /// Why the walk waits for a real headset that it had: the sentence for people.
+    pub waiting_because: Option<String>,
 }
 
 /// What the headset shows, for the window. Textures are reference-counted, so a clone is cheap.
@@ -53,7 +65,10 @@ struct Shared {
 /// State that changes rarely, read by the window once a frame of its own.
 #[derive(Debug)]
 struct Rest {
+    /// The GPU that `mirror` lives on.
+    gpu: Option<Arc<Gpu>>,
     mirror: Option<MirrorImages>,
+    headset: HeadsetState,
     /// All but [`LoadState::doing`].
     load: LoadState,
     notice: Option<(Instant, String)>,
@@ -83,7 +98,8 @@ pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (row_sender, rows) = sync_channel(512);
     let (actions, action_receiver) = channel();
     let (load, snapshot) = (LoadState::default(), AppState::new(Overlay::None));
-    let rest = Mutex::new(Rest { mirror: None, load, notice: None, snapshot });
+    let headset = HeadsetState::default();
+    let rest = Mutex::new(Rest { gpu: None, mirror: None, headset, load, notice: None, snapshot });
     let shared = Arc::new(Shared { doing: RwLock::new(None), rest });
     let walk = WalkEnd { rows: row_sender, shared: Arc::clone(&shared) };
     (walk, action_receiver, ViewerEnd { rows, actions, shared })
@@ -99,6 +115,22 @@ impl WalkEnd {
     /// Offers a row, which is dropped if the window does not keep up.
     pub fn offer_row(&self, row: FrameRow) {
         let _ = self.rows.try_send(row);
+    }
+
+    /// Has the window draw on this GPU from now on; true if it is another one.
+    pub fn set_gpu(&self, gpu: &Arc<Gpu>) -> bool {
+        let mut rest = self.shared.rest();
+        let is_new = !rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu));
+        if is_new {
+            (rest.gpu, rest.mirror) = (Some(Arc::clone(gpu)), None);
+            rest.headset.device = gpu.name();
+        }
+        is_new
+    }
+
+    /// Changes what the window says of the headset.
+    pub fn update_headset(&self, change: impl FnOnce(&mut HeadsetState)) {
+        change(&mut self.shared.rest().headset);
     }
 
     /// Sets new mirror textures, or another part of them: at start and when the eyes' sizes change.
@@ -134,10 +166,23 @@ impl WalkEnd {
 }
 
 impl ViewerEnd {
-    /// The mirror textures, once there are any.
+    /// The GPU to draw on, once there is one.
     #[must_use]
-    pub fn mirror(&self) -> Option<MirrorImages> {
-        self.shared.rest().mirror.clone()
+    pub fn gpu(&self) -> Option<Arc<Gpu>> {
+        self.shared.rest().gpu.clone()
+    }
+
+    /// The mirror textures, once there are any on this GPU.
+    #[must_use]
+    pub fn mirror(&self, gpu: &Arc<Gpu>) -> Option<MirrorImages> {
+        let rest = self.shared.rest();
+        rest.mirror.clone().filter(|_| rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu)))
+    }
+
+    /// Which headset the walk has.
+    #[must_use]
+    pub fn headset(&self) -> HeadsetState {
+        self.shared.rest().headset.clone()
     }
 
     /// The state as it was when it last changed.

@@ -5,6 +5,7 @@ use super::state::Action;
 use base::space::{Eye, Pose, View};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
+use timing::Place;
 use xr::{ControllerInput, StageEye};
 
 /// Stick deflection below this is noise.
@@ -59,27 +60,28 @@ pub struct Locomotion {
 }
 
 impl Locomotion {
-    /// A viewer who stands at the start. `may_pitch` is true if the mouse may look up and down, which is for
-    /// simulated headsets only.
+    /// A viewer who stands at the start.
     #[must_use]
-    pub fn new(options: LocomotionOptions, start: Start, may_pitch: bool) -> Self {
+    pub fn new(options: LocomotionOptions, start: Start) -> Self {
         Self {
             options,
             start,
             floor_in_world: start.floor_in_world,
             yaw: start.yaw,
             pitch: 0.0,
-            may_pitch,
+            may_pitch: false,
             head_in_stage: DVec3::ZERO,
             held: ([0.0; 3], false),
             snap_ready: true,
         }
     }
 
-    /// Stands at the start of a new scan.
-    pub fn restart(&mut self, start: Start) {
-        self.start = start;
-        self.reset();
+    /// Sets whether the mouse may look up and down, which is for simulated headsets only: a head pitches itself.
+    pub fn set_may_pitch(&mut self, may_pitch: bool) {
+        self.may_pitch = may_pitch;
+        if !may_pitch {
+            self.pitch = 0.0;
+        }
     }
 
     /// Meters a second at full deflection, until the user changes it.
@@ -89,6 +91,13 @@ impl Locomotion {
         let extent_m = self.start.extent_m;
         let chosen = (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0);
         self.options.speed_m_per_s.unwrap_or(chosen)
+    }
+
+    /// Where the stage stands, for the log.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        let units_per_m = self.start.units_per_m;
+        Place { floor_in_world: self.floor_in_world, yaw_deg: self.yaw.to_degrees(), units_per_m }
     }
 
     /// Applies what moves the viewer.
@@ -243,7 +252,9 @@ mod tests {
     }
 
     fn walk() -> Locomotion {
-        Locomotion::new(OPTIONS, start(), true)
+        let mut walk = Locomotion::new(OPTIONS, start());
+        walk.set_may_pitch(true);
+        walk
     }
 
     fn seen(walk: &Locomotion, eyes: &[StageEye; 2]) -> View {
@@ -271,8 +282,7 @@ mod tests {
 
     #[test]
     fn units_scale_the_viewer_not_the_scan() {
-        let mut walk = walk();
-        walk.restart(Start { units_per_m: 1.0 / 0.3048, ..start() });
+        let walk = Locomotion::new(OPTIONS, Start { units_per_m: 1.0 / 0.3048, ..start() });
         let view = seen(&walk, &eyes());
         let gap = view.eyes[1].world_from_view.position.x - view.eyes[0].world_from_view.position.x;
         assert!((gap - 0.06 / 0.3048).abs() < 1e-9 && (view.near - 0.05 / 0.3048).abs() < 1e-9);
@@ -326,7 +336,9 @@ mod tests {
 
     #[test]
     fn the_mouse_never_pitches_a_real_head() {
-        let mut walk = Locomotion::new(OPTIONS, start(), false);
+        let mut walk = walk();
+        walk.apply(Action::Look { delta_px: [0.0, -100.0] });
+        walk.set_may_pitch(false);
         walk.apply(Action::Look { delta_px: [0.0, -200.0] });
         let view = seen(&walk, &eyes());
         assert!((view.eyes[0].world_from_view.orientation * DVec3::NEG_Z).z.abs() < 1e-12);

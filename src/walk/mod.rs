@@ -3,7 +3,10 @@
 //! The loop reads as the frame's contents list; what differs between an OpenXR runtime and the simulated
 //! headset stands behind [`xr::Headset`].
 
+pub mod filling;
+mod frames;
 pub mod governor;
+pub mod headsets;
 pub mod link;
 pub mod locomotion;
 mod masks;
@@ -19,5 +22,6 @@ mod surroundings;
 mod tube;
 mod views;
 mod waiting;
+mod walker;
 
-pub use run::{Loaded, Walk, WalkError, WalkOptions, WalkSummary};
+pub use run::{Walk, WalkError, WalkOptions, WalkSummary};

@@ -29,8 +29,8 @@ pub(super) struct PendingRows {
 }
 
 impl PendingRows {
-    /// Rows that begin now, when `written_bytes` have been sent to the GPU.
-    pub fn new(written_bytes: u64) -> Self {
+    /// Rows that begin now.
+    pub fn new() -> Self {
         Self {
             pending: VecDeque::with_capacity(MAX_PENDING_ROWS + 1),
             frame: 0,
@@ -39,8 +39,13 @@ impl PendingRows {
             began: Instant::now(),
             load_ms: 0.0,
             last_display_ns: None,
-            written_bytes,
+            written_bytes: 0,
         }
+    }
+
+    /// Goes on with another headset, which has a clock of its own, and a GPU that `written_bytes` have been sent to.
+    pub fn restart(&mut self, written_bytes: u64) {
+        (self.last_display_ns, self.written_bytes) = (None, written_bytes);
     }
 
     /// Seconds from the log's beginning to `at`.

@@ -8,7 +8,7 @@ use render::gpu::Gpu;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use xr::{ControllerInput, End, EyeImages, Fault, FrameState, Headset, StageEye};
+use xr::{ControllerInput, End, EyeImages, FrameState, Headset, StageEye};
 
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;
@@ -104,14 +104,16 @@ impl Headset for SimulatedHeadset {
         true
     }
 
-    fn wait(&mut self) -> Result<FrameState, Fault> {
+    fn wait(&mut self) -> FrameState {
         if self.exit_requested {
-            return Ok(FrameState::Ended(End::ByUser));
+            return FrameState::Ended(End::ByUser);
         }
         while self.in_flight.len() >= MAX_IN_FLIGHT {
             let submission_index = self.in_flight.pop_front();
             let wait = wgpu::PollType::Wait { submission_index, timeout: None };
-            self.gpu.device.poll(wait).map_err(|error| Fault::DeviceLost(error.to_string()))?;
+            if let Err(error) = self.gpu.device.poll(wait) {
+                return FrameState::Ended(End::DeviceLost(error.to_string()));
+            }
         }
         // The frame is for the next display that can still be met; displays that passed meanwhile are missed.
         let elapsed = self.began.elapsed();
@@ -120,31 +122,30 @@ impl Headset for SimulatedHeadset {
         let period = self.period();
         let begin = period.mul_f64((self.next_period - 1) as f64);
         std::thread::sleep(begin.saturating_sub(elapsed));
-        Ok(FrameState::Frame {
+        FrameState::Frame {
             predicted_display_ns: period.mul_f64(self.next_period as f64).as_nanos() as i64,
             period_ns: period.as_nanos() as i64,
             should_render: true,
-        })
+        }
     }
 
-    fn input(&mut self) -> Result<ControllerInput, Fault> {
-        Ok(ControllerInput::default())
+    fn input(&mut self) -> ControllerInput {
+        ControllerInput::default()
     }
 
-    fn acquire(&mut self) -> Result<EyeImages, Fault> {
-        Ok(EyeImages { color: self.images.clone(), depth: None })
+    fn acquire(&mut self) -> Option<EyeImages> {
+        Some(EyeImages { color: self.images.clone(), depth: None })
     }
 
-    fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
-        Ok(Self::eyes(&self.options))
+    fn locate(&mut self) -> [StageEye; 2] {
+        Self::eyes(&self.options)
     }
 
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) {
         if let Some(commands) = commands {
             let commands = commands.finish();
             self.in_flight.push_back(self.gpu.queue.lock().submit([commands]));
         }
-        Ok(())
     }
 
     fn request_exit(&mut self) {

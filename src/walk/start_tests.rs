@@ -56,7 +56,7 @@ const LOCOMOTION: LocomotionOptions =
 /// Part of the scene that both eyes of the simulated headset see at the start.
 fn seen(scene: &Scene, start: Start) -> f64 {
     let eyes = SimulatedHeadset::eyes(&HEADSET);
-    let walk = Locomotion::new(LOCOMOTION, start, true);
+    let walk = Locomotion::new(LOCOMOTION, start);
     let view = walk.view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
     let is_seen = |p: DVec3| {
         view.eyes.iter().all(|eye| {

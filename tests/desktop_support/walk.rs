@@ -5,13 +5,13 @@ use super::fault;
 use base::task::{CancelToken, Task};
 use render::gpu::Gpu;
 use render::options::Overlay;
-use scanwalk::desktop::{Display, WindowFacts, WindowOptions};
+use scanwalk::desktop::{Display, WindowOptions};
 use scanwalk::resolve::Plan;
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
 use scanwalk::walk::state::AppState;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use timing::{FrameRow, Phase};
+use timing::{CallTimes, FrameRow, Phase};
 
 /// Pixels of an eye's image.
 pub const EYE_PX: [u32; 2] = [480, 540];
@@ -36,14 +36,16 @@ pub fn play(role: &str) {
         return println!("ended well");
     }
     let (walk, actions, viewer) = link::link();
+    walk.set_gpu(&gpu);
+    walk.update_headset(|headset| headset.runtime = "simulated".into());
     let stop = CancelToken::default();
     let frames = std::thread::spawn({
-        let (gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
+        let (mut gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
         move || {
             let begin = Instant::now();
             let mut state = AppState::new(Overlay::None);
             prepare(&role, &walk);
-            let images = (role != "broken" && role != "loading").then(|| images(&gpu));
+            let mut images = (role != "broken" && role != "loading").then(|| images_on(&gpu));
             if let Some(images) = &images {
                 walk.set_mirror(images.clone());
             }
@@ -60,6 +62,16 @@ pub fn play(role: &str) {
                 if role == "stop" && frame == 45 {
                     stop.cancel();
                 }
+                if role == "another" && frame == 45 {
+                    // The walk has lost its GPU, and gets another.
+                    gpu.device.destroy();
+                    gpu = Arc::new(Gpu::open(None).expect("a GPU again"));
+                    walk.set_gpu(&gpu);
+                    let anew = images_on(&gpu);
+                    walk.set_mirror(anew.clone());
+                    images = Some(anew);
+                    println!("command another GPU");
+                }
                 if let Some(images) = &images {
                     paint(&gpu, images);
                     walk.offer_row(row(frame, begin.elapsed().as_secs_f64()));
@@ -68,10 +80,9 @@ pub fn play(role: &str) {
             }
         }
     });
-    let facts = WindowFacts { scan: "hall.laz".into(), device: gpu.name(), runtime: "simulated".into() };
     let options = WindowOptions { size: [960, 640], ..Plan::default().window };
     let outcome = Display::open(&stop)
-        .and_then(|display| display.run(Arc::clone(&gpu), viewer, facts, options, stop.clone()));
+        .and_then(|display| display.run(viewer, "hall.laz".into(), options, stop.clone()));
     // An error of the window ends the stand-in too.
     let stopped = stop.is_cancelled();
     stop.cancel();
@@ -107,7 +118,7 @@ fn prepare(role: &str, walk: &WalkEnd) {
     });
 }
 
-fn images(gpu: &Gpu) -> MirrorImages {
+fn images_on(gpu: &Gpu) -> MirrorImages {
     MirrorImages::whole([0, 1].map(|_: usize| {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("mirror image"),
@@ -168,5 +179,8 @@ fn row(frame: u64, time_s: f64) -> FrameRow {
         world_from_head: None,
         phase: Phase::Walking,
         visible_batches: 900,
+        calls: CallTimes::default(),
+        session: "simulated",
+        place: None,
     }
 }

@@ -13,17 +13,19 @@ use render::gpu::{Gpu, readback};
 use render::options::Quality;
 use render::{CloudBuffers, CloudUpload, EyeImage};
 use scanwalk::resolve::Plan;
+use scanwalk::walk::filling::Loaded;
 use scanwalk::walk::governor::GovernorOptions;
+use scanwalk::walk::headsets::{CannotGoOn, Headsets};
 use scanwalk::walk::link::WalkEnd;
 use scanwalk::walk::locomotion::Start;
 use scanwalk::walk::simulated::{SimulatedHeadset, SimulatedOptions};
 use scanwalk::walk::start::start;
 use scanwalk::walk::state::Action;
-use scanwalk::walk::{Loaded, Walk, WalkError, WalkOptions, link};
+use scanwalk::walk::{Walk, WalkOptions, link};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use timing::FrameRow;
-use xr::{ControllerInput, End, EyeImages, Fault, FrameState, Headset, StageEye};
+use xr::{ControllerInput, End, EyeImages, FrameState, Headset, StageEye};
 
 const SIZE_PX: [u32; 2] = [97, 65];
 
@@ -159,34 +161,30 @@ impl Headset for Witness {
     fn image_format(&self) -> wgpu::TextureFormat {
         self.images[0].format()
     }
-    fn wait(&mut self) -> Result<FrameState, Fault> {
+    fn wait(&mut self) -> FrameState {
         if self.ended {
-            return Ok(FrameState::Ended(End::ByUser));
+            return FrameState::Ended(End::ByUser);
         }
         self.display += 1;
         let period_ns = 13_888_889;
-        Ok(FrameState::Frame {
-            predicted_display_ns: self.display * period_ns,
-            period_ns,
-            should_render: true,
-        })
+        FrameState::Frame { predicted_display_ns: self.display * period_ns, period_ns, should_render: true }
     }
-    fn input(&mut self) -> Result<ControllerInput, Fault> {
-        Ok(ControllerInput::default())
+    fn input(&mut self) -> ControllerInput {
+        ControllerInput::default()
     }
-    fn acquire(&mut self) -> Result<EyeImages, Fault> {
-        Ok(EyeImages { color: self.images.clone(), depth: None })
+    fn acquire(&mut self) -> Option<EyeImages> {
+        Some(EyeImages { color: self.images.clone(), depth: None })
     }
-    fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
+    fn locate(&mut self) -> [StageEye; 2] {
         let eye = |x: f64| StageEye {
             stage_from_view: Pose { position: DVec3::new(x, 1.6, 0.0), orientation: DQuat::IDENTITY },
             fov: Fov { left: -1.0, right: 1.0, up: 1.0, down: -1.0 },
             gaze_in_view: None,
         };
-        Ok([eye(-0.03), eye(0.03)])
+        [eye(-0.03), eye(0.03)]
     }
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
-        let Some(commands) = commands else { return Ok(()) };
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) {
+        let Some(commands) = commands else { return };
         gpu().queue.lock().submit([commands.finish()]);
         let (mut num_lit, mut colors) = (0, 0);
         for image in &self.images {
@@ -197,7 +195,6 @@ impl Headset for Witness {
         }
         // Sending fails once the test has seen enough.
         let _ = self.seen.send(Seen { num_lit, colors });
-        Ok(())
     }
     fn request_exit(&mut self) {
         self.ended = true;
@@ -211,20 +208,35 @@ impl Witness {
     }
 }
 
+/// A headset that no other follows, and the scan on its GPU.
+struct Only<H> {
+    gpu: Arc<Gpu>,
+    headset: H,
+    loaded: Option<Receiver<Loaded>>,
+}
+
+impl<H: Headset> Headsets for Only<H> {
+    fn current(&mut self) -> (Arc<Gpu>, &mut dyn Headset) {
+        (Arc::clone(&self.gpu), &mut self.headset)
+    }
+    fn take_filling(&mut self) -> Option<Receiver<Loaded>> {
+        self.loaded.take()
+    }
+    fn has_another(&mut self) -> bool {
+        false
+    }
+    fn replace(&mut self, _: Option<&End>) -> Result<bool, CannotGoOn> {
+        Ok(false)
+    }
+}
+
 /// A walk without window, log, governor and limits.
-fn endless(
-    gpu: &Arc<Gpu>,
-    loaded: Receiver<Loaded>,
-    (actions, link): (Receiver<Action>, WalkEnd),
-    stop: &CancelToken,
-) -> Walk<'static> {
+fn endless((actions, link): (Receiver<Action>, WalkEnd), stop: &CancelToken) -> Walk {
     let Plan { draw, walk, .. } = Plan::default();
     let governor = GovernorOptions { enabled: false, ..walk.governor };
     Walk {
-        gpu: Arc::clone(gpu),
         draw,
         options: WalkOptions { governor, ..walk },
-        loaded,
         actions,
         link,
         mirrored: false,
@@ -248,10 +260,13 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     // The channel has no room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
     let stop = CancelToken::default();
-    let walk = endless(&gpu(), loaded, (actions, frame_link), &stop);
+    let walk = endless((actions, frame_link), &stop);
     let mut pictures: Vec<Seen> = Vec::new();
     std::thread::scope(|scope| {
-        let frames = scope.spawn(move || walk.run(&mut Witness::new(seen_sender)));
+        let frames = scope.spawn(move || {
+            let headset = Witness::new(seen_sender);
+            walk.run(&mut Only { gpu: gpu(), headset, loaded: Some(loaded) })
+        });
         let mut see = |count: usize| pictures.extend(seen.iter().take(count));
         see(3);
         let (device, silent) = (gpu(), Progress::hidden());
@@ -298,22 +313,24 @@ fn no_frame_is_missed_or_empty_while_nodes_arrive() {
     assert!(resident.len() == 2 && rows.last().unwrap().points_resident == scan.num_points() as u64);
 }
 
-/// A lost device is a fault that says so, in the frame that follows.
+/// A lost device ends the headset with a reason that says so, in the frame that follows.
 #[test]
-fn a_lost_gpu_ends_the_walk_with_its_reason() {
+fn a_lost_gpu_ends_the_headset_with_its_reason() {
     let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
     assert_eq!(gpu.lost(), None);
     let options = SimulatedOptions { size_px: SIZE_PX, ..Plan::default().simulated };
     let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
-    let walk = endless(&gpu, loaded, (actions, frame_link), &CancelToken::default());
-    let error = std::thread::scope(|scope| {
-        let frames = scope.spawn(|| walk.run(&mut SimulatedHeadset::new(&gpu, options)));
+    let walk = endless((actions, frame_link), &CancelToken::default());
+    let headset = SimulatedHeadset::new(&gpu, options);
+    let mut only = Only { gpu: Arc::clone(&gpu), headset, loaded: Some(loaded) };
+    let summary = std::thread::scope(|scope| {
+        let frames = scope.spawn(|| walk.run(&mut only));
         viewer.rows.recv().expect("a frame");
         gpu.device.destroy();
-        frames.join().expect("no panic").expect_err("no GPU")
+        frames.join().expect("no panic").expect("a walk")
     });
-    assert!(matches!(error, WalkError::Headset(Fault::DeviceLost(_))), "{error:?}");
-    assert!(error.to_string().contains("the GPU was lost"), "{error}");
+    assert!(matches!(summary.ended, End::DeviceLost(_)), "{:?}", summary.ended);
+    assert!(summary.ended.to_string().contains("the GPU was lost"), "{}", summary.ended);
     drop(loaded_sender);
 }

@@ -31,7 +31,7 @@ fn frame_log(folder: &std::path::Path, num_frames: usize) -> String {
         let time = frame as f64 / 100.0;
         writeln!(
             file,
-            "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,,walking,9"
+            "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,,walking,9,,,,,,simulated,,,,,"
         )
         .unwrap();
     }

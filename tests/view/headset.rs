@@ -205,13 +205,48 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
 
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
-fn the_runtime_may_end_the_walk() {
+fn the_runtime_may_end_a_walk_that_requires_it() {
     let lab = RuntimeSlot::enter();
     let scene = Scene::get();
     let args = ["view", path(&scene.courtyard), "--headset", "require", "--window", "off", "-v"];
     let done = lab.runtime().fault("exit:30").timeout_s(90).run(Path::new(PROGRAM), &args);
-    done.assert_ok();
+    assert_eq!(done.code, Some(1), "{}", done.stderr);
     assert_eq!(states(&done).last().map(String::as_str), Some("EXITING"), "{}", done.stderr);
+}
+
+/// A frame that nobody would see is told from one that came too late.
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn frames_that_nobody_sees_have_rows_and_are_not_missed() {
+    let lab = RuntimeSlot::enter();
+    let scene = Scene::get();
+    let log = scene.file("unseen.csv");
+    let args = ["view", path(&scene.courtyard), "--window", "off", "--frames", "60", "--log", path(&log)];
+    let small = ["--set", "headset.resolution_scale=0.3"];
+    let runtime = lab.runtime().fault("norender:30:12").timeout_s(90);
+    runtime.run(Path::new(PROGRAM), &[&args[..], &small].concat()).assert_ok();
+    let rows = LogRows::read(&log);
+    let phases = rows.column("phase");
+    let budgets = rows.numbers("budget_ms");
+    // This runtime predicts twenty displays a second, but for the first ones.
+    assert!(budgets[5..].iter().all(|ms| (ms - 50.0).abs() < 0.1), "{budgets:?}");
+    let first = phases.iter().rposition(|phase| *phase == "unseen").expect("a frame that is not drawn") - 11;
+    assert!(phases[first..first + 12].iter().all(|phase| *phase == "unseen"), "{phases:?}");
+    assert_eq!(rows.numbers("missed_periods")[first + 12], 0.0, "the frame after them is not late");
+    assert!(rows.column("gpu_ms")[first..first + 12].iter().all(|cell| cell.is_empty()));
+    // What the runtime's calls took, and how far ahead it predicted the head: some periods at most.
+    for (name, most_ms) in
+        [("image_ms", 500.0), ("locate_ms", 50.0), ("release_ms", 500.0), ("end_ms", 500.0)]
+    {
+        let ms: Vec<f64> =
+            rows.column(name)[first + 12..].iter().map(|cell| cell.parse().expect("a time")).collect();
+        assert!(ms.iter().all(|ms| (0.0..most_ms).contains(ms)), "{name}: {ms:?}");
+    }
+    let ages: Vec<f64> =
+        rows.column("pose_age_ms")[first + 12..].iter().map(|cell| cell.parse().expect("a time")).collect();
+    assert!(ages.iter().all(|ms| (-100.0..200.0).contains(ms)), "{ages:?}");
+    assert_eq!(rows.column("session").last(), Some(&"FOCUSED"));
+    assert!(rows.column("place_units_per_m").last().is_some_and(|cell| *cell == "1"));
 }
 
 #[test]

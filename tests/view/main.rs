@@ -4,6 +4,7 @@ mod display;
 mod headset;
 mod offscreen;
 mod program;
+mod recovery;
 mod scene;
 mod tiers;
 mod window;

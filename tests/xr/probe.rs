@@ -5,9 +5,10 @@ use render::gpu::Gpu;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use xr::hidden_area::HiddenArea;
-use xr::{self, XrHeadset, XrOptions};
+use xr::{self, Connection, XrHeadset, XrOptions};
 use xr::{EyeImages, FrameState, Headset, StageEye};
 
 /// Environment variable that carries the [`Job`] to the child.
@@ -103,10 +104,11 @@ fn probe() {
         visibility_mask: !job.plain,
         near_m: asked_or(job.near_m, 0.05),
     };
-    let (gpu, headset) = match xr::open(&options) {
-        Ok(opened) => opened,
+    let headset = match Connection::new().and_then(|connection| connection.open(&options)) {
+        Ok(headset) => headset,
         Err(missing) => return report(&json!({ "missing": missing.to_string() })),
     };
+    let gpu = Arc::clone(headset.gpu());
     if job.misuse == "vulkan" {
         crate::validation::misuse_vulkan(&gpu);
     }
@@ -178,7 +180,7 @@ impl Loop<'_> {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {
             anyhow::ensure!(Instant::now() < deadline, "no end after 60 s");
-            match self.headset.wait()? {
+            match self.headset.wait() {
                 FrameState::Ended(reason) => return Ok((reason, self.headset.reached_focus())),
                 FrameState::Idle => std::thread::sleep(self.headset.idle_pause()),
                 FrameState::Frame { should_render, .. } => self.frame(should_render)?,
@@ -187,12 +189,17 @@ impl Loop<'_> {
     }
 
     fn frame(&mut self, should_render: bool) -> anyhow::Result<()> {
-        let input = self.headset.input()?;
+        let input = self.headset.input();
         if !should_render {
             report(&json!({ "hidden_frame": format!("{:?}", self.headset.state()) }));
-            return Ok(self.headset.submit(None)?);
+            self.headset.submit(None);
+            return Ok(());
         }
-        let images = self.headset.acquire()?;
+        let Some(images) = self.headset.acquire() else {
+            report(&json!({ "no_images": true }));
+            self.headset.submit(None);
+            return Ok(());
+        };
         let EyeImages { color, depth } = &images;
         self.drawn += 1;
         let mut commands = self.gpu.device.create_command_encoder(&Default::default());
@@ -200,11 +207,11 @@ impl Loop<'_> {
         depth.iter().flatten().for_each(|image| clear_depth(&mut commands, image));
         let dump = (self.drawn == self.job.dump_frame)
             .then(|| color.each_ref().map(|image| Readback::record(self.gpu, &mut commands, image)));
-        let eyes = self.headset.locate()?;
+        let eyes = self.headset.locate();
         if let Some(areas) = self.headset.hidden_area() {
             self.report_hidden(&areas, &eyes)?;
         }
-        self.headset.submit(Some(commands))?;
+        self.headset.submit(Some(commands));
         report(&json!({
             "frame": self.drawn,
             "state": format!("{:?}", self.headset.state()),

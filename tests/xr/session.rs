@@ -62,3 +62,19 @@ fn the_displays_rate_is_known() {
     let hz = last(&done.lines, "hz").unwrap().as_f64().unwrap();
     assert!((hz - 72.0).abs() < 0.5, "{hz}");
 }
+
+/// Images that the GPU has no room for are as large as it allows, in their shape, and the setting for it is named.
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn images_that_are_too_large_are_made_smaller() {
+    let lab = RuntimeSlot::enter();
+    for (fault, wanted) in [("bigsizes", [3840.0, 3744.0]), ("hugesizes", [20_000.0, 20_000.0])] {
+        let done = Job { exit_after: 2, ..Job::default() }.run(&lab.runtime().fault(fault));
+        done.assert_ok();
+        let sizes = last(&done.lines, "sizes").unwrap_or_default();
+        let [width, height] = [0, 1].map(|axis: usize| sizes[0][axis].as_f64().expect("a size"));
+        // The software driver binds 128 MiB at once: 16 bytes for each of 8 million pixels.
+        assert!(width < wanted[0] && (8.0e6..8.4e6).contains(&(width * height)), "{fault}: {sizes}");
+        assert!((width / height - wanted[0] / wanted[1]).abs() < 0.001, "{fault}: {sizes}");
+    }
+}

@@ -4,8 +4,13 @@
 //! whichever owner goes last and also when opening fails half-way:
 //!
 //! ```text
-//! session ──▶ Gpu ──▶ wgpu device ──▶ RuntimeDevice ──▶ RuntimeInstance ──▶ xr::Instance ──▶ loader
+//! session ──▶ Gpu ──▶ wgpu device ──▶ RuntimeDevice ──▶ RuntimeInstance
+//!    └──────▶ xr::Instance ──▶ loader
 //! ```
+//!
+//! The Vulkan handles do not need the OpenXR instance once they are made: they are the Vulkan loader's, which the runtime
+//! was told to call (XR_KHR_vulkan_enable2). So the GPU lives on where a runtime has stopped, and another OpenXR instance,
+//! of which a process has one at a time, can be made meanwhile.
 //!
 //! wgpu assumes that every extension it would have asked for is enabled; both create-infos are therefore
 //! built from its own lists. Vulkan's validation layers are left to the loader's environment
@@ -72,8 +77,6 @@ struct RuntimeInstance {
     raw: ash::Instance,
     /// Keeps the Vulkan library loaded.
     entry: ash::Entry,
-    /// The runtime that made it must still be there when it is destroyed.
-    xr: xr::Instance,
 }
 
 impl Drop for RuntimeInstance {
@@ -103,6 +106,9 @@ pub struct RuntimeGpu {
     system: xr::SystemId,
     handles: xr::vulkan::SessionCreateInfo,
 }
+
+// SAFETY: the pointers are Vulkan handles, which any thread may name; this struct only hands them to xrCreateSession.
+unsafe impl Send for RuntimeGpu {}
 
 /// The device as wgpu has it.
 pub struct Wrapped {
@@ -155,7 +161,7 @@ impl RuntimeGpu {
             .map_err(DeviceError::gpu(&name))?;
 
         let device =
-            create_device(&instance, system, &exposed, physical_device, features, queue_family_index)?;
+            create_device(&instance, (xr, system), &exposed, physical_device, features, queue_family_index)?;
         let raw_device = device.raw.handle();
         let extensions = exposed.adapter.required_device_extensions(features);
         let raw_for_hal = device.raw.clone();
@@ -275,7 +281,7 @@ fn create_instance(
     .map_err(DeviceError::gpu("unknown"))?;
     // SAFETY: a live VkInstance made through this very entry.
     let raw = unsafe { ash::Instance::load(entry.static_fn(), vk::Instance::from_raw(raw as u64)) };
-    Ok(Arc::new(RuntimeInstance { raw, entry, xr: xr.clone() }))
+    Ok(Arc::new(RuntimeInstance { raw, entry }))
 }
 
 /// Instance extensions that wgpu takes for granted.
@@ -324,7 +330,7 @@ fn graphics_family(instance: &ash::Instance, gpu: vk::PhysicalDevice) -> Option<
 /// Has the runtime make the VkDevice, with the extensions and features that wgpu takes for granted.
 fn create_device(
     instance: &Arc<RuntimeInstance>,
-    system: xr::SystemId,
+    (xr, system): (&xr::Instance, xr::SystemId),
     exposed: &wgpu_hal::ExposedAdapter<HalVulkan>,
     physical_device: vk::PhysicalDevice,
     features: wgpu::Features,
@@ -344,7 +350,7 @@ fn create_device(
     // SAFETY: the create-info and all that it points to live until the call returns; the physical device is
     // the one that the runtime chose.
     let raw = unsafe {
-        instance.xr.create_vulkan_device(
+        xr.create_vulkan_device(
             system,
             get_instance_proc_addr(&instance.entry),
             physical_device.as_raw() as xr_handle::PhysicalDevice,

@@ -9,4 +9,6 @@ pub mod depth_layer;
 #[cfg(feature = "openxr")]
 pub mod device;
 #[cfg(feature = "openxr")]
+pub mod frame;
+#[cfg(feature = "openxr")]
 pub mod image;

@@ -178,7 +178,7 @@ sets! {
         tiles,
         /// Mask of the pixels that lenses hide.
         hidden,
-        /// The eye's number, and how far dilation reaches.
+        /// The eye's number.
         dilate,
         /// Nearest depths, or the keys that they are part of.
         depth,

@@ -96,6 +96,28 @@ impl Targets {
     }
 }
 
+/// The largest size of the same shape, `size_px` at most, whose targets fit this GPU in every quality, and whose image is
+/// one that it can make.
+#[must_use]
+pub fn fitting_px(gpu: &Gpu, size_px: [u32; 2]) -> [u32; 2] {
+    let (limit, edge) = (gpu.binding_limit(), gpu.device.limits().max_texture_dimension_2d);
+    largest_px(size_px, |size| size.iter().all(|&px| px <= edge) && bytes_of(size, 16) <= limit)
+}
+
+/// The largest size of the same shape that fits, found by halving the range of scales.
+fn largest_px(size_px: [u32; 2], fits: impl Fn([u32; 2]) -> bool) -> [u32; 2] {
+    if fits(size_px) {
+        return size_px;
+    }
+    let scaled = |scale: f64| size_px.map(|px| ((f64::from(px) * scale) as u32).max(1));
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..32 {
+        let middle = 0.5 * (low + high);
+        if fits(scaled(middle)) { low = middle } else { high = middle }
+    }
+    scaled(low)
+}
+
 /// Bytes of the finished pixels of an eye's image, 4 each, in rows of [`image_pitch_px`]: a multiple of 16.
 fn bytes_of_image([width, height]: [u32; 2]) -> u64 {
     4 * u64::from(image_pitch_px(width)) * u64::from(height)
@@ -105,4 +127,28 @@ fn bytes_of_image([width, height]: [u32; 2]) -> u64 {
 fn bytes_of(size_px: [u32; 2], bytes_per_px: u64) -> u64 {
     let [width, height] = guarded(size_px);
     (u64::from(width) * u64::from(height) * bytes_per_px).next_multiple_of(16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_that_does_not_fit_becomes_the_largest_of_its_shape() {
+        let limit = 128 << 20;
+        let fits = |size: [u32; 2]| size.iter().all(|&px| px <= 16_384) && bytes_of(size, 16) <= limit;
+        assert_eq!(largest_px([1920, 1872], fits), [1920, 1872]);
+        for wanted in [[3840, 3744], [20_000, 20_000], [32_768, 16]] {
+            let [width, height] = largest_px(wanted, fits);
+            assert!(fits([width, height]) && width < wanted[0], "{width} x {height}");
+            let shape = f64::from(wanted[0]) / f64::from(wanted[1]);
+            assert!(
+                (f64::from(width) - shape * f64::from(height)).abs() <= shape.max(1.0) + 1.0,
+                "{width} x {height}"
+            );
+            // A hundredth more does not fit.
+            assert!(!fits([width, height].map(|px| px + px / 100 + 1)), "{width} x {height}");
+        }
+        assert_eq!(largest_px([100, 100], |_| false), [1, 1]);
+    }
 }

@@ -1,7 +1,8 @@
 //! The frame log's text: header, column names and rows. The writer and the report share it.
 
-use super::{FrameRow, RunFacts, STAGES};
+use super::{FrameRow, Place, RunFacts, STAGES};
 use base::space::Pose;
+use glam::DVec3;
 use std::io::{self, Write};
 
 /// How the first line of every frame log starts.
@@ -13,7 +14,7 @@ pub const DROPPED: &str = "# dropped rows: ";
 const BEFORE_STAGES: [&str; 6] =
     ["frame", "time_s", "predicted_display_ns", "wait_ms", "record_ms", "submit_ms"];
 /// Column names after the stages' own. New ones go to the end, where older readers pass over them.
-const AFTER_STAGES: [&str; 20] = [
+const AFTER_STAGES: [&str; 31] = [
     "gpu_ms",
     "budget_ms",
     "over_budget",
@@ -34,7 +35,20 @@ const AFTER_STAGES: [&str; 20] = [
     HEAD[6],
     "phase",
     "visible_batches",
+    CALLS[0],
+    CALLS[1],
+    CALLS[2],
+    CALLS[3],
+    CALLS[4],
+    "session",
+    "place_x",
+    "place_y",
+    "place_z",
+    "place_yaw_deg",
+    "place_units_per_m",
 ];
+/// Columns of [`super::CallTimes`], in the order of its names.
+pub(super) const CALLS: [&str; 5] = ["image_ms", "locate_ms", "release_ms", "end_ms", "pose_age_ms"];
 /// Columns of `world_from_head`: position, then quaternion, in the order and the spaces of a pose path.
 pub(super) const HEAD: [&str; 7] = ["head_x", "head_y", "head_z", "head_qx", "head_qy", "head_qz", "head_qw"];
 
@@ -79,7 +93,17 @@ pub(super) fn write_row(out: &mut impl Write, row: &FrameRow) -> io::Result<()> 
     write!(out, ",{},{}", row.lod_scale, row.resolution_scale)?;
     write!(out, ",{},{}", row.quality, row.upload_bytes)?;
     write_head(out, row.world_from_head)?;
-    writeln!(out, ",{},{}", row.phase.name(), row.visible_batches)
+    write!(out, ",{},{}", row.phase.name(), row.visible_batches)?;
+    for ms in row.calls.to_array() {
+        write_ms(out, ms)?;
+    }
+    write!(out, ",{}", row.session)?;
+    match row.place {
+        Some(Place { floor_in_world: DVec3 { x, y, z }, yaw_deg, units_per_m }) => {
+            writeln!(out, ",{x},{y},{z},{yaw_deg},{units_per_m}")
+        }
+        None => writeln!(out, ",,,,,"),
+    }
 }
 
 /// The head's pose with all its digits, so that a replay draws the same picture; empty cells if there is none.

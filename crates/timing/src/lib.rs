@@ -1,6 +1,7 @@
 //! Frame timing: the row of a frame, the log that writes rows, and the reader that gives them back.
 
 use base::space::Pose;
+use glam::DVec3;
 
 pub mod columns;
 pub mod log;
@@ -26,11 +27,15 @@ pub enum Phase {
     /// The scan is shown as it stays.
     #[default]
     Walking,
+    /// Nothing: the headset's runtime said that nobody would see the frame, so it was not drawn.
+    Unseen,
 }
 
 impl Phase {
-    /// All phases, in the order in which a walk goes through them.
-    pub const ALL: [Self; 3] = [Self::Waiting, Self::Arriving, Self::Walking];
+    /// Phases of frames that were drawn, in the order in which a walk goes through them.
+    pub const DRAWN: [Self; 3] = [Self::Waiting, Self::Arriving, Self::Walking];
+    /// All phases.
+    pub const ALL: [Self; 4] = [Self::Waiting, Self::Arriving, Self::Walking, Self::Unseen];
 
     /// Name in the log and in reports.
     #[must_use]
@@ -39,6 +44,7 @@ impl Phase {
             Self::Waiting => "waiting",
             Self::Arriving => "arriving",
             Self::Walking => "walking",
+            Self::Unseen => "unseen",
         }
     }
 }
@@ -86,6 +92,64 @@ pub struct FrameRow {
     pub phase: Phase,
     /// Batches that `depth` drew.
     pub visible_batches: u32,
+    /// What the headset's calls took.
+    pub calls: CallTimes,
+    /// State of the headset's session as OpenXR names it: "FOCUSED"; "simulated" if there is none.
+    pub session: &'static str,
+    /// Where the user's stage stands in the scan; `None` while no scan is shown.
+    pub place: Option<Place>,
+}
+
+/// Milliseconds that a frame's calls to the headset took; NaN where there was no such call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CallTimes {
+    /// Waiting until the compositor had finished reading the images.
+    pub image_ms: f32,
+    /// Locating the eyes.
+    pub locate_ms: f32,
+    /// Handing the commands to the GPU and releasing the images.
+    pub release_ms: f32,
+    /// Ending the frame.
+    pub end_ms: f32,
+    /// From the moment in which the eyes were located to the display that they were located for: how far ahead the runtime
+    /// had to predict.
+    pub pose_age_ms: f32,
+}
+
+impl CallTimes {
+    /// Names of the times, in their order.
+    pub const NAMES: [&str; 5] = ["image", "locate", "release", "end", "pose_age"];
+
+    /// The times, in the order of [`Self::NAMES`].
+    #[must_use]
+    pub fn to_array(self) -> [f32; 5] {
+        let Self { image_ms, locate_ms, release_ms, end_ms, pose_age_ms } = self;
+        [image_ms, locate_ms, release_ms, end_ms, pose_age_ms]
+    }
+}
+
+impl Default for CallTimes {
+    /// The times of a headset that makes no calls.
+    fn default() -> Self {
+        Self {
+            image_ms: f32::NAN,
+            locate_ms: f32::NAN,
+            release_ms: f32::NAN,
+            end_ms: f32::NAN,
+            pose_age_ms: f32::NAN,
+        }
+    }
+}
+
+/// Where the stage, the room that the user stands in, is in the scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Its floor's middle, world space.
+    pub floor_in_world: DVec3,
+    /// Its turn about the world's vertical, degrees, positive to the left.
+    pub yaw_deg: f64,
+    /// World units a meter of the user's.
+    pub units_per_m: f64,
 }
 
 impl FrameRow {

@@ -9,9 +9,9 @@ use super::{FrameRow, RunFacts};
 use base::output::{Output, OutputError, OutputFile};
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -46,12 +46,13 @@ pub struct LogSummary {
 /// them is of a scan, nothing is left of it.
 #[derive(Debug)]
 pub struct FrameLog {
-    /// `None` once finished: the writer ends when the queue has no sender.
-    rows: Option<SyncSender<FrameRow>>,
+    /// Rows for the writer; `None` if no more follow.
+    rows: SyncSender<Option<FrameRow>>,
     num_dropped: Arc<AtomicU64>,
     /// True if the log is to stay even if no scan was shown.
     finished: Arc<AtomicBool>,
-    writer: Option<JoinHandle<LogSummary>>,
+    /// `None` once it has ended.
+    writer: Mutex<Option<JoinHandle<LogSummary>>>,
 }
 
 impl FrameLog {
@@ -77,37 +78,35 @@ impl FrameLog {
             .name("frame log".into())
             .spawn(move || writer.run(&queue, &facts))
             .map_err(LogError::Thread)?;
-        Ok(Self { rows: Some(rows), num_dropped, finished, writer: Some(writer) })
+        Ok(Self { rows, num_dropped, finished, writer: Mutex::new(Some(writer)) })
     }
 
     /// Hands a row to the writer; never waits, and allocates nothing. If the queue is full the row is counted as
     /// dropped.
     pub fn push(&self, row: FrameRow) {
-        let sent = self.rows.as_ref().is_some_and(|rows| rows.try_send(row).is_ok());
-        if !sent {
+        if self.rows.try_send(Some(row)).is_err() {
             self.num_dropped.fetch_add(1, Ordering::Relaxed);
         }
     }
 
-    /// Writes what is still queued, and tells what became of the log.
-    #[must_use]
-    pub fn finish(mut self) -> LogSummary {
+    /// Writes what is still queued, and tells what became of the log. Rows that come later are lost.
+    pub fn finish(&self) -> LogSummary {
         self.finished.store(true, Ordering::Release);
-        self.join()
+        self.end()
     }
 
-    fn join(&mut self) -> LogSummary {
-        self.rows = None;
+    fn end(&self) -> LogSummary {
+        let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // This waits if the queue is full. The writer has ended early only if it panicked.
+        let _ = self.rows.send(None);
         // A writer that panicked has said so itself; the frame thread goes on.
-        self.writer.take().and_then(|writer| writer.join().ok()).unwrap_or_default()
+        writer.and_then(|writer| writer.join().ok()).unwrap_or_default()
     }
 }
 
 impl Drop for FrameLog {
     fn drop(&mut self) {
-        if self.writer.is_some() {
-            self.join();
-        }
+        self.end();
     }
 }
 
@@ -123,7 +122,7 @@ struct Writer {
 }
 
 impl Writer {
-    fn run(mut self, queue: &Receiver<FrameRow>, facts: &RunFacts) -> LogSummary {
+    fn run(mut self, queue: &Receiver<Option<FrameRow>>, facts: &RunFacts) -> LogSummary {
         self.write(|out| {
             write_header(out, facts)?;
             out.flush()
@@ -131,14 +130,14 @@ impl Writer {
         let mut flush_at = Instant::now() + FLUSH_EVERY;
         loop {
             match queue.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
-                Ok(row) => {
+                Ok(Some(row)) => {
                     self.summary.num_rows += u64::from(self.write(|out| write_row(out, &row)));
                     if row.points_resident > 0 {
                         self.name();
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
+                Ok(None) | Err(RecvTimeoutError::Disconnected) => break,
             }
             if Instant::now() >= flush_at {
                 self.write(Write::flush);

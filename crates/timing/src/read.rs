@@ -2,7 +2,7 @@
 //! may end in the middle of a line.
 
 use super::Phase;
-use super::columns::{DROPPED, HEAD, TITLE};
+use super::columns::{CALLS, DROPPED, HEAD, TITLE};
 use base::space::Pose;
 use base::words::{advice, counted};
 use glam::{DQuat, DVec3};
@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 const MAX_LINE_BYTES: u64 = 64 << 10;
 /// Frames of a log at most: more than a day at 90 Hz, and about 3 GB in memory; a pipe that never ends is no frame log.
 const MAX_FRAMES: usize = 8_000_000;
-/// Qualities of a log at most: there are two, and another version may have a few more.
-const MAX_QUALITIES: usize = 16;
+/// Qualities of a log, and states of a session, at most: there are two and ten, and another version may have more.
+const MAX_NAMES: usize = 16;
 /// Facts of a header at most: there are six, and another version may have more.
 const MAX_FACTS: usize = 64;
 /// Stages of a frame at most: there are six, and another version may have more.
@@ -73,6 +73,10 @@ pub struct LoggedFrame {
     pub quality: Option<u8>,
     /// The head in scan coordinates; `None` where the log has none, and while no scan was shown.
     pub world_from_head: Option<Pose>,
+    /// Milliseconds of the headset's calls, in the order of [`super::CallTimes::NAMES`]; NaN where the log has none.
+    pub call_ms: [f64; 5],
+    /// Place of the session's state in [`FrameLogFile::sessions`]; `None` where the log has none.
+    pub session: Option<u8>,
     /// What the frame showed. A log without that column, of an older version, tells frames without a scan by their
     /// empty head.
     pub phase: Phase,
@@ -87,6 +91,8 @@ pub struct FrameLogFile {
     pub stages: Vec<String>,
     /// Names of the qualities that frames were drawn in, in the order in which they first appear.
     pub qualities: Vec<String>,
+    /// States of the headset's session, in the order in which they first appear.
+    pub sessions: Vec<String>,
     /// The rows.
     pub frames: Vec<LoggedFrame>,
     /// Rows that the writer had no room for.
@@ -101,7 +107,7 @@ impl FrameLogFile {
     #[must_use]
     pub fn counted_phase(&self) -> Phase {
         let has = |phase: &&Phase| self.frames.iter().any(|frame| frame.phase == **phase);
-        Phase::ALL.iter().rev().find(has).copied().unwrap_or_default()
+        Phase::DRAWN.iter().rev().find(has).copied().unwrap_or_default()
     }
 
     /// The frames that figures are made of: those of [`Self::counted_phase`].
@@ -166,6 +172,8 @@ struct Columns {
     quality: Option<usize>,
     head: Option<[usize; 7]>,
     phase: Option<usize>,
+    calls: [Option<usize>; 5],
+    session: Option<usize>,
 }
 
 impl LogReader<'_> {
@@ -195,7 +203,7 @@ impl LogReader<'_> {
             if self.log.frames.len() == MAX_FRAMES {
                 return Err(self.error(format!("more than {MAX_FRAMES} frames; report on parts of the log")));
             }
-            let frame = columns.frame(line, &mut self.log.qualities);
+            let frame = columns.frame(line, &mut self.log.qualities, &mut self.log.sessions);
             let frame = frame.map_err(|problem| self.error(problem))?;
             self.log.frames.push(frame);
         } else {
@@ -219,7 +227,8 @@ impl Columns {
         let find = |wanted: &str| names.iter().position(|name| *name == wanted);
         let at = |wanted: &str| find(wanted).ok_or_else(|| format!("the columns lack '{wanted}'"));
         let head: Vec<usize> = HEAD.iter().filter_map(|name| find(name)).collect();
-        let is_stage = |name: &&str| name.ends_with("_ms") && !NO_STAGE.contains(name);
+        let is_stage =
+            |name: &&str| name.ends_with("_ms") && !NO_STAGE.contains(name) && !CALLS.contains(name);
         let stages = names.iter().enumerate().filter(|(_, name)| is_stage(name));
         let (stages, stage_names): (Vec<usize>, Vec<String>) =
             stages.map(|(at, name)| (at, name.trim_end_matches("_ms").to_owned())).unzip();
@@ -241,12 +250,19 @@ impl Columns {
             quality: find("quality"),
             head: head.try_into().ok(),
             phase: find("phase"),
+            calls: CALLS.map(find),
+            session: find("session"),
         };
         Ok((columns, stage_names))
     }
 
-    /// Reads a row; a quality that none before had joins `qualities`.
-    fn frame(&self, line: &str, qualities: &mut Vec<String>) -> Result<LoggedFrame, String> {
+    /// Reads a row; a quality that none before had joins `qualities`, a session's state `sessions`.
+    fn frame(
+        &self,
+        line: &str,
+        qualities: &mut Vec<String>,
+        sessions: &mut Vec<String>,
+    ) -> Result<LoggedFrame, String> {
         let cells: Vec<&str> = line.split(',').collect();
         if cells.len() != self.count {
             return Err(format!(
@@ -260,6 +276,10 @@ impl Columns {
         let world_from_head = self.head.map(|at| head(at.map(|at| cells[at]))).transpose()?.flatten();
         let is_headless = self.head.is_some() && world_from_head.is_none();
         let factor = |column: Option<usize>| column.map_or(Ok(f64::NAN), |at| number_or_none(cells[at]));
+        let mut call_ms = [f64::NAN; 5];
+        for (ms, at) in call_ms.iter_mut().zip(self.calls) {
+            *ms = factor(at)?;
+        }
         Ok(LoggedFrame {
             frame: count(cells[self.frame])?,
             time_s: number(cells[self.time])?,
@@ -275,8 +295,10 @@ impl Columns {
             missed_periods: count(cells[self.missed_periods])?,
             lod_scale: factor(self.lod_scale)?,
             resolution_scale: factor(self.resolution_scale)?,
-            quality: self.quality.map(|at| place_of(cells[at], qualities)).transpose()?,
+            quality: self.quality.map(|at| place_of(cells[at], "quality", qualities)).transpose()?,
             world_from_head,
+            call_ms,
+            session: self.session.map(|at| place_of(cells[at], "session's state", sessions)).transpose()?,
             phase: match self.phase {
                 Some(at) => phase(cells[at])?,
                 None if is_headless => Phase::Waiting,
@@ -297,12 +319,12 @@ fn count(cell: &str) -> Result<u64, String> {
 }
 
 /// Where `name` is in `names`, to which it is added if it is new.
-fn place_of(name: &str, names: &mut Vec<String>) -> Result<u8, String> {
+fn place_of(name: &str, what: &str, names: &mut Vec<String>) -> Result<u8, String> {
     let place = names.iter().position(|known| known == name).unwrap_or(names.len());
     if place == names.len() {
         names.push(name.to_owned());
     }
-    u8::try_from(place).ok().filter(|_| place < MAX_QUALITIES).ok_or_else(|| not_a("quality", name))
+    u8::try_from(place).ok().filter(|_| place < MAX_NAMES).ok_or_else(|| not_a(what, name))
 }
 
 fn phase(cell: &str) -> Result<Phase, String> {

@@ -1,48 +1,65 @@
-//! What can go wrong with a headset while it is in use, and why a session is over.
+//! What can go wrong with a headset while it is in use, and why its session is over.
 
+use openxr::SessionState;
 use std::fmt;
 
-/// Why a call to a headset gave nothing.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Fault {
-    /// The GPU is gone, and all that was on it.
-    #[error("the GPU was lost ({0}): restart the program; if it happens again, update the driver")]
-    DeviceLost(String),
-    /// The runtime gave up on a call, but has not said that the session is over.
-    #[error("the headset's OpenXR runtime failed ({call}: {result:?}): restart it and start again")]
+/// What told that a headset can no longer be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// An OpenXR call, with its result.
     Call {
-        /// The OpenXR call that failed.
+        /// Name of the call.
         call: &'static str,
-        /// Its result.
+        /// What it said.
         result: openxr::sys::Result,
     },
-    /// A frame's calls came in another order than [`crate::Headset`] says: a mistake in the program.
-    #[error("the headset was asked in the wrong order: {0}")]
-    Order(&'static str),
+    /// A state that the runtime announced.
+    State(SessionState),
+    /// The event that the instance will be lost.
+    InstanceLossPending,
 }
 
 /// Why a session is over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
     /// The user ended the walk, or a limit did.
     ByUser,
-    /// The headset's software ended the session.
+    /// The headset's software ended the session, as when the user leaves from its menu.
     ByRuntime,
-    /// The headset is gone, or its software has let go of it.
-    SessionLost,
+    /// The headset is gone, or its software has let go of it. The software may offer a new session.
+    SessionLost(Cause),
     /// The headset's software is gone.
-    RuntimeLost,
+    RuntimeLost(Cause),
+    /// Nothing can be drawn for it; with the reason.
+    Unusable(String),
+    /// The GPU is gone, and all that was on it; with the driver's words.
+    DeviceLost(String),
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Call { call, result } => write!(f, "{call}: {result:?}"),
+            Self::State(state) => write!(f, "{state:?}"),
+            Self::InstanceLossPending => f.write_str("INSTANCE_LOSS_PENDING"),
+        }
+    }
 }
 
 impl fmt::Display for End {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::ByUser => "the walk was ended",
-            Self::ByRuntime => "the headset's software ended the session",
-            Self::SessionLost => {
-                "the headset was lost (unplugged, switched off, or its software stopped); connect it and start again"
+        match self {
+            Self::ByUser => f.write_str("the walk was ended"),
+            Self::ByRuntime => f.write_str("the headset's software ended the session (EXITING)"),
+            Self::SessionLost(cause) => write!(
+                f,
+                "the headset was lost ({cause}): it was unplugged or switched off, or its software let go of it"
+            ),
+            Self::RuntimeLost(cause) => write!(f, "the headset's software stopped ({cause})"),
+            Self::Unusable(why) => write!(f, "the headset cannot be used: {why}"),
+            Self::DeviceLost(why) => {
+                write!(f, "the GPU was lost ({why}); if it happens again, update its driver")
             }
-            Self::RuntimeLost => "the headset's software stopped; start it and then this program again",
-        })
+        }
     }
 }

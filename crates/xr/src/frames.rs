@@ -5,6 +5,7 @@ use super::runtime::STEREO;
 use super::swapchain::EyeSwapchains;
 use openxr as xr;
 use raw::depth_layer::DepthInfo;
+use raw::frame::Begun;
 use render::gpu::QueueGuard;
 
 /// xrWaitFrame, xrBeginFrame, xrEndFrame; the openxr objects do not leave this struct.
@@ -29,8 +30,8 @@ impl FrameCalls {
     }
 
     /// Begins the frame's GPU work.
-    pub fn begin(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<()> {
-        self.stream.begin()
+    pub fn begin(&mut self, _queue: &QueueGuard<'_>, session: &xr::Session<xr::Vulkan>) -> xr::Result<Begun> {
+        raw::frame::begin(session)
     }
 
     /// Ends the frame, which shows nothing.

@@ -1,13 +1,14 @@
 //! What a frame loop asks of a headset, whether an OpenXR runtime stands behind it or a simulation.
 
-use crate::fault::{End, Fault};
+use crate::fault::End;
 use crate::hidden_area::HiddenArea;
 use base::space::{Fov, Pose};
 use glam::DVec3;
 use std::time::Duration;
+use timing::CallTimes;
 
 /// What the headset wants next.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum FrameState {
     /// Draw a frame (or, with `should_render` false, only keep the runtime's rhythm).
     Frame {
@@ -18,7 +19,7 @@ pub enum FrameState {
         /// False if nobody would see the frame.
         should_render: bool,
     },
-    /// No session runs just now; ask again.
+    /// There is no frame just now: no session runs, or the runtime failed in this one. Ask again.
     Idle,
     /// The session is over.
     Ended(End),
@@ -60,8 +61,8 @@ pub struct EyeImages {
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
 ///
-/// Calls fail with a [`Fault`], which says what was lost; whether the walk goes on without it is for the caller to
-/// decide.
+/// No call fails. What goes wrong with one frame costs that frame. What ends the session is told by the next `wait`, as
+/// [`FrameState::Ended`]; until then the other calls do nothing.
 pub trait Headset: Send {
     /// For the log: "Monado(XRT) 25.0.0", "simulated".
     fn runtime(&self) -> String;
@@ -89,16 +90,25 @@ pub trait Headset: Send {
     /// stretches them over the whole view. At first all pixels are drawn.
     fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
     /// Handles events, then blocks until the next frame should begin.
-    fn wait(&mut self) -> Result<FrameState, Fault>;
-    /// Input of the controllers as of now.
-    fn input(&mut self) -> Result<ControllerInput, Fault>;
-    /// The eyes' images to draw into; valid until `submit`.
-    fn acquire(&mut self) -> Result<EyeImages, Fault>;
-    /// The eyes at the frame's predicted display time. Called as late as possible.
-    fn locate(&mut self) -> Result<[StageEye; 2], Fault>;
-    /// Hands the recorded commands to the GPU and the images to the display. `None`: nothing was drawn
-    /// (`should_render` was false, `acquire` and `locate` not called).
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault>;
+    fn wait(&mut self) -> FrameState;
+    /// Input of the controllers as of now; at rest if it cannot be had.
+    fn input(&mut self) -> ControllerInput;
+    /// The eyes' images to draw into, valid until `submit`; `None` if they cannot be had: then the frame is submitted
+    /// without commands.
+    fn acquire(&mut self) -> Option<EyeImages>;
+    /// The eyes at the frame's predicted display time, or where they were last. Called as late as possible.
+    fn locate(&mut self) -> [StageEye; 2];
+    /// Hands the recorded commands to the GPU and the images to the display. `None`: nothing was drawn, because
+    /// `should_render` was false or there were no images.
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>);
+    /// What the last frame's calls took, to be asked after `submit`.
+    fn call_times(&self) -> CallTimes {
+        CallTimes::default()
+    }
+    /// State of the session, for the log: "FOCUSED".
+    fn session(&self) -> &'static str {
+        "simulated"
+    }
     /// Asks the runtime to end the session; `wait` then returns [`FrameState::Ended`] in time.
     fn request_exit(&mut self);
     /// How long an idle loop should sleep before it asks again.

@@ -1,4 +1,4 @@
-//! Headsets: what a frame loop asks of one ([`Headset`]), and OpenXR behind it ([`open`]).
+//! Headsets: what a frame loop asks of one ([`Headset`]), and OpenXR behind it ([`Connection`]).
 //!
 //! The runtime makes the Vulkan device and wgpu wraps it (`raw::device`); the session (`session`) follows the
 //! runtime's states (`lifecycle`) and hands the frame thread images (`swapchain`), poses (`eyes`), what the lenses
@@ -6,6 +6,7 @@
 //! (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
 //! [`render::gpu::QueueGuard`], since the window presents on the same queue.
 
+mod connection;
 mod eyes;
 mod fault;
 mod frames;
@@ -20,22 +21,21 @@ mod runtime;
 mod session;
 mod swapchain;
 
-pub use fault::{End, Fault};
+pub use connection::Connection;
+pub use fault::{Cause, End};
 pub use headset::{ControllerInput, EyeImages, FrameState, Headset, StageEye};
 pub use missing::XrMissing;
 pub use openxr::SessionState;
 pub use runtime::Offers;
 
 use hidden_area::HiddenArea;
-use raw::device::{RuntimeGpu, Wanted};
-use render::gpu::{Gpu, instance_flags, required_features};
-use runtime::Runtime;
 use session::XrSession;
 use std::sync::Arc;
 use std::time::Duration;
+use timing::CallTimes;
 
 /// How long to wait for the GPU's last frame when the session is closed.
-const DRAIN_TIME: Duration = Duration::from_secs(5);
+const DRAIN_TIME: Duration = Duration::from_secs(1);
 
 /// What a user may choose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,52 +50,13 @@ pub struct XrOptions {
     pub near_m: f64,
 }
 
-/// Opens the headset and the GPU that drives it.
-///
-/// The GPU is chosen by the runtime: the one that the headset is connected to.
-///
-/// # Errors
-/// What is missing, in a sentence for people.
-pub fn open(options: &XrOptions) -> Result<(Arc<Gpu>, XrHeadset), XrMissing> {
-    let runtime = Runtime::connect()?;
-    let (runtime_gpu, gpu) = open_gpu(&runtime)?;
-    let session = XrSession::open(&runtime, &runtime_gpu, &gpu, options)?;
-    tracing::info!("headset '{}' on {}, GPU {}", runtime.headset, runtime.name, gpu.name());
-    let headset = XrHeadset {
-        session: Some(session),
-        gpu: Arc::clone(&gpu),
-        runtime: runtime.name,
-        headset: runtime.headset,
-        offers: runtime.offers,
-    };
-    Ok((gpu, headset))
-}
-
-/// Has the runtime make the device, with what every frame needs.
-fn open_gpu(runtime: &Runtime) -> Result<(RuntimeGpu, Arc<Gpu>), XrMissing> {
-    let features = |name: &str, features, limits: &_| {
-        required_features(name, features, limits).map_err(missing::lacking)
-    };
-    let wanted = Wanted { flags: instance_flags(), features: &features };
-    let (runtime_gpu, wrapped) = RuntimeGpu::open(&runtime.xr, runtime.system, &wanted)?;
-    let raw::device::Wrapped { instance, adapter, device, queue } = wrapped;
-    Ok((runtime_gpu, Arc::new(Gpu::new(instance, adapter, device, queue))))
-}
-
-/// Names of the runtime and of the headset that is connected, without opening either: a look for
-/// `scanwalk doctor`.
-///
-/// # Errors
-/// What is missing, in a sentence for people.
-pub fn probe() -> Result<(String, String), XrMissing> {
-    Runtime::connect().map(|runtime| (runtime.name, runtime.headset))
-}
-
 /// A real headset. Dropping it closes the session; the GPU lives on.
 pub struct XrHeadset {
     /// `None` only while being dropped.
     session: Option<XrSession>,
-    gpu: Arc<Gpu>,
+    /// `None` only while being dropped.
+    connection: Option<Connection>,
+    gpu: Arc<render::gpu::Gpu>,
     runtime: String,
     headset: String,
     offers: Offers,
@@ -105,13 +66,13 @@ impl XrHeadset {
     /// What the runtime last said of the session; FOCUSED while the user looks at it and has the controllers.
     #[must_use]
     pub fn state(&self) -> SessionState {
-        self.session().life.state()
+        self.open_session().life.state()
     }
 
     /// True if the session has been in focus at any time.
     #[must_use]
     pub fn reached_focus(&self) -> bool {
-        self.session().life.reached_focus()
+        self.open_session().life.reached_focus()
     }
 
     /// The headset, as its runtime calls it.
@@ -126,7 +87,35 @@ impl XrHeadset {
         self.offers
     }
 
-    fn session(&self) -> &XrSession {
+    /// The GPU that drives it.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<render::gpu::Gpu> {
+        &self.gpu
+    }
+
+    /// Closes the session, and keeps the runtime's connection and the GPU, for another session.
+    #[must_use]
+    pub fn into_connection(mut self) -> Connection {
+        self.close();
+        // Only this function and `drop` take the connection, and this one consumes the headset.
+        self.connection.take().expect("the connection is there until the headset is dropped")
+    }
+
+    fn close(&mut self) {
+        if self.session.is_none() {
+            return;
+        }
+        // The swapchains' images must be idle, and wgpu must have let go of its views of them.
+        let drained = wgpu::PollType::Wait { submission_index: None, timeout: Some(DRAIN_TIME) };
+        if let Err(error) = self.gpu.device.poll(drained) {
+            tracing::warn!("closing the headset's session while the GPU is busy: {error}");
+        }
+        // Runtimes may wait for the whole device, its queue included, when they destroy images and sessions.
+        let _queue = self.gpu.queue.lock();
+        self.session = None;
+    }
+
+    fn open_session(&self) -> &XrSession {
         // Only `drop` takes the session.
         self.session.as_ref().expect("the session is there until the headset is dropped")
     }
@@ -143,15 +132,15 @@ impl Headset for XrHeadset {
     }
 
     fn eye_sizes(&self) -> [[u32; 2]; 2] {
-        self.session().eye_sizes()
+        self.open_session().eye_sizes()
     }
 
     fn refresh_hz(&self) -> f64 {
-        self.session().refresh_hz
+        self.open_session().refresh_hz
     }
 
     fn image_format(&self) -> wgpu::TextureFormat {
-        self.session().format
+        self.open_session().format
     }
 
     fn set_drawn_px(&mut self, drawn_px: [[u32; 2]; 2]) {
@@ -159,31 +148,39 @@ impl Headset for XrHeadset {
     }
 
     fn depth_format(&self) -> Option<wgpu::TextureFormat> {
-        self.session().depth_format()
+        self.open_session().depth_format()
     }
 
     fn hidden_area(&mut self) -> Option<[HiddenArea; 2]> {
         self.session_mut().hidden_area()
     }
 
-    fn wait(&mut self) -> Result<FrameState, Fault> {
+    fn wait(&mut self) -> FrameState {
         self.session_mut().wait()
     }
 
-    fn input(&mut self) -> Result<ControllerInput, Fault> {
+    fn input(&mut self) -> ControllerInput {
         self.session_mut().input()
     }
 
-    fn acquire(&mut self) -> Result<EyeImages, Fault> {
+    fn acquire(&mut self) -> Option<EyeImages> {
         self.session_mut().acquire()
     }
 
-    fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
+    fn locate(&mut self) -> [StageEye; 2] {
         self.session_mut().locate()
     }
 
-    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
-        self.session_mut().submit(commands)
+    fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) {
+        self.session_mut().submit(commands);
+    }
+
+    fn call_times(&self) -> CallTimes {
+        self.open_session().call_times
+    }
+
+    fn session(&self) -> &'static str {
+        name_of(self.state())
     }
 
     fn request_exit(&mut self) {
@@ -191,16 +188,24 @@ impl Headset for XrHeadset {
     }
 }
 
+/// The state's name in the specification.
+fn name_of(state: SessionState) -> &'static str {
+    match state {
+        SessionState::IDLE => "IDLE",
+        SessionState::READY => "READY",
+        SessionState::SYNCHRONIZED => "SYNCHRONIZED",
+        SessionState::VISIBLE => "VISIBLE",
+        SessionState::FOCUSED => "FOCUSED",
+        SessionState::STOPPING => "STOPPING",
+        SessionState::LOSS_PENDING => "LOSS_PENDING",
+        SessionState::EXITING => "EXITING",
+        _ => "UNKNOWN",
+    }
+}
+
 impl Drop for XrHeadset {
     fn drop(&mut self) {
-        // The swapchains' images must be idle, and wgpu must have let go of its views of them.
-        let drained = wgpu::PollType::Wait { submission_index: None, timeout: Some(DRAIN_TIME) };
-        if let Err(error) = self.gpu.device.poll(drained) {
-            tracing::warn!("closing the headset's session while the GPU is busy: {error}");
-        }
-        // Runtimes may wait for the whole device, its queue included, when they destroy images and sessions.
-        let _queue = self.gpu.queue.lock();
-        self.session = None;
+        self.close();
     }
 }
 

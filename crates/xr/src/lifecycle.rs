@@ -7,13 +7,15 @@
 //!  └──────end── STOPPING ◀────┘        EXITING, LOSS_PENDING: over
 //! ```
 
-use crate::fault::{End, Fault};
+use crate::fault::{Cause, End};
 use openxr as xr;
 use openxr::SessionState;
 use std::time::{Duration, Instant};
 
 /// How long a runtime may take to wind a session down before we leave on our own.
-const EXIT_PATIENCE: Duration = Duration::from_secs(3);
+const EXIT_PATIENCE: Duration = Duration::from_millis(1200);
+/// How long calls may fail, with no frame ended in between, until the session counts as lost.
+const ERROR_PATIENCE: Duration = Duration::from_secs(3);
 
 /// What to do about a new state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +33,10 @@ pub(super) struct Lifecycle {
     running: bool,
     reached_focus: bool,
     exit_asked: Option<Instant>,
+    /// The first failure since a frame was last ended, and when it was.
+    failing: Option<(Cause, Instant)>,
+    /// Failures that the log has.
+    told: Vec<Cause>,
     ended: Option<End>,
 }
 
@@ -41,6 +47,8 @@ impl Lifecycle {
             running: false,
             reached_focus: false,
             exit_asked: None,
+            failing: None,
+            told: Vec::new(),
             ended: None,
         }
     }
@@ -61,8 +69,8 @@ impl Lifecycle {
     }
 
     /// Why the session is over, once it is.
-    pub fn ended(&self) -> Option<End> {
-        self.ended
+    pub fn ended(&self) -> Option<&End> {
+        self.ended.as_ref()
     }
 
     /// Takes in a state that the runtime announced.
@@ -81,7 +89,7 @@ impl Lifecycle {
             SessionState::EXITING => {
                 self.end(if self.exit_asked.is_some() { End::ByUser } else { End::ByRuntime });
             }
-            SessionState::LOSS_PENDING => self.end(End::SessionLost),
+            SessionState::LOSS_PENDING => self.end(End::SessionLost(Cause::State(state))),
             _ => {}
         }
         None
@@ -93,20 +101,39 @@ impl Lifecycle {
         self.running = false;
     }
 
-    /// Takes in a call's result. A loss ends the session and yields `None`; other failures are errors.
-    pub fn survive<T>(&mut self, call: &'static str, result: xr::Result<T>) -> Result<Option<T>, Fault> {
-        match result {
-            Ok(value) => Ok(Some(value)),
-            Err(xr::sys::Result::ERROR_SESSION_LOST) => {
-                self.end(End::SessionLost);
-                Ok(None)
+    /// Takes in a call's result at `now`. A loss ends the session. Any other failure costs a frame; the log has each
+    /// kind of it once.
+    pub fn survive<T>(&mut self, call: &'static str, result: xr::Result<T>, now: Instant) -> Option<T> {
+        let cause = match result {
+            Ok(value) => return Some(value),
+            Err(result) => Cause::Call { call, result },
+        };
+        match cause {
+            Cause::Call { result: xr::sys::Result::ERROR_SESSION_LOST, .. } => {
+                self.end(End::SessionLost(cause));
             }
-            Err(xr::sys::Result::ERROR_INSTANCE_LOST) => {
-                self.end(End::RuntimeLost);
-                Ok(None)
+            Cause::Call { result: xr::sys::Result::ERROR_INSTANCE_LOST, .. } => {
+                self.end(End::RuntimeLost(cause));
             }
-            Err(result) => Err(Fault::Call { call, result }),
+            _ => {
+                self.failing.get_or_insert((cause, now));
+                self.tell(cause);
+            }
         }
+        None
+    }
+
+    /// Logs what costs a frame, once.
+    pub fn tell(&mut self, cause: Cause) {
+        if !self.told.contains(&cause) {
+            tracing::warn!("the headset's software failed in a frame ({cause}); the walk goes on");
+            self.told.push(cause);
+        }
+    }
+
+    /// Takes in that a frame was ended well.
+    pub fn frame_ended(&mut self) {
+        self.failing = None;
     }
 
     /// Takes in that the user asked to leave at `now`. True if the runtime is to be told; false if it has been, or if
@@ -119,10 +146,15 @@ impl Lifecycle {
         self.exit_asked.replace(now).is_none()
     }
 
-    /// Leaves anyway if the runtime has not let us go in time.
+    /// Ends a session whose runtime has not let us go in time, or fails and fails.
     pub fn lose_patience(&mut self, now: Instant) {
         if self.exit_asked.is_some_and(|asked| now.saturating_duration_since(asked) > EXIT_PATIENCE) {
             self.end(End::ByUser);
+        }
+        if let Some((cause, since)) = self.failing
+            && now.saturating_duration_since(since) > ERROR_PATIENCE
+        {
+            self.end(End::SessionLost(cause));
         }
     }
 }
@@ -156,7 +188,7 @@ mod tests {
         assert!(!life.running() && life.ended().is_none());
         life.enter(SessionState::IDLE);
         life.enter(SessionState::EXITING);
-        assert_eq!(life.ended(), Some(End::ByUser));
+        assert_eq!(life.ended(), Some(&End::ByUser));
     }
 
     #[test]
@@ -164,7 +196,7 @@ mod tests {
         let mut life = focused();
         life.enter(SessionState::STOPPING);
         life.enter(SessionState::EXITING);
-        assert_eq!(life.ended(), Some(End::ByRuntime));
+        assert_eq!(life.ended(), Some(&End::ByRuntime));
     }
 
     #[test]
@@ -181,33 +213,59 @@ mod tests {
     fn loss_ends_it_and_the_first_reason_stays() {
         let mut life = focused();
         life.enter(SessionState::LOSS_PENDING);
-        life.end(End::RuntimeLost);
-        assert_eq!(life.ended(), Some(End::SessionLost));
+        life.end(End::ByUser);
+        let cause = Cause::State(SessionState::LOSS_PENDING);
+        assert_eq!(life.ended(), Some(&End::SessionLost(cause)));
         assert!(!life.running());
     }
 
     #[test]
-    fn lost_calls_end_it_and_failed_calls_are_errors() {
+    fn lost_calls_end_it_and_failed_calls_cost_a_frame() {
         use xr::sys::Result as Code;
-        for (code, reason) in
-            [(Code::ERROR_SESSION_LOST, End::SessionLost), (Code::ERROR_INSTANCE_LOST, End::RuntimeLost)]
-        {
+        let now = Instant::now();
+        let cause = |result| Cause::Call { call: "xrWaitFrame", result };
+        for (code, reason) in [
+            (Code::ERROR_SESSION_LOST, End::SessionLost(cause(Code::ERROR_SESSION_LOST))),
+            (Code::ERROR_INSTANCE_LOST, End::RuntimeLost(cause(Code::ERROR_INSTANCE_LOST))),
+        ] {
             let mut life = focused();
-            assert!(life.survive::<()>("xrWaitFrame", Err(code)).unwrap().is_none());
-            assert_eq!(life.ended(), Some(reason));
+            assert!(life.survive::<()>("xrWaitFrame", Err(code), now).is_none());
+            assert_eq!(life.ended(), Some(&reason));
         }
         let mut life = focused();
-        assert_eq!(life.survive("xrWaitFrame", Ok(7)).unwrap(), Some(7));
-        let error = life.survive::<()>("xrEndFrame", Err(Code::ERROR_POSE_INVALID)).unwrap_err();
-        assert!(error.to_string().contains("xrEndFrame: ERROR_POSE_INVALID"), "{error}");
+        assert_eq!(life.survive("xrWaitFrame", Ok(7), now), Some(7));
+        assert_eq!(life.survive::<()>("xrWaitFrame", Err(Code::ERROR_TIME_INVALID), now), None);
         assert!(life.running());
+        assert_eq!(life.told, [cause(Code::ERROR_TIME_INVALID)]);
+        life.survive::<()>("xrWaitFrame", Err(Code::ERROR_TIME_INVALID), now);
+        assert_eq!(life.told.len(), 1, "each failure is told once");
+    }
+
+    #[test]
+    fn a_session_that_only_fails_is_lost() {
+        use xr::sys::Result as Code;
+        let (mut life, start) = (focused(), Instant::now());
+        let fail = |life: &mut Lifecycle, seconds: f64, code| {
+            let now = start + Duration::from_secs_f64(seconds);
+            life.survive::<()>("xrEndFrame", Err(code), now);
+            life.lose_patience(now);
+        };
+        fail(&mut life, 0.0, Code::ERROR_TIME_INVALID);
+        fail(&mut life, 2.9, Code::ERROR_TIME_INVALID);
+        life.frame_ended();
+        fail(&mut life, 4.0, Code::ERROR_POSE_INVALID);
+        fail(&mut life, 6.9, Code::ERROR_TIME_INVALID);
+        assert_eq!(life.ended(), None, "a frame came through in between");
+        fail(&mut life, 7.1, Code::ERROR_TIME_INVALID);
+        let cause = Cause::Call { call: "xrEndFrame", result: Code::ERROR_POSE_INVALID };
+        assert_eq!(life.ended(), Some(&End::SessionLost(cause)));
     }
 
     #[test]
     fn leaving_before_the_session_runs_ends_at_once() {
         let mut life = Lifecycle::new();
         assert!(!life.ask_exit(Instant::now()));
-        assert_eq!(life.ended(), Some(End::ByUser));
+        assert_eq!(life.ended(), Some(&End::ByUser));
     }
 
     #[test]
@@ -217,6 +275,6 @@ mod tests {
         life.lose_patience(start + EXIT_PATIENCE / 2);
         assert_eq!(life.ended(), None);
         life.lose_patience(start + EXIT_PATIENCE * 2);
-        assert_eq!(life.ended(), Some(End::ByUser));
+        assert_eq!(life.ended(), Some(&End::ByUser));
     }
 }

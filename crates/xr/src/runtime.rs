@@ -18,6 +18,8 @@ pub struct Offers {
     pub eye_gaze: bool,
     /// True if it tells the display's refresh rate.
     pub refresh_rate: bool,
+    /// True if it tells what time it is on its clock.
+    pub clock: bool,
     /// True if it has a reference space at the user's place with its floor at 0.
     pub local_floor: bool,
 }
@@ -47,6 +49,7 @@ impl Runtime {
             visibility_mask: offered.khr_visibility_mask,
             eye_gaze: offered.ext_eye_gaze_interaction,
             refresh_rate: offered.fb_display_refresh_rate,
+            clock: offered.khr_convert_timespec_time,
             local_floor: offered.ext_local_floor,
         };
         let mut wanted = xr::ExtensionSet::default();
@@ -56,6 +59,7 @@ impl Runtime {
         wanted.ext_eye_gaze_interaction = offers.eye_gaze;
         wanted.fb_display_refresh_rate = offers.refresh_rate;
         wanted.ext_local_floor = offers.local_floor;
+        wanted.khr_convert_timespec_time = offers.clock;
         wanted.ext_debug_utils = offered.ext_debug_utils;
         let application = xr::ApplicationInfo {
             application_name: "scanwalk",
@@ -72,13 +76,7 @@ impl Runtime {
         if !offered.khr_vulkan_enable2 {
             return Err(XrMissing::NoVulkan { runtime: name });
         }
-        let system = xr.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).map_err(|result| match result {
-            xr::sys::Result::ERROR_FORM_FACTOR_UNAVAILABLE
-            | xr::sys::Result::ERROR_FORM_FACTOR_UNSUPPORTED => {
-                XrMissing::NoHeadset { runtime: name.clone() }
-            }
-            result => XrMissing::RuntimeFailed { call: "xrGetSystem", result },
-        })?;
+        let system = system(&xr, &name)?;
         let headset = xr
             .system_properties(system)
             .map_err(XrMissing::runtime_failed("xrGetSystemProperties"))?
@@ -90,6 +88,14 @@ impl Runtime {
             return Err(XrMissing::NotStereo { headset });
         }
         Ok(Self { xr, system, name, headset, offers })
+    }
+
+    /// Asks for the headset again.
+    ///
+    /// # Errors
+    /// The runtime fails, or has no headset any more.
+    pub fn system(&self) -> Result<xr::SystemId, XrMissing> {
+        system(&self.xr, &self.name)
     }
 
     /// What the runtime says about each eye's image, left then right.
@@ -117,6 +123,16 @@ impl Runtime {
         let opaque = xr::EnvironmentBlendMode::OPAQUE;
         Ok(if modes.contains(&opaque) { opaque } else { modes.first().copied().unwrap_or(opaque) })
     }
+}
+
+/// The runtime's headset.
+fn system(xr: &xr::Instance, runtime: &str) -> Result<xr::SystemId, XrMissing> {
+    xr.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).map_err(|result| match result {
+        xr::sys::Result::ERROR_FORM_FACTOR_UNAVAILABLE | xr::sys::Result::ERROR_FORM_FACTOR_UNSUPPORTED => {
+            XrMissing::NoHeadset { runtime: runtime.to_owned() }
+        }
+        result => XrMissing::RuntimeFailed { call: "xrGetSystem", result },
+    })
 }
 
 /// For `map_err` of the first calls: no runtime at all, or one that fails.

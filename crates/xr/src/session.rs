@@ -1,29 +1,37 @@
 //! A session: events, frames, images and input together, as the frame thread uses them.
 
 use super::eyes::{EYE_HEIGHT_M, Eyes};
-use super::fault::{End, Fault};
+use super::fault::{Cause, End};
 use super::frames::{FrameCalls, locate};
 use super::input::Input;
 use super::lifecycle::{Duty, Lifecycle};
 use super::mask::VisibilityMask;
 use super::missing::XrMissing;
 use super::runtime::{Runtime, STEREO, scaled_size};
-use super::swapchain::{EyeSwapchains, ImageFormat};
+use super::swapchain::{Acquired, EyeSwapchains, ImageFormat};
 use crate::hidden_area::HiddenArea;
 use crate::{ControllerInput, EyeImages, FrameState, StageEye, XrOptions};
 use openxr as xr;
 use raw::device::RuntimeGpu;
+use raw::frame::Begun;
+use render::fitting_px;
 use render::gpu::Gpu;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+use timing::CallTimes;
 
 /// Refresh rate that is assumed until the runtime has told its display's.
 const DEFAULT_REFRESH_HZ: f64 = 90.0;
 
-/// A frame between `wait` and `submit`.
+/// A frame from xrWaitFrame to xrEndFrame.
+#[derive(Clone, Copy)]
 struct OpenFrame {
     display_time: xr::Time,
-    located: bool,
+    period: xr::Duration,
+    should_render: bool,
+    /// True once xrBeginFrame has worked: until then it is to be called again, for a frame that was waited for and not
+    /// begun lets no other be waited for.
+    is_begun: bool,
 }
 
 /// An open session.
@@ -44,6 +52,10 @@ pub(super) struct XrSession {
     near_m: f32,
     eyes: Eyes,
     frame: Option<OpenFrame>,
+    /// True if the runtime tells what time it is on its clock.
+    has_clock: bool,
+    /// What the last frame's calls took.
+    pub call_times: CallTimes,
 }
 
 impl XrSession {
@@ -63,7 +75,16 @@ impl XrSession {
         };
         let blend_mode = runtime.blend_mode()?;
         let scale = options.resolution_scale;
-        let sizes_px = runtime.eye_images()?.map(|view| scaled_size(&view, scale));
+        let wanted_px = runtime.eye_images()?.map(|view| scaled_size(&view, scale));
+        let sizes_px = wanted_px.map(|size_px| fitting_px(gpu, size_px));
+        if sizes_px != wanted_px {
+            let [[wide, high], _] = wanted_px;
+            let [[width, height], _] = sizes_px;
+            tracing::warn!(
+                "the headset's images of {wide} × {high} pixels are too large for this GPU, so they have {width} × {height}; \
+                 headset.resolution_scale chooses a size"
+            );
+        }
         let (session, waiter, stream) =
             runtime_gpu.create_session(Box::new(Arc::clone(gpu))).map_err(refused("xrCreateSession"))?;
         let offered =
@@ -96,6 +117,8 @@ impl XrSession {
             near_m: options.near_m as f32,
             eyes: Eyes::standing(),
             frame: None,
+            has_clock: runtime.offers.clock,
+            call_times: CallTimes::default(),
         })
     }
 
@@ -117,45 +140,60 @@ impl XrSession {
         self.mask.as_mut()?.take_new(&self.session)
     }
 
-    /// Handles events, then waits for the next frame's time and begins it.
-    pub fn wait(&mut self) -> Result<FrameState, Fault> {
-        if self.frame.is_some() {
-            return Err(Fault::Order("the frame before this one was not submitted"));
+    /// Handles events, then waits for the next frame's time and begins it. A frame that was not submitted is ended first.
+    pub fn wait(&mut self) -> FrameState {
+        if self.frame.is_some_and(|frame| frame.is_begun) {
+            self.submit(None);
         }
-        self.handle_events()?;
+        self.handle_events();
         self.life.lose_patience(Instant::now());
-        if !self.life.running() {
-            return Ok(self.life.ended().map_or(FrameState::Idle, FrameState::Ended));
+        if let Some(end) = self.life.ended() {
+            return FrameState::Ended(end.clone());
         }
-        let waited = self.frames.wait();
-        let Some(state) = self.life.survive("xrWaitFrame", waited)? else {
-            return Ok(self.ended_state());
-        };
-        let begun = self.frames.begin(&self.gpu.queue.lock());
-        if self.life.survive("xrBeginFrame", begun)?.is_none() {
-            return Ok(self.ended_state());
+        let frame = if self.life.running() { self.begin_frame() } else { None };
+        match (frame, self.life.ended()) {
+            (_, Some(end)) => FrameState::Ended(end.clone()),
+            (None, None) => FrameState::Idle,
+            (Some(frame), None) => FrameState::Frame {
+                predicted_display_ns: frame.display_time.as_nanos(),
+                period_ns: frame.period.as_nanos(),
+                should_render: frame.should_render,
+            },
         }
-        self.frame = Some(OpenFrame { display_time: state.predicted_display_time, located: false });
-        Ok(FrameState::Frame {
-            predicted_display_ns: state.predicted_display_time.as_nanos(),
-            period_ns: state.predicted_display_period.as_nanos(),
-            should_render: state.should_render,
-        })
     }
 
-    /// What `wait` says after a loss.
-    fn ended_state(&self) -> FrameState {
-        FrameState::Ended(self.life.ended().unwrap_or(End::SessionLost))
+    /// Waits for a frame and begins it; `None` if one of the two fails.
+    fn begin_frame(&mut self) -> Option<OpenFrame> {
+        if self.frame.is_none() {
+            let waited = self.frames.wait();
+            let state = self.life.survive("xrWaitFrame", waited, Instant::now())?;
+            self.frame = Some(OpenFrame {
+                display_time: state.predicted_display_time,
+                period: state.predicted_display_period,
+                should_render: state.should_render,
+                is_begun: false,
+            });
+        }
+        let begun = self.frames.begin(&self.gpu.queue.lock(), &self.session);
+        if self.life.survive("xrBeginFrame", begun, Instant::now())? == Begun::Discarding {
+            let result = xr::sys::Result::FRAME_DISCARDED;
+            self.life.tell(Cause::Call { call: "xrBeginFrame", result });
+        }
+        let frame = self.frame.as_mut()?;
+        frame.is_begun = true;
+        Some(*frame)
     }
 
-    fn handle_events(&mut self) -> Result<(), Fault> {
+    fn handle_events(&mut self) {
         let mut storage = xr::EventDataBuffer::new();
         while self.life.ended().is_none() {
             let polled = self.xr.poll_event(&mut storage);
-            let Some(Some(event)) = self.life.survive("xrPollEvent", polled)? else { break };
+            let Some(Some(event)) = self.life.survive("xrPollEvent", polled, Instant::now()) else { break };
             match event {
-                xr::Event::SessionStateChanged(event) => self.enter(event.state())?,
-                xr::Event::InstanceLossPending(_) => self.life.end(End::RuntimeLost),
+                xr::Event::SessionStateChanged(event) => self.enter(event.state()),
+                xr::Event::InstanceLossPending(_) => {
+                    self.life.end(End::RuntimeLost(Cause::InstanceLossPending));
+                }
                 xr::Event::ReferenceSpaceChangePending(event) => {
                     // The user has recentered the space. The runtime moves it under us at the change time; all that we
                     // remember in it is the last good pose, which the next `locate` replaces.
@@ -180,70 +218,84 @@ impl XrSession {
                 _ => {}
             }
         }
-        Ok(())
     }
 
-    fn enter(&mut self, state: xr::SessionState) -> Result<(), Fault> {
+    fn enter(&mut self, state: xr::SessionState) {
         tracing::info!("headset session: {state:?}");
         let (call, result) = match self.life.enter(state) {
             Some(Duty::Begin) => ("xrBeginSession", self.session.begin(STEREO)),
             Some(Duty::End) => ("xrEndSession", self.session.end()),
-            None => return Ok(()),
+            None => return,
         };
-        self.life.survive(call, result)?;
-        Ok(())
+        // A frame of the time before is none of the session that begins now.
+        self.frame = None;
+        self.life.survive(call, result, Instant::now());
     }
 
-    /// Input of the controllers; at rest after a loss.
-    pub fn input(&mut self) -> Result<ControllerInput, Fault> {
+    /// Input of the controllers; at rest if it cannot be had.
+    pub fn input(&mut self) -> ControllerInput {
         let read = self.input.read(&self.session);
-        Ok(self.life.survive("xrSyncActions", read)?.unwrap_or_default())
+        self.life.survive("xrSyncActions", read, Instant::now()).unwrap_or_default()
     }
 
-    /// The images to draw into.
-    pub fn acquire(&mut self) -> Result<EyeImages, Fault> {
+    /// The images to draw into; `None` if they cannot be had in this frame.
+    pub fn acquire(&mut self) -> Option<EyeImages> {
+        self.frame.filter(|frame| frame.is_begun)?;
+        let began = Instant::now();
         let acquired = self.images.acquire(&self.gpu.queue);
-        self.life.survive("xrAcquireSwapchainImage", acquired)?;
-        Ok(self.images.images())
+        let now = Instant::now();
+        self.call_times = CallTimes { image_ms: ms(now - began), ..CallTimes::default() };
+        match self.life.survive("xrAcquireSwapchainImage", acquired, now)? {
+            Acquired::All => Some(self.images.images()),
+            Acquired::TimedOut => {
+                let expired = xr::sys::Result::TIMEOUT_EXPIRED;
+                self.life.survive::<()>("xrWaitSwapchainImage", Err(expired), now);
+                None
+            }
+        }
     }
 
-    /// The eyes at the display time; where they were last after a loss.
-    pub fn locate(&mut self) -> Result<[StageEye; 2], Fault> {
-        let Some(frame) = &mut self.frame else {
-            return Err(Fault::Order("no frame has begun to locate the eyes for"));
-        };
+    /// The eyes at the display time; where they were last if that cannot be told.
+    pub fn locate(&mut self) -> [StageEye; 2] {
+        let Some(frame) = self.frame else { return self.eyes.in_stage(None) };
+        let began = Instant::now();
+        if let Some(now) = self.has_clock.then(|| self.xr.now().ok()).flatten() {
+            self.call_times.pose_age_ms = (frame.display_time.as_nanos() - now.as_nanos()) as f32 * 1e-6;
+        }
         let located = locate(&self.session, &self.stage, frame.display_time, &mut self.eyes);
-        self.life.survive("xrLocateViews", located)?;
-        frame.located = true;
+        self.life.survive("xrLocateViews", located, Instant::now());
+        self.call_times.locate_ms = ms(began.elapsed());
         let gaze_in_stage = self.input.gaze(&self.session, &self.stage, frame.display_time);
-        Ok(self.eyes.in_stage(gaze_in_stage))
+        self.eyes.in_stage(gaze_in_stage)
     }
 
     /// Submits the commands, releases the images and ends the frame, under one lock of the queue.
-    pub fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) -> Result<(), Fault> {
-        let Some(frame) = self.frame.take() else { return Err(Fault::Order("no frame has begun to submit")) };
-        let shows = commands.is_some();
-        if shows && !frame.located {
-            return Err(Fault::Order("a frame was drawn without locating the eyes"));
-        }
+    pub fn submit(&mut self, commands: Option<wgpu::CommandEncoder>) {
+        let Some(frame) = self.frame.take_if(|frame| frame.is_begun) else { return };
         let closed = commands.map(|commands| self.images.close(commands));
 
         let queue = self.gpu.queue.lock();
+        let mut shows = false;
         if let Some(closed) = closed {
+            let began = Instant::now();
             let released = self.images.release(&queue, closed);
-            self.life.survive("xrReleaseSwapchainImage", released)?;
+            shows = self.life.survive("xrReleaseSwapchainImage", released, Instant::now()).is_some();
+            self.call_times.release_ms = ms(began.elapsed());
         }
         if self.life.ended().is_some() {
-            return Ok(());
+            return;
         }
+        let began = Instant::now();
         let finished = if shows {
             self.frames.end(&queue, frame.display_time, &self.stage, &self.eyes, &self.images, self.near_m)
         } else {
             self.frames.end_empty(&queue, frame.display_time)
         };
         drop(queue);
-        self.life.survive("xrEndFrame", finished)?;
-        Ok(())
+        self.call_times.end_ms = ms(began.elapsed());
+        if self.life.survive("xrEndFrame", finished, Instant::now()).is_some() {
+            self.life.frame_ended();
+        }
     }
 
     /// Asks the runtime to end the session.
@@ -255,6 +307,11 @@ impl XrSession {
             self.life.end(End::ByUser);
         }
     }
+}
+
+/// A duration in milliseconds.
+fn ms(duration: Duration) -> f32 {
+    (duration.as_secs_f64() * 1000.0) as f32
 }
 
 /// Adds depth images, if the runtime has a format that fits; without them all goes on as well.

@@ -12,6 +12,7 @@ use openxr as xr;
 use raw::image::ImageKind;
 use render::IMAGE_USAGES;
 use render::gpu::{Gpu, Queue, QueueGuard};
+use std::time::Duration;
 
 /// 8-bit sRGB formats, best first: OpenXR's (Vulkan's) number and wgpu's name.
 const COLOR_FORMATS: [(vk::Format, wgpu::TextureFormat); 2] = [
@@ -95,9 +96,32 @@ struct EyeSwapchain {
     size_px: [u32; 2],
     /// The part that layers show, from the top left corner.
     drawn_px: [u32; 2],
-    /// Image that is ours to draw into.
-    acquired: Option<usize>,
+    held: Held,
 }
+
+/// The image of a swapchain that is ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Held {
+    /// There is none.
+    None,
+    /// This one, which the compositor may still read.
+    Acquired(usize),
+    /// This one, to draw into.
+    Ready(usize),
+}
+
+/// What came of a wish for images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Acquired {
+    /// There is one of each swapchain.
+    All,
+    /// The compositor still reads one. It stays ours, and is waited for again with the next frame.
+    TimedOut,
+}
+
+/// How long a frame waits for the compositor to finish reading an image: far longer than any display period, short
+/// enough for a user who wants to leave.
+const IMAGE_PATIENCE: Duration = Duration::from_millis(500);
 
 /// A frame's commands, ending with all images in the layout that the runtime expects.
 pub(super) struct ClosedFrame(wgpu::CommandBuffer);
@@ -161,21 +185,23 @@ impl EyeSwapchains {
         self.color.iter_mut().chain(self.depth.iter_mut().flatten())
     }
 
-    /// Acquires an image of each swapchain and waits until the compositor has finished reading it; the lock is
-    /// not held during the wait.
+    /// Acquires an image of each swapchain, unless it holds one of a frame that came to nothing, and waits until the
+    /// compositor has finished reading it; the lock is not held during the wait.
     ///
     /// # Errors
-    /// What the runtime says; [`EyeSwapchains::images`] then still names images that can be drawn into.
-    pub fn acquire(&mut self, queue: &Queue) -> xr::Result<()> {
+    /// What the runtime says. Images that are ours by then stay so.
+    pub fn acquire(&mut self, queue: &Queue) -> xr::Result<Acquired> {
         let guard = queue.lock();
-        let indices: Vec<usize> = self.all_mut().map(|eye| eye.acquire(&guard)).collect::<xr::Result<_>>()?;
-        drop(guard);
-        for (eye, index) in self.all_mut().zip(indices) {
-            // A shorter time will not do: the openxr crate takes an expired one for success.
-            eye.swapchain.wait_image(xr::Duration::INFINITE)?;
-            eye.acquired = Some(index);
+        for eye in self.all_mut() {
+            eye.acquire(&guard)?;
         }
-        Ok(())
+        drop(guard);
+        for eye in self.all_mut() {
+            if !eye.wait()? {
+                return Ok(Acquired::TimedOut);
+            }
+        }
+        Ok(Acquired::All)
     }
 
     /// The acquired images, to draw into.
@@ -195,15 +221,16 @@ impl EyeSwapchains {
         ClosedFrame(commands.finish())
     }
 
-    /// Submits a frame's commands and gives the acquired images to the compositor.
+    /// Submits a frame's commands and gives the images to the compositor.
     ///
     /// # Errors
-    /// What the runtime says.
+    /// What the runtime says. Images that are not released stay ours, to draw into.
     pub fn release(&mut self, queue: &QueueGuard<'_>, frame: ClosedFrame) -> xr::Result<()> {
         queue.submit([frame.0]);
         for eye in self.all_mut() {
-            if eye.acquired.take().is_some() {
-                eye.swapchain.release_image()?;
+            if let Held::Ready(_) = eye.held {
+                raw::frame::release_image(&eye.swapchain)?;
+                eye.held = Held::None;
             }
         }
         Ok(())
@@ -249,16 +276,32 @@ impl EyeSwapchain {
         // The name only helps debuggers: a runtime that refuses it is none the worse.
         let _ = swapchain.set_name(name);
         let images = raw::image::textures(&gpu.device, &swapchain, format.image_kind(size_px), name)?;
-        Ok(Self { images, swapchain, format, size_px, drawn_px: size_px, acquired: None })
+        Ok(Self { images, swapchain, format, size_px, drawn_px: size_px, held: Held::None })
     }
 
-    fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<usize> {
-        Ok(self.swapchain.acquire_image()? as usize)
+    fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<()> {
+        if self.held == Held::None {
+            self.held = Held::Acquired(self.swapchain.acquire_image()? as usize);
+        }
+        Ok(())
     }
 
-    /// The acquired image, or any: after a loss the walk may still finish the frame that nobody will see.
+    /// Waits until the image can be drawn into; false if that takes too long.
+    fn wait(&mut self) -> xr::Result<bool> {
+        if let Held::Acquired(image) = self.held
+            && raw::frame::wait_image(&self.swapchain, IMAGE_PATIENCE)?
+        {
+            self.held = Held::Ready(image);
+        }
+        Ok(matches!(self.held, Held::Ready(_)))
+    }
+
+    /// The image to draw into, or the first if there is none.
     fn image(&self) -> &wgpu::Texture {
-        &self.images[self.acquired.unwrap_or(0)]
+        match self.held {
+            Held::None => &self.images[0],
+            Held::Acquired(image) | Held::Ready(image) => &self.images[image],
+        }
     }
 
     fn sub_image(&self) -> xr::SwapchainSubImage<'_, xr::Vulkan> {

@@ -1,12 +1,14 @@
 //! An OpenXR API layer for tests: it stands between the loader and the runtime, makes things go wrong, and tells what
 //! passes.
 //!
-//! `XRFAULT=WHAT:N` chooses what happens after N calls of xrEndFrame:
+//! `XRFAULT=WHAT:N:M` chooses what happens after N calls of xrEndFrame, for M calls (30 and 1 if left out):
+//! - the name of a fault in [`plan::FAILURES`]: a call fails, without being made;
+//! - `discard`: xrBeginFrame says that it discards a frame;
 //! - `exit`: the runtime ends the session (as if the user had closed it in the headset's menu);
-//! - `losspending`: a state event LOSS_PENDING;
+//! - `losspending`, `exiting`: an event of that state;
 //! - `instloss`: an event that the instance will be lost;
-//! - `sessionlost`, `instancelost`: every later xrWaitFrame fails with that error;
-//! - `badend`: one xrEndFrame fails with ERROR_LAYER_INVALID;
+//! - `norender`: xrWaitFrame says that nobody would see the frame;
+//! - `hang`: xrWaitFrame does not return; `hangbegin`: xrBeginFrame does not;
 //! - `watch`: one xrEndFrame's views are written to stderr (see [`tell_views`]);
 //! - `newmask`: an event that an eye's visibility mask has changed;
 //!
@@ -14,60 +16,41 @@
 //! - `noheadset`: xrGetSystem finds none;
 //! - `nosession`: xrCreateSession fails with ERROR_LIMIT_REACHED;
 //! - `noimages`: the second xrCreateSwapchain fails with ERROR_OUT_OF_MEMORY;
+//! - `bigsizes`: images of 3840 × 3744 pixels are recommended; `hugesizes`: of 20 000 × 20 000;
 //! - `nodepth`: xrCreateSwapchain fails for images of depth, with ERROR_FEATURE_UNSUPPORTED;
 //! - `nomask`: xrGetVisibilityMaskKHR fails with ERROR_RUNTIME_FAILURE;
 //! - `gaze`: the one action space that a program creates is active, turned by [`GAZE_TURN`] in any base space;
 //! - `nogaze`: it is active, and xrLocateSpace fails for it with ERROR_RUNTIME_FAILURE.
 //!
-//! The layer serves one instance and one session at a time, which is what a test has.
+//! Besides, it tells on stderr of an image that is released before a wait for it has come to its end. The layer serves
+//! one instance and one session at a time, and others after them.
+
+mod plan;
 
 use openxr_sys as xr;
+use plan::{FRAMES, failure, fires, hang, plan};
+use std::collections::HashSet;
 use std::ffi::{CStr, c_char};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{LazyLock, Mutex};
 use xr::{Handle as _, pfn};
 
 /// The next layer's or the runtime's xrGetInstanceProcAddr.
-static NEXT: OnceLock<pfn::GetInstanceProcAddr> = OnceLock::new();
+static NEXT: Mutex<Option<pfn::GetInstanceProcAddr>> = Mutex::new(None);
+/// Swapchains with an image that was waited for.
+static WAITED: LazyLock<Mutex<HashSet<u64>>> = LazyLock::new(Mutex::default);
 static INSTANCE: AtomicU64 = AtomicU64::new(0);
 static SESSION: AtomicU64 = AtomicU64::new(0);
-static FRAMES: AtomicU64 = AtomicU64::new(0);
 static ACTION_SPACE: AtomicU64 = AtomicU64::new(0);
 /// Angle of the gaze to the left, radians.
 const GAZE_TURN: f32 = 0.3;
-static FIRED: AtomicBool = AtomicBool::new(false);
-
-/// Returns what is to happen, and after how many frames.
-fn plan() -> &'static (String, u64) {
-    static PLAN: OnceLock<(String, u64)> = OnceLock::new();
-    PLAN.get_or_init(|| {
-        let text = std::env::var("XRFAULT").unwrap_or_default();
-        let (what, frames) = text.split_once(':').unwrap_or((&text, ""));
-        (what.to_string(), frames.parse().unwrap_or(30))
-    })
-}
-
-/// Whether `what` is planned and due.
-fn due(what: &str) -> bool {
-    let (planned, frames) = plan();
-    planned == what && FRAMES.load(Ordering::SeqCst) >= *frames
-}
-
-/// Whether `what` is planned and due for the first time.
-fn fires(what: &str) -> bool {
-    let fires = due(what) && !FIRED.swap(true, Ordering::SeqCst);
-    if fires {
-        eprintln!("faultlayer: {what}");
-    }
-    fires
-}
 
 /// The function `name` of the layer below.
 ///
 /// # Safety
 /// `F` must be the function's type.
 unsafe fn next<F: Copy>(name: &CStr) -> F {
-    let get = NEXT.get().expect("the layer was asked before it was created");
+    let get = NEXT.lock().expect("no panic").expect("the layer was asked before it was created");
     let mut function = None;
     unsafe {
         get(xr::Instance::from_raw(INSTANCE.load(Ordering::SeqCst)), name.as_ptr(), &mut function);
@@ -81,10 +64,34 @@ unsafe extern "system" fn get_system(
     info: *const xr::SystemGetInfo,
     system: *mut xr::SystemId,
 ) -> xr::Result {
-    if plan().0 == "noheadset" {
+    if plan().what == "noheadset" {
         return xr::Result::ERROR_FORM_FACTOR_UNAVAILABLE;
     }
     unsafe { next::<pfn::GetSystem>(c"xrGetSystem")(instance, info, system) }
+}
+
+unsafe extern "system" fn enumerate_views(
+    instance: xr::Instance,
+    system: xr::SystemId,
+    kind: xr::ViewConfigurationType,
+    capacity: u32,
+    count: *mut u32,
+    views: *mut xr::ViewConfigurationView,
+) -> xr::Result {
+    let below = unsafe { next::<pfn::EnumerateViewConfigurationViews>(c"xrEnumerateViewConfigurationViews") };
+    let result = unsafe { below(instance, system, kind, capacity, count, views) };
+    let size = match plan().what.as_str() {
+        "bigsizes" => [3840, 3744],
+        "hugesizes" => [20_000, 20_000],
+        _ => return result,
+    };
+    if capacity > 0 && result == xr::Result::SUCCESS {
+        for view in unsafe { std::slice::from_raw_parts_mut(views, *count as usize) } {
+            [view.recommended_image_rect_width, view.recommended_image_rect_height] = size;
+            [view.max_image_rect_width, view.max_image_rect_height] = [32_768; 2];
+        }
+    }
+    result
 }
 
 unsafe extern "system" fn create_session(
@@ -92,7 +99,7 @@ unsafe extern "system" fn create_session(
     info: *const xr::SessionCreateInfo,
     session: *mut xr::Session,
 ) -> xr::Result {
-    if plan().0 == "nosession" {
+    if plan().what == "nosession" {
         return xr::Result::ERROR_LIMIT_REACHED;
     }
     unsafe { next::<pfn::CreateSession>(c"xrCreateSession")(instance, info, session) }
@@ -104,12 +111,12 @@ unsafe extern "system" fn create_swapchain(
     swapchain: *mut xr::Swapchain,
 ) -> xr::Result {
     static CREATED: AtomicU64 = AtomicU64::new(0);
-    if plan().0 == "noimages" && CREATED.fetch_add(1, Ordering::SeqCst) == 1 {
+    if plan().what == "noimages" && CREATED.fetch_add(1, Ordering::SeqCst) == 1 {
         return xr::Result::ERROR_OUT_OF_MEMORY;
     }
     let is_depth =
         |usage: xr::SwapchainUsageFlags| usage.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT);
-    if plan().0 == "nodepth" && is_depth(unsafe { (*info).usage_flags }) {
+    if plan().what == "nodepth" && is_depth(unsafe { (*info).usage_flags }) {
         return xr::Result::ERROR_FEATURE_UNSUPPORTED;
     }
     unsafe { next::<pfn::CreateSwapchain>(c"xrCreateSwapchain")(session, info, swapchain) }
@@ -122,7 +129,7 @@ unsafe extern "system" fn get_visibility_mask(
     kind: xr::VisibilityMaskTypeKHR,
     mask: *mut xr::VisibilityMaskKHR,
 ) -> xr::Result {
-    if plan().0 == "nomask" {
+    if plan().what == "nomask" {
         return xr::Result::ERROR_RUNTIME_FAILURE;
     }
     let below = unsafe { next::<pfn::GetVisibilityMaskKHR>(c"xrGetVisibilityMaskKHR") };
@@ -149,7 +156,7 @@ unsafe extern "system" fn get_action_state_pose(
     state: *mut xr::ActionStatePose,
 ) -> xr::Result {
     let result = unsafe { next::<pfn::GetActionStatePose>(c"xrGetActionStatePose")(session, info, state) };
-    if matches!(plan().0.as_str(), "gaze" | "nogaze") {
+    if matches!(plan().what.as_str(), "gaze" | "nogaze") {
         unsafe { (*state).is_active = xr::TRUE };
     }
     result
@@ -162,11 +169,11 @@ unsafe extern "system" fn locate_space(
     location: *mut xr::SpaceLocation,
 ) -> xr::Result {
     let is_gaze = space.into_raw() == ACTION_SPACE.load(Ordering::SeqCst);
-    if is_gaze && plan().0 == "nogaze" {
+    if is_gaze && plan().what == "nogaze" {
         return xr::Result::ERROR_RUNTIME_FAILURE;
     }
     let result = unsafe { next::<pfn::LocateSpace>(c"xrLocateSpace")(space, base, time, location) };
-    if is_gaze && plan().0 == "gaze" {
+    if is_gaze && plan().what == "gaze" {
         let (sin, cos) = (0.5 * GAZE_TURN).sin_cos();
         unsafe {
             (*location).location_flags =
@@ -211,19 +218,90 @@ unsafe extern "system" fn wait_frame(
     info: *const xr::FrameWaitInfo,
     state: *mut xr::FrameState,
 ) -> xr::Result {
-    if due("sessionlost") {
-        return xr::Result::ERROR_SESSION_LOST;
+    if let Some(result) = failure("xrWaitFrame") {
+        return result;
     }
-    if due("instancelost") {
-        return xr::Result::ERROR_INSTANCE_LOST;
+    hang("hang");
+    let result = unsafe { next::<pfn::WaitFrame>(c"xrWaitFrame")(session, info, state) };
+    if result == xr::Result::SUCCESS && fires("norender") {
+        unsafe { (*state).should_render = xr::FALSE };
     }
-    unsafe { next::<pfn::WaitFrame>(c"xrWaitFrame")(session, info, state) }
+    result
+}
+
+unsafe extern "system" fn begin_frame(session: xr::Session, info: *const xr::FrameBeginInfo) -> xr::Result {
+    if let Some(result) = failure("xrBeginFrame") {
+        return result;
+    }
+    hang("hangbegin");
+    let result = unsafe { next::<pfn::BeginFrame>(c"xrBeginFrame")(session, info) };
+    if result == xr::Result::SUCCESS && fires("discard") { xr::Result::FRAME_DISCARDED } else { result }
+}
+
+unsafe extern "system" fn acquire_image(
+    swapchain: xr::Swapchain,
+    info: *const xr::SwapchainImageAcquireInfo,
+    index: *mut u32,
+) -> xr::Result {
+    if let Some(result) = failure("xrAcquireSwapchainImage") {
+        return result;
+    }
+    unsafe { next::<pfn::AcquireSwapchainImage>(c"xrAcquireSwapchainImage")(swapchain, info, index) }
+}
+
+unsafe extern "system" fn wait_image(
+    swapchain: xr::Swapchain,
+    info: *const xr::SwapchainImageWaitInfo,
+) -> xr::Result {
+    if let Some(result) = failure("xrWaitSwapchainImage") {
+        return result;
+    }
+    let result = unsafe { next::<pfn::WaitSwapchainImage>(c"xrWaitSwapchainImage")(swapchain, info) };
+    if result == xr::Result::SUCCESS {
+        WAITED.lock().expect("no panic").insert(swapchain.into_raw());
+    }
+    result
+}
+
+unsafe extern "system" fn release_image(
+    swapchain: xr::Swapchain,
+    info: *const xr::SwapchainImageReleaseInfo,
+) -> xr::Result {
+    if let Some(result) = failure("xrReleaseSwapchainImage") {
+        return result;
+    }
+    if !WAITED.lock().expect("no panic").remove(&swapchain.into_raw()) {
+        eprintln!("faultlayer: an image is released that was not waited for");
+    }
+    unsafe { next::<pfn::ReleaseSwapchainImage>(c"xrReleaseSwapchainImage")(swapchain, info) }
+}
+
+unsafe extern "system" fn locate_views(
+    session: xr::Session,
+    info: *const xr::ViewLocateInfo,
+    state: *mut xr::ViewState,
+    capacity: u32,
+    count: *mut u32,
+    views: *mut xr::View,
+) -> xr::Result {
+    if let Some(result) = failure("xrLocateViews") {
+        return result;
+    }
+    let below = unsafe { next::<pfn::LocateViews>(c"xrLocateViews") };
+    unsafe { below(session, info, state, capacity, count, views) }
+}
+
+unsafe extern "system" fn sync_actions(session: xr::Session, info: *const xr::ActionsSyncInfo) -> xr::Result {
+    if let Some(result) = failure("xrSyncActions") {
+        return result;
+    }
+    unsafe { next::<pfn::SyncActions>(c"xrSyncActions")(session, info) }
 }
 
 unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
     SESSION.store(session.into_raw(), Ordering::SeqCst);
-    if fires("badend") {
-        return xr::Result::ERROR_LAYER_INVALID;
+    if let Some(result) = failure("xrEndFrame") {
+        return result;
     }
     // A frame without an image is not watched.
     if unsafe { (*info).layer_count } > 0 && fires("watch") {
@@ -238,12 +316,13 @@ unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::Frame
 }
 
 unsafe extern "system" fn poll_event(instance: xr::Instance, event: *mut xr::EventDataBuffer) -> xr::Result {
-    if fires("losspending") {
+    let states = [("losspending", xr::SessionState::LOSS_PENDING), ("exiting", xr::SessionState::EXITING)];
+    if let Some((_, state)) = states.into_iter().find(|(what, _)| fires(what)) {
         let lost = xr::EventDataSessionStateChanged {
             ty: xr::EventDataSessionStateChanged::TYPE,
             next: std::ptr::null(),
             session: xr::Session::from_raw(SESSION.load(Ordering::SeqCst)),
-            state: xr::SessionState::LOSS_PENDING,
+            state,
             time: xr::Time::from_nanos(1),
         };
         unsafe { event.cast::<xr::EventDataSessionStateChanged>().write(lost) };
@@ -284,6 +363,9 @@ unsafe extern "system" fn get_instance_proc_addr(
         match wanted.to_bytes() {
             b"xrGetSystem" => Some(transmute::<pfn::GetSystem, pfn::VoidFunction>(get_system)),
             b"xrCreateSession" => Some(transmute::<pfn::CreateSession, pfn::VoidFunction>(create_session)),
+            b"xrEnumerateViewConfigurationViews" => {
+                Some(transmute::<pfn::EnumerateViewConfigurationViews, pfn::VoidFunction>(enumerate_views))
+            }
             b"xrCreateSwapchain" => {
                 Some(transmute::<pfn::CreateSwapchain, pfn::VoidFunction>(create_swapchain))
             }
@@ -298,6 +380,18 @@ unsafe extern "system" fn get_instance_proc_addr(
             }
             b"xrLocateSpace" => Some(transmute::<pfn::LocateSpace, pfn::VoidFunction>(locate_space)),
             b"xrWaitFrame" => Some(transmute::<pfn::WaitFrame, pfn::VoidFunction>(wait_frame)),
+            b"xrBeginFrame" => Some(transmute::<pfn::BeginFrame, pfn::VoidFunction>(begin_frame)),
+            b"xrAcquireSwapchainImage" => {
+                Some(transmute::<pfn::AcquireSwapchainImage, pfn::VoidFunction>(acquire_image))
+            }
+            b"xrWaitSwapchainImage" => {
+                Some(transmute::<pfn::WaitSwapchainImage, pfn::VoidFunction>(wait_image))
+            }
+            b"xrReleaseSwapchainImage" => {
+                Some(transmute::<pfn::ReleaseSwapchainImage, pfn::VoidFunction>(release_image))
+            }
+            b"xrLocateViews" => Some(transmute::<pfn::LocateViews, pfn::VoidFunction>(locate_views)),
+            b"xrSyncActions" => Some(transmute::<pfn::SyncActions, pfn::VoidFunction>(sync_actions)),
             b"xrEndFrame" => Some(transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame)),
             b"xrPollEvent" => Some(transmute::<pfn::PollEvent, pfn::VoidFunction>(poll_event)),
             _ => None,
@@ -307,7 +401,8 @@ unsafe extern "system" fn get_instance_proc_addr(
         unsafe { *function = ours };
         return xr::Result::SUCCESS;
     }
-    match NEXT.get() {
+    let next = *NEXT.lock().expect("no panic");
+    match next {
         Some(get) => unsafe { get(instance, name, function) },
         None => xr::Result::ERROR_FUNCTION_UNSUPPORTED,
     }
@@ -325,7 +420,7 @@ unsafe extern "system" fn create_instance(
         else {
             return xr::Result::ERROR_INITIALIZATION_FAILED;
         };
-        NEXT.set(get).ok();
+        *NEXT.lock().expect("no panic") = Some(get);
         let mut layer_below = *layer;
         layer_below.next_info = below.next;
         let result = create(info, &layer_below, instance);

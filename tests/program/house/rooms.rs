@@ -11,7 +11,7 @@ const ROOMS: [(&str, &[&str]); 10] = [
     ("points", &["base"]),
     ("cloud", &["base", "points"]),
     ("render", &["base", "cloud", "raw", "timing"]),
-    ("xr", &["base", "raw", "render"]),
+    ("xr", &["base", "raw", "render", "timing"]),
     ("lab", &["base", "cloud", "points", "render", "timing"]),
     ("kit", &["base", "cloud", "lab", "points", "render"]),
     ("", &["base", "cloud", "lab", "points", "raw", "render", "timing", "xr"]),

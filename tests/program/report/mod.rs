@@ -9,7 +9,7 @@ mod worst;
 
 use base::space::Pose;
 use glam::{DQuat, DVec3};
-use timing::{FrameLogFile, FrameRow, LoggedFrame, Phase};
+use timing::{CallTimes, FrameLogFile, FrameRow, LoggedFrame, Phase};
 
 /// A log at 90 Hz whose frames take the GPU `ms(frame)`.
 pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
@@ -30,12 +30,15 @@ pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
             position: DVec3::new(4e6 + frame as f64 / 7.0, -3.25, 1.7),
             orientation: DQuat::from_rotation_z(0.01 * frame as f64),
         }),
+        call_ms: [f64::NAN; 5],
+        session: Some(0),
         phase: Phase::Walking,
     };
     FrameLogFile {
         facts: [("scan", "yard.laz"), ("device", "some GPU")].map(|(n, v)| (n.into(), v.into())).to_vec(),
         stages: ["clear", "lod", "cull", "depth", "color", "resolve"].map(String::from).to_vec(),
         qualities: vec!["hqs".into(), "closest".into()],
+        sessions: vec!["FOCUSED".into()],
         frames: (0..num_frames).zip((0..num_frames).map(ms)).map(frame).collect(),
         ..FrameLogFile::default()
     }
@@ -64,6 +67,9 @@ pub fn row_of(frame: &LoggedFrame) -> FrameRow {
         world_from_head: frame.world_from_head,
         phase: frame.phase,
         visible_batches: 1,
+        calls: CallTimes::default(),
+        session: "simulated",
+        place: None,
     }
 }
 

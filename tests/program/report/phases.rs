@@ -3,7 +3,7 @@
 use super::{faults, log_of, row_of, wave_ms};
 use base::output::{Output, OutputKind};
 use lab::report::{Comparison, Summary, walk_page, worst};
-use timing::{FrameLog, FrameLogFile, Phase, RunFacts, read};
+use timing::{FrameLog, FrameLogFile, Phase, RunFacts, columns, read};
 
 /// A walk that is the same whatever came before, after a start in which every frame is over its budget, by ten times
 /// while the scan is built.
@@ -102,6 +102,29 @@ fn a_log_that_ends_before_the_walk_says_so() {
     }
 }
 
+/// Frames that the runtime wanted undrawn are told, and no figure is made of them.
+#[test]
+fn unseen_frames_are_no_frames_of_the_walk() {
+    let mut log = started(0, 0, 100);
+    let walked = Summary::of(&log).to_string();
+    let mut unseen = log.frames.clone();
+    for frame in &mut unseen {
+        (frame.phase, frame.world_from_head) = (Phase::Unseen, None);
+        (frame.gpu_ms, frame.over_budget, frame.missed_periods) = (f64::NAN, false, 0);
+    }
+    log.frames.extend(unseen);
+    let summary = Summary::of(&log);
+    assert_eq!((summary.counted_phase, summary.num_frames), (Phase::Walking, 100));
+    let text = summary.to_string();
+    let without: String = text
+        .lines()
+        .filter(|line| !line.starts_with("unseen"))
+        .fold(String::new(), |all, line| all + line + "\n");
+    assert!(text.contains("100 frames that the runtime wanted undrawn"), "{text}");
+    assert_eq!(without, walked);
+    assert_eq!(faults(&walk_page(&log)), Vec::<String>::new());
+}
+
 /// The phase goes from the frame thread's row to the report; a log of an earlier version has no such column.
 #[test]
 fn logs_tell_the_phase() {
@@ -112,13 +135,13 @@ fn logs_tell_the_phase() {
     started(1, 1, 1).frames.iter().for_each(|frame| log.push(row_of(frame)));
     assert_eq!(log.finish().num_rows, 3);
     let phases = |path| read(path).unwrap().frames.iter().map(|frame| frame.phase).collect::<Vec<_>>();
-    assert_eq!(phases(&path), Phase::ALL);
+    assert_eq!(phases(&path), Phase::DRAWN);
 
     let text = std::fs::read_to_string(&path).unwrap();
-    let without: Vec<&str> = text
-        .lines()
-        .map(|line| if line.starts_with('#') { line } else { line.rsplitn(3, ',').last().unwrap() })
-        .collect();
+    let num_before = columns::names().iter().position(|name| name == "phase").unwrap();
+    let before = |line: &str| line.split(',').take(num_before).collect::<Vec<_>>().join(",");
+    let without: Vec<String> =
+        text.lines().map(|line| if line.starts_with('#') { line.to_owned() } else { before(line) }).collect();
     let older = folder.path().join("older.csv");
     std::fs::write(&older, without.join("\n") + "\n").unwrap();
     assert_eq!(phases(&older), [Phase::Waiting, Phase::Walking, Phase::Walking]);

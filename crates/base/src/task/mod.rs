@@ -12,18 +12,30 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// A flag that is set when the user asked to stop (Ctrl-C, window closed); long work looks at it often.
 #[derive(Clone, Debug, Default)]
-pub struct CancelToken(Arc<AtomicBool>);
+pub struct CancelToken(Arc<Flag>);
+
+#[derive(Debug, Default)]
+struct Flag {
+    is_set: AtomicBool,
+    parent: Option<CancelToken>,
+}
 
 impl CancelToken {
+    /// A token for a part of the work: it is cancelled with the whole, or alone.
+    #[must_use]
+    pub fn child(&self) -> Self {
+        Self(Arc::new(Flag { is_set: AtomicBool::new(false), parent: Some(self.clone()) }))
+    }
+
     /// Asks everything that shares this to end.
     pub fn cancel(&self) {
-        self.0.store(true, Ordering::Release);
+        self.0.is_set.store(true, Ordering::Release);
     }
 
     /// True once somebody asked to end.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Acquire)
+        self.0.is_set.load(Ordering::Acquire) || self.0.parent.as_ref().is_some_and(Self::is_cancelled)
     }
 }
 
@@ -205,6 +217,16 @@ impl Progress {
 mod tests {
     use super::*;
     use std::sync::Mutex;
+
+    #[test]
+    fn a_part_ends_with_the_whole_or_alone() {
+        let whole = CancelToken::default();
+        let [first, second] = [whole.child(), whole.child()];
+        first.cancel();
+        assert!(first.is_cancelled() && !second.is_cancelled() && !whole.is_cancelled());
+        whole.cancel();
+        assert!(second.is_cancelled() && second.child().is_cancelled());
+    }
 
     #[test]
     fn whoever_looks_sees_the_same_count() {

@@ -14,12 +14,12 @@ pub mod poses;
 pub mod screen;
 
 use std::fs::{self, File, TryLockError};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -168,6 +168,11 @@ impl TestRuntime {
             .variable("XR_ENABLE_API_LAYERS", "XR_APILAYER_TEST_fault")
     }
 
+    /// Starts the runtime not before [`Running::start_runtime`].
+    pub fn later(self) -> Self {
+        self.variable("XR_SERVICE", "later")
+    }
+
     /// Sets the seconds until the program is stopped.
     pub fn timeout_s(mut self, seconds: u32) -> Self {
         self.timeout_s = seconds;
@@ -201,11 +206,15 @@ impl TestRuntime {
                 }
             }
         });
-        let mut stderr = child.stderr.take().expect("piped");
-        let stderr = std::thread::spawn(move || {
-            let mut text = Vec::new();
-            let _ = stderr.read_to_end(&mut text);
-            String::from_utf8_lossy(&text).into_owned()
+        let stderr = child.stderr.take().expect("piped");
+        let said: Arc<Mutex<String>> = Arc::default();
+        let stderr = std::thread::spawn({
+            let said = Arc::clone(&said);
+            move || {
+                for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
+                    *said.lock().expect("no panic") += &(String::from_utf8_lossy(&line).into_owned() + "\n");
+                }
+            }
         });
         Running {
             child,
@@ -213,6 +222,7 @@ impl TestRuntime {
             lines,
             seen: Vec::new(),
             stderr: Some(stderr),
+            said,
             folder: Some(folder),
             validate: self.validate,
             deadline: Instant::now() + Duration::from_secs(u64::from(self.timeout_s) + 30),
@@ -268,7 +278,8 @@ pub struct Running {
     port: u16,
     lines: Receiver<String>,
     seen: Vec<String>,
-    stderr: Option<JoinHandle<String>>,
+    stderr: Option<JoinHandle<()>>,
+    said: Arc<Mutex<String>>,
     folder: Option<tempfile::TempDir>,
     validate: bool,
     deadline: Instant,
@@ -315,16 +326,50 @@ impl Running {
                 Err(RecvTimeoutError::Timeout) => panic!("no {what} in 30 s; last: {:?}", self.seen.last()),
                 Err(RecvTimeoutError::Disconnected) => {
                     let _ = self.child.wait();
-                    let stderr = self.stderr.take().and_then(|thread| thread.join().ok());
-                    panic!("ended without {what}; last: {:?}\n{stderr:?}", self.seen.last());
+                    let said = self.all_said();
+                    panic!("ended without {what}; last: {:?}\n{said}", self.seen.last());
                 }
             }
         }
     }
 
+    /// Waits until the program has said on stderr, `times` times by now, something that contains `words`.
+    ///
+    /// # Panics
+    /// If it has not within a minute.
+    pub fn wait_until_said(&self, words: &str, times: usize) {
+        let until = Instant::now() + Duration::from_secs(60);
+        loop {
+            let said = self.said.lock().expect("no panic").clone();
+            if said.matches(words).count() >= times {
+                return;
+            }
+            assert!(Instant::now() < until, "'{words}' was not said {times} times:\n{said}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// All that the program has said on stderr, once it has ended.
+    fn all_said(&mut self) -> String {
+        if let Some(thread) = self.stderr.take() {
+            let _ = thread.join();
+        }
+        self.said.lock().expect("no panic").clone()
+    }
+
     /// Kills the runtime, not the program.
     pub fn kill_runtime(&self) {
         self.signal("KILL", "service.pid");
+    }
+
+    /// Stops the runtime for good, but does not end it: its clients wait for answers.
+    pub fn freeze_runtime(&self) {
+        self.signal("STOP", "service.pid");
+    }
+
+    /// Starts the runtime again after [`Self::kill_runtime`], or at last after [`TestRuntime::later`].
+    pub fn start_runtime(&self) {
+        signal("USR1", &self.child.id().to_string());
     }
 
     /// Asks the program to end, as a user would.
@@ -350,7 +395,7 @@ impl Running {
             }
             std::thread::sleep(Duration::from_millis(10));
         };
-        let stderr = self.stderr.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
+        let stderr = self.all_said();
         let folder = self.folder.take().expect("kept until the end");
         Finished { code, lines: std::mem::take(&mut self.seen), stderr, folder, validated: self.validate }
     }

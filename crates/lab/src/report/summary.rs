@@ -4,7 +4,7 @@ use super::table::{TextTable, ms, percent};
 use base::percentile::{REPORTED_PER_MILLE, Sorted};
 use base::words::counted;
 use std::fmt;
-use timing::{FrameLogFile, LoggedFrame, Phase};
+use timing::{CallTimes, FrameLogFile, LoggedFrame, Phase};
 
 /// A frame log in figures; its `Display` is the text for people, and the page has the same.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub struct Summary {
     pub stages_ms: Vec<(String, Sorted)>,
     /// CPU milliseconds: wait, record, submit.
     pub cpu_ms: [(&'static str, Sorted); 3],
+    /// Milliseconds of the headset's calls, of those that the log has.
+    pub calls_ms: Vec<(&'static str, Sorted)>,
 }
 
 /// Frames of one phase.
@@ -65,6 +67,12 @@ impl PhaseFigures {
     fn in_words(&self) -> String {
         let Self { phase, num_frames, num_over_budget, missed_periods } = self;
         let when = match phase {
+            Phase::Unseen => {
+                let frames = counted(num_frames, "frame");
+                return format!(
+                    "{frames} that the runtime wanted undrawn, since nobody would see them; not counted below"
+                );
+            }
             Phase::Waiting => "before the scan was shown",
             Phase::Arriving => "while the scan was being built beside them",
             Phase::Walking => "of the walk",
@@ -110,6 +118,7 @@ impl Summary {
                 ("record", sorted(&|frame| frame.cpu_ms[1])),
                 ("submit", sorted(&|frame| frame.cpu_ms[2])),
             ],
+            calls_ms: calls_ms(log),
         }
     }
 
@@ -133,7 +142,7 @@ impl Summary {
         let which = match self.counted_phase {
             Phase::Waiting => ": the log ends before a scan was shown",
             Phase::Arriving => ": the log ends while the scan was being built",
-            Phase::Walking => "",
+            Phase::Walking | Phase::Unseen => "",
         };
         counts.push(("frames", format!("{num_frames} in {duration_s:.1} s{rate}{which}")));
         if self.num_dropped > 0 {
@@ -168,6 +177,9 @@ impl Summary {
         for (step, times) in &self.cpu_ms {
             row(format!("CPU {step}"), times);
         }
+        for (call, times) in &self.calls_ms {
+            row(format!("  {}", call.replace('_', " ")), times);
+        }
         table
     }
 
@@ -185,6 +197,16 @@ impl Summary {
         let nearly_all = (1.1 * of(999)).min(2.0 * of(900));
         nearly_all.max(1.5 * budget_ms).min((1.05 * of(1000)).max(1.2 * budget_ms))
     }
+}
+
+/// Times of the headset's calls, of those that a log has.
+fn calls_ms(log: &FrameLogFile) -> Vec<(&'static str, Sorted)> {
+    let times = |at: usize| log.counted().map(move |frame| frame.call_ms[at]).filter(|ms| ms.is_finite());
+    let named = CallTimes::NAMES.into_iter().enumerate();
+    named
+        .filter(|(at, _)| times(*at).next().is_some())
+        .map(|(at, name)| (name, Sorted::new(times(at))))
+        .collect()
 }
 
 /// Sentence about a log without GPU times.

@@ -4,7 +4,7 @@ use super::histogram::histogram;
 use super::markup::Markup;
 use super::page::{self, Page};
 use super::stack::stack;
-use super::steps::{governor, phases};
+use super::steps::{governor, phases, sessions};
 use super::summary::{NO_GPU_TIMES, Summary};
 use super::table::{TextTable, ms};
 use super::timeline::timeline;
@@ -36,8 +36,8 @@ pub fn walk_page(log: &FrameLogFile) -> String {
     } else {
         page.section("Frame by frame");
         page.add(timeline(log, &summary));
-        if let Some(phases) = phases(log) {
-            page.add(phases);
+        for lane in [phases(log), sessions(log)].into_iter().flatten() {
+            page.add(lane);
         }
         page.section("How long frames take");
         let (low, high) = summary.budget_ms;

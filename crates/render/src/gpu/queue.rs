@@ -5,13 +5,16 @@
 //! meet. The queue is therefore reachable only through a guard, and the four OpenXR calls take the guard
 //! as an argument. Never hold it while waiting for anything.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use parking_lot::{Mutex, MutexGuard};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
 /// wgpu's queue, locked away.
 #[derive(Debug)]
 pub struct Queue {
     queue: Mutex<wgpu::Queue>,
+    /// True since somebody has waited for the lock in vain, until it is had again.
+    is_stuck: AtomicBool,
     written_bytes: AtomicU64,
 }
 
@@ -26,14 +29,23 @@ impl Queue {
     /// Takes the queue in.
     #[must_use]
     pub fn new(queue: wgpu::Queue) -> Self {
-        Self { queue: Mutex::new(queue), written_bytes: AtomicU64::new(0) }
+        Self { queue: Mutex::new(queue), is_stuck: AtomicBool::new(false), written_bytes: AtomicU64::new(0) }
     }
 
-    /// Waits for the lock: microseconds, since nobody waits while holding it.
+    /// Waits for the lock: microseconds, since nobody waits while holding it, unless an OpenXR runtime is stuck in one of
+    /// its four calls.
     pub fn lock(&self) -> QueueGuard<'_> {
-        // A panic on another thread leaves the queue itself whole.
-        let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
-        QueueGuard { queue, written_bytes: &self.written_bytes }
+        QueueGuard { queue: self.queue.lock(), written_bytes: &self.written_bytes }
+    }
+
+    /// Waits for the lock at most this long: for those who must go on where a runtime is stuck. After a wait in vain
+    /// nobody waits any more until the lock is to be had.
+    #[must_use]
+    pub fn lock_within(&self, patience: Duration) -> Option<QueueGuard<'_>> {
+        let patience = if self.is_stuck.load(Ordering::Relaxed) { Duration::ZERO } else { patience };
+        let queue = self.queue.try_lock_for(patience);
+        self.is_stuck.store(queue.is_none(), Ordering::Relaxed);
+        Some(QueueGuard { queue: queue?, written_bytes: &self.written_bytes })
     }
 
     /// Bytes that [`QueueGuard::write_buffer`] has sent to the GPU so far.

@@ -1,0 +1,120 @@
+//! The walk as it goes on from one headset to the next: state, place, rows, and the scan as far as it has come.
+
+use super::filling::Loaded;
+use super::locomotion::Locomotion;
+use super::rows::{PendingRows, pass_on};
+use super::run::{Walk, WalkSummary};
+use super::screenshot::Screenshots;
+use super::state::{Action, AppState};
+use base::space::{Pose, View};
+use render::CloudBuffers;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use timing::Phase;
+use xr::End;
+
+/// What a walk keeps when its headset, or its GPU, is replaced.
+pub(super) struct Walker {
+    pub state: AppState,
+    /// `None` until something of the scan has come.
+    pub locomotion: Option<Locomotion>,
+    pub screenshots: Screenshots,
+    pub rows: PendingRows,
+    /// The scan on the current GPU, as far as it has come.
+    pub cloud: Option<CloudBuffers>,
+    /// The scan on its way to the current GPU; `None` once all of it has come.
+    loaded: Option<Receiver<Loaded>>,
+    pub stage_from_head: Pose,
+    pub last_view: Option<View>,
+}
+
+impl Walker {
+    pub fn new(walk: &Walk) -> Self {
+        let state = AppState::new(walk.options.overlay);
+        walk.link.publish(state);
+        Self {
+            state,
+            locomotion: None,
+            screenshots: Screenshots::default(),
+            rows: PendingRows::new(),
+            cloud: None,
+            loaded: None,
+            stage_from_head: Pose::IDENTITY,
+            last_view: None,
+        }
+    }
+
+    /// Takes in that the scan comes to another GPU.
+    pub fn await_scan(&mut self, loaded: Receiver<Loaded>) {
+        (self.cloud, self.loaded) = (None, Some(loaded));
+    }
+
+    /// Takes the scan if it has become ready, or another form of it; true if there is one. The viewer stays where they
+    /// are if they have been in it before.
+    pub fn take_loaded(&mut self, walk: &Walk) -> bool {
+        let mut has_come = false;
+        while let Some(loaded) = &self.loaded {
+            match loaded.try_recv() {
+                Ok(Loaded { cloud, start }) => {
+                    self.cloud = Some(cloud);
+                    self.locomotion.get_or_insert_with(|| Locomotion::new(walk.options.locomotion, start));
+                    has_come = true;
+                }
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => self.loaded = None,
+            }
+        }
+        has_come
+    }
+
+    /// True until all of the scan has come.
+    pub fn is_arriving(&self) -> bool {
+        self.loaded.is_some()
+    }
+
+    /// True if the loader is done and has brought no scan.
+    pub fn is_in_vain(&self) -> bool {
+        self.loaded.is_none() && self.cloud.is_none()
+    }
+
+    /// What the frame shows.
+    pub fn phase(&self) -> Phase {
+        match self.cloud {
+            None => Phase::Waiting,
+            Some(_) if self.is_arriving() => Phase::Arriving,
+            Some(_) => Phase::Walking,
+        }
+    }
+
+    /// Applies the actions that were asked for; returns true if one of them ends the walk.
+    pub fn take_actions(&mut self, walk: &Walk) -> bool {
+        let before = self.state;
+        while let Ok(action) = walk.actions.try_recv() {
+            match action {
+                Action::Quit => return true,
+                Action::Screenshot => self.screenshots.ask(),
+                action => {
+                    self.state.apply(action);
+                    if let Some(locomotion) = &mut self.locomotion {
+                        locomotion.apply(action);
+                    }
+                }
+            }
+        }
+        if self.state != before {
+            walk.link.publish(self.state);
+        }
+        false
+    }
+
+    /// Passes on all rows, whether or not their times have come.
+    pub fn give_up_rows(&mut self, walk: &Walk) {
+        self.rows.give_up(true, &mut |row| pass_on(walk.log.as_deref(), &walk.link, row));
+    }
+
+    /// Waits for the last screenshot, and tells what has come of the walk.
+    pub fn finish(mut self, ended: End) -> WalkSummary {
+        self.screenshots.finish();
+        let PendingRows { frame, scan_frames, .. } = self.rows;
+        WalkSummary { frames: frame, scan_frames, ended, last_view: self.last_view }
+    }
+}

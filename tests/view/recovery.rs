@@ -1,0 +1,194 @@
+//! The walk outlives its headset: whatever a runtime does, the scan, the place, the window and the log are kept, and the
+//! headset is taken again when it answers. One bad call costs a frame.
+
+use crate::scene::Scene;
+use kit::rows::LogRows;
+use kit::xr::{Finished, Running, RuntimeSlot, TestRuntime};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
+/// What is said when a headset is taken again.
+const TAKEN: &str = "is used from now on";
+
+/// A walk without a window, whose log has this name.
+fn start(runtime: &TestRuntime, headset: &str, log: &Path) -> Running {
+    let courtyard = Scene::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
+    let log = log.to_str().expect("a UTF-8 path");
+    let args = ["view", &courtyard, "--headset", headset, "--window", "off", "--log", log, "-v"];
+    // Small images, for a software driver.
+    let small = ["--set", "headset.resolution_scale=0.3", "--set", "simulated.size_px=[96,96]"];
+    runtime.start(Path::new(PROGRAM), &[&args[..], &small].concat())
+}
+
+fn log_file(name: &str) -> PathBuf {
+    Scene::get().file(&format!("{name}.csv").replace(':', "-"))
+}
+
+/// Asks a walk to end, and checks that it ends well within the time that a user waits.
+fn end(run: Running) -> Finished {
+    run.ask_to_end();
+    let asked = Instant::now();
+    let done = run.finish();
+    done.assert_ok();
+    // The script that runs the program ends the runtime besides.
+    assert!(asked.elapsed() < Duration::from_secs(6), "{:?}", asked.elapsed());
+    done
+}
+
+/// Checks that a log goes from the headset to the simulated one and back, and that the viewer has stayed where they were.
+fn assert_place_is_kept(log: &Path) {
+    let rows = LogRows::read(log);
+    let frames = rows.numbers("frame");
+    assert!(frames.windows(2).all(|pair| pair[1] == pair[0] + 1.0), "no frame is lost or counted twice");
+    let resident = rows.numbers("points_resident");
+    let first = resident.iter().position(|points| *points > 0.0).expect("a frame of the scan");
+    let place = |column: &str| -> Vec<f64> {
+        rows.column(column)[first..].iter().filter_map(|cell| cell.parse().ok()).collect()
+    };
+    let (x, y) = (place("head_x"), place("head_y"));
+    for along in [&x, &y] {
+        // Heads of different headsets are at most some centimeters from the middle of the stage.
+        let (low, high) =
+            along.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
+        assert!(high - low < 0.5, "from {low} to {high}");
+    }
+}
+
+/// Faults that take the headset away, and the words by which the user is told.
+const LOSSES: [(&str, &str); 9] = [
+    ("sessionlost:20", "xrWaitFrame: ERROR_SESSION_LOST"),
+    ("losspending:20", "LOSS_PENDING"),
+    ("exiting:20", "EXITING"),
+    ("exit:20", "EXITING"),
+    ("acqlost:20", "xrAcquireSwapchainImage: ERROR_SESSION_LOST"),
+    ("locatelost:20", "xrLocateViews: ERROR_SESSION_LOST"),
+    ("endlost:20", "xrEndFrame: ERROR_SESSION_LOST"),
+    ("instancelost:20", "xrWaitFrame: ERROR_INSTANCE_LOST"),
+    ("instloss:20", "INSTANCE_LOSS_PENDING"),
+];
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn a_lost_headset_is_taken_again() {
+    let lab = RuntimeSlot::enter();
+    for (fault, words) in LOSSES {
+        let log = log_file(fault);
+        let run = start(&lab.runtime().fault(fault).timeout_s(90), "auto", &log);
+        run.wait_until_said(words, 1);
+        let lost = Instant::now();
+        run.wait_until_said(TAKEN, 1);
+        run.wait_until_said("headset session: FOCUSED", 2);
+        eprintln!("{fault}: in focus again after {:.1} s", lost.elapsed().as_secs_f64());
+        std::thread::sleep(Duration::from_millis(300));
+        let done = end(run);
+        assert!(done.stderr.contains("the walk goes on without it"), "{fault}: {}", done.stderr);
+        assert_place_is_kept(&log);
+    }
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn a_required_headset_that_is_lost_ends_the_walk_with_the_reason() {
+    let lab = RuntimeSlot::enter();
+    for (fault, words) in [LOSSES[0], LOSSES[2], LOSSES[7]] {
+        let done = start(&lab.runtime().fault(fault).timeout_s(90), "require", &log_file(fault)).finish();
+        assert_eq!(done.code, Some(1), "{fault}: {}", done.stderr);
+        let said = "scanwalk: --headset require: ";
+        assert!(done.stderr.contains(said) && done.stderr.contains(words), "{fault}: {}", done.stderr);
+    }
+}
+
+/// Faults of single calls, how often they happen, and the words in the log.
+const HITCHES: [(&str, &str); 10] = [
+    ("waiterr:20:5", "xrWaitFrame: ERROR_RUNTIME_FAILURE"),
+    ("waitnotrunning:20:5", "xrWaitFrame: ERROR_SESSION_NOT_RUNNING"),
+    ("beginerr:20:5", "xrBeginFrame: ERROR_RUNTIME_FAILURE"),
+    ("discard:20:5", "xrBeginFrame: FRAME_DISCARDED"),
+    ("acqerr:20:5", "xrAcquireSwapchainImage: ERROR_RUNTIME_FAILURE"),
+    ("imgtimeout:20:5", "xrWaitSwapchainImage: TIMEOUT_EXPIRED"),
+    ("relerr:20:5", "xrReleaseSwapchainImage: ERROR_RUNTIME_FAILURE"),
+    ("locateerr:20:5", "xrLocateViews: ERROR_TIME_INVALID"),
+    ("syncerr:20:5", "xrSyncActions: ERROR_RUNTIME_FAILURE"),
+    ("badtime:20:5", "xrEndFrame: ERROR_TIME_INVALID"),
+];
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn one_bad_call_costs_a_frame() {
+    let lab = RuntimeSlot::enter();
+    for (fault, words) in HITCHES {
+        let log = log_file(fault);
+        let run = start(&lab.runtime().validate().fault(fault).timeout_s(90), "auto", &log);
+        let name = fault.split(':').next().expect("a name");
+        run.wait_until_said(&format!("faultlayer: {name}"), 5);
+        // Frames go on: the runtime shows nothing, at twenty a second.
+        std::thread::sleep(Duration::from_secs(1));
+        let done = end(run);
+        assert_eq!(done.stderr.matches(words).count(), 1, "{fault}: {}", done.stderr);
+        assert!(!done.stderr.contains("the walk goes on without it"), "{fault}: {}", done.stderr);
+        assert!(!done.stderr.contains("was not waited for"), "{fault}: {}", done.stderr);
+        done.assert_valid();
+    }
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn a_session_that_only_fails_is_lost() {
+    let lab = RuntimeSlot::enter();
+    let log = log_file("enderr");
+    let run = start(&lab.runtime().fault("enderr:20:200").timeout_s(90), "auto", &log);
+    run.wait_until_said("the headset was lost (xrEndFrame: ERROR_RUNTIME_FAILURE)", 1);
+    run.wait_until_said(TAKEN, 1);
+    end(run);
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn a_runtime_that_is_killed_and_started_again_is_taken_again() {
+    let lab = RuntimeSlot::enter();
+    let log = log_file("killed");
+    let run = start(&lab.runtime().timeout_s(120), "auto", &log);
+    run.wait_until_said("headset session: FOCUSED", 1);
+    std::thread::sleep(Duration::from_secs(1));
+    run.kill_runtime();
+    run.wait_until_said("the headset's software stopped", 1);
+    std::thread::sleep(Duration::from_secs(3));
+    run.start_runtime();
+    run.wait_until_said(TAKEN, 1);
+    run.wait_until_said("headset session: FOCUSED", 2);
+    std::thread::sleep(Duration::from_secs(1));
+    end(run);
+    assert_place_is_kept(&log);
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn a_runtime_that_is_started_later_is_found() {
+    let lab = RuntimeSlot::enter();
+    let log = log_file("later");
+    let run = start(&lab.runtime().later().timeout_s(120), "auto", &log);
+    run.wait_until_said("no headset, so a simulated one is used until one answers", 1);
+    std::thread::sleep(Duration::from_secs(2));
+    run.start_runtime();
+    run.wait_until_said(TAKEN, 1);
+    run.wait_until_said("headset session: FOCUSED", 1);
+    std::thread::sleep(Duration::from_secs(1));
+    end(run);
+    assert_place_is_kept(&log);
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn nobody_waits_for_a_runtime_that_does_not_answer() {
+    let lab = RuntimeSlot::enter();
+    for fault in ["hang:20", "hangbegin:20"] {
+        let log = log_file(fault);
+        let run = start(&lab.runtime().fault(fault).timeout_s(90), "auto", &log);
+        run.wait_until_said(&format!("faultlayer: {}", fault.trim_end_matches(":20")), 1);
+        let done = end(run);
+        assert!(done.stderr.contains("left without waiting"), "{fault}: {}", done.stderr);
+        // The log is whole.
+        assert!(timing::read(&log).expect("a log").frames.len() > 10, "{fault}");
+    }
+}
