@@ -4,7 +4,7 @@ use super::governor::{Governor, Settings};
 use super::locomotion::{Locomotion, head_of};
 use super::masks::Masks;
 use super::mirror::Mirror;
-use super::rows::{ms, pass_on};
+use super::rows::pass_on;
 use super::run::{Walk, WalkError};
 use super::views::Views;
 use super::waiting::Waiting;
@@ -14,7 +14,7 @@ use render::gpu::Gpu;
 use render::{EyeImage, Renderer, Setup};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use timing::{CallTimes, FrameRow, Phase, STAGES};
+use timing::{CallTimes, FrameRow, Phase, STAGES, ms};
 use xr::{End, FrameState, Headset, StageEye};
 
 /// How long the end of a walk waits for the GPU.

@@ -4,8 +4,8 @@ use super::link::WalkEnd;
 use render::FrameTimes;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
-use timing::FrameRow;
 use timing::log::FrameLog;
+use timing::{FrameRow, ms};
 
 /// Rows that wait for their GPU times; a frame's times come back a few frames late.
 const MAX_PENDING_ROWS: usize = 32;
@@ -125,9 +125,4 @@ fn with_times(row: FrameRow, times: &FrameTimes) -> FrameRow {
         points_read: times.points_read,
         ..row
     }
-}
-
-/// A duration in milliseconds.
-pub(super) fn ms(duration: Duration) -> f32 {
-    (duration.as_secs_f64() * 1000.0) as f32
 }

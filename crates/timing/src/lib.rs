@@ -2,6 +2,7 @@
 
 use base::space::Pose;
 use glam::DVec3;
+use std::time::Duration;
 
 pub mod columns;
 pub mod log;
@@ -98,6 +99,12 @@ pub struct FrameRow {
     pub session: &'static str,
     /// Where the user's stage stands in the scan; `None` while no scan is shown.
     pub place: Option<Place>,
+}
+
+/// A duration in milliseconds, as rows have it.
+#[must_use]
+pub fn ms(duration: Duration) -> f32 {
+    (duration.as_secs_f64() * 1000.0) as f32
 }
 
 /// Milliseconds that a frame's calls to the headset took; NaN where there was no such call.

@@ -17,8 +17,8 @@ use raw::frame::Begun;
 use render::fitting_px;
 use render::gpu::Gpu;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-use timing::CallTimes;
+use std::time::Instant;
+use timing::{CallTimes, ms};
 
 /// Refresh rate that is assumed until the runtime has told its display's.
 const DEFAULT_REFRESH_HZ: f64 = 90.0;
@@ -307,11 +307,6 @@ impl XrSession {
             self.life.end(End::ByUser);
         }
     }
-}
-
-/// A duration in milliseconds.
-fn ms(duration: Duration) -> f32 {
-    (duration.as_secs_f64() * 1000.0) as f32
 }
 
 /// Adds depth images, if the runtime has a format that fits; without them all goes on as well.
