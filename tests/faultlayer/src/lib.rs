@@ -1,7 +1,8 @@
 //! An OpenXR API layer for tests: it stands between the loader and the runtime, makes things go wrong, and tells what
 //! passes.
 //!
-//! `XRFAULT=WHAT:N:M` chooses what happens after N calls of xrEndFrame, for M calls (30 and 1 if left out):
+//! `XRFAULT=WHAT:N:M` chooses what happens after N calls of xrEndFrame, for M calls (30 and 1 if left out); commas stand
+//! between several:
 //! - the name of a fault in [`plan::FAILURES`]: a call fails, without being made;
 //! - `discard`: xrBeginFrame says that it discards a frame;
 //! - `exit`: the runtime ends the session (as if the user had closed it in the headset's menu);
@@ -17,6 +18,7 @@
 //! - `nosession`: xrCreateSession fails with ERROR_LIMIT_REACHED;
 //! - `noimages`: the second xrCreateSwapchain fails with ERROR_OUT_OF_MEMORY;
 //! - `bigsizes`: images of 3840 × 3744 pixels are recommended; `hugesizes`: of 20 000 × 20 000;
+//! - `period:N`: xrWaitFrame predicts a display period of N microseconds;
 //! - `nodepth`: xrCreateSwapchain fails for images of depth, with ERROR_FEATURE_UNSUPPORTED;
 //! - `nomask`: xrGetVisibilityMaskKHR fails with ERROR_RUNTIME_FAILURE;
 //! - `gaze`: the one action space that a program creates is active, turned by [`GAZE_TURN`] in any base space;
@@ -28,7 +30,7 @@
 mod plan;
 
 use openxr_sys as xr;
-use plan::{FRAMES, failure, fires, hang, plan};
+use plan::{FRAMES, failure, fires, hang, number, planned};
 use std::collections::HashSet;
 use std::ffi::{CStr, c_char};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -64,7 +66,7 @@ unsafe extern "system" fn get_system(
     info: *const xr::SystemGetInfo,
     system: *mut xr::SystemId,
 ) -> xr::Result {
-    if plan().what == "noheadset" {
+    if planned("noheadset") {
         return xr::Result::ERROR_FORM_FACTOR_UNAVAILABLE;
     }
     unsafe { next::<pfn::GetSystem>(c"xrGetSystem")(instance, info, system) }
@@ -80,10 +82,12 @@ unsafe extern "system" fn enumerate_views(
 ) -> xr::Result {
     let below = unsafe { next::<pfn::EnumerateViewConfigurationViews>(c"xrEnumerateViewConfigurationViews") };
     let result = unsafe { below(instance, system, kind, capacity, count, views) };
-    let size = match plan().what.as_str() {
-        "bigsizes" => [3840, 3744],
-        "hugesizes" => [20_000, 20_000],
-        _ => return result,
+    let size = if planned("bigsizes") {
+        [3840, 3744]
+    } else if planned("hugesizes") {
+        [20_000, 20_000]
+    } else {
+        return result;
     };
     if capacity > 0 && result == xr::Result::SUCCESS {
         for view in unsafe { std::slice::from_raw_parts_mut(views, *count as usize) } {
@@ -99,7 +103,7 @@ unsafe extern "system" fn create_session(
     info: *const xr::SessionCreateInfo,
     session: *mut xr::Session,
 ) -> xr::Result {
-    if plan().what == "nosession" {
+    if planned("nosession") {
         return xr::Result::ERROR_LIMIT_REACHED;
     }
     unsafe { next::<pfn::CreateSession>(c"xrCreateSession")(instance, info, session) }
@@ -111,12 +115,12 @@ unsafe extern "system" fn create_swapchain(
     swapchain: *mut xr::Swapchain,
 ) -> xr::Result {
     static CREATED: AtomicU64 = AtomicU64::new(0);
-    if plan().what == "noimages" && CREATED.fetch_add(1, Ordering::SeqCst) == 1 {
+    if planned("noimages") && CREATED.fetch_add(1, Ordering::SeqCst) == 1 {
         return xr::Result::ERROR_OUT_OF_MEMORY;
     }
     let is_depth =
         |usage: xr::SwapchainUsageFlags| usage.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT);
-    if plan().what == "nodepth" && is_depth(unsafe { (*info).usage_flags }) {
+    if planned("nodepth") && is_depth(unsafe { (*info).usage_flags }) {
         return xr::Result::ERROR_FEATURE_UNSUPPORTED;
     }
     unsafe { next::<pfn::CreateSwapchain>(c"xrCreateSwapchain")(session, info, swapchain) }
@@ -129,7 +133,7 @@ unsafe extern "system" fn get_visibility_mask(
     kind: xr::VisibilityMaskTypeKHR,
     mask: *mut xr::VisibilityMaskKHR,
 ) -> xr::Result {
-    if plan().what == "nomask" {
+    if planned("nomask") {
         return xr::Result::ERROR_RUNTIME_FAILURE;
     }
     let below = unsafe { next::<pfn::GetVisibilityMaskKHR>(c"xrGetVisibilityMaskKHR") };
@@ -156,7 +160,7 @@ unsafe extern "system" fn get_action_state_pose(
     state: *mut xr::ActionStatePose,
 ) -> xr::Result {
     let result = unsafe { next::<pfn::GetActionStatePose>(c"xrGetActionStatePose")(session, info, state) };
-    if matches!(plan().what.as_str(), "gaze" | "nogaze") {
+    if planned("gaze") || planned("nogaze") {
         unsafe { (*state).is_active = xr::TRUE };
     }
     result
@@ -169,11 +173,11 @@ unsafe extern "system" fn locate_space(
     location: *mut xr::SpaceLocation,
 ) -> xr::Result {
     let is_gaze = space.into_raw() == ACTION_SPACE.load(Ordering::SeqCst);
-    if is_gaze && plan().what == "nogaze" {
+    if is_gaze && planned("nogaze") {
         return xr::Result::ERROR_RUNTIME_FAILURE;
     }
     let result = unsafe { next::<pfn::LocateSpace>(c"xrLocateSpace")(space, base, time, location) };
-    if is_gaze && plan().what == "gaze" {
+    if is_gaze && planned("gaze") {
         let (sin, cos) = (0.5 * GAZE_TURN).sin_cos();
         unsafe {
             (*location).location_flags =
@@ -225,6 +229,9 @@ unsafe extern "system" fn wait_frame(
     let result = unsafe { next::<pfn::WaitFrame>(c"xrWaitFrame")(session, info, state) };
     if result == xr::Result::SUCCESS && fires("norender") {
         unsafe { (*state).should_render = xr::FALSE };
+    }
+    if let Some(us) = number("period") {
+        unsafe { (*state).predicted_display_period = xr::Duration::from_nanos(us as i64 * 1000) };
     }
     result
 }

@@ -7,7 +7,6 @@ use std::time::Duration;
 
 /// Calls of xrEndFrame so far.
 pub static FRAMES: AtomicU64 = AtomicU64::new(0);
-static FIRED: AtomicU64 = AtomicU64::new(0);
 
 /// Calls that fail: the fault, the call, its result.
 pub const FAILURES: [(&str, &str, xr::Result); 17] = [
@@ -31,30 +30,49 @@ pub const FAILURES: [(&str, &str, xr::Result); 17] = [
 ];
 
 /// What is to happen.
-pub struct Plan {
-    pub what: String,
+struct Plan {
+    what: String,
     /// After this many frames.
     frames: u64,
     /// For this many calls.
     calls: u64,
+    /// How often it has happened.
+    fired: AtomicU64,
 }
 
-pub fn plan() -> &'static Plan {
-    static PLAN: OnceLock<Plan> = OnceLock::new();
-    PLAN.get_or_init(|| {
-        let text = std::env::var("XRFAULT").unwrap_or_default();
+impl Plan {
+    /// Of `WHAT:N:M`.
+    fn of(text: &str) -> Self {
         let mut parts = text.split(':');
         let what = parts.next().unwrap_or_default().to_string();
         let mut number = |default| parts.next().and_then(|part| part.parse().ok()).unwrap_or(default);
-        Plan { what, frames: number(30), calls: number(1) }
-    })
+        Self { what, frames: number(30), calls: number(1), fired: AtomicU64::new(0) }
+    }
+}
+
+fn plan(what: &str) -> Option<&'static Plan> {
+    static PLANS: OnceLock<Vec<Plan>> = OnceLock::new();
+    let plans = PLANS.get_or_init(|| {
+        let text = std::env::var("XRFAULT").unwrap_or_default();
+        text.split(',').map(Plan::of).collect()
+    });
+    plans.iter().find(|plan| plan.what == what)
+}
+
+/// Whether `what` is planned, whenever.
+pub fn planned(what: &str) -> bool {
+    plan(what).is_some()
+}
+
+/// The first number of `what`, if that is planned.
+pub fn number(what: &str) -> Option<u64> {
+    plan(what).map(|plan| plan.frames)
 }
 
 /// Whether `what` is planned, due, and has not happened often enough yet.
 pub fn fires(what: &str) -> bool {
-    let plan = plan();
-    let due = plan.what == what && FRAMES.load(Ordering::SeqCst) >= plan.frames;
-    let fires = due && FIRED.fetch_add(1, Ordering::SeqCst) < plan.calls;
+    let due = plan(what).filter(|plan| FRAMES.load(Ordering::SeqCst) >= plan.frames);
+    let fires = due.is_some_and(|plan| plan.fired.fetch_add(1, Ordering::SeqCst) < plan.calls);
     if fires {
         eprintln!("faultlayer: {what}");
     }
@@ -63,8 +81,8 @@ pub fn fires(what: &str) -> bool {
 
 /// The failure of a call that is planned and due.
 pub fn failure(call: &str) -> Option<xr::Result> {
-    let planned = FAILURES.iter().find(|(what, of, _)| *of == call && *what == plan().what);
-    planned.filter(|(what, ..)| fires(what)).map(|(.., result)| *result)
+    let mut failures = FAILURES.iter().filter(|(_, of, _)| *of == call);
+    failures.find(|(what, ..)| fires(what)).map(|(.., result)| *result)
 }
 
 /// Does not return if `what` is planned and due.
