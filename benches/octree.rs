@@ -5,7 +5,7 @@
 //! cloud, `octree` the octree, and `nodes` counts nodes.
 
 use anyhow::{Context, Result};
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::percentile::Sorted;
 use base::task::{CancelToken, Progress};
 use cloud::morton::MortonGrid;
@@ -31,7 +31,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     let mut files = Vec::new();
     for (name, kind) in kinds {
         let out = folder.join(name).with_extension("las");
-        let output = Output::new(&out, OutputKind::Scan)?;
+        let output = Output::new(&out, synth::SCAN)?;
         synth::write(&SynthOptions { kind, out: output, points, seed: 1 }, &CancelToken::default())?;
         files.push((name, out));
     }

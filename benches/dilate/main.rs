@@ -7,7 +7,7 @@ mod scene;
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use kit::timed::{Spread, Timed};
-use render::bindings::{Eye, OfEye};
+use render::bindings::{EyeSet, OfEye};
 use render::gpu::stage::Stage;
 use render::gpu::timer::Timer;
 use render::gpu::{Gpu, readback};
@@ -114,7 +114,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let images = NAMES.map(|name| gpu.buffer(name, size, usage));
     let depths = NAMES.map(|name| gpu.buffer(name, size, usage));
     let unused = gpu.buffer("unused", 16, BufferUsages::STORAGE);
-    let stages: [Stage<Eye>; 2] = [
+    let stages: [Stage<EyeSet>; 2] = [
         Stage::new(gpu, "dilate", &shaders::source("dilate", Variant::eyes(1))),
         Stage::new(gpu, "direct", &direct_source()),
     ];

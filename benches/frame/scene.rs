@@ -1,7 +1,7 @@
 //! The made-up scan that is drawn, and the places that it is drawn from.
 
 use anyhow::Result;
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
@@ -36,7 +36,7 @@ impl Scene {
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("courtyard.las");
         let stop = CancelToken::default();
-        let output = Output::new(&out, OutputKind::Scan)?;
+        let output = Output::new(&out, synth::SCAN)?;
         synth::write(&SynthOptions { kind: SynthKind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
         let scan = points::read(&[out], &ReadOptions::default(), &stop)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;

@@ -116,7 +116,7 @@ fn info(args: &InfoArgs, plan: &Plan, task: &Task) -> Result<(), Failure> {
 
 fn synth(args: &SynthArgs, mut outputs: Outputs, task: &Task) -> Result<(), Failure> {
     let SynthArgs { kind, points, seed, .. } = *args;
-    if let Some(out) = outputs.take_one(OutputKind::Scan) {
+    if let Some(out) = outputs.take_one(lab::synth::SCAN) {
         synth::write(&SynthOptions { kind, out, points, seed }, task)?;
     }
     Ok(())

@@ -14,6 +14,7 @@ pub(super) fn check(cli: &Cli, partials: &Partials) -> Result<Outputs, Failure> 
     if let Some(config) = &cli.shared.config {
         files.reads("the settings", config);
     }
+    files.scans_end_in(points::format_endings());
     for scan in scans(&cli.command) {
         files.reads("a scan", scan);
     }
@@ -33,7 +34,7 @@ pub(super) fn check(cli: &Cli, partials: &Partials) -> Result<Outputs, Failure> 
             }
             args.metrics.iter().for_each(|path| files.writes("--metrics", path, OutputKind::Metrics));
         }
-        Command::Synth(args) => files.writes("-o", &args.out, OutputKind::Scan),
+        Command::Synth(args) => files.writes("-o", &args.out, lab::synth::SCAN),
         Command::Bench(args) => {
             files.prints();
             args.out.iter().for_each(|path| files.writes("-o", path, OutputKind::Page));

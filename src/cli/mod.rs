@@ -100,5 +100,8 @@ pub fn main() -> ExitCode {
     exit::start_tracing(cli.shared.verbose);
     let partials = Partials::default();
     let stop = exit::stop_on_signals(&partials);
-    exit::code(commands::run(&cli, &partials, &stop))
+    let code = exit::code(commands::run(&cli, &partials, &stop));
+    // A thread that was not waited for may have begun a file.
+    partials.discard();
+    code
 }

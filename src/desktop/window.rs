@@ -49,7 +49,7 @@ pub(super) struct App {
 /// What exists while the window does.
 struct Shown {
     /// What draws, which is dropped before the window.
-    canvas: Canvas,
+    canvas: WindowGpu,
     window: Arc<Window>,
     occluded: bool,
     full_screen: bool,
@@ -59,14 +59,14 @@ struct Shown {
 }
 
 /// What draws into the window, on one GPU.
-struct Canvas {
+struct WindowGpu {
     gpu: Arc<Gpu>,
     screen: WindowSurface,
     painter: Painter,
     egui: egui_winit::State,
 }
 
-impl Canvas {
+impl WindowGpu {
     /// A canvas whose panels are as `memory` has them.
     fn new(gpu: &Arc<Gpu>, window: &Arc<Window>, memory: egui::Memory) -> Result<Self, DesktopError> {
         let screen = WindowSurface::new(Arc::clone(gpu), Arc::clone(window))?;
@@ -93,7 +93,7 @@ impl Shown {
         let memory = self.canvas.egui.egui_ctx().memory(Clone::clone);
         // A window has one surface at a time.
         self.canvas.screen.release();
-        self.canvas = Canvas::new(gpu, &self.window, memory)?;
+        self.canvas = WindowGpu::new(gpu, &self.window, memory)?;
         self.stale = true;
         Ok(())
     }
@@ -147,7 +147,7 @@ impl App {
         let window = Arc::new(events.create_window(attributes).map_err(refused)?);
         let gpu = self.viewer.gpu().ok_or(DesktopError::NoGpu)?;
         Ok(Shown {
-            canvas: Canvas::new(&gpu, &window, egui::Memory::default())?,
+            canvas: WindowGpu::new(&gpu, &window, egui::Memory::default())?,
             window,
             occluded: false,
             full_screen: false,

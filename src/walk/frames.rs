@@ -49,12 +49,12 @@ pub(super) struct Frames {
 
 /// When a frame is shown, as the headset predicts it.
 #[derive(Clone, Copy)]
-struct Display {
+struct DisplayTime {
     predicted_ns: i64,
     period_ns: i64,
 }
 
-impl Display {
+impl DisplayTime {
     /// Time from one display to the next. Some runtimes tell no period; then the refresh rate has it.
     fn budget_ms(self, refresh_hz: f64) -> f32 {
         if self.period_ns > 0 { self.period_ns as f32 * 1e-6 } else { (1000.0 / refresh_hz) as f32 }
@@ -114,7 +114,7 @@ impl Frames {
             FrameState::Ended(end) => return Ok(Step::Ended(end)),
             FrameState::Idle => std::thread::sleep(headset.idle_pause()),
             FrameState::Frame { predicted_display_ns, period_ns, should_render } => {
-                let display = Display { predicted_ns: predicted_display_ns, period_ns };
+                let display = DisplayTime { predicted_ns: predicted_display_ns, period_ns };
                 let wait_ms = ms(waited.elapsed());
                 if should_render {
                     self.draw(walk, walker, headset, display, wait_ms)?;
@@ -149,7 +149,7 @@ impl Frames {
         walk: &Walk,
         walker: &mut Walker,
         headset: &mut dyn Headset,
-        display: Display,
+        display: DisplayTime,
         wait_ms: f32,
     ) -> Result<(), WalkError> {
         let record_began = Instant::now();
@@ -198,7 +198,13 @@ impl Frames {
     }
 
     /// Ends a frame that nobody would see.
-    fn leave_out(&mut self, walker: &mut Walker, headset: &mut dyn Headset, display: Display, wait_ms: f32) {
+    fn leave_out(
+        &mut self,
+        walker: &mut Walker,
+        headset: &mut dyn Headset,
+        display: DisplayTime,
+        wait_ms: f32,
+    ) {
         let began = Instant::now();
         headset.submit(None);
         let settings = self.governor.settings();
@@ -213,7 +219,7 @@ impl Frames {
         &self,
         walker: &mut Walker,
         headset: &dyn Headset,
-        display: Display,
+        display: DisplayTime,
         settings: &Settings,
         began: Instant,
     ) -> FrameRow {

@@ -9,7 +9,7 @@ use xr::hidden_area::HiddenArea;
 type MaskKey = ([Fov; 2], [[u32; 2]; 2]);
 
 /// Sizes of the images, and their masks.
-type Made = ([[u32; 2]; 2], [Vec<u32>; 2]);
+type MadeMasks = ([[u32; 2]; 2], [Vec<u32>; 2]);
 
 enum Request {
     Areas([HiddenArea; 2]),
@@ -20,7 +20,7 @@ enum Request {
 #[derive(Debug)]
 pub struct Masks {
     requests: Sender<Request>,
-    results: Receiver<Made>,
+    results: Receiver<MadeMasks>,
     asked: Option<MaskKey>,
 }
 

@@ -1,7 +1,7 @@
 //! Made-up scans as a reader of the files sees them: exact counts, true boxes, the order and the habits of
 //! each device, the same bytes again, nothing left behind when something goes wrong.
 
-use base::output::{Files, Output, OutputKind, Partials};
+use base::output::{Files, Output, Partials};
 use base::task::{CancelToken, Count, Task};
 use lab::synth::{SynthError, SynthKind, SynthOptions, WrittenScan, viewpoints, write};
 use las::{Point, Reader};
@@ -15,8 +15,8 @@ const KINDS: [SynthKind; 3] = [SynthKind::Terrestrial, SynthKind::Aerial, SynthK
 fn output(path: &Path) -> Output {
     let mut files = Files::default();
     files.force();
-    files.writes("-o", path, OutputKind::Scan);
-    files.check(&Partials::default()).unwrap().take_one(OutputKind::Scan).unwrap()
+    files.writes("-o", path, lab::synth::SCAN);
+    files.check(&Partials::default()).unwrap().take_one(lab::synth::SCAN).unwrap()
 }
 
 fn make(folder: &Path, name: &str, kind: SynthKind, points: u64, seed: u64) -> (PathBuf, WrittenScan) {

@@ -1,6 +1,6 @@
 //! GPU stages against their CPU references: integer buffers match bit for bit.
 
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::space::View;
 use base::task::{CancelToken, Progress};
 use cloud::{Cloud, Order, build};
@@ -53,7 +53,7 @@ fn whole_scans_equal_their_reference() {
     let out = folder.path().join("courtyard.las");
     let options = SynthOptions {
         kind: SynthKind::Terrestrial,
-        out: Output::new(&out, OutputKind::Scan).expect("a folder"),
+        out: Output::new(&out, synth::SCAN).expect("a folder"),
         points: 300_000,
         seed: 7,
     };

@@ -3,7 +3,7 @@
 //! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have.
 //! That is enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
-use base::output::{self, OutputKind};
+use base::output;
 use base::task::CancelToken;
 use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ fn courtyard(folder: &Path, points: u64) -> PathBuf {
     let out = folder.join("courtyard.las");
     let options = SynthOptions {
         kind: SynthKind::Terrestrial,
-        out: output::Output::new(&out, OutputKind::Scan).expect("a folder"),
+        out: output::Output::new(&out, synth::SCAN).expect("a folder"),
         points,
         seed: 3,
     };

@@ -1,6 +1,6 @@
 //! What the walks look at: a made-up courtyard, and a red ball close before the viewer.
 
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::space::Pose;
 use base::task::CancelToken;
 use glam::DVec3;
@@ -33,7 +33,7 @@ impl Scene {
         let courtyard = folder.path().join("courtyard.las");
         let options = SynthOptions {
             kind: SynthKind::Terrestrial,
-            out: Output::new(&courtyard, OutputKind::Scan).expect("a folder"),
+            out: Output::new(&courtyard, synth::SCAN).expect("a folder"),
             points: 400_000,
             seed: 1,
         };

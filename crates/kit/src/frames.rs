@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use render::gpu::{Atomics, Gpu, readback};
 use render::options::Quality;
 
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use lab::reference::Frame;
@@ -52,7 +52,7 @@ pub fn courtyard() -> Scan {
 pub fn made_up(kind: SynthKind, points: u64) -> Scan {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("made-up.las");
-    let output = Output::new(&out, OutputKind::Scan).expect("a folder");
+    let output = Output::new(&out, synth::SCAN).expect("a folder");
     synth::write(&SynthOptions { kind, out: output, points, seed: 7 }, &CancelToken::default())
         .expect("a file");
     points::read(&[out], &ReadOptions::default(), &CancelToken::default()).expect("a scan")

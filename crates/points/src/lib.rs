@@ -42,7 +42,7 @@ pub use column::{Column, Type};
 pub use crs::{Angle, Axes};
 pub use earth::{Geodetic, LocalFrame};
 pub use error::ScanError;
-pub use formats::{Dataset, Take, format_names, open};
+pub use formats::{Dataset, Take, format_endings, format_names, open};
 pub use grid::Grid;
 pub use marks::Marks;
 pub use read::{peek, read};

@@ -98,14 +98,14 @@ impl Failures {
 }
 
 /// A file in memory.
-struct Read {
+struct ReadFile {
     header: Header,
     collected: Collected,
     trailer: Trailer,
 }
 
 /// Reads all that the walk wants of a file.
-fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Read, ScanError> {
+fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<ReadFile, ScanError> {
     let dataset = open(path)?;
     let mut collected = Collected::new();
     let mut take = |block| {
@@ -128,12 +128,12 @@ fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Read,
         Some(loss) if options.strict => {
             Err(ScanError::Incomplete { path: path.to_owned(), loss: loss.clone() })
         }
-        _ => Ok(Read { header: dataset.header().clone(), collected, trailer }),
+        _ => Ok(ReadFile { header: dataset.header().clone(), collected, trailer }),
     }
 }
 
-fn add(scan: &mut Scan, file: Read, show_withheld: bool) {
-    let Read { header, collected, trailer } = file;
+fn add(scan: &mut Scan, file: ReadFile, show_withheld: bool) {
+    let ReadFile { header, collected, trailer } = file;
     let bounds = bounds(&collected);
     let Collected { grid, points, stats } = collected;
     let Choice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, trailer.white);

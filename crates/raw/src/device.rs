@@ -123,7 +123,7 @@ pub struct Wrapped {
 }
 
 /// What the device is asked for.
-pub struct Wanted<'a> {
+pub struct DeviceRequest<'a> {
     /// Flags of wgpu's instance.
     pub flags: wgpu::InstanceFlags,
     /// Tells from the GPU's name, features and limits which features are enabled, or what it lacks.
@@ -138,7 +138,7 @@ impl RuntimeGpu {
     pub fn open(
         xr: &xr::Instance,
         system: xr::SystemId,
-        wanted: &Wanted<'_>,
+        wanted: &DeviceRequest<'_>,
     ) -> Result<(Self, Wrapped), DeviceError> {
         let instance = create_instance(xr, system, wanted.flags)?;
         let hal_instance = wrap_instance(&instance, wanted.flags)?;

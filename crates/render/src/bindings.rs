@@ -2,19 +2,19 @@
 //! has the shader's name. Host code fills a set as a struct, so that a resource left out is a build error; a test
 //! checks for every variant that each shader finds all of its names in its set (`tests/gpu/shaders/bindings.rs`).
 //! Techniques make sets of their own for their own shaders ([`crate::sets`]). What the frame's shaders bind besides for a
-//! technique is in the set [`Others`].
+//! technique is in the set [`OtherSet`].
 
 pub use wgpu::BindingResource;
 
 /// A set of resources that shaders of one kind may bind. A shader need not bind all of them.
 pub trait Set {
-    /// True if [`Others`] are among them.
+    /// True if [`OtherSet`] are among them.
     const HAS_OTHERS: bool;
 
     /// The resources.
     type Resources<'a>;
 
-    /// Names of the resources, except those of [`Others`].
+    /// Names of the resources, except those of [`OtherSet`].
     fn names() -> Vec<&'static str>;
 
     /// The resource of this name.
@@ -38,13 +38,13 @@ impl<A: Set, B: Set> Set for (A, B) {
 
 /// The resources of a technique and of its clouds, by names of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Others {}
+pub enum OtherSet {}
 
-/// The resources of [`Others`].
+/// The resources of [`OtherSet`].
 #[derive(Clone, Debug)]
 pub struct OfOthers<'a>(pub(crate) Vec<(&'static str, BindingResource<'a>)>);
 
-impl Set for Others {
+impl Set for OtherSet {
     const HAS_OTHERS: bool = true;
 
     type Resources<'a> = OfOthers<'a>;
@@ -105,7 +105,7 @@ macro_rules! sets {
 
 sets! {
     /// A pair of targets to clear.
-    Clear, OfClear {
+    ClearSet, OfClear {
         /// Value that the targets are cleared to.
         clear,
         /// The left eye's target.
@@ -116,7 +116,7 @@ sets! {
         counters,
     }
     /// The view and the cloud's nodes.
-    Cloud, OfCloud {
+    CloudSet, OfCloud {
         /// Eyes and detail.
         view,
         /// The cloud's nodes.
@@ -127,7 +127,7 @@ sets! {
         counted,
     }
     /// A chunk of the point pool.
-    Chunk, OfChunk {
+    ChunkSet, OfChunk {
         /// Place of the chunk in the pool.
         chunk,
         /// The chunk's batches.
@@ -148,7 +148,7 @@ sets! {
         filtered_colors,
     }
     /// Both eyes' pixels. A buffer has several names, as each quality sees it.
-    Pixels, OfPixels {
+    PixelSet, OfPixels {
         /// The left eye's depths and ids.
         keys_left,
         /// The right eye's depths and ids.
@@ -171,7 +171,7 @@ sets! {
         wide_right,
     }
     /// One eye, from points to its finished pixels.
-    Eye, OfEye {
+    EyeSet, OfEye {
         /// Size and background of the image.
         resolve,
         /// Tiles to work on.
@@ -188,7 +188,7 @@ sets! {
         sums,
         /// Sums in four u32.
         wide,
-        /// Pixels before gaps are closed.
+        /// PixelSet before gaps are closed.
         surface,
         /// Eyes and detail.
         view,
@@ -198,7 +198,7 @@ sets! {
         image_depth,
     }
     /// Resources of overlays beside the cloud, of one eye and one chunk.
-    Overlay, OfOverlay {
+    OverlaySet, OfOverlay {
         /// The eye's number.
         dilate,
         /// Finished depths.
@@ -215,8 +215,8 @@ sets! {
 }
 
 /// The resources that passes over a chunk's batches bind.
-pub type Batches = (Cloud, (Chunk, Others));
-/// The resources of [`Batches`].
+pub type BatchSet = (CloudSet, (ChunkSet, OtherSet));
+/// The resources of [`BatchSet`].
 pub type OfBatches<'a> = (OfCloud<'a>, (OfChunk<'a>, OfOthers<'a>));
 /// The resources that the geometry stages bind.
-pub type Geometry = (Batches, Pixels);
+pub type GeometrySet = (BatchSet, PixelSet);

@@ -2,7 +2,7 @@
 //! several on a software driver.
 
 use crate::gpu::Gpu;
-use crate::layout::{ChunkUniform, MAX_EXTRA_SLICES, Node, VisibleBatch};
+use crate::layout::{ChunkUniform, MAX_EXTRA_SLICES, VisibleBatch};
 use base::space::Split;
 use base::task::Progress;
 use cloud::Cloud;
@@ -30,9 +30,9 @@ pub struct CloudBuffers {
     pub(super) has_detail: bool,
     /// Points that are resident.
     pub(super) num_resident: Arc<AtomicU64>,
-    /// Nodes that have a state.
+    /// Nodes, each with a state.
     pub(super) num_nodes: u32,
-    /// Nodes of an octree; a cloud that is none is one that is always drawn whole.
+    /// Nodes of an octree; those of another cloud are always drawn whole.
     pub(super) nodes: wgpu::Buffer,
     pub(super) states: wgpu::Buffer,
     /// A word a node, used while a frame's visible nodes are counted.
@@ -113,11 +113,6 @@ impl CloudBuffers {
         progress: &Progress,
     ) -> Result<Self, UploadError> {
         CloudUpload::whole_octree(gpu, octree, chunk_limit, progress)
-    }
-
-    /// Nodes whose cubes there are.
-    pub(super) fn num_cubes(&self) -> u32 {
-        (self.nodes.size() / size_of::<Node>() as u64) as u32
     }
 
     /// How many chunks the points fill; 1 on an ordinary GPU.

@@ -21,7 +21,7 @@ pub(super) struct DrawnPart {
     /// For targets of 16 bytes a pixel: nothing is added up.
     pub no_wide: Clearing,
     /// For any targets, which stay as they are while the counters are cleared.
-    pub as_it_is: Clearing,
+    pub nothing: Clearing,
     /// For finished colors: the background.
     pub no_colors: Clearing,
     /// For finished depths: no point is near.
@@ -72,7 +72,7 @@ impl DrawnPart {
             no_depth: make.clearing(4, EMPTY_DEPTH),
             no_sums: make.clearing(8, 0),
             no_wide: make.clearing(16, 0),
-            as_it_is: make.clearing(0, 0),
+            nothing: make.clearing(0, 0),
             no_colors: make.clearing_images(background),
             no_depths: make.clearing_images(EMPTY_DEPTH),
             eyes: (0..targets.drawn_px.len())

@@ -4,12 +4,29 @@ use super::cloud_buffers::{Chunk, CloudBuffers, FILTERED_COLORS};
 use super::drawn_part::{Clearing, DrawnPart};
 use super::pipelines::{Hqs, Pipelines};
 use super::targets::Targets;
-use crate::bindings::{Eye, Geometry, OfBatches, OfChunk, OfClear, OfCloud, OfEye, OfOthers, OfPixels};
+use crate::bindings::{EyeSet, GeometrySet, OfBatches, OfChunk, OfClear, OfCloud, OfEye, OfOthers, OfPixels};
 use crate::gpu::Gpu;
 use crate::gpu::stage::Stage;
 use crate::layout::{COUNTERS_STRIDE, CullCounters, Sums};
 use crate::options::{Dilate, Quality};
 use crate::technique::Technique;
+
+/// A pair of targets that is cleared, and to what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClearedTarget {
+    /// Keys: no point is near.
+    Keys,
+    /// Depths: no point is near.
+    Depths,
+    /// Ids, which are half as large as the keys in whose buffers they are.
+    Ids,
+    /// Packed sums, in the buffers of keys: nothing is added up.
+    Sums,
+    /// Wide sums: nothing is added up.
+    WideSums,
+    /// None: the counters alone, which are cleared in any case.
+    Counters,
+}
 
 /// What bind groups are made from.
 #[derive(Clone, Copy)]
@@ -21,8 +38,8 @@ pub struct Parts<'a> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) drawn: &'a DrawnPart,
     pub(super) technique: &'a dyn Technique,
-    /// True if the targets of `closest` quality are cleared.
-    pub(super) clears: bool,
+    /// Targets that are cleared in `closest` quality.
+    pub(super) clears: &'static [ClearedTarget],
     pub(super) cloud: Option<&'a CloudBuffers>,
     pub(super) view: &'a wgpu::Buffer,
     pub(super) counters: &'a wgpu::Buffer,
@@ -96,20 +113,24 @@ impl<'a> Parts<'a> {
     /// The targets that this quality begins with, and how.
     fn clear(&self) -> Vec<(wgpu::BindGroup, u32)> {
         let Targets { keys, depth, wide, .. } = self.targets;
-        let DrawnPart { no_keys, no_depth, no_sums, no_wide, as_it_is, .. } = self.drawn;
-        let pairs: Vec<(&[wgpu::Buffer; 2], &Clearing)> = match self.quality {
-            // The counters are cleared in any case.
-            Quality::Closest if !self.clears => vec![(keys, as_it_is)],
-            Quality::Closest if self.pipelines.has_keys => vec![(keys, no_keys)],
-            // The keys' buffers hold ids here, which are half as large.
-            Quality::Closest => vec![(depth, no_depth), (keys, no_depth)],
-            Quality::Hqs => match self.hqs().sums {
-                Sums::Packed => vec![(depth, no_depth), (keys, no_sums)],
-                Sums::Protected => vec![(depth, no_depth), (keys, no_sums), (wide, no_wide)],
-                Sums::Wide => vec![(depth, no_depth), (wide, no_wide)],
-            },
+        let DrawnPart { no_keys, no_depth, no_sums, no_wide, nothing, .. } = self.drawn;
+        let clears = match (self.quality, self.hqs().sums) {
+            (Quality::Closest, _) => self.clears,
+            (Quality::Hqs, Sums::Packed) => &[ClearedTarget::Depths, ClearedTarget::Sums],
+            (Quality::Hqs, Sums::Protected) => {
+                &[ClearedTarget::Depths, ClearedTarget::Sums, ClearedTarget::WideSums]
+            }
+            (Quality::Hqs, Sums::Wide) => &[ClearedTarget::Depths, ClearedTarget::WideSums],
         };
-        pairs.into_iter().map(|(pair, clearing)| self.cleared(pair, clearing)).collect()
+        let group = |clear: &ClearedTarget| match clear {
+            ClearedTarget::Keys => self.cleared(keys, no_keys),
+            ClearedTarget::Depths => self.cleared(depth, no_depth),
+            ClearedTarget::Ids => self.cleared(keys, no_depth),
+            ClearedTarget::Sums => self.cleared(keys, no_sums),
+            ClearedTarget::WideSums => self.cleared(wide, no_wide),
+            ClearedTarget::Counters => self.cleared(keys, nothing),
+        };
+        clears.iter().map(group).collect()
     }
 
     fn cleared(&self, pair: &[wgpu::Buffer; 2], clearing: &Clearing) -> (wgpu::BindGroup, u32) {
@@ -210,7 +231,7 @@ impl<'a> Parts<'a> {
 
     /// Bind groups of a geometry stage, one a chunk.
     #[must_use]
-    pub fn bind_geometry(&self, stage: &Stage<Geometry>) -> Vec<wgpu::BindGroup> {
+    pub fn bind_geometry(&self, stage: &Stage<GeometrySet>) -> Vec<wgpu::BindGroup> {
         self.each_chunk(|batches| stage.bind(self.gpu, &(batches, self.of_pixels())))
     }
 
@@ -234,7 +255,7 @@ impl<'a> Parts<'a> {
     }
 
     fn eye(&self, eye: usize) -> EyeGroups {
-        let bind = |stage: &Stage<Eye>| stage.bind(self.gpu, &self.of_eye(eye));
+        let bind = |stage: &Stage<EyeSet>| stage.bind(self.gpu, &self.of_eye(eye));
         let blends = self.quality == Quality::Hqs && self.dilate == Dilate::Off;
         let image = finishing(self.pipelines, self.cloud, self.quality, self.dilate);
         EyeGroups {
@@ -259,7 +280,7 @@ pub(super) fn finishing<'a>(
     cloud: Option<&CloudBuffers>,
     quality: Quality,
     dilate: Dilate,
-) -> &'a Stage<Eye> {
+) -> &'a Stage<EyeSet> {
     match (dilate, quality) {
         (Dilate::Off, _) => &pipelines.show,
         (Dilate::Rings, Quality::Closest) => &pipelines.dilate,

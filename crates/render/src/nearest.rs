@@ -1,14 +1,14 @@
 //! The way to the nearest points of `closest` quality: what it is asked for, and what it is told while a frame is
 //! recorded. The frame has one of its own, [`Closest`]; techniques may have others.
 
-use crate::bindings::{Chunk, Eye, Geometry};
+use crate::bindings::{ChunkSet, EyeSet, GeometrySet};
 use crate::cloud_buffers::CloudBuffers;
 use crate::draw_options::Access;
 use crate::frame::DEPTH;
 use crate::gpu::Gpu;
 use crate::gpu::stage::Stage;
 use crate::gpu::timer::Timer;
-use crate::groups::Parts;
+use crate::groups::{ClearedTarget, Parts};
 use crate::layout::Variant;
 use crate::shaders;
 use crate::targets::Targets;
@@ -17,10 +17,8 @@ use timing::STAGES;
 
 /// Finds each pixel's nearest point, and its color.
 pub trait Nearest: fmt::Debug + Send {
-    /// True if the frame is to clear the targets of `closest` quality before `depth`.
-    fn wants_clear_targets(&self) -> bool {
-        false
-    }
+    /// The targets that the frame clears before `depth`.
+    fn cleared_targets(&self) -> &'static [ClearedTarget];
 
     /// Makes bind groups anew after a change of the cloud, the targets or their sizes.
     fn bind(&mut self, parts: &Parts<'_>);
@@ -69,10 +67,10 @@ impl Recording<'_> {
 /// The frame's own way: `depth`, then `shade`.
 #[derive(Debug)]
 pub(super) struct Closest {
-    depth: Stage<Geometry>,
+    depth: Stage<GeometrySet>,
     /// Finds ids, if depth and id do not fit one atomic.
-    ids: Option<Stage<Geometry>>,
-    shade: Stage<(Chunk, Eye)>,
+    ids: Option<Stage<GeometrySet>>,
+    shade: Stage<(ChunkSet, EyeSet)>,
     /// Bind groups of `depth`, one a chunk, as those of `ids`.
     depth_groups: Vec<wgpu::BindGroup>,
     ids_groups: Vec<wgpu::BindGroup>,
@@ -94,8 +92,9 @@ impl Closest {
 }
 
 impl Nearest for Closest {
-    fn wants_clear_targets(&self) -> bool {
-        true
+    fn cleared_targets(&self) -> &'static [ClearedTarget] {
+        // Without keys, their buffers hold ids.
+        if self.ids.is_none() { &[ClearedTarget::Keys] } else { &[ClearedTarget::Depths, ClearedTarget::Ids] }
     }
 
     fn bind(&mut self, parts: &Parts<'_>) {

@@ -6,7 +6,7 @@ use super::cloud_buffers::{Chunk, CloudBuffers};
 use super::groups;
 use super::renderer::Renderer;
 use super::shaders::{self, ShaderOfSet};
-use crate::bindings::{self, Cloud, OfCloud, OfOverlay};
+use crate::bindings::{self, CloudSet, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
 use crate::gpu::stage::Bindings;
@@ -46,7 +46,7 @@ struct Bound {
 #[derive(Debug)]
 struct Pass {
     pipeline: wgpu::RenderPipeline,
-    bindings: Bindings<(Cloud, bindings::Overlay)>,
+    bindings: Bindings<(CloudSet, bindings::OverlaySet)>,
 }
 
 /// Instances to draw, with their bind group.
@@ -144,7 +144,7 @@ impl Overlays {
         let pass = self.pass(renderer, overlay)?;
         // Instances to draw of each chunk.
         let instances: Vec<u32> = match overlay {
-            Overlay::Nodes => vec![cloud.num_cubes()],
+            Overlay::Nodes => vec![cloud.num_nodes],
             Overlay::Precision => cloud.chunks.iter().map(Chunk::num_slots).collect(),
             _ => vec![1],
         };

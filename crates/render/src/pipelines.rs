@@ -1,7 +1,7 @@
 //! The frame's pipelines, compiled once: for both qualities, so that a change of quality costs nothing.
 
 use super::shaders::{self, ShaderOfSet};
-use crate::bindings::{Batches, Clear, Cloud, Eye, Geometry, OfEye, Set};
+use crate::bindings::{BatchSet, ClearSet, CloudSet, EyeSet, GeometrySet, OfEye, Set};
 use crate::draw_options::Access;
 use crate::gpu::drawing::Drawing;
 use crate::gpu::stage::{Bindings, Stage};
@@ -13,17 +13,17 @@ use crate::technique::Technique;
 /// Every pipeline that a renderer may need.
 #[derive(Debug)]
 pub(super) struct Pipelines {
-    pub clear: Stage<Clear>,
-    pub lod: Stage<Cloud>,
-    pub cull: Stage<Batches>,
+    pub clear: Stage<ClearSet>,
+    pub lod: Stage<CloudSet>,
+    pub cull: Stage<BatchSet>,
     /// True if each pixel's nearest depth and id are one key.
     pub has_keys: bool,
     /// Stages for each form of sums that the GPU can do.
     pub hqs: Vec<Hqs>,
     /// Makes finished pixels in `closest` quality, if gaps are closed.
-    pub dilate: Stage<Eye>,
+    pub dilate: Stage<EyeSet>,
     /// Makes finished pixels from the surface, if gaps stay open.
-    pub show: Stage<Eye>,
+    pub show: Stage<EyeSet>,
     /// Writes depth images, if there are any.
     pub depth_image: Option<DepthImage>,
 }
@@ -32,19 +32,19 @@ pub(super) struct Pipelines {
 #[derive(Debug)]
 pub(super) struct Hqs {
     pub sums: Sums,
-    pub depth: Stage<Geometry>,
-    pub color: Stage<Geometry>,
+    pub depth: Stage<GeometrySet>,
+    pub color: Stage<GeometrySet>,
     /// Makes the surface, if gaps stay open.
-    pub blend: Stage<Eye>,
+    pub blend: Stage<EyeSet>,
     /// `blend` and `dilate` in one step, if gaps are closed.
-    pub blend_dilate: Stage<Eye>,
+    pub blend_dilate: Stage<EyeSet>,
 }
 
 /// The pass that writes an eye's depth image.
 #[derive(Debug)]
 pub(super) struct DepthImage {
     pub pipeline: wgpu::RenderPipeline,
-    pub bindings: Bindings<Eye>,
+    pub bindings: Bindings<EyeSet>,
 }
 
 /// What the pipelines are made for.

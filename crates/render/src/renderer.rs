@@ -312,7 +312,7 @@ impl Renderer {
             view: &self.view,
             counters: &self.counters,
             technique: &*self.technique,
-            clears: self.nearest.wants_clear_targets(),
+            clears: self.nearest.cleared_targets(),
             quality: self.options.quality,
             dilate: self.options.dilate,
         };

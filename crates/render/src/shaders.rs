@@ -1,6 +1,6 @@
 //! The shaders' final texts: prelude of host constants, shared structs, the file itself.
 
-use crate::bindings::{Batches, Chunk, Clear, Cloud, Eye, Geometry, Overlay, Set};
+use crate::bindings::{BatchSet, ChunkSet, ClearSet, CloudSet, EyeSet, GeometrySet, OverlaySet, Set};
 use crate::layout::{self, Variant};
 use crate::technique::Pieces;
 use std::marker::PhantomData;
@@ -80,7 +80,7 @@ pub struct Shader {
     pub name: &'static str,
     /// Names of the resources that it may bind.
     pub names: fn() -> Vec<&'static str>,
-    /// True if it may bind resources of techniques besides; see [`crate::bindings::Others`].
+    /// True if it may bind resources of techniques besides; see [`crate::bindings::OtherSet`].
     pub has_others: bool,
     /// Texts that it shares with others, group by group.
     shared: &'static [&'static [SharedText]],
@@ -154,23 +154,23 @@ macro_rules! shaders {
 }
 
 shaders! {
-    CLEAR: Clear = "clear", &[], shared!("clear");
-    LOD: Cloud = "lod", &[], |variant| variant.texts.lod;
-    CULL: Batches = "cull", &[&[BESIDES, SIZES, FILL, CULLING, IN_SIGHT]], |variant| variant.texts.cull;
-    DEPTH: Geometry = "depth", &[GEOMETRY], |variant| (variant.texts.depth)(variant);
-    DEPTH32: Geometry = "depth32", &[GEOMETRY], |variant| (variant.texts.hqs_depth)(variant);
-    IDS: Geometry = "ids", &[GEOMETRY], shared!("ids");
-    COLOR: Geometry = "color", &[GEOMETRY, &[SUMS, WIDE_SUMS, COLORS]], shared!("color");
-    COLOR32: Geometry = "color32", &[GEOMETRY, &[SUMS, COLORS]], |variant| variant.texts.color32;
-    SHADE: (Chunk, Eye) = "shade", &[&[TILES, SURFACE, CHUNK_COLORS]], shared!("shade");
-    BLEND: Eye = "blend", &[&[TILES, SURFACE, MEAN, BLENDED_SURFACE]], shared!("blend");
-    DILATE: Eye = "dilate", &[&[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE]], shared!("dilate");
-    BLEND_DILATE: Eye = "blend-dilate", &[&[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE]],
+    CLEAR: ClearSet = "clear", &[], shared!("clear");
+    LOD: CloudSet = "lod", &[], |variant| variant.texts.lod;
+    CULL: BatchSet = "cull", &[&[BESIDES, SIZES, FILL, CULLING, IN_SIGHT]], |variant| variant.texts.cull;
+    DEPTH: GeometrySet = "depth", &[GEOMETRY], |variant| (variant.texts.depth)(variant);
+    DEPTH32: GeometrySet = "depth32", &[GEOMETRY], |variant| (variant.texts.hqs_depth)(variant);
+    IDS: GeometrySet = "ids", &[GEOMETRY], shared!("ids");
+    COLOR: GeometrySet = "color", &[GEOMETRY, &[SUMS, WIDE_SUMS, COLORS]], shared!("color");
+    COLOR32: GeometrySet = "color32", &[GEOMETRY, &[SUMS, COLORS]], |variant| variant.texts.color32;
+    SHADE: (ChunkSet, EyeSet) = "shade", &[&[TILES, SURFACE, CHUNK_COLORS]], shared!("shade");
+    BLEND: EyeSet = "blend", &[&[TILES, SURFACE, MEAN, BLENDED_SURFACE]], shared!("blend");
+    DILATE: EyeSet = "dilate", &[&[TILES, RINGS, DILATION, MEAN, KEPT_SURFACE, IMAGE]], shared!("dilate");
+    BLEND_DILATE: EyeSet = "blend-dilate", &[&[TILES, RINGS, DILATION, MEAN, BLENDED_SURFACE, IMAGE]],
         shared!("dilate");
-    SHOW: Eye = "show", &[&[TILES, KEPT_SURFACE, IMAGE]], shared!("show");
-    DEPTH_IMAGE: Eye = "depth-image", &[], shared!("depth-image");
-    OVERLAY: (Cloud, Overlay) = "overlay", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("overlay");
-    BOXES: (Cloud, Overlay) = "boxes", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("boxes");
+    SHOW: EyeSet = "show", &[&[TILES, KEPT_SURFACE, IMAGE]], shared!("show");
+    DEPTH_IMAGE: EyeSet = "depth-image", &[], shared!("depth-image");
+    OVERLAY: (CloudSet, OverlaySet) = "overlay", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("overlay");
+    BOXES: (CloudSet, OverlaySet) = "boxes", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("boxes");
 }
 
 /// Texts that techniques share with the frame's shaders, for shaders of their own.

@@ -5,6 +5,7 @@
 use crate::cloud_buffers::CloudBuffers;
 use crate::draw_options::Access;
 use crate::gpu::{Gpu, QueueGuard};
+pub use crate::groups::ClearedTarget;
 use crate::layout::{Detail, Sums, Variant};
 pub use crate::nearest::{Nearest, Recording};
 use crate::targets::Targets;
@@ -28,7 +29,7 @@ pub trait Technique: fmt::Debug + Send {
         None
     }
 
-    /// The resources of its own that its texts bind ([`crate::bindings::Others`]), by name. Those of its clouds are in
+    /// The resources of its own that its texts bind ([`crate::bindings::OtherSet`]), by name. Those of its clouds are in
     /// [`crate::Whole`].
     fn resources<'a>(&'a self, _targets: &'a Targets) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
         vec![]

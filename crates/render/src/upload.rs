@@ -46,7 +46,7 @@ pub struct Whole<'a, B> {
     pub cloud: &'a Cloud,
     /// Number of points to tell people.
     pub num_points: u64,
-    /// Nodes that its technique's `lod` gives states to.
+    /// What its technique's `lod` gives states to, in place of an octree's nodes.
     pub num_nodes: usize,
     /// Makes the record of a batch from its number and the place of its first point in its chunk.
     pub batch: &'a dyn Fn(usize, u32) -> B,
@@ -65,8 +65,6 @@ struct Outline<'a> {
     /// Words of a plane.
     num_words: usize,
     nodes: &'a [Node],
-    /// Nodes that have a state.
-    num_nodes: usize,
     /// The column beside the colors.
     column: Option<&'static str>,
 }
@@ -152,7 +150,6 @@ impl<'a> CloudUpload<'a> {
             batch_bytes: size_of::<Batch>(),
             num_words: cloud.planes[0].len(),
             nodes: &[Node::FLAT],
-            num_nodes: 1,
             column: None,
         };
         let batch = |i: usize, first_point: u32| Batch::new(&cloud.split, &cloud.batches[i], 0, first_point);
@@ -176,8 +173,7 @@ impl<'a> CloudUpload<'a> {
             batches: &cloud.batches,
             batch_bytes: size_of::<B>(),
             num_words: cloud.planes[0].len(),
-            nodes: &[Node::FLAT],
-            num_nodes,
+            nodes: &vec![Node::FLAT; num_nodes],
             column: Some(name),
         };
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
@@ -212,7 +208,6 @@ impl<'a> CloudUpload<'a> {
             batch_bytes: size_of::<Batch>(),
             num_words: octree::num_words(nodes),
             nodes: &gpu_nodes,
-            num_nodes: nodes.len(),
             column: Some(FILTERED_COLORS),
         };
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
@@ -227,8 +222,7 @@ impl<'a> CloudUpload<'a> {
         chunk_limit: u64,
         progress: &'a Progress,
     ) -> Result<Self, UploadError> {
-        let Outline { split, num_points, batches, batch_bytes, num_words, nodes, num_nodes, column } =
-            outline;
+        let Outline { split, num_points, batches, batch_bytes, num_words, nodes, column } = outline;
         let limit = if chunk_limit == 0 { u64::MAX } else { chunk_limit }.min(gpu.binding_limit());
         let max_groups = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         let max_batches = max_groups - num_extra_slices(column);
@@ -240,8 +234,8 @@ impl<'a> CloudUpload<'a> {
         let storage = wgpu::BufferUsages::STORAGE;
         let nodes_buffer =
             allocator.take("nodes", storage | wgpu::BufferUsages::COPY_DST, size_of_val(nodes));
-        let states = allocator.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * num_nodes);
-        let counted = allocator.take("counted", storage, 4 * num_nodes);
+        let states = allocator.take("states", storage | wgpu::BufferUsages::COPY_SRC, 4 * nodes.len());
+        let counted = allocator.take("counted", storage, 4 * nodes.len());
         let chunks = places.chunks.iter().zip(&places.batches);
         let chunk = |(uniform, batches): (&ChunkUniform, &Range<usize>)| {
             allocator.chunk(*uniform, (batches.len(), batch_bytes), column)
@@ -260,7 +254,7 @@ impl<'a> CloudUpload<'a> {
             besides: vec![],
             has_detail: column.is_some(),
             num_resident: Default::default(),
-            num_nodes: num_nodes as u32,
+            num_nodes: nodes.len() as u32,
             nodes: nodes_buffer,
             states,
             counted,

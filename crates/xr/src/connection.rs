@@ -4,7 +4,7 @@ use crate::missing::{self, XrMissing};
 use crate::runtime::Runtime;
 use crate::session::XrSession;
 use crate::{XrHeadset, XrOptions};
-use raw::device::{RuntimeGpu, Wanted, Wrapped};
+use raw::device::{DeviceRequest, RuntimeGpu, Wrapped};
 use render::gpu::{Gpu, instance_flags, required_features};
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ fn open_gpu(runtime: &Runtime) -> Result<(RuntimeGpu, Arc<Gpu>), XrMissing> {
     let features = |name: &str, features, limits: &_| {
         required_features(name, features, limits).map_err(missing::lacking)
     };
-    let wanted = Wanted { flags: instance_flags(), features: &features };
+    let wanted = DeviceRequest { flags: instance_flags(), features: &features };
     let (runtime_gpu, wrapped) = RuntimeGpu::open(&runtime.xr, runtime.system, &wanted)?;
     let Wrapped { instance, adapter, device, queue } = wrapped;
     Ok((runtime_gpu, Arc::new(Gpu::new(instance, adapter, device, queue))))

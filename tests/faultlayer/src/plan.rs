@@ -30,7 +30,7 @@ pub const FAILURES: [(&str, &str, xr::Result); 17] = [
 ];
 
 /// What is to happen.
-struct Plan {
+struct Fault {
     what: String,
     /// After this many frames.
     frames: u64,
@@ -40,7 +40,7 @@ struct Plan {
     fired: AtomicU64,
 }
 
-impl Plan {
+impl Fault {
     /// Of `WHAT:N:M`.
     fn of(text: &str) -> Self {
         let mut parts = text.split(':');
@@ -50,11 +50,11 @@ impl Plan {
     }
 }
 
-fn plan(what: &str) -> Option<&'static Plan> {
-    static PLANS: OnceLock<Vec<Plan>> = OnceLock::new();
+fn plan(what: &str) -> Option<&'static Fault> {
+    static PLANS: OnceLock<Vec<Fault>> = OnceLock::new();
     let plans = PLANS.get_or_init(|| {
         let text = std::env::var("XRFAULT").unwrap_or_default();
-        text.split(',').map(Plan::of).collect()
+        text.split(',').map(Fault::of).collect()
     });
     plans.iter().find(|plan| plan.what == what)
 }

@@ -2,7 +2,7 @@
 
 use kit::frames::gpu;
 use lab::reference::color::Sum;
-use render::bindings::{Eye, OfEye};
+use render::bindings::{EyeSet, OfEye};
 use render::gpu::readback;
 use render::gpu::stage::Stage;
 use render::layout::{
@@ -65,7 +65,7 @@ pub fn run_shown(
     shown: &Shown,
 ) -> Vec<Pixel> {
     let gpu = gpu();
-    let stage: Stage<Eye> = Stage::new(&gpu, shader, &shaders::source(shader, variant));
+    let stage: Stage<EyeSet> = Stage::new(&gpu, shader, &shaders::source(shader, variant));
     let buffer = |label, contents: &[u8], usage| {
         let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
         gpu.device.create_buffer_init(&contents)

@@ -4,7 +4,7 @@
 
 use super::{PARSED, ParsedText, parse};
 use naga::Module;
-use render::bindings::{Chunk, Clear, Cloud, Eye, Overlay, Pixels, Set};
+use render::bindings::{ChunkSet, ClearSet, CloudSet, EyeSet, OverlaySet, PixelSet, Set};
 use render::gpu::stage::used;
 use render::layout::Variant;
 use render::shaders::{SHADERS, source};
@@ -63,8 +63,14 @@ fn a_name_that_no_set_has_is_noticed() {
 
 #[test]
 fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
-    let sets =
-        [Clear::names(), Cloud::names(), Chunk::names(), Pixels::names(), Eye::names(), Overlay::names()];
+    let sets = [
+        ClearSet::names(),
+        CloudSet::names(),
+        ChunkSet::names(),
+        PixelSet::names(),
+        EyeSet::names(),
+        OverlaySet::names(),
+    ];
     let mut bound = vec![BTreeSet::new(); sets.len()];
     for ParsedText { shader, name, declared, .. } in PARSED.iter() {
         let names = (shader.names)();

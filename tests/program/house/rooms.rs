@@ -29,6 +29,38 @@ const NOT_IN: [(&str, &[&str]); 8] = [
     ("las", &["base", "timing", "cloud", "raw", "render", "xr"]),
 ];
 
+/// The parts of `crates/raw` that each room may name. Cargo gives a crate one set of features in a build, so that a build
+/// of everything lets each room that has `raw` see what `xr` asks for.
+const RAW: [(&str, &[&str]); 3] =
+    [("render", &["trusted"]), ("xr", &["depth_layer", "device", "frame", "image"]), ("", &["environment"])];
+
+/// Parts of `crates/raw` that `code` names although it is in `room`.
+fn forbidden_parts_of_raw(room: &str, code: &str) -> Vec<String> {
+    let may_name = RAW.iter().find(|(name, _)| *name == room).map_or(&[][..], |(_, parts)| *parts);
+    let named = code.match_indices("raw::").filter_map(|(at, _)| {
+        // `las::raw` is another crate's, and formats have a module of that name.
+        let is_crate = !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == ':' || c == '_');
+        let name = || code[at + 5..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        is_crate.then(name)
+    });
+    named.filter(|part: &String| !may_name.contains(&part.as_str())).collect()
+}
+
+#[test]
+fn rooms_name_their_own_parts_of_the_unsafe_room() {
+    for file in super::sources() {
+        let room = file.path.strip_prefix("crates/").and_then(|path| path.split('/').next()).unwrap_or("");
+        // Other rooms have no `raw` in their manifests.
+        if RAW.iter().any(|(name, _)| *name == room) {
+            let code: Vec<&str> = super::code(&file.text).map(|(_, line)| line).collect();
+            assert_eq!(forbidden_parts_of_raw(room, &code.join("\n")), [""; 0], "{}", file.path);
+        }
+    }
+    assert_eq!(forbidden_parts_of_raw("render", "use raw::device::RuntimeGpu;"), ["device"]);
+    assert_eq!(forbidden_parts_of_raw("", "let _ = raw::trusted::shader_module;"), ["trusted"]);
+    assert_eq!(forbidden_parts_of_raw("render", "las::raw::Header; raw::trusted::f"), [""; 0]);
+}
+
 /// Names below `[dependencies]` of a room's manifest.
 fn dependencies(manifest: &str) -> Vec<String> {
     let table: toml::Table = manifest.parse().expect("a manifest is TOML");

@@ -137,7 +137,7 @@ fn endings(kind: OutputKind) -> String {
 /// Why a file is not replaced.
 fn exists(kind: OutputKind) -> String {
     match kind {
-        OutputKind::Scan => "is there already, and a scan takes no file's place unasked".into(),
+        OutputKind::Scan(_) => "is there already, and a scan takes no file's place unasked".into(),
         _ => format!("is there already, and is not {}", kind.name()),
     }
 }

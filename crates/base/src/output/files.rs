@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 pub struct Files {
     reads: Vec<(&'static str, PathBuf)>,
     writes: Vec<(&'static str, PathBuf, OutputKind)>,
+    /// Endings of scans.
+    of_scans: Vec<String>,
     prints: bool,
     forced: bool,
 }
@@ -18,6 +20,11 @@ impl Files {
     /// Declares a file that is read, as `what` ("a scan").
     pub fn reads(&mut self, what: &'static str, path: &Path) {
         self.reads.push((what, path.to_owned()));
+    }
+
+    /// Declares the endings of files that are scans: no other output may have one.
+    pub fn scans_end_in(&mut self, endings: impl IntoIterator<Item = String>) {
+        self.of_scans.extend(endings);
     }
 
     /// Declares a file that is written, as `option` ("-o") names it; `-` is stdout.
@@ -57,8 +64,9 @@ impl Files {
                 let (path, read) = (path.clone(), read.to_path_buf());
                 return Err(OutputError::IsRead { option, path, read, what });
             }
-            let ends_anyhow = kind != &OutputKind::Scan && !matches!(place, OutputPlace::File { .. });
-            if !ends_anyhow && !kind.may_be_named(path) {
+            let ends_anyhow =
+                !matches!(kind, OutputKind::Scan(_)) && !matches!(place, OutputPlace::File { .. });
+            if !ends_anyhow && !kind.may_be_named(path, &self.of_scans) {
                 return Err(OutputError::Ending { option, path: path.clone(), kind: *kind });
             }
             if let Some(problem) = self.stream_problem(&place, *kind) {
@@ -101,7 +109,7 @@ impl Files {
             OutputPlace::File { .. } => None,
             OutputPlace::Stdout if self.prints => Some("what the command prints goes to stdout; name a file"),
             OutputPlace::Stdout | OutputPlace::Stream(_)
-                if kind == OutputKind::Scan && !can_go_back(place) =>
+                if matches!(kind, OutputKind::Scan(_)) && !can_go_back(place) =>
             {
                 Some("a scan's header is written last, so it needs a file; name one")
             }

@@ -22,13 +22,14 @@ pub enum OutputKind {
     Page,
     /// A path of the head.
     Poses,
-    /// A made-up scan; its header is written last.
-    Scan,
+    /// A scan, in a format that one of these endings stands for; its header is written last.
+    Scan(&'static [&'static str]),
 }
 
 impl OutputKind {
-    const ALL: [Self; 7] =
-        [Self::Picture, Self::Depth, Self::Metrics, Self::FrameLog, Self::Page, Self::Poses, Self::Scan];
+    /// Kinds whose endings are always the same.
+    const FIXED: [Self; 6] =
+        [Self::Picture, Self::Depth, Self::Metrics, Self::FrameLog, Self::Page, Self::Poses];
 
     /// The kind in words.
     pub(super) fn name(self) -> &'static str {
@@ -39,7 +40,7 @@ impl OutputKind {
             Self::FrameLog => "a frame log",
             Self::Page => "a page",
             Self::Poses => "a pose path",
-            Self::Scan => "a scan",
+            Self::Scan(_) => "a scan",
         }
     }
 
@@ -52,21 +53,22 @@ impl OutputKind {
             Self::FrameLog => &["csv"],
             Self::Page => &["html", "htm", "md"],
             Self::Poses => &["poses"],
-            Self::Scan => &["las", "laz", "ply"],
+            Self::Scan(endings) => endings,
         }
     }
 
     /// True if the ending must say what is written. Other kinds may end in anything that does not say something else.
     fn needs_ending(self) -> bool {
-        matches!(self, Self::Picture | Self::Page | Self::Scan)
+        matches!(self, Self::Picture | Self::Page | Self::Scan(_))
     }
 
-    /// True if `path` may be the name of an output of this kind.
-    pub(super) fn may_be_named(self, path: &Path) -> bool {
+    /// True if `path` may be the name of an output of this kind. `of_scans`: the endings of files that are read.
+    pub(super) fn may_be_named(self, path: &Path, of_scans: &[String]) -> bool {
         let ending = ending(path);
         let is_one_of = |endings: &[&str]| ending.as_deref().is_some_and(|e| endings.contains(&e));
-        let says_something_else =
-            is_one_of(&["toml"]) || Self::ALL.iter().any(|kind| is_one_of(kind.endings()));
+        let says_something_else = is_one_of(&["toml"])
+            || Self::FIXED.iter().any(|kind| is_one_of(kind.endings()))
+            || ending.as_ref().is_some_and(|ending| of_scans.contains(ending));
         is_one_of(self.endings()) || !self.needs_ending() && !says_something_else
     }
 
@@ -80,7 +82,7 @@ impl OutputKind {
             Self::FrameLog => &[b"# scanwalk frame log"],
             Self::Page => &[b"content=\"scanwalk ", b"# The papers' tables"],
             Self::Poses => &[b"time_s,x,y,z,qx,qy,qz,qw"],
-            Self::Scan => &[],
+            Self::Scan(_) => &[],
         }
     }
 
@@ -96,7 +98,7 @@ impl OutputKind {
 
     /// True if it would fill a terminal with what nobody can read.
     pub(super) fn is_binary(self) -> bool {
-        matches!(self, Self::Picture | Self::Depth | Self::Scan)
+        matches!(self, Self::Picture | Self::Depth | Self::Scan(_))
     }
 }
 

@@ -7,6 +7,8 @@ use std::io::Write;
 /// The part of an earlier run's metrics by which they are known.
 const OLD: &str = r#"{"gpu_bytes": 7}"#;
 
+const SCAN: OutputKind = OutputKind::Scan(&["las", "laz"]);
+
 /// A folder with a scan, `a.las`.
 struct Lab(tempfile::TempDir);
 
@@ -26,6 +28,7 @@ impl Lab {
         let before = self.names();
         let mut files = Files::default();
         files.reads("a scan", &self.path("a.las"));
+        files.scans_end_in(["las", "laz", "e57"].map(String::from));
         for (name, kind) in writes {
             files.writes("-o", &self.path(name), *kind);
         }
@@ -57,10 +60,10 @@ fn what_is_read_is_known_by_any_name() {
     let lab = Lab::new();
     fs::create_dir(lab.path("inner")).unwrap();
     for name in ["a.las", "./a.las", "inner/../a.las", "inner/.././//a.las"] {
-        let refusal = lab.refusal(&[(name, OutputKind::Scan)]);
+        let refusal = lab.refusal(&[(name, SCAN)]);
         assert!(matches!(refusal, Some(OutputError::IsRead { .. })), "{name}: {refusal:?}");
     }
-    assert!(lab.refusal(&[("b.las", OutputKind::Scan)]).is_none(), "another file is no other's concern");
+    assert!(lab.refusal(&[("b.las", SCAN)]).is_none(), "another file is no other's concern");
 }
 
 #[test]
@@ -92,7 +95,7 @@ fn what_is_read_is_known_through_links() {
     // Here a link is read, and the file that it leads to is written.
     let mut files = Files::default();
     files.reads("the settings", &lab.path("link.png"));
-    files.writes("-o", &lab.path("a.las"), OutputKind::Scan);
+    files.writes("-o", &lab.path("a.las"), SCAN);
     assert!(matches!(files.check(&Partials::default()), Err(OutputError::IsRead { .. })));
 }
 
@@ -139,21 +142,22 @@ fn endings_say_what_is_written() {
         ("x.png.las", Picture),
         ("b.las", Depth),
         ("b.las", Metrics),
+        ("x.E57", Metrics),
         ("b.las", FrameLog),
         ("x.png", FrameLog),
         ("x.csv", Page),
         ("x", Page),
         ("x.csv", Poses),
         ("x.toml", Metrics),
-        ("x.e57", Scan),
-        ("x", Scan),
+        ("x.e57", SCAN),
+        ("x", SCAN),
     ] {
         let refusal = lab.refusal(&[(name, kind)]).unwrap_or_else(|| panic!("{name}"));
         assert!(matches!(refusal, OutputError::Ending { .. }) && refusal.is_usage(), "{name}: {refusal}");
         let hinted = refusal.to_string().contains("the shell put its first match here");
         assert_eq!(hinted, name == "b.las", "{refusal}");
     }
-    let refusal = lab.refusal(&[("/dev/null", Scan)]).unwrap().to_string();
+    let refusal = lab.refusal(&[("/dev/null", SCAN)]).unwrap().to_string();
     assert!(!refusal.contains("the shell"), "a device is no match of a pattern: {refusal}");
     for (name, kind) in [
         ("x.png", Picture),
@@ -166,7 +170,7 @@ fn endings_say_what_is_written() {
         ("x.Csv", FrameLog),
         ("x.htm", Page),
         ("x.txt", Poses),
-        ("x.LAZ", Scan),
+        ("x.LAZ", SCAN),
     ] {
         assert!(lab.refusal(&[(name, kind)]).is_none(), "{name}");
     }
@@ -221,9 +225,9 @@ fn what_has_the_name_is_replaced_only_if_it_is_of_the_kind() {
         ("x.html", b"<!DOCTYPE html><html>", Page, false),
         ("x.poses", b"time_s,x,y,z,qx,qy,qz,qw\n", Poses, true),
         ("x.poses", b"# by hand\n", Poses, false),
-        ("x.las", b"LASF", Scan, false),
-        ("x.las", b"nothing known", Scan, false),
-        ("x.las", b"", Scan, true),
+        ("x.las", b"LASF", SCAN, false),
+        ("x.las", b"nothing known", SCAN, false),
+        ("x.las", b"", SCAN, true),
         ("x.png", b"", Picture, true),
     ] {
         fs::write(lab.path(name), bytes).unwrap();
@@ -377,7 +381,7 @@ fn stdout_takes_one_output_and_no_scan() {
     for (writes, prints) in [
         (&[metrics, ("--depth", "/dev/stdout", OutputKind::Depth)][..], false),
         (&[("-o", "-", OutputKind::Page)], true),
-        (&[("-o", "-", OutputKind::Scan)], false),
+        (&[("-o", "-", SCAN)], false),
     ] {
         let refusal = check(writes, prints).expect_err("refused");
         assert!(refusal.is_usage(), "{refusal}");

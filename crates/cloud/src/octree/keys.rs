@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// A point while the tree is built.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Key {
+pub(super) struct SortKey {
     /// Morton code in its frame.
     pub code: u64,
     /// Number in the [`Index`].
@@ -26,12 +26,12 @@ pub(super) struct Key {
 pub(super) struct Placed {
     /// Number in the [`Index`].
     pub point: u32,
-    /// As [`Key::color`].
+    /// As [`SortKey::color`].
     pub color: u32,
 }
 
-impl From<Key> for Placed {
-    fn from(Key { point, color, .. }: Key) -> Self {
+impl From<SortKey> for Placed {
+    fn from(SortKey { point, color, .. }: SortKey) -> Self {
         Self { point, color }
     }
 }
@@ -76,14 +76,14 @@ impl Root {
 }
 
 /// The cube that codes are relative to. 21 bits an axis do not reach from the root to the grid cells of its
-/// deepest nodes, so codes are made anew [`Frame::LEVELS`] further down.
+/// deepest nodes, so codes are made anew [`CodeFrame::LEVELS`] further down.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct CodeFrame {
     cube: Cube,
     grid: MortonGrid,
 }
 
-impl Frame {
+impl CodeFrame {
     /// Levels below a frame's cube that its codes serve: a node of the last of them still has 4 bits an axis
     /// below its grid cells, to tell which point is nearest to a cell's center.
     pub const LEVELS: u32 = morton::BITS - super::GRID_BITS - 4;
@@ -119,14 +119,14 @@ impl Frame {
 }
 
 /// All points by Morton code in the root's cube; equal codes keep the files' order.
-pub(super) fn sorted(index: &Index, root: &Root) -> Vec<Key> {
-    let frame = Frame::new(root, Cube::ROOT);
-    let mut keys: Vec<Key> = (0..index.num_points as u32)
+pub(super) fn sorted(index: &Index, root: &Root) -> Vec<SortKey> {
+    let frame = CodeFrame::new(root, Cube::ROOT);
+    let mut keys: Vec<SortKey> = (0..index.num_points as u32)
         .into_par_iter()
         .with_min_len(1 << 14)
         .map(|point| {
             let (p, color) = index.point(point as usize);
-            Key { code: frame.code(p), point, color }
+            SortKey { code: frame.code(p), point, color }
         })
         .collect();
     sort(&mut keys);
@@ -134,13 +134,13 @@ pub(super) fn sorted(index: &Index, root: &Root) -> Vec<Key> {
 }
 
 /// Gives the keys codes of another frame and the order that follows.
-pub(super) fn recode(keys: &mut [Key], index: &Index, frame: &Frame) {
+pub(super) fn recode(keys: &mut [SortKey], index: &Index, frame: &CodeFrame) {
     keys.par_iter_mut().with_min_len(1 << 14).for_each(|key| {
         key.code = frame.code(index.position(key.point as usize));
     });
     sort(keys);
 }
 
-fn sort(keys: &mut [Key]) {
+fn sort(keys: &mut [SortKey]) {
     keys.par_sort_unstable_by_key(|key| (key.code, key.point));
 }

@@ -12,7 +12,7 @@
 //! Distances are taken between code cells, of which at least 2⁴ make a grid cell: the gap between two code cells
 //! is what their points are apart at least, so the guarantee holds for the points themselves.
 
-use super::keys::Key;
+use super::keys::SortKey;
 use crate::format::{BLUE_SHIFT, CHANNEL_MASK, GREEN_SHIFT, OPAQUE};
 use crate::morton::{compact, spread};
 
@@ -31,7 +31,7 @@ pub(super) struct Sample {
 
 impl Sample {
     /// A point that stands for itself.
-    pub fn of(key: &Key, number: usize) -> Self {
+    pub fn of(key: &SortKey, number: usize) -> Self {
         let channel = |shift: u32| u64::from(key.color >> shift & CHANNEL_MASK);
         let rgb = [channel(0), channel(8), channel(16)];
         Self { code: key.code, key: number as u32, num_points: 1, rgb }

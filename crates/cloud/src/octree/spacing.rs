@@ -1,7 +1,7 @@
 //! How far apart the points of a leaf lie, from the cells of ever finer grids that they fill.
 
 use super::GRID_BITS;
-use super::keys::Key;
+use super::keys::SortKey;
 
 /// Finest grid looked at: 2^this cells an axis.
 const MAX_DEPTH: usize = 10;
@@ -20,7 +20,7 @@ pub(super) struct Spacing {
 }
 
 /// Estimates the spacing from the sorted codes of a cube's points, whose lowest `bits` tell the place in the cube.
-pub(super) fn spacing(keys: &[Key], bits: u32) -> Spacing {
+pub(super) fn spacing(keys: &[SortKey], bits: u32) -> Spacing {
     // Two successive keys that lie in different cells from a depth on begin a new filled cell at that depth.
     let mut begun = [0usize; MAX_DEPTH + 1];
     let (mut crowd, mut run) = (1u32, 1u32);
@@ -51,10 +51,12 @@ mod tests {
     use crate::morton::MortonGrid;
     use glam::DVec3;
 
-    fn keys(points: impl Iterator<Item = DVec3>) -> Vec<Key> {
+    fn keys(points: impl Iterator<Item = DVec3>) -> Vec<SortKey> {
         let grid = MortonGrid::of_cube(DVec3::ZERO, 1.0);
-        let mut keys: Vec<Key> =
-            points.enumerate().map(|(i, p)| Key { code: grid.code(p), point: i as u32, color: 0 }).collect();
+        let mut keys: Vec<SortKey> = points
+            .enumerate()
+            .map(|(i, p)| SortKey { code: grid.code(p), point: i as u32, color: 0 })
+            .collect();
         keys.sort_by_key(|key| key.code);
         keys
     }

@@ -1,6 +1,6 @@
 //! Tests of what does not show outside: that every point counts once for the samples, and that samples keep apart.
 
-use super::keys::{Cube, Frame, Key, Root, sorted};
+use super::keys::{CodeFrame, Cube, Root, SortKey, sorted};
 use super::sample::{Sample, Sampled, Sampler};
 use super::tree::{Builder, Draft};
 use super::*;
@@ -15,7 +15,7 @@ fn candidates(scan: &Scan) -> (Root, Vec<Sample>) {
 }
 
 fn sample(root: &Root, candidates: &[Sample], limit: usize) -> Sampled {
-    let frame = Frame::new(root, Cube::ROOT);
+    let frame = CodeFrame::new(root, Cube::ROOT);
     Sampler::new().sample(frame.bits_below(0), limit, |offer| candidates.iter().for_each(|c| offer(0, c)))
 }
 
@@ -73,10 +73,10 @@ fn a_lost_point_shows_in_the_totals() {
 }
 
 /// Sums of the own colors of the keys in a range, looked up by point.
-fn own_totals(index: &Index, keys: &[Key]) -> (u64, [u64; 3]) {
+fn own_totals(index: &Index, keys: &[SortKey]) -> (u64, [u64; 3]) {
     let own: Vec<Sample> = keys
         .iter()
-        .map(|key| Sample::of(&Key { color: index.color(key.point as usize), ..*key }, 0))
+        .map(|key| Sample::of(&SortKey { color: index.color(key.point as usize), ..*key }, 0))
         .collect();
     totals(&own)
 }
@@ -98,7 +98,7 @@ fn the_roots_filtered_colors_average_the_cloud() {
     assert!(draft.children.iter().any(|child| !child.children.is_empty()), "two inner levels at least");
 
     // The root's samples are computed once more, from the tree's own leaves up, with their weights.
-    let samples = resampled(&Frame::new(&root, Cube::ROOT), &index, &draft, &keys);
+    let samples = resampled(&CodeFrame::new(&root, Cube::ROOT), &index, &draft, &keys);
     assert_eq!(totals(&samples), truth, "every point counts once through all levels");
     assert_eq!(samples.len(), draft.num_points as usize);
     let mut weighted = [0.0; 3];
@@ -116,9 +116,9 @@ fn the_roots_filtered_colors_average_the_cloud() {
 }
 
 /// Samples that a subtree's root takes, computed without threads and without taking anything away.
-fn resampled(frame: &Frame, index: &Index, draft: &Draft, keys: &[Key]) -> Vec<Sample> {
+fn resampled(frame: &CodeFrame, index: &Index, draft: &Draft, keys: &[SortKey]) -> Vec<Sample> {
     let own = |number: usize| {
-        Sample::of(&Key { color: index.color(keys[number].point as usize), ..keys[number] }, number)
+        Sample::of(&SortKey { color: index.color(keys[number].point as usize), ..keys[number] }, number)
     };
     if draft.children.is_empty() {
         return draft.keys.clone().map(own).collect();

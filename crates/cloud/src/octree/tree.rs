@@ -1,6 +1,6 @@
 //! From sorted keys to a tree: down by bisection, up by sampling.
 
-use super::keys::{Cube, Frame, Key, Root, recode};
+use super::keys::{CodeFrame, Cube, Root, SortKey, recode};
 use super::octant_of;
 use super::sample::{Sample, Sampler};
 use super::spacing::{Spacing, spacing};
@@ -60,7 +60,7 @@ enum Offer {
 struct SubtreeKeys<'k> {
     /// Number of its first key.
     first: usize,
-    keys: &'k mut [Key],
+    keys: &'k mut [SortKey],
     levels: &'k mut [u8],
 }
 
@@ -105,8 +105,8 @@ pub(super) struct Builder<'a> {
 impl Builder<'_> {
     /// The tree over sorted keys, at least one. Afterwards `levels` says of each key which of the nodes on its path
     /// owns it, and its color is the filtered one. The result is worthless if `progress` is cancelled.
-    pub fn build(&self, keys: &mut [Key], levels: &mut [u8]) -> Draft {
-        let frame = Frame::new(&self.root, Cube::ROOT);
+    pub fn build(&self, keys: &mut [SortKey], levels: &mut [u8]) -> Draft {
+        let frame = CodeFrame::new(&self.root, Cube::ROOT);
         let part = SubtreeKeys { first: 0, keys, levels };
         if self.root.edge(0) == 0.0 {
             return self.leaf(&frame, 0, part).0;
@@ -114,7 +114,7 @@ impl Builder<'_> {
         self.subtree(&frame, 0, part).0
     }
 
-    fn subtree(&self, frame: &Frame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
+    fn subtree(&self, frame: &CodeFrame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
         if level == MAX_LEVEL || self.progress.is_cancelled() {
             return self.leaf(frame, level, part);
         }
@@ -144,7 +144,7 @@ impl Builder<'_> {
         self.inner(frame, cube, part, below)
     }
 
-    fn leaf(&self, frame: &Frame, level: u32, part: SubtreeKeys) -> (Draft, Offer) {
+    fn leaf(&self, frame: &CodeFrame, level: u32, part: SubtreeKeys) -> (Draft, Offer) {
         self.progress.add(part.keys.len() as u64);
         part.levels.fill(level as u8);
         let bits = frame.bits_below(level);
@@ -172,9 +172,9 @@ impl Builder<'_> {
     }
 
     /// Builds a subtree that its frame's codes are too short for, in a frame of its own.
-    fn reframed(&self, outer: &Frame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
+    fn reframed(&self, outer: &CodeFrame, level: u32, mut part: SubtreeKeys) -> (Draft, Offer) {
         let cube = outer.cube(part.keys[0].code, level);
-        let frame = Frame::new(&self.root, cube);
+        let frame = CodeFrame::new(&self.root, cube);
         recode(part.keys, self.index, &frame);
         let (draft, offer) = self.subtree(&frame, level, part.reborrow());
         let mut samples = match offer {
@@ -191,7 +191,7 @@ impl Builder<'_> {
     /// Makes a node over its children and takes its samples from them.
     fn inner(
         &self,
-        frame: &Frame,
+        frame: &CodeFrame,
         cube: Cube,
         part: SubtreeKeys,
         below: Vec<(Draft, Offer)>,
@@ -281,7 +281,7 @@ fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 }
 
 /// The octants of a leaf that have points, and their numbers, from the codes of its points, in order.
-fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octant)> {
+fn octants(keys: &[SortKey], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octant)> {
     // The points are all in one place, or codes have no bits left for octants.
     if bits < 3 || edge == 0.0 {
         return vec![(0, Octant { keys: first..first + keys.len(), spacing: 0.0 })];
@@ -289,7 +289,7 @@ fn octants(keys: &[Key], first: usize, bits: u32, edge: f64) -> Vec<(usize, Octa
     let bits = bits - 3;
     let mut end = first;
     let parts = keys.chunk_by(|a, b| a.code >> bits == b.code >> bits);
-    let octant = |part: &[Key]| {
+    let octant = |part: &[SortKey]| {
         let start = end;
         end += part.len();
         // A few points tell nothing of a surface.

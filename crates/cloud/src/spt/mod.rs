@@ -93,11 +93,11 @@ const MAX_POINTS: usize = 1_000_000_000;
 struct SortedPoints<'a> {
     index: Index<'a>,
     /// (code, number in the index), ascending.
-    keys: Vec<Key>,
+    keys: Vec<SortKey>,
 }
 
 /// Morton code, and number in the [`Index`].
-type Key = (u64, u32);
+type SortKey = (u64, u32);
 
 /// Builds the sequential point tree of a scan, ready for the GPU; see [`build_point_tree`]. With `cull_backfaces`,
 /// discs whose sides are known are not read where they show the eye their backs.

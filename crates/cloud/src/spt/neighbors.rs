@@ -3,9 +3,9 @@
 //! Points are taken in cubes of a few; the cubes round one of them, found by bisection among the codes, hold the
 //! neighbors of all its points. The result depends on neither threads nor chance.
 
-use super::cubes::Cube;
+use super::cubes::CubeKeys;
 use super::tree::{Leaf, NO_SIDE};
-use super::{Key, SortedPoints, normals};
+use super::{SortKey, SortedPoints, normals};
 use crate::build::FAR;
 use crate::morton::{BITS, compact, spread};
 use base::task::Progress;
@@ -36,8 +36,8 @@ const HONEST: f64 = 0.99;
 /// A normal and a diameter for each of the sorted points. The result is worthless if `progress` is cancelled.
 pub(super) fn leaves(sorted: &SortedPoints, progress: &Progress) -> Vec<Leaf> {
     let mut tasks = Vec::new();
-    Cube::root(&sorted.keys).cut(&sorted.keys, TASK_POINTS, &mut |cube| tasks.push(cube));
-    let of_task = |task: &Cube| {
+    CubeKeys::root(&sorted.keys).cut(&sorted.keys, TASK_POINTS, &mut |cube| tasks.push(cube));
+    let of_task = |task: &CubeKeys| {
         let mut search = Search { sorted, candidates: Vec::new(), nearest: Vec::new() };
         let mut leaves = Vec::with_capacity(task.keys.len());
         if !progress.is_cancelled() {
@@ -80,7 +80,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Appends the leaves of a cube's points.
-    fn cube(&mut self, cube: &Cube, leaves: &mut Vec<(Leaf, u32)>) {
+    fn cube(&mut self, cube: &CubeKeys, leaves: &mut Vec<(Leaf, u32)>) {
         let keys = &self.sorted.keys;
         let position = |number: usize| self.sorted.index.position(keys[number].1 as usize);
         let origin = position(cube.keys.start);
@@ -122,7 +122,7 @@ impl Search<'_> {
 }
 
 /// The keys of a cube, and of each of the 26 cubes round it that has any.
-fn around(keys: &[Key], cube: &Cube, each: &mut dyn FnMut(Range<usize>)) {
+fn around(keys: &[SortKey], cube: &CubeKeys, each: &mut dyn FnMut(Range<usize>)) {
     each(cube.keys.clone());
     if cube.bits > 3 * BITS {
         // The cube holds all keys.

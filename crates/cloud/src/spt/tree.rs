@@ -1,6 +1,6 @@
 //! The tree of discs: down by bisection, up by averaging [SPT §3.1].
 
-use super::cubes::Cube;
+use super::cubes::CubeKeys;
 use super::error::{self, Disc};
 use super::mesh::Triangle;
 use super::{SortedPoints, normals};
@@ -120,9 +120,9 @@ pub(super) fn build(
     // The scene is put in last, since each part begins as a copy of this tree.
     let tree = PointTree { nodes: Vec::new(), bounds, scene: Scene::default(), step, triangles: Vec::new() };
     let mut cubes = Vec::new();
-    let root = Cube::root(&sorted.keys);
+    let root = CubeKeys::root(&sorted.keys);
     small_cubes(sorted, &root, &mut |cube| cubes.push(cube));
-    let of_cube = |cube: &Cube| {
+    let of_cube = |cube: &CubeKeys| {
         if progress.is_cancelled() {
             return Subtree { nodes: Vec::new(), sums: SubtreeSums::default() };
         }
@@ -144,7 +144,7 @@ pub(super) fn build(
 }
 
 /// The largest subtrees of at most [`PART_POINTS`], in order; larger ones only if nothing divides their points.
-fn small_cubes(sorted: &SortedPoints, cube: &Cube, each: &mut dyn FnMut(Cube)) {
+fn small_cubes(sorted: &SortedPoints, cube: &CubeKeys, each: &mut dyn FnMut(CubeKeys)) {
     let octants = if cube.keys.len() <= PART_POINTS { Vec::new() } else { cube.octants(&sorted.keys) };
     if octants.is_empty() {
         return each(cube.clone());
@@ -168,7 +168,7 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// Appends the nodes of a subtree, its root last.
-    fn subtree(&mut self, cube: &Cube) -> SubtreeSums {
+    fn subtree(&mut self, cube: &CubeKeys) -> SubtreeSums {
         let keys = &self.sorted.keys;
         let octants = cube.octants(keys);
         if (cube.keys.len() <= PART_POINTS || octants.is_empty())

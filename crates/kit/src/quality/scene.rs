@@ -1,7 +1,7 @@
 //! The scans that are drawn, and the places that they are drawn from.
 
 use anyhow::{Context, Result};
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::space::{Eye, Fov, Pose, View};
 use base::task::{CancelToken, Progress};
 use cloud::octree::{Octree, build_octree};
@@ -136,7 +136,7 @@ pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
 fn made(kind: SynthKind, points: u64) -> Result<Scan> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("scan.las");
-    let output = Output::new(&out, OutputKind::Scan)?;
+    let output = Output::new(&out, synth::SCAN)?;
     synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, &CancelToken::default())?;
     Ok(points::read(&[out], &ReadOptions::default(), &CancelToken::default())?)
 }

@@ -3,7 +3,7 @@
 use super::BenchOptions;
 use crate::synth::{self, SynthKind, SynthOptions};
 use anyhow::Result;
-use base::output::{Output, OutputKind};
+use base::output::Output;
 use base::space::{Bounds, Eye, Fov, Pose, View};
 use base::task::{Progress, Task};
 use cloud::octree::{Octree, build_octree};
@@ -80,7 +80,7 @@ impl Subject {
         };
         let folder = tempfile::tempdir()?;
         let out = folder.path().join("made-up.las");
-        let output = Output::new(&out, OutputKind::Scan)?;
+        let output = Output::new(&out, synth::SCAN)?;
         synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, task)?;
         let scan = points::read(&[out], &ReadOptions::default(), task)?;
         let own =

@@ -4,7 +4,7 @@ use super::device::MeasuringDevice;
 use super::header::{Totals, WrittenHeader};
 use super::record::WrittenLayout;
 use super::{SynthKind, WrittenScan};
-use base::output::{Output, OutputError, OutputFile};
+use base::output::{Output, OutputError, OutputFile, OutputKind};
 use base::random::Rng;
 use base::task::{Cancelled, Progress};
 use laz::ParLasZipCompressor;
@@ -34,7 +34,7 @@ pub enum SynthError {
         most: u64,
     },
     /// The name's ending is of no format that can be written.
-    #[error("{path}: the name must end in .las, .laz or .ply; it says which of them is written")]
+    #[error("{path}: the name must end in .{}; it says which of them is written", ENDINGS.join(" or ."))]
     Extension {
         /// The file.
         path: PathBuf,
@@ -106,6 +106,16 @@ enum FileFormat {
     Ply,
 }
 
+impl FileFormat {
+    /// The format that each of [`ENDINGS`] stands for.
+    const ALL: [Self; 3] = [Self::Las, Self::Laz, Self::Ply];
+}
+
+/// Endings of files that can be made.
+const ENDINGS: [&str; 3] = ["las", "laz", "ply"];
+/// A made-up scan.
+pub const SCAN: OutputKind = OutputKind::Scan(&ENDINGS);
+
 /// Most points of a mesh; each takes about 150 bytes of memory while the mesh is made.
 const MOST_MESH_POINTS: u64 = 100_000_000;
 
@@ -114,12 +124,8 @@ impl<'a> SynthFile<'a> {
     pub fn check(output: &'a Output, kind: SynthKind, points: u64) -> Result<Self, SynthError> {
         let path = output.path();
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        let form = match extension.as_deref() {
-            Some("las") => FileFormat::Las,
-            Some("laz") => FileFormat::Laz,
-            Some("ply") => FileFormat::Ply,
-            _ => return Err(SynthError::Extension { path: path.into() }),
-        };
+        let known = ENDINGS.iter().position(|ending| extension.as_deref() == Some(*ending));
+        let form = FileFormat::ALL[known.ok_or_else(|| SynthError::Extension { path: path.into() })?];
         let most = match (form, kind) {
             (FileFormat::Ply, SynthKind::Photogrammetry) => MOST_MESH_POINTS,
             (FileFormat::Ply, _) => return Err(SynthError::NoMesh { path: path.into() }),

@@ -32,7 +32,7 @@ mod span;
 mod statue;
 mod terrestrial;
 
-pub use file::SynthError;
+pub use file::{SCAN, SynthError};
 
 use base::output::Output;
 use base::space::Bounds;

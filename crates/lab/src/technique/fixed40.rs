@@ -4,12 +4,12 @@
 use super::texts::text;
 use render::Access;
 use render::Parts;
-use render::bindings::{Eye, Geometry};
+use render::bindings::{EyeSet, GeometrySet};
 use render::gpu::Gpu;
 use render::gpu::stage::Stage;
 use render::layout::{EMPTY_KEY, Variant};
 use render::shaders::{self, ShaderOfSet, parts};
-use render::technique::{Nearest, Pieces, Recording};
+use render::technique::{ClearedTarget, Nearest, Pieces, Recording};
 use std::cell::Cell;
 use std::sync::LazyLock;
 
@@ -80,20 +80,21 @@ pub(super) fn depth(is_tree: bool) -> fn(Variant) -> Pieces {
 
 render::sets! {
     /// The target of [`SHADE40`].
-    Keys40, OfKeys40 {
+    Keys40Set, OfKeys40 {
         /// An eye's depths and colors.
         keys40,
     }
 }
 
 /// The step of `resolve` that turns keys into colors and clears the keys.
-pub const SHADE40: ShaderOfSet<(Eye, Keys40)> = ShaderOfSet::new("shade40", &[parts::SURFACE], |_| &*SHADE);
+pub const SHADE40: ShaderOfSet<(EyeSet, Keys40Set)> =
+    ShaderOfSet::new("shade40", &[parts::SURFACE], |_| &*SHADE);
 
 /// The method's stages.
 #[derive(Debug)]
 pub(super) struct Fixed40 {
-    depth: Stage<Geometry>,
-    shade: Stage<(Eye, Keys40)>,
+    depth: Stage<GeometrySet>,
+    shade: Stage<(EyeSet, Keys40Set)>,
     /// Bind groups of `depth`, one per chunk.
     depth_groups: Vec<wgpu::BindGroup>,
     /// Bind groups of `shade`, one per eye, with the number of its tiles.
@@ -115,6 +116,11 @@ impl Fixed40 {
 }
 
 impl Nearest for Fixed40 {
+    fn cleared_targets(&self) -> &'static [ClearedTarget] {
+        // `shade` clears the keys.
+        &[ClearedTarget::Counters]
+    }
+
     fn bind(&mut self, parts: &Parts<'_>) {
         self.depth_groups = parts.bind_geometry(&self.depth);
         let eyes = 0..parts.targets.sizes_px.len();

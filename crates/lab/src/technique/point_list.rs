@@ -4,27 +4,27 @@
 
 use super::texts::text;
 use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
-use render::bindings::{Batches, Chunk, Eye};
+use render::bindings::{BatchSet, ChunkSet, EyeSet};
 use render::gpu::Gpu;
 use render::gpu::stage::{Bindings, Stage, shader_module};
 use render::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
 use render::shaders::{ShaderOfSet, parts};
-use render::technique::{Nearest, Recording};
+use render::technique::{ClearedTarget, Nearest, Recording};
 use render::{Access, Parts, Targets};
 
 /// The pass that draws points.
-pub const POINT_LIST: ShaderOfSet<Batches> =
+pub const POINT_LIST: ShaderOfSet<BatchSet> =
     ShaderOfSet::new("point-list", &[parts::POINTS], |_| &[text!("methods/point_list")]);
 render::sets! {
     /// What [`POINT_LIST`] drew into.
-    PointImage, OfPointImage {
+    PointImageSet, OfPointImage {
         /// An eye's image of points.
         points,
     }
 }
 
 /// The step of `resolve` that takes points from the images that they were drawn into.
-pub const SHADE_POINTS: ShaderOfSet<((Chunk, Eye), PointImage)> =
+pub const SHADE_POINTS: ShaderOfSet<((ChunkSet, EyeSet), PointImageSet)> =
     ShaderOfSet::new("shade-points", &[parts::SURFACE, parts::CHUNK_COLORS], |_| {
         &[text!("methods/shade_points")]
     });
@@ -40,8 +40,8 @@ type DrawArguments = [u32; 4];
 /// The pipelines of both eyes, and what they draw into.
 #[derive(Debug)]
 pub(super) struct PointList {
-    eyes: [(wgpu::RenderPipeline, Bindings<Batches>); 2],
-    shade: Stage<((Chunk, Eye), PointImage)>,
+    eyes: [(wgpu::RenderPipeline, Bindings<BatchSet>); 2],
+    shade: Stage<((ChunkSet, EyeSet), PointImageSet)>,
     images: Option<PointImages>,
     /// [`DrawArguments`] of each chunk.
     draws: Option<wgpu::Buffer>,
@@ -85,6 +85,11 @@ impl PointList {
 }
 
 impl Nearest for PointList {
+    fn cleared_targets(&self) -> &'static [ClearedTarget] {
+        // The images are cleared as the passes begin.
+        &[ClearedTarget::Counters]
+    }
+
     fn bind(&mut self, parts: &Parts<'_>) {
         let sizes_px = &parts.targets.sizes_px;
         let images = self.images.take().filter(|images| images.sizes_px == *sizes_px);

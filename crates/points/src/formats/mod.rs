@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// One file format. To add one: a folder beside this file, and an entry in [`FORMATS`].
 pub(crate) trait Format: Sync {
-    /// Its names, as people write them: one for each kind of file.
+    /// Its names, as people write them: one for each kind of file, whose ending is the name too.
     fn names(&self) -> &'static [&'static str];
 
     /// True if a file that starts with `head` (up to [`HEAD_BYTES`]) is of this format.
@@ -61,6 +61,11 @@ pub fn open(path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
         Some(format) => format.open(source),
         None => Err(sniff::not_a_scan(path, &head)),
     }
+}
+
+/// The endings of files of all formats, in lower case.
+pub fn format_endings() -> impl Iterator<Item = String> {
+    FORMATS.iter().flat_map(|format| format.names()).map(|name| name.to_ascii_lowercase())
 }
 
 /// The names of all formats in a sentence, with this word before the last: "LAS, LAZ or PLY".

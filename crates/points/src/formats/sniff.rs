@@ -145,7 +145,7 @@ fn describe_text(text: &str) -> (String, &'static str) {
         let what = "it is text with rows of numbers (XYZ, PTS, PTX, CSV)";
         return (
             what.into(),
-            "open it in CloudCompare or PDAL, which ask what the columns are, and save it as LAZ or PLY",
+            "open it in CloudCompare or PDAL, which ask what the columns are, and save it as FORMATS",
         );
     }
     ("it is text, but no rows of numbers".into(), "check that this is the file you mean; name a FORMATS file")

@@ -14,7 +14,7 @@ pub(super) fn distances(positions: &[DVec3], number: usize) -> Vec<f64> {
     sort(&mut nodes);
     let distance = |&p: &DVec3| {
         // The nearest of all is the position itself.
-        let mut nearest = Nearest { p, squares: vec![f64::INFINITY; number + 1] };
+        let mut nearest = NearestSearch { p, squares: vec![f64::INFINITY; number + 1] };
         nearest.search(&nodes);
         nearest.farthest().sqrt()
     };
@@ -49,12 +49,12 @@ fn sort(nodes: &mut [KdNode]) {
 }
 
 /// A search for the nearest positions, with the squares of the distances that have been found, ascending.
-struct Nearest {
+struct NearestSearch {
     p: DVec3,
     squares: Vec<f64>,
 }
 
-impl Nearest {
+impl NearestSearch {
     fn farthest(&self) -> f64 {
         self.squares.last().copied().unwrap_or(0.0)
     }

@@ -45,14 +45,14 @@ const NUM_PAIRS: usize = 256;
 
 /// A line that passes by the core's middle, and how far from the line its points are near the core.
 #[derive(Clone, Copy, Debug)]
-struct Ray {
+struct ScanRay {
     from: DVec3,
     direction: DVec3,
     middle: DVec3,
     radius: f64,
 }
 
-impl Ray {
+impl ScanRay {
     fn distance(&self, p: DVec3) -> f64 {
         (p - self.from).reject_from_normalized(self.direction).length()
     }
@@ -98,13 +98,13 @@ fn core(positions: &[DVec3]) -> Bounds {
 }
 
 /// The ray that has most of the positions away from the core.
-fn find(mut away: Vec<DVec3>, core: &Bounds) -> Option<Ray> {
+fn find(mut away: Vec<DVec3>, core: &Bounds) -> Option<ScanRay> {
     let middle = core.center();
     let step = away.len().div_ceil(MOST_LOOKED_AT).max(1);
     away = away.into_iter().step_by(step).collect();
     away.sort_by(|a, b| a.distance_squared(middle).total_cmp(&b.distance_squared(middle)));
     let needed = FEWEST.max((RAY_SHARE * away.len() as f64) as usize);
-    let num_within = |ray: &Ray, times: f64| away.iter().filter(|&&p| ray.has(p, times)).count();
+    let num_within = |ray: &ScanRay, times: f64| away.iter().filter(|&&p| ray.has(p, times)).count();
     let part = |number: usize, step: f64| ((number as f64 + 0.5) * step).fract();
     let mut best = None;
     for number in 0..NUM_PAIRS.min(away.len() * away.len()) {
@@ -123,7 +123,7 @@ fn find(mut away: Vec<DVec3>, core: &Bounds) -> Option<Ray> {
         let Some(other) = others.get(at) else { continue };
         let direction = (far - *other).normalize();
         let radius = (THIN * length).min(THIN_NEAR * core.edge());
-        let ray = Ray { from: far, direction, middle, radius };
+        let ray = ScanRay { from: far, direction, middle, radius };
         let is_mast = direction.z.abs() > STEEP && length < MAST * core.edge();
         let num = num_within(&ray, 1.0);
         if num >= needed

@@ -224,16 +224,16 @@ pub fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::Sha
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bindings::Clear;
+    use crate::bindings::ClearSet;
 
     #[test]
     fn a_text_is_compiled_once_for_a_device() {
         let gpu = Gpu::open(None).expect("a Vulkan driver");
         let text = |size: u32| format!("@compute @workgroup_size({size}) fn main() {{}}");
-        let pipeline = |size| Stage::<Clear>::new(&gpu, "nothing", &text(size)).compiled.pipeline;
+        let pipeline = |size| Stage::<ClearSet>::new(&gpu, "nothing", &text(size)).compiled.pipeline;
         assert_eq!(pipeline(1), pipeline(1));
         assert_ne!(pipeline(1), pipeline(2));
-        let unchecked = Stage::<Clear>::of_text(&gpu, "nothing", &text(1), false);
+        let unchecked = Stage::<ClearSet>::of_text(&gpu, "nothing", &text(1), false);
         assert_ne!(pipeline(1), unchecked.compiled.pipeline);
     }
 }

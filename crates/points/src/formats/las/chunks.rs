@@ -15,7 +15,7 @@ const MOST_ENTRY_BYTES: u64 = 16;
 
 /// A chunk of compressed points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Chunk {
+pub(super) struct LazChunk {
     /// First byte in the file.
     pub offset: u64,
     /// Size in bytes.
@@ -28,9 +28,9 @@ pub(super) struct Chunk {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Chunks {
     /// All chunks, from the chunk table.
-    Listed(Vec<Chunk>),
+    Listed(Vec<LazChunk>),
     /// Chunks found by following the sizes that they state, and why the table was of no use.
-    Followed(Vec<Chunk>, String),
+    Followed(Vec<LazChunk>, String),
     /// No chunks, so that points must be decompressed one after the other, and why.
     Unknown(String),
 }
@@ -62,14 +62,14 @@ pub(super) fn find(
 
 /// Counts the points of the last chunk of fixed size: it holds the rest, if the header's count fits the number of
 /// chunks.
-fn count_last(chunks: &mut [Chunk], size: u64, announced: u64) {
+fn count_last(chunks: &mut [LazChunk], size: u64, announced: u64) {
     let before = (chunks.len() as u64).saturating_sub(1).saturating_mul(size);
     if let Some(last) = chunks.last_mut() {
         last.num_points = announced.checked_sub(before).filter(|rest| (1..=size).contains(rest));
     }
 }
 
-type TableChunks = Result<Vec<Chunk>, String>;
+type TableChunks = Result<Vec<LazChunk>, String>;
 
 fn table(
     source: &Source,
@@ -119,7 +119,7 @@ fn table(
             return Ok(Err("its chunk table is damaged (the chunks overlap it)".into()));
         }
         if num_points > 0 {
-            chunks.push(Chunk { offset, num_bytes, num_points: Some(num_points) });
+            chunks.push(LazChunk { offset, num_bytes, num_points: Some(num_points) });
         }
         offset += num_bytes;
     }
@@ -136,7 +136,7 @@ fn follow(source: &Source, codec: &Codec, data_offset: u64, reason: String) -> R
         if head.num_points == 0 || head.num_bytes > source.len() - offset {
             break;
         }
-        chunks.push(Chunk { offset, num_bytes: head.num_bytes, num_points: Some(head.num_points) });
+        chunks.push(LazChunk { offset, num_bytes: head.num_bytes, num_points: Some(head.num_points) });
         offset += head.num_bytes;
     }
     Ok(Chunks::Followed(chunks, reason))

@@ -1,7 +1,7 @@
 //! Reads compressed points: chunks in parallel, handed over in file order. A broken chunk loses only itself.
 
 use super::Outcome;
-use super::chunks::{self, Chunk, Chunks, TABLE_POSITION_BYTES};
+use super::chunks::{self, Chunks, LazChunk, TABLE_POSITION_BYTES};
 use super::codec::{self, Codec, Wanted};
 use super::extra::Extra;
 use super::header::LasHeader;
@@ -130,7 +130,7 @@ impl Laz {
         &self,
         reading: &Reading,
         take: &mut Take,
-        chunks: &[Chunk],
+        chunks: &[LazChunk],
     ) -> Result<Outcome, ScanError> {
         let mut handover =
             Handover { take, outcome: Outcome::default(), damaged: Vec::new(), num_chunks: 0, at: 0 };
@@ -149,7 +149,7 @@ impl Laz {
         handover.finish(reading.source)
     }
 
-    fn read_chunk(&self, reading: &Reading, chunk: &Chunk) -> Decoded {
+    fn read_chunk(&self, reading: &Reading, chunk: &LazChunk) -> Decoded {
         let Reading { source, progress, wanted, .. } = *reading;
         if progress.is_cancelled() {
             return Ok(wanted.extractor.block(wanted.grid));
@@ -244,7 +244,7 @@ struct Handover<'a, 'b> {
 }
 
 impl Handover<'_, '_> {
-    fn all(&mut self, decoded: Vec<(Chunk, Decoded)>) -> Result<(), ScanError> {
+    fn all(&mut self, decoded: Vec<(LazChunk, Decoded)>) -> Result<(), ScanError> {
         for (chunk, decoded) in decoded {
             self.num_chunks += 1;
             match decoded {

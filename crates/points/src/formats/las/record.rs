@@ -255,7 +255,7 @@ impl Extractor {
     ///
     /// Each column takes one pass: a few records stay in the cache, and each pass is a plain strided copy.
     pub fn parse(&self, records: &[u8], xyz: &mut [[i32; 3]], columns: &mut [ColumnPart]) {
-        let records = Records { bytes: records, record_bytes: self.record_bytes };
+        let records = RecordBytes { bytes: records, record_bytes: self.record_bytes };
         records.copy(xyz, 0, le_i32x3);
         for (column, (_, place)) in columns.iter_mut().zip(&self.fields) {
             place.read(&records, column);
@@ -270,7 +270,7 @@ impl Extractor {
         let (first, num_points) = (block.xyz.len(), records.len() / self.record_bytes);
         block.reserve(num_points)?;
         block.xyz.resize(first + num_points, [0; 3]);
-        let records = Records { bytes: records, record_bytes: self.record_bytes };
+        let records = RecordBytes { bytes: records, record_bytes: self.record_bytes };
         records.copy(&mut block.xyz[first..], 0, le_i32x3);
         for ((_, column), (_, place)) in block.columns.iter_mut().zip(&self.fields) {
             let mut part = column.grow(num_points)?;
@@ -285,7 +285,7 @@ impl Extractor {
 
 impl FieldPlace {
     /// Takes an attribute out of records. The column's type fits the place, because the layout makes both.
-    fn read(self, records: &Records, column: &mut ColumnPart) {
+    fn read(self, records: &RecordBytes, column: &mut ColumnPart) {
         match (self, column) {
             (Self::Bits { at, shift, mask }, ColumnPart::U8(values)) => {
                 records.copy(values, at, |[byte]: [u8; 1]| byte >> shift & mask);
@@ -315,12 +315,12 @@ impl FieldPlace {
 }
 
 /// Whole records that follow each other.
-struct Records<'a> {
+struct RecordBytes<'a> {
     bytes: &'a [u8],
     record_bytes: usize,
 }
 
-impl Records<'_> {
+impl RecordBytes<'_> {
     /// Makes a value of the bytes from `at` on of each record.
     #[inline]
     fn copy<const N: usize, T>(&self, values: &mut [T], at: usize, value: impl Fn([u8; N]) -> T) {

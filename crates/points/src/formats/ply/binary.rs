@@ -1,6 +1,6 @@
 //! Reads rows of bytes: rows of one size in parallel spans, rows with lists one after the other.
 
-use super::body::{Body, Sink, take};
+use super::body::{Body, RowSink, take};
 use super::reader::{Purpose, RowReader, RowValues};
 use super::value::{Bytes, Record};
 use crate::ScanError;
@@ -22,14 +22,14 @@ const ROWS_BETWEEN_LOOKS: u64 = 1 << 12;
 ///
 /// # Errors
 /// The user stops it, there is no memory, or nothing can be read.
-pub(super) fn read<S: Sink>(
+pub(super) fn read<S: RowSink>(
     source: &Source,
     readers: &[RowReader],
     (offset, big_endian): (u64, bool),
     body: &mut Body<'_, S>,
     progress: &Progress,
 ) -> Result<(), ScanError> {
-    let mut file = File { source, big_endian, progress, body };
+    let mut file = BinaryBody { source, big_endian, progress, body };
     let mut at = offset;
     for reader in readers {
         at = match (reader.row_bytes(), reader.purpose) {
@@ -43,14 +43,14 @@ pub(super) fn read<S: Sink>(
     Ok(())
 }
 
-struct File<'a, 'b, S> {
+struct BinaryBody<'a, 'b, S> {
     source: &'a Source,
     big_endian: bool,
     progress: &'a Progress,
     body: &'a mut Body<'b, S>,
 }
 
-impl<S: Sink> File<'_, '_, S> {
+impl<S: RowSink> BinaryBody<'_, '_, S> {
     /// Reads rows of `row_bytes` each, and returns where the next element starts.
     fn read_fixed(&mut self, reader: &RowReader, at: u64, row_bytes: u64) -> Result<u64, ScanError> {
         let num_rows = reader.count.min(self.source.len().saturating_sub(at) / row_bytes);
@@ -150,7 +150,7 @@ struct RowSpan<S> {
     error: Option<io::Error>,
 }
 
-impl<S: Sink> FixedRows<'_, S> {
+impl<S: RowSink> FixedRows<'_, S> {
     /// Parses the rows from `first` up to `end`.
     fn parse(&self, first: u64, end: u64, span_rows: u64) -> Vec<RowSpan<S>> {
         let starts: Vec<u64> = (first..end).step_by(span_rows as usize).collect();

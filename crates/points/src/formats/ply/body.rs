@@ -6,7 +6,7 @@ use crate::source::Source;
 use std::io;
 
 /// Takes in the rows of a pass.
-pub(super) trait Sink: Send + Sync + Sized {
+pub(super) trait RowSink: Send + Sync + Sized {
     /// An empty sink for about `num_rows` rows, of which the first is point `first_point`.
     fn part(&self, first_point: u64, num_rows: usize) -> Self;
 
@@ -55,7 +55,7 @@ pub(super) struct Body<'a, S> {
     pub warnings: Vec<String>,
 }
 
-impl<'a, S: Sink> Body<'a, S> {
+impl<'a, S: RowSink> Body<'a, S> {
     /// A pass that has read nothing yet.
     pub fn new(sink: S) -> Self {
         let (losses, warnings) = (Vec::new(), Vec::new());
@@ -94,7 +94,7 @@ impl<'a, S: Sink> Body<'a, S> {
 
 /// Hands a row to the method of the sink that is for its element.
 #[inline]
-pub(super) fn take(reader: &RowReader, row: &RowValues, sink: &mut impl Sink) {
+pub(super) fn take(reader: &RowReader, row: &RowValues, sink: &mut impl RowSink) {
     match reader.purpose {
         Purpose::Points(_) => sink.point(row),
         Purpose::Faces(color) => sink.face(color, row),
@@ -105,7 +105,7 @@ pub(super) fn take(reader: &RowReader, row: &RowValues, sink: &mut impl Sink) {
 }
 
 /// Tells the sink that a row could not be read.
-pub(super) fn take_bad(reader: &RowReader, sink: &mut impl Sink) {
+pub(super) fn take_bad(reader: &RowReader, sink: &mut impl RowSink) {
     match reader.purpose {
         Purpose::Points(_) => sink.bad_point(),
         Purpose::Faces(_) | Purpose::Strips => sink.bad_face(),

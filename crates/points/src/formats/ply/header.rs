@@ -103,7 +103,7 @@ impl PlyHeader {
         let only_returns =
             first_end.is_some_and(|at| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n'));
         let line_end = if only_returns { b'\r' } else { b'\n' };
-        let mut lines = Lines::default();
+        let mut lines = HeaderLines::default();
         let mut offset = 0;
         for (line, number) in bytes.split_inclusive(|&byte| byte == line_end).zip(1..) {
             if !is_all && line.last() != Some(&line_end) {
@@ -119,7 +119,7 @@ impl PlyHeader {
             let encoding =
                 lines.encoding.ok_or((number, format!("no line before says the format, {fix}")))?;
             let oddities = lines.oddities();
-            let Lines { elements, remarks, .. } = lines;
+            let HeaderLines { elements, remarks, .. } = lines;
             let (body_offset, body_line) = (offset, number + 1);
             return Ok(Some(Self {
                 encoding,
@@ -137,7 +137,7 @@ impl PlyHeader {
 
 /// What the lines so far say.
 #[derive(Default)]
-struct Lines {
+struct HeaderLines {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
     remarks: Vec<String>,
@@ -145,7 +145,7 @@ struct Lines {
     meaningless: (u64, u64),
 }
 
-impl Lines {
+impl HeaderLines {
     /// Takes in a line; returns false for the header's last line. The error says what is wrong with the line.
     fn take(&mut self, line: &str, number: u64) -> Result<bool, String> {
         let (keyword, rest) = line.split_once(|c: char| c.is_whitespace()).unwrap_or((line, ""));

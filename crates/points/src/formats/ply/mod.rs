@@ -29,13 +29,13 @@ use crate::source::Source;
 use crate::{Attribute, Field, Header, Projection, ScanError, Schema, uncolored};
 use base::task::Progress;
 use base::words::{agreeing, counted};
-use body::{Body, Sink};
+use body::{Body, RowSink};
 use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
 use point::{Meaning, SplatBox};
 use reader::{Color, Intensity, Kept, Opacity, Purpose, RowReader};
 use rows::{LeftOut, Rows};
 use survey::{Found, SplatBoxes, Survey};
-use window::Window;
+use window::TextWindow;
 
 /// The format PLY.
 pub(super) struct Ply;
@@ -220,7 +220,7 @@ impl Dataset for PlyFile {
 
 impl PlyFile {
     /// Goes once over the rows of the first elements.
-    fn pass<S: Sink>(
+    fn pass<S: RowSink>(
         &self,
         readers: &[RowReader],
         num_elements: usize,
@@ -230,7 +230,7 @@ impl PlyFile {
         let Self { source, ply, .. } = self;
         match ply.encoding {
             Encoding::Ascii => {
-                let window = Window::new(ply.body_offset, ply.body_line, ply.line_end);
+                let window = TextWindow::new(ply.body_offset, ply.body_line, ply.line_end);
                 text::read(source, (readers, num_elements), window, body, progress)
             }
             encoding => {

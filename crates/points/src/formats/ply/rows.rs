@@ -1,6 +1,6 @@
 //! The last pass over a PLY file, which puts rows straight into the columns of a scan.
 
-use super::body::Sink;
+use super::body::RowSink;
 use super::faces::Faces;
 use super::point::Meaning;
 use super::reader::{Color, Intensity, RowValues, SLOT_INTENSITY, SLOT_NORMAL};
@@ -139,7 +139,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-impl Sink for Rows<'_> {
+impl RowSink for Rows<'_> {
     fn part(&self, first_point: u64, num_rows: usize) -> Self {
         let mut part = Self { first_point, ..Self::new(self.how) };
         // A part is small; growing it will fail if there is no memory for it.

@@ -1,6 +1,6 @@
 //! The first pass over a PLY file, which finds what must be known of all points before any is put into columns.
 
-use super::body::Sink;
+use super::body::RowSink;
 use super::point::{Meaning, SplatBox};
 use super::reader::{Color, Intensity, Opacity, RowValues, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
 use crate::grid;
@@ -66,7 +66,7 @@ impl<'a> Survey<'a> {
     }
 }
 
-impl Sink for Survey<'_> {
+impl RowSink for Survey<'_> {
     fn part(&self, first_point: u64, _: usize) -> Self {
         Self { stride: self.stride, first_point, ..Self::new(self.meaning, 0, self.with_colors) }
     }
@@ -151,7 +151,7 @@ fn both(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 #[derive(Debug, Default)]
 pub(super) struct SplatBoxes(pub Vec<SplatBox>);
 
-impl Sink for SplatBoxes {
+impl RowSink for SplatBoxes {
     fn part(&self, _: u64, _: usize) -> Self {
         Self::default()
     }

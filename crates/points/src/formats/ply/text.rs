@@ -5,10 +5,10 @@
 //! only most lines are rows, the file is damaged in places or long rows are broken, and the few lines in between are
 //! looked at one by one. If fewer lines are rows, ends of lines mean nothing, and values are counted.
 
-use super::body::{Body, Sink, take, take_bad};
+use super::body::{Body, RowSink, take, take_bad};
 use super::reader::{Purpose, RowReader, RowValues};
 use super::value::{Words, parts_words, without_blanks};
-use super::window::{self, Window, is_blank};
+use super::window::{self, TextWindow, is_blank};
 use crate::ScanError;
 use crate::source::Source;
 use base::task::{Cancelled, Progress};
@@ -21,14 +21,14 @@ const BLOCK_BYTES: usize = 1 << 17;
 ///
 /// # Errors
 /// The user stops it, there is no memory, or nothing can be read.
-pub(super) fn read<S: Sink>(
+pub(super) fn read<S: RowSink>(
     source: &Source,
     (readers, num_elements): (&[RowReader], usize),
-    window: Window,
+    window: TextWindow,
     body: &mut Body<'_, S>,
     progress: &Progress,
 ) -> Result<(), ScanError> {
-    let mut text = Text { source, window, body, progress };
+    let mut text = TextBody { source, window, body, progress };
     let mut num_missing = 0;
     for (at, reader) in readers.iter().enumerate().take(num_elements) {
         if reader.num_properties > 0 && reader.count > 0 {
@@ -51,9 +51,9 @@ pub(super) fn most_rows(reader: &RowReader, num_bytes: u64) -> u64 {
     reader.count.min(num_bytes.div_ceil(2 * reader.num_properties.max(1)))
 }
 
-struct Text<'a, 'b, S> {
+struct TextBody<'a, 'b, S> {
     source: &'a Source,
-    window: Window,
+    window: TextWindow,
     body: &'a mut Body<'b, S>,
     progress: &'a Progress,
 }
@@ -76,7 +76,7 @@ struct TextRows<S> {
     first_bad: Option<usize>,
 }
 
-impl<S: Sink> TextRows<S> {
+impl<S: RowSink> TextRows<S> {
     fn new(sink: S) -> Self {
         Self { sink, num_bad: 0, first_bad: None }
     }
@@ -88,7 +88,7 @@ impl<S: Sink> TextRows<S> {
     }
 }
 
-impl<S: Sink> Text<'_, '_, S> {
+impl<S: RowSink> TextBody<'_, '_, S> {
     /// Reads the rows of an element, and returns how many are missing. `more_follow` is true if other elements have
     /// rows behind them.
     fn read_element(&mut self, reader: &RowReader, more_follow: bool) -> Result<u64, ScanError> {
@@ -270,7 +270,7 @@ impl<S: Sink> Text<'_, '_, S> {
         Taken::Rows(num_rows, num_bytes)
     }
 
-    fn read_words(&self, reader: &RowReader, text: &[u8], left: u64, more_follow: bool) -> Read<S> {
+    fn read_words(&self, reader: &RowReader, text: &[u8], left: u64, more_follow: bool) -> RowsRead<S> {
         // The last word of all is whole only if nothing more is announced: a number could have lost digits.
         let last_is_doubtful = self.window.at_end && text.last().is_some_and(|byte| !parts_words(byte));
         let empty = self.body.sink.part(0, 0);
@@ -324,7 +324,7 @@ struct Lines<S> {
     num_wordy: u64,
 }
 
-impl<S: Sink> Lines<S> {
+impl<S: RowSink> Lines<S> {
     fn read(reader: &RowReader, text: &[u8], line_end: u8, sink: S, row: &mut RowValues) -> Self {
         let mut lines = Self { sink, num_lines: 0, num_exact: 0, num_wordy: 0 };
         for line in text.split(|&byte| byte == line_end) {
@@ -344,17 +344,17 @@ impl<S: Sink> Lines<S> {
 }
 
 /// Rows of parts of a text, their number, and the bytes that they take.
-type Read<S> = (Vec<TextRows<S>>, u64, usize);
+type RowsRead<S> = (Vec<TextRows<S>>, u64, usize);
 
 /// Reads at most `left` rows of `num_words` words each, in parallel. The text's last word is doubtful if there is a
 /// `doubt`; its row is then not read if rows are left or `doubt` says that others follow.
-fn read_counted<S: Sink>(
+fn read_counted<S: RowSink>(
     reader: &RowReader,
     num_words: u64,
     text: &[u8],
     (left, doubt): (u64, Option<bool>),
     part_from: impl Fn(u64) -> S + Sync,
-) -> Read<S> {
+) -> RowsRead<S> {
     let blocks = window::cut(text, BLOCK_BYTES, |byte| parts_words(&byte));
     let counts: Vec<u64> = blocks.par_iter().map(|block| window::count_words(&text[block.clone()])).collect();
     let total: u64 = counts.iter().sum();
@@ -405,14 +405,14 @@ fn skip(words: &mut Words, count: u64) {
 
 /// Reads at most `left` rows with lists, one after the other. `doubt` says whether the row of this number is not whole
 /// if it uses up the text. A bad row ends where its line does.
-fn read_lists<S: Sink>(
+fn read_lists<S: RowSink>(
     reader: &RowReader,
     text: &[u8],
     (left, at_end): (u64, bool),
     doubt: impl Fn(u64) -> bool,
     line_end: u8,
     empty: S,
-) -> Read<S> {
+) -> RowsRead<S> {
     let (mut part, mut words, mut row) = (TextRows::new(empty), Words(text), RowValues::default());
     let mut num_rows = 0;
     while num_rows < left && !is_blank(words.0) {

@@ -12,7 +12,7 @@ const MOST_QUOTED: usize = 40;
 
 /// Text that was read and not yet used.
 #[derive(Debug)]
-pub(super) struct Window {
+pub(super) struct TextWindow {
     buffer: Vec<u8>,
     /// Where in the buffer the unused part starts.
     start: usize,
@@ -26,7 +26,7 @@ pub(super) struct Window {
     pub at_end: bool,
 }
 
-impl Window {
+impl TextWindow {
     /// A window from byte `next` on, which is in line `line`.
     pub fn new(next: u64, line: u64, line_end: u8) -> Self {
         Self { buffer: Vec::new(), start: 0, next, line, line_end, at_end: false }
@@ -133,8 +133,8 @@ pub(super) fn count_words(text: &[u8]) -> u64 {
 mod tests {
     use super::*;
 
-    fn window(text: &str) -> Window {
-        Window { buffer: text.into(), ..Window::new(0, 5, b'\n') }
+    fn window(text: &str) -> TextWindow {
+        TextWindow { buffer: text.into(), ..TextWindow::new(0, 5, b'\n') }
     }
 
     #[test]
