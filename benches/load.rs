@@ -2,12 +2,12 @@
 //! point. PLY files, as text and binary, are read by ours alone. Prints CSV rows; `docs/bench/load` keeps a run.
 
 use anyhow::Result;
-use base::task::CancelToken;
-use kit::steps;
+use kit::{reading, steps};
 use las::{Builder, Color, Point, PointDataBuilder, Reader, Transform, Vector, Writer, point::Format};
 use std::fs::File;
+use std::hint::black_box;
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// Points that the las crate is asked for at once.
@@ -53,19 +53,17 @@ fn bench(folder: &Path, num_points: u64, num_runs: u64) -> Result<()> {
 /// Reads a file once and prints a row: points, bytes, seconds, rate, peak memory.
 fn read_once(reader: &str, path: &Path) -> Result<()> {
     let start = Instant::now();
-    let num_points = if reader == "scanwalk" { read_with_scanwalk(path)? } else { read_with_las(path)? };
+    let num_points = if reader == "scanwalk" {
+        black_box(reading::file(path)?).num_points()
+    } else {
+        read_with_las(path)?
+    };
     let seconds = start.elapsed().as_secs_f64();
     let file_bytes = std::fs::metadata(path)?.len();
     let rate = num_points as f64 / seconds / 1e6;
     let peak = steps::peak_bytes_per_point(num_points);
     println!("{num_points},{file_bytes},{seconds:.4},{rate:.2},{peak:.2}");
     Ok(())
-}
-
-fn read_with_scanwalk(path: &Path) -> Result<usize> {
-    let paths: [PathBuf; 1] = [path.to_owned()];
-    let scan = points::read(&paths, &points::ReadOptions::default(), &CancelToken::default())?;
-    Ok(std::hint::black_box(scan).num_points())
 }
 
 /// The bare parse: reads blocks of raw records into one buffer, takes coordinates from the bytes, keeps nothing.
@@ -86,7 +84,7 @@ fn read_with_las(path: &Path) -> Result<usize> {
             sum = sum.wrapping_add(axis(0) + axis(4) + axis(8));
         }
     }
-    std::hint::black_box(sum);
+    black_box(sum);
     Ok(num_points)
 }
 

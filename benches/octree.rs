@@ -5,18 +5,17 @@
 //! cloud, `octree` the octree, and `nodes` counts nodes.
 
 use anyhow::{Context, Result};
-use base::output::Output;
 use base::percentile::Sorted;
-use base::task::{CancelToken, Progress};
+use base::task::Progress;
 use cloud::morton::MortonGrid;
 use cloud::octree::{Octree, build_octree};
 use cloud::{Order, build};
-use kit::steps;
-use lab::synth::{self, SynthKind, SynthOptions};
-use points::{self, ReadOptions, Scan};
+use kit::{made_up, reading, steps};
+use lab::synth::SynthKind;
+use points::Scan;
 use rayon::prelude::*;
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 fn main() -> Result<()> {
@@ -31,8 +30,7 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     let mut files = Vec::new();
     for (name, kind) in kinds {
         let out = folder.join(name).with_extension("las");
-        let output = Output::new(&out, synth::SCAN)?;
-        synth::write(&SynthOptions { kind, out: output, points, seed: 1 }, &CancelToken::default())?;
+        made_up::file(&out, kind, points, 1)?;
         files.push((name, out));
     }
     for run in 0..num_runs {
@@ -49,11 +47,6 @@ fn bench(folder: &Path, points: u64, num_runs: u64) -> Result<()> {
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Scan> {
-    let paths: [PathBuf; 1] = [path.to_owned()];
-    Ok(points::read(&paths, &ReadOptions::default(), &CancelToken::default())?)
-}
-
 /// Runs a step and prints points, seconds, seconds of all cores together, rates, peak memory. Seconds are of the named
 /// step alone. The cores' seconds tell more than the clock's where other programs run beside.
 fn run_step(step: &str, path: &Path) -> Result<()> {
@@ -61,7 +54,7 @@ fn run_step(step: &str, path: &Path) -> Result<()> {
         return list_nodes(path);
     }
     let (mut start, mut core_start) = (Instant::now(), core_seconds());
-    let scan = read(path)?;
+    let scan = reading::file(path)?;
     let num_points = scan.num_points();
     if step != "read" {
         (start, core_start) = (Instant::now(), core_seconds());
@@ -97,7 +90,7 @@ fn octree(scan: &Scan) -> Result<Octree> {
 /// Prints sizes of nodes: rows of inner nodes and of leaves.
 fn list_nodes(path: &Path) -> Result<()> {
     let name = path.file_stem().context("a file of ours")?.display();
-    let octree = octree(&read(path)?)?;
+    let octree = octree(&reading::file(path)?)?;
     for (kind, wanted) in [("inner", false), ("leaf", true)] {
         let nodes = octree.nodes.iter().filter(|node| node.children.is_empty() == wanted);
         let levels: Vec<u32> = nodes.clone().map(|node| node.level).collect();

@@ -1,17 +1,5 @@
 //! scanwalk: walk through laser scans and photogrammetry in a VR headset.
 //!
-//! ```text
-//!  files ─points─▶ Scan ──cloud──▶ Cloud ──render──▶ CloudBuffers (GPU)
-//!                (columns)   (Morton batches,             │
-//!                             quantized planes)           ▼
-//!  Headset (xr | simulated) ──eyes──▶ Renderer: clear · lod · cull · depth · color · resolve
-//!        ▲                                   │ timings          │ images
-//!        └────────── walk (frame thread) ◀───┴──────────────────┘
-//!                      │ rows                     │ mirror
-//!                      ▼                          ▼
-//!                 timing (frame log)        desktop (window, egui)
-//! ```
-//!
 //! The rooms below are crates of their own: `docs/ARCHITECTURE.md` says which may name which.
 #![forbid(unsafe_code)]
 

@@ -4,8 +4,9 @@
 use crate::nodes::{self, CloudOptions, LodMethod};
 use crate::walk::filling::{Filling, Loaded};
 use crate::walk::link::WalkEnd;
-use crate::walk::start::start;
-use base::task::{CancelToken, Task};
+use crate::walk::moving::floors::{Floors, FloorsCell};
+use crate::walk::start::{start, units_per_m};
+use base::task::{CancelToken, Progress, Task};
 use base::words;
 use cloud::spt::build_spt;
 use cloud::{self, BuildError};
@@ -32,6 +33,8 @@ pub struct Loader {
     pub link: WalkEnd,
     /// Set when the walk ends.
     pub stop: CancelToken,
+    /// Where one can walk, made of the scan once it can be seen.
+    pub floors: FloorsCell,
 }
 
 impl Loader {
@@ -79,8 +82,21 @@ impl Loader {
                 Err(error) => return Err(error),
             }
             self.link.set_doing(None);
+            self.find_floors(&scan);
         }
         Ok(())
+    }
+
+    /// Makes the floors, if nobody has. The walk goes on meanwhile.
+    fn find_floors(&self, scan: &Scan) {
+        if self.floors.get().is_some() {
+            return;
+        }
+        let units_per_m = units_per_m(&scan.scene, scan.unit_m.unwrap_or(1.0));
+        // Whoever asked for an end has no use for floors.
+        if let Ok(floors) = Floors::of(scan, units_per_m, &Progress::silent(&self.stop)) {
+            let _ = self.floors.set(floors);
+        }
     }
 
     /// Work that the terminal and the window show.
@@ -114,14 +130,14 @@ impl Loader {
         drop(sorting);
         let sending = task.begin("sending to the GPU", "bytes", 16 * num_points);
         let buffers = CloudBuffers::upload(&filling.gpu, &cloud, self.options.chunk_limit, &sending)?;
-        Ok(show(filling, buffers, &cloud.scene, scan))
+        Ok(self.show(filling, buffers, &cloud.scene, scan))
     }
 
     /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
     fn layered(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
         let mut bytes = 0;
         nodes::send(&filling.gpu, scan, self.options.chunk_limit, task, |cloud, hierarchy| {
-            bytes = show(filling, cloud, &hierarchy.scene, scan);
+            bytes = self.show(filling, cloud, &hierarchy.scene, scan);
         })
         .map(|()| bytes)
     }
@@ -136,22 +152,22 @@ impl Loader {
         let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
         let sending = task.begin("sending to the GPU", "bytes", num_bytes);
         let buffers = tree::upload(&filling.gpu, &spt, self.options.chunk_limit, &sending)?;
-        Ok(show(filling, buffers, &spt.cloud.scene, scan))
+        Ok(self.show(filling, buffers, &spt.cloud.scene, scan))
     }
-}
 
-/// Hands a cloud to the walk; returns its bytes.
-fn show(filling: &Filling, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
-    let unit_m = scan.unit_m.unwrap_or(1.0);
-    let start = start(scene, unit_m);
-    if start.magnified > 1.0 {
-        let (size, times) = (scene.bounds.edge() * unit_m, start.magnified);
-        eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
+    /// Hands a cloud to the walk; returns its bytes.
+    fn show(&self, filling: &Filling, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
+        let unit_m = scan.unit_m.unwrap_or(1.0);
+        let start = start(scene, unit_m);
+        if start.magnified > 1.0 {
+            let (size, times) = (scene.bounds.edge() * unit_m, start.magnified);
+            eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
+        }
+        let bytes = cloud.bytes;
+        // The walk may have ended meanwhile: then nobody waits for the cloud.
+        let _ = filling.loaded.send(Loaded { cloud, start, floors: Arc::clone(&self.floors) });
+        bytes
     }
-    let bytes = cloud.bytes;
-    // The walk may have ended meanwhile: then nobody waits for the cloud.
-    let _ = filling.loaded.send(Loaded { cloud, start });
-    bytes
 }
 
 /// Tells the user that a scan gets no level of detail; the walk is through all points then.
@@ -288,7 +304,7 @@ mod tests {
         let task = Task::new(&CancelToken::default())
             .observed(move |count| seen.lock().unwrap().push(Arc::clone(count)));
         let (scans, read, stop) = (vec![], ReadOptions::default(), CancelToken::default());
-        let loader = Loader { scans, read, options, link, stop };
+        let loader = Loader { scans, read, options, link, stop, floors: FloorsCell::default() };
         let first = std::thread::scope(|scope| {
             let loading = scope.spawn(|| loader.layered(&scan, &filling, &task).expect("a cloud"));
             let Loaded { cloud, .. } = loaded.recv().expect("a cloud");

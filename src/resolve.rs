@@ -14,6 +14,7 @@ use lab::technique::{DISCS_REACH_PX, LabTechnique};
 use points::ReadOptions;
 use render::layout::{ALL_PLANES, Detail};
 use render::options::{Dilate, Precision};
+use render::scenery::Surround;
 use render::{Access, DrawOptions, NO_REACH_PX, RINGS_REACH_PX};
 use serde::Deserialize;
 use xr::XrOptions;
@@ -52,7 +53,9 @@ impl Plan {
     /// What `config` comes to.
     #[must_use]
     pub fn of(config: &Config) -> Self {
-        let Config { gpu, cloud, frame, lod, governor, headset, simulated, locomotion, window, .. } = config;
+        let Config {
+            gpu, cloud, frame, lod, governor, headset, surround, simulated, locomotion, window, ..
+        } = config;
         let [outward, inward, up, down] = simulated.fov_deg.map(f64::to_radians);
         Self {
             adapter: gpu.adapter.clone(),
@@ -79,8 +82,10 @@ impl Plan {
             },
             headset: XrOptions {
                 resolution_scale: headset.resolution_scale,
+                refresh_hz: (headset.refresh_hz > 0.0).then_some(headset.refresh_hz),
                 depth_layer: headset.depth_layer,
                 visibility_mask: headset.visibility_mask,
+                hands: headset.hands,
                 near_m: frame.near_m.meters(),
             },
             simulated: SimulatedOptions {
@@ -95,11 +100,23 @@ impl Plan {
                 locomotion: LocomotionOptions {
                     speed_m_per_s: (locomotion.speed > 0.0).then_some(locomotion.speed),
                     fast: locomotion.fast,
+                    stride: locomotion.stride,
+                    moving_hand: locomotion.moving_hand,
+                    turn: locomotion.turn,
                     snap_rad: locomotion.snap_deg.to_radians(),
+                    turn_rad_per_s: locomotion.turn_deg_per_s.to_radians(),
                     look_rad_per_px: locomotion.look_deg_per_px.to_radians(),
+                    reach_m: locomotion.reach_m,
+                    vignette: locomotion.vignette as f32,
                 },
                 governor: GovernorOptions { enabled: governor.enabled, budget: governor.budget as f32 },
                 overlay: window.overlay,
+                surround: surround.show.then_some(Surround {
+                    sky: surround.sky,
+                    horizon: surround.horizon,
+                    ground: surround.ground,
+                    grid: surround.grid.then_some(surround.line),
+                }),
             },
             window: WindowOptions {
                 size: window.size,
@@ -213,6 +230,7 @@ mod tests {
         let Fov { left, right, up, down } = simulated.left_fov;
         assert!((left + 1.0).abs() + (up - 1.0).abs() + (down + 1.0).abs() < 1e-12 && right < 0.0);
         assert_eq!(walk.locomotion.speed_m_per_s, None);
+        assert_eq!(Plan::default().walk.locomotion, LocomotionOptions::default());
         let fast = plan(|config| config.locomotion.speed = 3.0);
         assert_eq!(fast.walk.locomotion.speed_m_per_s, Some(3.0));
     }

@@ -1,7 +1,8 @@
 //! The main job: walk through a scan, in a headset, in a window, or with nobody looking.
 //!
-//! There are three threads: the loader reads the scan and sends it to the GPU, node by node ([`crate::loader`]); the
-//! frame thread draws ([`crate::walk`]); the main thread runs the window, if there is one.
+//! These are its threads: the loader reads the scan and sends it to the GPU, node by node ([`crate::loader`]); the frame
+//! thread draws ([`crate::walk`]); one paints the card ([`crate::desktop::card`]); the main thread runs the window, if there
+//! is one.
 
 use crate::desktop::{self, Display};
 use crate::ending::Ending;
@@ -12,6 +13,7 @@ use crate::walk::Walk;
 use crate::walk::filling::Filler;
 use crate::walk::headsets::{Headsets, SoughtHeadsets, Wish};
 use crate::walk::link;
+use crate::walk::moving::floors::FloorsCell;
 use base::output::Output;
 use base::task::CancelToken;
 use base::words::counted;
@@ -25,6 +27,8 @@ use timing::log::FrameLog;
 use timing::pose_path::PosePath;
 use xr::Headset;
 
+/// How long a headset without a window shows why the scan could not be loaded.
+const ERROR_STAYS: Duration = Duration::from_secs(10);
 /// How long the end of a walk waits for a runtime or a driver that does not answer.
 const LEAVE_WITHIN: Duration = Duration::from_millis(1500);
 /// Time between two looks whether a thread has ended.
@@ -49,6 +53,15 @@ pub struct ViewOptions {
     pub pose_path: Option<PathBuf>,
 }
 
+/// What has become of a walk's threads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Threads {
+    /// All have ended.
+    Ended,
+    /// A runtime or a driver keeps one, which goes on while the program ends.
+    LeftBehind,
+}
+
 impl ViewOptions {
     /// True if a limit ends the walk: whoever sets one may not be there at the end.
     fn ends_by_itself(&self) -> bool {
@@ -56,12 +69,17 @@ impl ViewOptions {
     }
 }
 
-/// Walks until the user or a limit ends it.
+/// Walks until the user or a limit ends it. `threads` says afterwards whether all have ended.
 ///
 /// # Errors
 /// Unreadable scan, no usable GPU, a headset or window that was required and is missing, a frame log that cannot
 /// be begun, a device that fails and cannot be replaced.
-pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(), Failure> {
+pub fn run(
+    options: &ViewOptions,
+    plan: &Plan,
+    stop: &CancelToken,
+    threads: &mut Threads,
+) -> Result<(), Failure> {
     let pose_path = options.pose_path.as_deref().map(PosePath::read).transpose()?;
     let display = open_display(options.window, stop)?;
     if stop.is_cancelled() {
@@ -82,15 +100,23 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(),
         options: plan.cloud.clone(),
         link: link.clone(),
         stop: stop.clone(),
+        floors: FloorsCell::default(),
     };
-    // A window stays until the user has read the error and closes it, unless nobody may be there.
-    let error_stays = display.is_some() && !options.ends_by_itself();
+    // A window stays until the user has read the error and closes it, unless nobody may be there. Who wears a headset
+    // without a window reads it for some seconds, for a script may wait for the end.
+    let error_stays = match &display {
+        _ if options.ends_by_itself() => Duration::ZERO,
+        Some(_) => Duration::MAX,
+        None if headset.is_simulated() => Duration::ZERO,
+        None => ERROR_STAYS,
+    };
     let loader = thread(&ending, move |ending| match loader.run(&fillings) {
-        Err(error) if !error.is_cancelled() && error_stays => ending.fail_later(error.into()),
+        Err(error) if !error.is_cancelled() && !error_stays.is_zero() => ending.fail_later(error.into()),
         Err(error) if !error.is_cancelled() => ending.fail(error.into()),
         // Whoever asked for the end has the reason.
         _ => {}
     });
+    let card_end = link.card_end();
     let walk = Walk {
         draw: plan.draw,
         options: plan.walk,
@@ -101,18 +127,20 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(),
         pose_path,
         max_frames: options.frames,
         max_time: options.seconds.map(Duration::from_secs_f64),
+        error_stays,
         stop: stop.clone(),
     };
-    let walk_stop = stop.clone();
+    let (walk_stop, has_window) = (stop.clone(), display.is_some());
     let frames = thread(&ending, move |ending| {
         let summary = walk.run(&mut headsets).map_err(|error| ending.fail(error.into())).ok();
-        // The end of the walk ends the window and the loader too, unless something has failed: then the failure
-        // has decided.
-        if !ending.has_failed() {
+        // The end of the walk ends the others too, but for a window that still shows what has failed.
+        if !ending.has_failed() || !has_window {
             walk_stop.cancel();
         }
         summary
     });
+    let (scan, card_stop) = (names(options), stop.clone());
+    let card = thread(&ending, move |_| desktop::card::paint(&card_end, &scan, &card_stop));
     if let Some(display) = display {
         match display.run(viewer, names(options), plan.window.clone(), stop.clone()) {
             Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
@@ -120,9 +148,10 @@ pub fn run(options: &ViewOptions, plan: &Plan, stop: &CancelToken) -> Result<(),
             Ok(()) => {}
         }
     }
-    let mut leaving = Leaving { stop, since: None };
+    let mut leaving = Leaving { stop, since: None, threads };
     let summary = leaving.join(frames).flatten();
     leaving.join(loader);
+    leaving.join(card);
     // After a failure, a log without a frame of the scan is dropped, so that an older log stays.
     ending.take_result()?;
     finish_log(log.as_deref(), options);
@@ -154,6 +183,7 @@ struct Leaving<'a> {
     stop: &'a CancelToken,
     /// When the end was first seen to be asked for.
     since: Option<Instant>,
+    threads: &'a mut Threads,
 }
 
 impl Leaving<'_> {
@@ -167,6 +197,7 @@ impl Leaving<'_> {
                 eprintln!(
                     "scanwalk: left without waiting for the headset's software or the GPU's driver, which does not answer"
                 );
+                *self.threads = Threads::LeftBehind;
                 return None;
             }
             std::thread::sleep(LOOK_EVERY);

@@ -8,7 +8,9 @@ mod desktop_support;
 
 use desktop_support::child::{ROLE, Window};
 use desktop_support::walk::{self, EYE_PX, QUARTERS};
-use kit::screen::{Picture, Screen, wait_for};
+use kit::picture::Picture;
+use kit::screen::Screen;
+use kit::wait::wait_for;
 
 const CASES: &[(&str, fn())] = &[
     ("the_mirror_shows_exact_colors_and_keeps_its_shape", the_mirror_shows_exact_colors_and_keeps_its_shape),
@@ -258,13 +260,14 @@ fn the_validation_layer_can_object() {
     );
 }
 
-/// Waits until the picture is as wanted and stays the same for a moment.
+/// Waits until the picture is as wanted at two looks in a row, between which only the panel's plots may move.
 fn settled(window: &Window, wanted: impl Fn(&Picture) -> bool) -> Picture {
+    let mut before: Option<Picture> = None;
     wait_for("the picture", 20.0, || {
-        let first = window.picture();
-        std::thread::sleep(std::time::Duration::from_millis(150));
-        let second = window.picture();
-        (wanted(&second) && first.num_different(&second) < 4000).then_some(second)
+        let now = Some(window.picture()).filter(&wanted);
+        let stays = before.as_ref().zip(now.as_ref()).is_some_and(|(a, b)| a.num_different(b) < 4000);
+        before = now;
+        stays.then(|| before.clone()).flatten()
     })
 }
 

@@ -1,14 +1,13 @@
 //! The made-up scan that is drawn, and the places that it is drawn from.
 
 use anyhow::Result;
-use base::output::Output;
 use base::space::{Eye, Fov, Pose, View};
-use base::task::{CancelToken, Progress};
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
-use points::{self, ReadOptions};
+use kit::made_up;
+use lab::synth::{self, SynthKind, Viewpoint};
 
 /// Names of the viewpoints: one of the whole, and one inside, where culling matters.
 const VIEWPOINTS: [&str; 2] = ["overview", "hall"];
@@ -33,12 +32,7 @@ impl Scene {
     /// # Errors
     /// If there is no room for its file.
     pub fn new(points: u64) -> Result<Self> {
-        let folder = tempfile::tempdir()?;
-        let out = folder.path().join("courtyard.las");
-        let stop = CancelToken::default();
-        let output = Output::new(&out, synth::SCAN)?;
-        synth::write(&SynthOptions { kind: SynthKind::Terrestrial, out: output, points, seed: SEED }, &stop)?;
-        let scan = points::read(&[out], &ReadOptions::default(), &stop)?;
+        let scan = made_up::scan(SynthKind::Terrestrial, points, SEED)?;
         let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
         Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden())? })
     }

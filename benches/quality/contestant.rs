@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
+use kit::frames::image;
 use kit::quality::picture::{Picture, only_eye};
 use kit::quality::scene::Scene;
 use kit::quality::supersample::{self, FACTOR};
@@ -12,7 +13,7 @@ use render::DrawOptions;
 use render::gpu::{Gpu, readback};
 use render::layout::depth_of;
 use render::options::{Dilate, Precision, Quality, Tier};
-use render::{self, CloudBuffers, EyeImage, IMAGE_USAGES, Renderer, Setup};
+use render::{self, CloudBuffers, EyeImage, Renderer, Setup};
 use scanwalk::config::{Config, FrameConfig};
 use scanwalk::resolve::Plan;
 use std::sync::Arc;
@@ -173,11 +174,6 @@ impl Contestant for Hardware {
         let depth = self.point_list.depths(&self.gpu, 0, view.near)?;
         Ok(Picture { size_px: only_eye(view).size_px, rgb, depth })
     }
-}
-
-fn image(gpu: &Gpu, size_px: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
-    gpu.texture("image", size_px, format, usage)
 }
 
 /// The image's colors; waits until it is drawn.

@@ -1,19 +1,18 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
+use crate::headset::{left_eye, plan};
 use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
-use kit::quality::holes::{self, Drawer, Drawn, EMPTY_RGB, INSIDE, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
+use kit::quality::holes::{self, Drawer, Drawn, INSIDE, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
 use kit::quality::scene::{SOURCES, Source};
 use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
 use render::{CloudBuffers, DrawOptions};
-use scanwalk::config::{self, ConfigError};
-use scanwalk::resolve::Plan;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 const HEADSETS: [&str; 3] = ["valve-index", "meta-quest-3", "bigscreen-beyond-2"];
@@ -94,7 +93,7 @@ impl Holes {
             for headset in HEADSETS.into_iter().filter(|headset| headset.contains(&self.headset)) {
                 for preset in PRESETS.into_iter().filter(|preset| preset.contains(&self.preset)) {
                     let plan = plan(&[preset, headset], &self.sets)?;
-                    let view = eye_at(&plan, place, self.share);
+                    let view = left_eye(&plan, place, self.share);
                     let buffers = cloud.take().context("no cloud to draw")?;
                     let mut drawer = Drawer::new(
                         gpu,
@@ -136,20 +135,6 @@ impl Holes {
     }
 }
 
-/// The plan of the settings of these presets, then of `sets`, in which empty pixels have a color of their own.
-fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
-    let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
-    let mut plan = Plan::of(&config::load(&presets, None, sets)?);
-    plan.draw.options.background = EMPTY_RGB;
-    Ok(plan)
-}
-
-/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
-fn eye_at(plan: &Plan, place: &Viewpoint, share: f64) -> View {
-    let share = share * plan.headset.resolution_scale;
-    holes::left_eye(place, plan.simulated.left_fov, (plan.simulated.size_px, share), plan.draw.near)
-}
-
 /// Destinations of rows and pictures.
 struct Kept<'a> {
     csv: &'a mut dyn Write,
@@ -180,16 +165,8 @@ impl Kept<'_> {
 
     fn picture(&self, names: &str, rgb: &[[u8; 3]], size_px: [u32; 2]) -> Result<()> {
         let Some(folder) = self.pictures else { return Ok(()) };
-        save(&folder.join(format!("{}.png", names.replace([',', ' '], "-"))), size_px, rgb)
+        crate::save(&folder.join(format!("{}.png", names.replace([',', ' '], "-"))), size_px, rgb)
     }
-}
-
-fn save(path: &Path, [width, height]: [u32; 2], rgb: &[[u8; 3]]) -> Result<()> {
-    let mut encoder = png::Encoder::new(super::create(path)?, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb.as_flattened())?;
-    Ok(writer.finish()?)
 }
 
 const _: () = assert!(RINGS_DEG.len() == 5);

@@ -4,6 +4,7 @@
 //! Pictures do not depend on how fast they are drawn, so figures of a software driver are as good as any.
 
 mod contestant;
+mod headset;
 mod holes_table;
 
 use anyhow::{Context, Result};
@@ -11,6 +12,7 @@ use base::space::View;
 use clap::Parser;
 use contestant::{CONTESTANTS, Contestant, Truth};
 use holes_table::Holes;
+use kit::picture::write_png;
 use kit::quality::figures::{Figures, Motion, Recording, Table};
 use kit::quality::motion;
 use kit::quality::picture::Picture;
@@ -172,10 +174,9 @@ fn recordings(contestant: &mut dyn Contestant, stands: &[Stand], is_truth: bool)
 fn keep(args: &Args, source: Source, stand: &Stand, name: &str, picture: &Picture) -> Result<()> {
     let Some(folder) = &args.pictures else { return Ok(()) };
     let path = folder.join(format!("{}-{}-{name}.png", source.name(), stand.place.name));
-    let [width, height] = picture.size_px;
-    let mut encoder = png::Encoder::new(create(&path)?, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(picture.rgb.as_flattened())?;
-    writer.finish().with_context(|| format!("{}: cannot be written", path.display()))
+    save(&path, picture.size_px, &picture.rgb)
+}
+
+fn save(path: &Path, size_px: [u32; 2], rgb: &[[u8; 3]]) -> Result<()> {
+    write_png(path, size_px, rgb).with_context(|| format!("{}: cannot be written", path.display()))
 }

@@ -8,7 +8,7 @@ use crate::config::{Config, ConfigError, load};
 use crate::failure::Failure;
 use crate::offscreen::{self, PictureFov, PictureOptions};
 use crate::resolve::Plan;
-use crate::view::{self, ViewOptions};
+use crate::view::{self, Threads, ViewOptions};
 use crate::walk::headsets::Wish;
 use base::output::{OutputKind, Outputs, Partials};
 use base::task::{CancelToken, Task};
@@ -16,14 +16,25 @@ use lab::synth::{self, SynthOptions};
 use std::io::Write;
 
 /// Runs the command that was asked for.
-pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> Result<(), Failure> {
+pub(super) fn run(cli: &Cli, partials: &Partials, stop: &CancelToken) -> (Threads, Result<(), Failure>) {
+    let mut threads = Threads::Ended;
+    let result = run_with(cli, partials, stop, &mut threads);
+    (threads, result)
+}
+
+fn run_with(
+    cli: &Cli,
+    partials: &Partials,
+    stop: &CancelToken,
+    threads: &mut Threads,
+) -> Result<(), Failure> {
     let outputs = files::check(cli, partials)?;
     let config = config(cli)?;
     let plan = &Plan::of(&config);
     plan.draw.technique.check_itself().map_err(|error| Failure::Usage(error.to_string()))?;
     let task = &Task::in_terminal(stop);
     match &cli.command {
-        Command::View(args) => view(args, outputs, plan, stop),
+        Command::View(args) => view(args, outputs, plan, stop, threads),
         Command::Render(args) => render(args, outputs, plan, task),
         Command::Info(args) => info(args, plan, task),
         Command::Synth(args) => synth(args, outputs, task),
@@ -68,7 +79,13 @@ fn not_there_yet(command: &str, instead: &str) -> Failure {
     Failure::Usage(format!("{command} does not exist yet; {instead}"))
 }
 
-fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) -> Result<(), Failure> {
+fn view(
+    args: &ViewArgs,
+    mut outputs: Outputs,
+    plan: &Plan,
+    stop: &CancelToken,
+    threads: &mut Threads,
+) -> Result<(), Failure> {
     let options = ViewOptions {
         scans: args.scans.clone(),
         headset: match args.headset {
@@ -86,7 +103,7 @@ fn view(args: &ViewArgs, mut outputs: Outputs, plan: &Plan, stop: &CancelToken) 
         seconds: args.seconds,
         pose_path: args.pose_path.clone(),
     };
-    view::run(&options, plan, stop)
+    view::run(&options, plan, stop, threads)
 }
 
 fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> Result<(), Failure> {

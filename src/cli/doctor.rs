@@ -43,9 +43,9 @@ pub(super) fn run(adapter: &str, json: bool, stop: &CancelToken) -> Result<(), F
         return Ok(());
     }
     for Check { check, ok, found, advice } in &checks {
-        writeln!(out, "{} {check:<12} {found}", if *ok { "ok     " } else { "lacking" })?;
+        writeln!(out, "{} {check:<13} {found}", if *ok { "ok     " } else { "lacking" })?;
         if !advice.is_empty() {
-            writeln!(out, "{:21}{advice}", "")?;
+            writeln!(out, "{:22}{advice}", "")?;
         }
     }
     Ok(())

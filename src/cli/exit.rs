@@ -2,6 +2,7 @@
 
 use crate::config::ConfigError;
 use crate::failure::Failure;
+use crate::view::Threads;
 use base::output::Partials;
 use base::task::CancelToken;
 use std::error::Error;
@@ -10,6 +11,7 @@ use std::iter::successors;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
+const DONE: u8 = 0;
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 /// What shells report of a program that SIGINT ended: 128 + 2.
@@ -21,15 +23,29 @@ impl From<ConfigError> for Failure {
     }
 }
 
+/// Tells what has become of the work, and ends the program.
+pub(super) fn end((threads, result): (Threads, Result<(), Failure>), partials: &Partials) -> ExitCode {
+    let code = code(result);
+    // A thread that is left behind may have begun a file.
+    partials.discard();
+    match threads {
+        Threads::Ended => ExitCode::from(code),
+        Threads::LeftBehind => {
+            let _ = io::stdout().flush();
+            raw::environment::end_at_once(code)
+        }
+    }
+}
+
 /// Prints a failure and chooses the exit code.
-pub(super) fn code(result: Result<(), Failure>) -> ExitCode {
-    let Err(failure) = result else { return ExitCode::SUCCESS };
+fn code(result: Result<(), Failure>) -> u8 {
+    let Err(failure) = result else { return DONE };
     if failure.is_closed_pipe() {
-        return ExitCode::SUCCESS;
+        return DONE;
     }
     // The exit code has to do if stderr is gone too.
     let _ = writeln!(io::stderr(), "scanwalk: {}", one_line(&failure));
-    ExitCode::from(if failure.is_usage() { WRONG_USAGE } else { FAILED })
+    if failure.is_usage() { WRONG_USAGE } else { FAILED }
 }
 
 /// The error and its causes, "what: why: why", without those that the sentence before already quotes.

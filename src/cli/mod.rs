@@ -100,8 +100,5 @@ pub fn main() -> ExitCode {
     exit::start_tracing(cli.shared.verbose);
     let partials = Partials::default();
     let stop = exit::stop_on_signals(&partials);
-    let code = exit::code(commands::run(&cli, &partials, &stop));
-    // A thread that was not waited for may have begun a file.
-    partials.discard();
-    code
+    exit::end(commands::run(&cli, &partials, &stop), &partials)
 }

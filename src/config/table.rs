@@ -5,6 +5,7 @@ use super::near::NearClip;
 use super::setting::{Audience, Section, Setting, settings};
 use crate::desktop::MirroredEyes;
 use crate::nodes::LodMethod;
+use crate::walk::moving::{Hand, Stride, Turn};
 use cloud::Order;
 use lab::technique::{EarlyZLoad, Method};
 use points::{Project, Unit, Up};
@@ -124,10 +125,31 @@ settings! {
     headset: HeadsetConfig {
         /// Factor on the width and height that the runtime recommends for the eyes' images.
         resolution_scale: f64 = 1.0, from 0.05 to 4;
+        /// Images a second that the headset is to show, where its runtime lets programs choose: the nearest that it
+        /// offers; 0: as many as the runtime chooses.
+        refresh_hz: f64 = 0.0, from 0 to 1000, in "hertz";
         /// true: the runtime gets depths where it takes them, for its reprojection.
         depth_layer: bool = true;
         /// true: pixels that the lenses hide are not filled, where the runtime tells which.
         visibility_mask: bool = true;
+        /// true: hands without controllers are followed where the runtime tracks them.
+        hands: bool = true;
+    }
+
+    /// What a walk shows where the scan has nothing. Pictures have frame.background there.
+    surround: SurroundConfig {
+        /// true: a calm surrounding; false: frame.background.
+        show: bool = true;
+        /// Color straight up: red, green, blue, 0 to 255.
+        sky: [u8; 3] = [22, 26, 34];
+        /// Color of the horizon.
+        horizon: [u8; 3] = [54, 58, 66];
+        /// Color straight down.
+        ground: [u8; 3] = [28, 28, 30];
+        /// true: lines a meter apart lie on the floor that the walk begins on.
+        grid: bool = true;
+        /// Color of the lines.
+        line: [u8; 3] = [84, 88, 96];
     }
 
     /// The headset that stands in where there is none.
@@ -152,8 +174,21 @@ settings! {
         speed: f64 = 0.0, from 0 to 1e6, in "meters a second";
         /// Factor while the fast key is held.
         fast: f64 = 4.0, from 1 to 1000;
+        /// How sticks and keys move at first: "walk" (on the floor, wherever the head looks), "fly" (where the head looks),
+        /// or "auto" (walking where a walk begins inside, flying elsewhere).
+        stride: Stride = Stride::Auto;
+        /// The hand whose stick moves, "left" or "right"; the other hand's stick turns and teleports.
+        moving_hand: Hand = Hand::Left;
+        /// How the stick turns: "snap" (by locomotion.snap_deg at once) or "smooth" (while it is held).
+        turn: Turn = Turn::Snap;
         /// Angle of a snap turn.
         snap_deg: f64 = 30.0, from 1 to 180, in "degrees";
+        /// Speed of a smooth turn at full stick.
+        turn_deg_per_s: f64 = 90.0, from 1 to 720, in "degrees a second";
+        /// How far a hand that points a little upwards teleports.
+        reach_m: f64 = 8.0, from 0.5 to 100, in "meters";
+        /// How far the edge of sight is darkened while a stick moves the user; 0: not at all.
+        vignette: f64 = 0.5, from 0 to 1;
         /// Angle that the view turns for each pixel that the mouse moves.
         look_deg_per_px: f64 = 0.15, from -10 to 10, in "degrees";
     }

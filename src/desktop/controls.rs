@@ -1,7 +1,7 @@
 //! Turns keys and mouse into actions for the frame thread and into what the window shows. It knows no window: events
 //! go in, and at most one action comes out of each.
 
-use super::keys::{self, HandInput, KeyAction};
+use super::keys::{self, KeyAction, WindowInput};
 use super::{MirroredEyes, WindowOptions};
 use crate::walk::state::Action;
 use std::time::{Duration, Instant};
@@ -73,7 +73,7 @@ impl Controls {
 
     /// Takes in that a key went down (once, not its repeats) or up.
     pub(super) fn key(&mut self, key: KeyCode, pressed: bool, now: Instant) -> Option<Action> {
-        let action = keys::action(HandInput::Key(key))?;
+        let action = keys::action(WindowInput::Key(key))?;
         if let KeyAction::Move(..) | KeyAction::Fast = action {
             self.held.retain(|held| *held != key);
             if pressed {
@@ -118,13 +118,13 @@ impl Controls {
         self.pointer_px = at_px;
         let from_px = self.drag_from_px.as_mut().map(|from| std::mem::replace(from, at_px))?;
         let delta_px = [(at_px[0] - from_px[0]) as f32, (at_px[1] - from_px[1]) as f32];
-        (keys::action(HandInput::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
+        (keys::action(WindowInput::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
             .then_some(Action::Look { delta_px })
     }
 
     /// Takes in that the wheel turned by this many lines; up is positive.
     pub(super) fn wheel(&mut self, lines: f32) -> Option<Action> {
-        match keys::action(HandInput::Wheel)? {
+        match keys::action(WindowInput::Wheel)? {
             KeyAction::Speed(steps) if lines.is_finite() => Some(Action::Faster(steps * lines)),
             _ => None,
         }
@@ -142,7 +142,7 @@ impl Controls {
         let mut moving = [0.0f32; 3];
         let mut fast = false;
         for key in &self.held {
-            match keys::action(HandInput::Key(*key)) {
+            match keys::action(WindowInput::Key(*key)) {
                 Some(KeyAction::Move(axis, by)) => moving[axis] += by,
                 Some(KeyAction::Fast) => fast = true,
                 _ => {}

@@ -136,7 +136,7 @@ pub(super) mod tests {
             wait_ms: 2.0,
             record_ms: 0.3,
             submit_ms: 0.2,
-            stage_ms: [0.05, 0.05, 0.05, 0.6, 0.1, 0.1].map(|share| share * gpu_ms),
+            stage_ms: [0.05, 0.05, 0.05, 0.6, 0.1, 0.1, 0.05].map(|share| share * gpu_ms),
             gpu_ms,
             budget_ms: 11.1,
             missed_periods: 0,

@@ -7,7 +7,7 @@ use winit::keyboard::KeyCode;
 
 /// Something that a hand can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum HandInput {
+pub(super) enum WindowInput {
     /// A key by its position.
     Key(KeyCode),
     /// Moving the mouse with a button held.
@@ -45,7 +45,7 @@ pub(super) enum KeyAction {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Binding {
     /// Inputs, each of which does it.
-    pub inputs: &'static [HandInput],
+    pub inputs: &'static [WindowInput],
     /// What the inputs do.
     pub action: KeyAction,
     /// The action in words, for the help.
@@ -54,10 +54,10 @@ pub(super) struct Binding {
 
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[Binding] = {
-    use HandInput::{Drag, Key, Wheel};
     use KeyAction::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
     use KeyCode as K;
-    const fn bind(inputs: &'static [HandInput], action: KeyAction, does: &'static str) -> Binding {
+    use WindowInput::{Drag, Key, Wheel};
+    const fn bind(inputs: &'static [WindowInput], action: KeyAction, does: &'static str) -> Binding {
         Binding { inputs, action, does }
     }
     &[
@@ -75,6 +75,15 @@ pub(super) const BINDINGS: &[Binding] = {
         bind(&[Key(K::ArrowRight), Key(K::Period)], Send(Action::Snap(1)), "Turn right by a step"),
         bind(&[Key(K::KeyF), Key(K::Home)], Send(Action::WholeView), "See the whole scan"),
         bind(&[Key(K::KeyR)], Send(Action::Reset), "Back to the starting place"),
+        bind(&[Key(K::KeyG)], Send(Action::ToggleWalking), "Walk on floors, or fly"),
+        bind(&[Key(K::KeyV)], Send(Action::ShowModel), "The whole scan as a model"),
+        bind(&[Key(K::KeyL)], Send(Action::LifeSize), "As large as life, where the view points"),
+        bind(&[Key(K::KeyB)], Send(Action::SavePlace), "Keep this place"),
+        bind(&[Key(K::KeyN), Key(K::PageDown)], Send(Action::NextPlace), "Next place that was kept"),
+        bind(&[Key(K::PageUp)], Send(Action::PreviousPlace), "The place before"),
+        bind(&[Key(K::BracketRight)], Send(Action::Raise(0.1)), "Higher above the floor"),
+        bind(&[Key(K::BracketLeft)], Send(Action::Raise(-0.1)), "Lower above the floor"),
+        bind(&[Key(K::KeyH)], Send(Action::ToggleSeated), "Sit as if you stood, and back"),
         bind(&[Key(K::KeyM)], NextMirror, "Mirror left, right or both eyes"),
         bind(&[Key(K::KeyO)], Send(Action::NextOverlay), "Next overlay on the mirror: rings, nodes, …, none"),
         bind(&[Key(K::F12), Key(K::KeyP)], Send(Action::Screenshot), "Save both eyes' images"),
@@ -86,20 +95,20 @@ pub(super) const BINDINGS: &[Binding] = {
 };
 
 /// Returns what `input` does, if anything.
-pub(super) fn action(input: HandInput) -> Option<KeyAction> {
+pub(super) fn action(input: WindowInput) -> Option<KeyAction> {
     BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
 }
 
 impl Binding {
     /// Names of its inputs for the help: "E", "Space". Left and right keys of one name count once.
     pub(super) fn labels(&self) -> Vec<String> {
-        let mut labels: Vec<String> = self.inputs.iter().map(HandInput::label).collect();
+        let mut labels: Vec<String> = self.inputs.iter().map(WindowInput::label).collect();
         labels.dedup();
         labels
     }
 }
 
-impl HandInput {
+impl WindowInput {
     fn label(&self) -> String {
         let name = match self {
             Self::Drag => "Mouse drag",
@@ -112,6 +121,10 @@ impl HandInput {
                 KeyCode::Minus | KeyCode::NumpadSubtract => "−",
                 KeyCode::Comma => ",",
                 KeyCode::Period => ".",
+                KeyCode::BracketLeft => "[",
+                KeyCode::BracketRight => "]",
+                KeyCode::PageUp => "Page up",
+                KeyCode::PageDown => "Page down",
                 other => {
                     let name = format!("{other:?}");
                     return name.trim_start_matches("Key").trim_start_matches("Arrow").to_string();
@@ -128,7 +141,7 @@ mod tests {
 
     #[test]
     fn no_input_is_bound_twice() {
-        let all: Vec<HandInput> = BINDINGS.iter().flat_map(|b| b.inputs).copied().collect();
+        let all: Vec<WindowInput> = BINDINGS.iter().flat_map(|b| b.inputs).copied().collect();
         for (i, input) in all.iter().enumerate() {
             assert!(!all[..i].contains(input), "{input:?} is bound twice");
         }
@@ -136,10 +149,10 @@ mod tests {
 
     #[test]
     fn the_table_binds() {
-        assert_eq!(action(HandInput::Key(KeyCode::KeyW)), Some(KeyAction::Move(2, 1.0)));
-        assert_eq!(action(HandInput::Key(KeyCode::Home)), Some(KeyAction::Send(Action::WholeView)));
-        assert_eq!(action(HandInput::Drag), Some(KeyAction::Look));
-        assert_eq!(action(HandInput::Key(KeyCode::F5)), None);
+        assert_eq!(action(WindowInput::Key(KeyCode::KeyW)), Some(KeyAction::Move(2, 1.0)));
+        assert_eq!(action(WindowInput::Key(KeyCode::Home)), Some(KeyAction::Send(Action::WholeView)));
+        assert_eq!(action(WindowInput::Drag), Some(KeyAction::Look));
+        assert_eq!(action(WindowInput::Key(KeyCode::F5)), None);
     }
 
     #[test]

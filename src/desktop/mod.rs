@@ -36,6 +36,7 @@
 //!
 //! The mirror images need `TEXTURE_BINDING`, an sRGB format, and the device of the link's GPU.
 
+pub mod card;
 mod controls;
 mod help;
 mod history;

@@ -3,6 +3,7 @@
 use super::numbers;
 use super::style::{self, BAD, FAINT, GOOD, WARN};
 use crate::walk::link::LoadState;
+use crate::walk::state::Action;
 use base::task::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};
@@ -29,40 +30,51 @@ pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant
     }
 }
 
-/// Draws why the walk waits for the headset that it had.
-pub(super) fn waiting(ui: &mut Ui, because: Option<&str>) {
-    let Some(because) = because else { return };
-    card(ui, "waiting", Align2::RIGHT_TOP, 16.0, |ui| {
-        ui.set_max_width(300.0);
-        ui.label(RichText::new("Waiting for the headset").color(WARN));
-        ui.label(because);
+/// Draws why the walk waits for the headset that it had, with a button to look for it at once.
+pub(super) fn waiting(ui: &mut Ui, because: Option<&str>) -> Option<Action> {
+    let because = because?;
+    let area = Area::new(Id::unique("waiting")).anchor(Align2::RIGHT_TOP, [-16.0, 16.0]);
+    let shown = area.show(ui.ctx(), |ui| {
+        let contents = style::card().show(ui, |ui| {
+            ui.set_max_width(300.0);
+            ui.label(RichText::new("Waiting for the headset").color(WARN));
+            ui.label(because);
+            ui.button("Look for it now").clicked()
+        });
+        contents.inner
     });
+    shown.inner.then_some(Action::LookForHeadset)
 }
 
 fn loading(ui: &mut Ui, doing: &Done, picture: bool) {
-    let fraction = doing.fraction();
     // The text stands in the middle while there is nothing else to look at.
     let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
     card(ui, "loading", align, y, |ui| {
         ui.set_width(260.0);
-        if doing.total == 0 {
-            ui.label(format!("{} …", title(doing.what)));
-            return;
-        }
-        ui.horizontal(|ui| {
-            ui.label(format!("{} …", title(doing.what)));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(RichText::new(format!("{:.0} %", (100.0 * fraction).floor())).color(FAINT));
-            });
-        });
-        ui.add(ProgressBar::new(fraction as f32).desired_height(5.0).fill(GOOD));
-        let count = |count| -> String {
-            if doing.unit == "bytes" { numbers::bytes(count) } else { numbers::count(count) }
-        };
-        let unit = if doing.unit == "bytes" { "" } else { doing.unit };
-        let text = format!("{} of {} {unit}", count(doing.done), count(doing.total));
-        ui.label(RichText::new(text.trim_end()).color(FAINT));
+        progress(ui, doing);
     });
+}
+
+/// Draws what is done and how far it is, as wide as there is room.
+pub(super) fn progress(ui: &mut Ui, doing: &Done) {
+    if doing.total == 0 {
+        ui.label(format!("{} …", title(doing.what)));
+        return;
+    }
+    let fraction = doing.fraction();
+    ui.horizontal(|ui| {
+        ui.label(format!("{} …", title(doing.what)));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(format!("{:.0} %", (100.0 * fraction).floor())).color(FAINT));
+        });
+    });
+    ui.add(ProgressBar::new(fraction as f32).desired_height(5.0).fill(GOOD));
+    let count = |count| -> String {
+        if doing.unit == "bytes" { numbers::bytes(count) } else { numbers::count(count) }
+    };
+    let unit = if doing.unit == "bytes" { "" } else { doing.unit };
+    let text = format!("{} of {} {unit}", count(doing.done), count(doing.total));
+    ui.label(RichText::new(text.trim_end()).color(FAINT));
 }
 
 /// Returns the text with a capital first letter.
@@ -77,12 +89,17 @@ fn title(what: &str) -> String {
 fn failed(ui: &mut Ui, error: &str) {
     card(ui, "failed", Align2::CENTER_CENTER, 0.0, |ui| {
         ui.set_max_width(440.0);
-        ui.label(RichText::new("The scan could not be loaded").heading().color(BAD));
-        ui.add_space(2.0);
-        ui.label(error);
-        ui.add_space(2.0);
-        ui.label(RichText::new("Close this window and start again with another file.").color(FAINT));
+        failure(ui, error, "Close this window and start again with another file.");
     });
+}
+
+/// Draws why there is no scan, and what to do.
+pub(super) fn failure(ui: &mut Ui, error: &str, what_to_do: &str) {
+    ui.label(RichText::new("The scan could not be loaded").heading().color(BAD));
+    ui.add_space(2.0);
+    ui.label(error);
+    ui.add_space(2.0);
+    ui.label(RichText::new(what_to_do).color(FAINT));
 }
 
 fn card<R>(ui: &mut Ui, name: &str, align: Align2, y: f32, contents: impl FnOnce(&mut Ui) -> R) {

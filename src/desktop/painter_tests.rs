@@ -3,14 +3,14 @@
 use super::controls::{Controls, WindowState};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
-use super::{MirroredEyes, WindowOptions, help, keys, notice, panel, style};
+use super::{MirroredEyes, WindowOptions, card, help, keys, notice, panel, style};
 use crate::walk::link::{HeadsetState, LoadState, MirrorImages};
 use crate::walk::state::AppState;
 use base::task::Done;
 use render::gpu::Gpu;
 use render::options::Overlay;
 use std::time::Instant;
-use timing::FrameRow;
+use timing::{FrameRow, STAGES};
 use wgpu::TextureFormat;
 
 /// Edge of the test images in pixels: a gray ramp of every 8-bit value, 16 × 16, and its negative for the other eye.
@@ -126,6 +126,22 @@ fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
     words
 }
 
+#[test]
+fn the_card_in_the_headset_says_how_far_loading_is_and_why_it_failed() {
+    let reading = LoadState {
+        doing: Some(Done { what: "reading", unit: "points", done: 1_000_000, total: 4_000_000 }),
+        ..LoadState::default()
+    };
+    let words = painted(|ui| card::contents(ui, "castle.laz", &reading));
+    for expected in ["castle.laz", "Reading", "25 %", "4.00 M points"] {
+        assert!(words.contains(expected), "{expected}: {words}");
+    }
+    let failed = LoadState { error: Some("castle.laz: ends at byte 7".into()), ..reading };
+    let words = painted(|ui| card::contents(ui, "castle.laz", &failed));
+    assert!(words.contains("could not be loaded") && words.contains("ends at byte 7"), "{words}");
+    assert!(words.contains("Take the headset off") && !words.contains("25 %"), "{words}");
+}
+
 fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String {
     let headset =
         HeadsetState { device: "Some GPU".into(), runtime: "Monado 25".into(), ..HeadsetState::default() };
@@ -195,7 +211,12 @@ fn the_panel_bears_having_nothing_to_tell() {
     assert!(words.contains("No frame yet") && !words.contains("Warnings"), "{words}");
     let mut silent = History::default();
     silent.push(
-        FrameRow { stage_ms: [f32::NAN; 6], gpu_ms: f32::NAN, budget_ms: f32::NAN, ..row(0, 0.0, 1.0) },
+        FrameRow {
+            stage_ms: [f32::NAN; STAGES.len()],
+            gpu_ms: f32::NAN,
+            budget_ms: f32::NAN,
+            ..row(0, 0.0, 1.0)
+        },
         Instant::now(),
     );
     let words = panel_words(&silent, &LoadState::default(), Overlay::None);
@@ -244,9 +265,14 @@ fn notices_say_what_goes_on() {
         "",
         "nothing goes on any more"
     );
-    assert_eq!(painted(|ui| notice::waiting(ui, None)), "");
-    let words = painted(|ui| notice::waiting(ui, Some("the headset was lost (LOSS_PENDING)")));
-    assert!(words.contains("Waiting for the headset") && words.contains("LOSS_PENDING"), "{words}");
+    assert_eq!(painted(|ui| _ = notice::waiting(ui, None)), "");
+    let words = painted(|ui| _ = notice::waiting(ui, Some("the headset was lost (LOSS_PENDING)")));
+    assert!(
+        ["Waiting for the headset", "LOSS_PENDING", "Look for it now"]
+            .iter()
+            .all(|said| words.contains(said)),
+        "{words}"
+    );
     let now = Instant::now();
     let told = Some((now, "Saved a.left.png".to_string()));
     let words = |at| painted(|ui| notice::told(ui, told.as_ref(), at));

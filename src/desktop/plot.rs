@@ -131,9 +131,9 @@ mod tests {
         assert_eq!(stack.age_s, [-0.5, 0.0]);
         assert_eq!(stack.missed_s, [0.0]);
         let tops: Vec<[f64; 2]> = stack.tops_ms.iter().map(|t| [t[0], t[1]]).collect();
-        for (got, wanted) in
-            tops.iter().zip([[0.5, 0.5], [1.0, 1.0], [1.5, 1.0], [7.5, 7.0], [8.5, 8.0], [9.5, 9.0]])
-        {
+        let wanted = [[0.5, 0.5], [1.0, 1.0], [1.5, 1.0], [7.5, 7.0], [8.5, 8.0], [9.5, 9.0], [10.0, 9.5]];
+        assert_eq!(tops.len(), wanted.len());
+        for (got, wanted) in tops.iter().zip(wanted) {
             assert!(got.iter().zip(wanted).all(|(g, w)| (g - w).abs() < 1e-6), "{tops:?}");
         }
     }

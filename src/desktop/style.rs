@@ -26,6 +26,7 @@ pub(super) const STAGE_COLORS: [Color32; STAGES.len()] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(213, 94, 0),
     Color32::from_rgb(230, 170, 50),
+    Color32::from_rgb(90, 100, 190),
 ];
 
 /// Gives an egui context this look.

@@ -276,7 +276,7 @@ impl App {
         let mut output = context.run_ui(input, |ui| {
             action = panel::show(ui, &contents, view).or(action);
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
-            notice::waiting(ui, self.headset.waiting_because.as_deref());
+            action = notice::waiting(ui, self.headset.waiting_because.as_deref()).or(action);
             notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
         });

@@ -1,6 +1,7 @@
 //! A scan on its way to a GPU: the walk asks for it with each GPU that it gets, and the loader brings it.
 
 use super::locomotion::Start;
+use super::moving::floors::FloorsCell;
 use base::task::CancelToken;
 use render::CloudBuffers;
 use render::gpu::Gpu;
@@ -14,6 +15,8 @@ pub struct Loaded {
     pub cloud: CloudBuffers,
     /// Where to stand.
     pub start: Start,
+    /// Where one can walk, once that is known: the same for each GPU.
+    pub floors: FloorsCell,
 }
 
 /// A GPU that the scan is to be brought to.

@@ -6,8 +6,8 @@ use super::masks::Masks;
 use super::mirror::Mirror;
 use super::rows::pass_on;
 use super::run::{Walk, WalkError};
+use super::scenery::{SceneryOfWalk, SeenHands, Stand};
 use super::views::Views;
-use super::waiting::Waiting;
 use super::walker::Walker;
 use base::space::Pose;
 use render::gpu::Gpu;
@@ -42,7 +42,8 @@ pub(super) struct Frames {
     sizes_px: [[u32; 2]; 2],
     /// Pixels of each eye's image that are drawn, from the top left corner.
     drawn_px: [[u32; 2]; 2],
-    waiting: Waiting,
+    scenery: SceneryOfWalk,
+    hands: SeenHands,
     /// True once the governor knows of all of the scan.
     has_begun: bool,
 }
@@ -79,6 +80,7 @@ impl Frames {
         let governor = Governor::new(walk.options.governor, &walk.draw.options);
         let technique = walk.draw.technique.open(gpu);
         let mut renderer = Renderer::with_technique(gpu, setup, walk.draw.options, technique)?;
+        renderer.show_scenery(walk.options.surround);
         if let Some(cloud) = &walker.cloud {
             renderer.set_cloud(cloud.clone())?;
         }
@@ -93,7 +95,8 @@ impl Frames {
             governor,
             sizes_px,
             drawn_px: sizes_px,
-            waiting: Waiting::default(),
+            scenery: SceneryOfWalk::default(),
+            hands: SeenHands::default(),
             has_begun: false,
         })
     }
@@ -155,8 +158,15 @@ impl Frames {
         let record_began = Instant::now();
         let seconds = walker.rows.since_display_s(display.predicted_ns);
         let input = headset.input();
+        self.hands = SeenHands { controllers: input, joints: headset.hands() };
         if let Some(locomotion) = &mut walker.locomotion {
             locomotion.advance(seconds, walker.state.speed(), &input, &walker.stage_from_head);
+            for (hand, event) in locomotion.guides().events.into_iter().enumerate() {
+                if let Some(event) = event {
+                    let (strength, seconds) = event.tick();
+                    headset.vibrate(hand, strength, seconds);
+                }
+            }
         }
         let settings = self.settle(walker.rows.frame, headset)?;
         let Some(images) = headset.acquire() else {
@@ -261,8 +271,14 @@ impl Frames {
     ) -> Option<Pose> {
         let queue = self.gpu.queue.lock();
         let Some(locomotion) = walker.locomotion.as_mut().filter(|_| walker.cloud.is_some()) else {
-            let view = (eyes, self.drawn_px, walk.draw.near);
-            self.waiting.show(&mut self.renderer, &queue, &walk.link, view);
+            let stand = Stand {
+                eyes,
+                drawn_px: self.drawn_px,
+                near_m: walk.draw.near,
+                locomotion: None,
+                hands: &self.hands,
+            };
+            self.scenery.show(&mut self.renderer, &queue, &walk.link, stand);
             return None;
         };
         locomotion.set_may_pitch(may_pitch);
@@ -272,6 +288,14 @@ impl Frames {
         };
         let view = locomotion.view(&world_from_head, eyes, self.drawn_px, walk.draw.near);
         self.renderer.set_view(&queue, &view);
+        let stand = Stand {
+            eyes,
+            drawn_px: self.drawn_px,
+            near_m: walk.draw.near,
+            locomotion: Some(locomotion),
+            hands: &self.hands,
+        };
+        self.scenery.show(&mut self.renderer, &queue, &walk.link, stand);
         walker.last_view = Some(view);
         Some(world_from_head)
     }

@@ -46,6 +46,8 @@ pub trait Headsets {
     fn take_filling(&mut self) -> Option<Receiver<Loaded>>;
     /// True if another headset has come; the walk leaves the current one for it. It waits for nobody.
     fn has_another(&mut self) -> bool;
+    /// Looks for a headset at once, if one is looked for. It waits for nobody.
+    fn look_now(&mut self);
     /// Puts another headset in the place of the current one, which has ended for this reason, or which another has come
     /// for. False if the walk ends with it.
     ///
@@ -256,6 +258,13 @@ impl Headsets for SoughtHeadsets {
         self.found.is_some()
     }
 
+    fn look_now(&mut self) {
+        if let Some(seeker) = &self.seeker {
+            // Sending fails if it has just found one.
+            let _ = seeker.wake.send(());
+        }
+    }
+
     fn replace(&mut self, end: Option<&End>) -> Result<bool, CannotGoOn> {
         let Some(end) = end else {
             self.take_found();
@@ -285,8 +294,8 @@ fn simulated(gpu: Arc<Gpu>, options: &HeadsetOptions) -> Current {
 /// Looks for a headset until it finds one or is dropped.
 struct Seeker {
     found: Receiver<Connection>,
-    /// Sender that is dropped to end the thread.
-    _wake: Sender<()>,
+    /// Has the thread look at once, or end when it is dropped.
+    wake: Sender<()>,
 }
 
 impl Seeker {
@@ -297,7 +306,7 @@ impl Seeker {
         // Without a thread the walk goes on, and finds no headset.
         let _ = std::thread::Builder::new().name("headset".into()).spawn(move || {
             let mut kept = kept;
-            while let Err(RecvTimeoutError::Timeout) = woken.recv_timeout(pause) {
+            while woken.recv_timeout(pause) != Err(RecvTimeoutError::Disconnected) {
                 let answers = kept.take().filter(|kept| kept.check().is_ok());
                 if let Some(connection) = answers.or_else(|| Connection::new().ok()) {
                     // Sending fails if nobody waits any more.
@@ -306,7 +315,7 @@ impl Seeker {
                 }
             }
         });
-        Self { found, _wake: wake }
+        Self { found, wake }
     }
 
     fn found(&self) -> Option<Connection> {

@@ -7,7 +7,7 @@ use base::task::{Count, Done};
 use render::gpu::Gpu;
 use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use timing::FrameRow;
 
@@ -55,12 +55,7 @@ impl MirrorImages {
 
 /// What both ends hold.
 #[derive(Debug)]
-struct Shared {
-    /// The work that goes on. Readers do not keep each other out, so it is hidden from the frame thread only in the
-    /// moment in which the loader goes from one piece of work to the next.
-    doing: RwLock<Option<Arc<Count>>>,
-    rest: Mutex<Rest>,
-}
+struct Shared(Mutex<Rest>);
 
 /// State that changes rarely, read by the window once a frame of its own.
 #[derive(Debug)]
@@ -71,8 +66,12 @@ struct Rest {
     headset: HeadsetState,
     /// All but [`LoadState::doing`].
     load: LoadState,
+    /// The work that goes on.
+    doing: Option<Arc<Count>>,
     notice: Option<(Instant, String)>,
     snapshot: Snapshot,
+    /// The card that is seen in the headset, on `gpu`.
+    card: Option<wgpu::Texture>,
 }
 
 /// The frame thread's (and the loader's) end.
@@ -92,6 +91,12 @@ pub struct ViewerEnd {
     shared: Arc<Shared>,
 }
 
+/// The end of whoever paints the card that is seen in the headset.
+#[derive(Clone, Debug)]
+pub struct CardEnd {
+    shared: Arc<Shared>,
+}
+
 /// Makes the two ends, and the receiver of actions for the frame thread.
 #[must_use]
 pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
@@ -99,15 +104,29 @@ pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (actions, action_receiver) = channel();
     let (load, snapshot) = (LoadState::default(), AppState::new(Overlay::None));
     let headset = HeadsetState::default();
-    let rest = Mutex::new(Rest { gpu: None, mirror: None, headset, load, notice: None, snapshot });
-    let shared = Arc::new(Shared { doing: RwLock::new(None), rest });
+    let rest = Mutex::new(Rest {
+        gpu: None,
+        mirror: None,
+        headset,
+        load,
+        doing: None,
+        notice: None,
+        snapshot,
+        card: None,
+    });
+    let shared = Arc::new(Shared(rest));
     let walk = WalkEnd { rows: row_sender, shared: Arc::clone(&shared) };
     (walk, action_receiver, ViewerEnd { rows, actions, shared })
 }
 
 impl Shared {
     fn rest(&self) -> MutexGuard<'_, Rest> {
-        self.rest.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn load(&self) -> LoadState {
+        let rest = self.rest();
+        LoadState { doing: rest.doing.as_ref().map(|count| count.now()), ..rest.load.clone() }
     }
 }
 
@@ -122,7 +141,7 @@ impl WalkEnd {
         let mut rest = self.shared.rest();
         let is_new = !rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu));
         if is_new {
-            (rest.gpu, rest.mirror) = (Some(Arc::clone(gpu)), None);
+            (rest.gpu, rest.mirror, rest.card) = (Some(Arc::clone(gpu)), None, None);
             rest.headset.device = gpu.name();
         }
         is_new
@@ -151,17 +170,45 @@ impl WalkEnd {
 
     /// Has the window look at this work from now on; `None` if there is none any more.
     pub fn set_doing(&self, doing: Option<Arc<Count>>) {
-        *self.shared.doing.write().unwrap_or_else(PoisonError::into_inner) = doing;
+        self.shared.rest().doing = doing;
     }
 
-    /// The work that goes on; `None` if there is none, or if it cannot be told without waiting for the loader.
-    pub(super) fn try_doing(&self) -> Option<Done> {
-        Some(self.shared.doing.try_read().ok()?.as_ref()?.now())
+    /// The card that is to be seen in the headset, if there is one; `None` if it cannot be told without waiting.
+    pub(super) fn try_card(&self) -> Option<Option<wgpu::Texture>> {
+        Some(self.shared.0.try_lock().ok()?.card.clone())
+    }
+
+    /// The end of whoever paints the card.
+    #[must_use]
+    pub fn card_end(&self) -> CardEnd {
+        CardEnd { shared: Arc::clone(&self.shared) }
     }
 
     /// Changes what else the window says about loading; called by the loader's thread only.
     pub fn update_load(&self, change: impl FnOnce(&mut LoadState)) {
         change(&mut self.shared.rest().load);
+    }
+}
+
+impl CardEnd {
+    /// The GPU to paint on, once there is one.
+    #[must_use]
+    pub fn gpu(&self) -> Option<Arc<Gpu>> {
+        self.shared.rest().gpu.clone()
+    }
+
+    /// What loading has come to.
+    #[must_use]
+    pub fn load(&self) -> LoadState {
+        self.shared.load()
+    }
+
+    /// Has the headset show this card from now on, if the walk is still on this GPU.
+    pub fn set_card(&self, gpu: &Arc<Gpu>, card: Option<wgpu::Texture>) {
+        let mut rest = self.shared.rest();
+        if rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu)) {
+            rest.card = card;
+        }
     }
 }
 
@@ -200,9 +247,7 @@ impl ViewerEnd {
     /// What loading has come to.
     #[must_use]
     pub fn load(&self) -> LoadState {
-        let doing = self.shared.doing.read().unwrap_or_else(PoisonError::into_inner);
-        let doing = doing.as_ref().map(|count| count.now());
-        LoadState { doing, ..self.shared.rest().load.clone() }
+        self.shared.load()
     }
 }
 
@@ -212,18 +257,16 @@ mod tests {
     use base::task::{CancelToken, Task};
 
     #[test]
-    fn only_the_loader_hides_its_work_from_the_frame_thread() {
+    fn the_frame_thread_waits_for_nobody_to_learn_of_the_card() {
         let (walk, _actions, viewer) = link();
-        assert_eq!(walk.try_doing(), None);
+        assert_eq!(walk.try_card(), Some(None));
         let loader = walk.clone();
         let task = Task::new(&CancelToken::default())
             .observed(move |count| loader.set_doing(Some(Arc::clone(count))));
         let reading = task.begin("reading", "points", 4);
         reading.add(1);
-        let looking = (viewer.shared.rest(), viewer.shared.doing.read().unwrap());
-        assert_eq!(walk.try_doing().map(|done| done.fraction()), Some(0.25));
-        drop(looking);
-        let _changing = walk.shared.doing.write().unwrap();
-        assert_eq!(walk.try_doing(), None);
+        assert_eq!(viewer.load().doing.map(|done| done.fraction()), Some(0.25));
+        let _looking = viewer.shared.rest();
+        assert_eq!(walk.try_card(), None);
     }
 }

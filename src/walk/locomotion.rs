@@ -1,79 +1,105 @@
-//! Getting about: where the stage (the headset's play space) stands in the world, and how sticks, keys and mouse
-//! move it. Pure arithmetic in f64; the frame thread calls it once a frame.
+//! Getting about: what sticks, hands, keys and mouse do to the stage's place in the world, frame by frame. Pure arithmetic in
+//! f64; the parts are in `moving`.
 
+use super::moving::arc::{self, Ground, Landing};
+use super::moving::feet::Feet;
+use super::moving::floors::{Floors, FloorsCell};
+use super::moving::gestures::{Gestures, Intents};
+use super::moving::grab::Grab;
+use super::moving::guides::{Event, Guides};
+use super::moving::options::Stride;
+use super::moving::place::{StagePlace, Standpoint};
+use super::moving::visits::Visits;
+use super::moving::{Vignette, model};
 use super::state::Action;
-use base::space::{Eye, Pose, View};
-use glam::{DQuat, DVec3};
+use base::space::{Pose, View};
+use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use timing::Place;
 use xr::{ControllerInput, StageEye};
 
-/// Stick deflection below this is noise.
-const DEAD_ZONE: f32 = 0.15;
-/// A snap turn fires when the stick passes this, and again only after it came back below half.
-const SNAP_AT: f32 = 0.7;
+pub use super::moving::options::LocomotionOptions;
+pub use super::moving::place::head_of;
+pub use super::start::Start;
 
-/// How sticks, keys and mouse move the viewer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LocomotionOptions {
-    /// Meters a second at full stick or key; `None`: chosen from the scan's size.
-    pub speed_m_per_s: Option<f64>,
-    /// Factor while the fast key is held.
-    pub fast: f64,
-    /// Radians of a snap turn.
-    pub snap_rad: f64,
-    /// Radians that the view turns for each pixel that the mouse moves.
-    pub look_rad_per_px: f64,
-}
+/// Longest time that a frame moves the user for, seconds: a hitch of the program must not throw them through a wall.
+const LONGEST_FRAME_S: f64 = 0.1;
+/// Most that one walks in a second, meters, unless the user says so.
+const WALK_M_PER_S: f64 = 2.5;
+/// Least scale at which feet follow the floor: a giant steps over it.
+const LEAST_WALKED: f64 = 0.5;
+/// Height of the eyes of somebody who stands, meters.
+const STANDING_EYE_M: f64 = 1.65;
+/// Most that the user may be raised or lowered, meters.
+const MOST_RAISED_M: f64 = 2.0;
+/// Length of the ray that points into a model, meters.
+const POINTED_M: f64 = 30.0;
 
-/// Where a walk begins, in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
-    /// The floor below the viewer.
-    pub floor_in_world: DVec3,
-    /// Direction of view about the world's vertical, radians; 0 looks along +y (north), positive to the left.
-    pub yaw: f64,
-    /// World units a meter.
-    pub units_per_m: f64,
-    /// Factor by which the scan is shown larger than it is, as by a magnifying glass.
-    pub magnified: f64,
-    /// Longest horizontal extent of the scan in meters: it sets the default speed.
-    pub extent_m: f64,
-    /// Place and yaw from which the whole scan is seen.
-    pub overview: (DVec3, f64),
-}
-
-/// The stage in the world, and the speed.
+/// How the user gets about.
 #[derive(Clone, Debug)]
 pub struct Locomotion {
     options: LocomotionOptions,
     start: Start,
-    floor_in_world: DVec3,
-    yaw: f64,
+    place: StagePlace,
     /// Pitch of the view. It stays 0 for real headsets: a head pitches itself.
     pitch: f64,
     may_pitch: bool,
-    /// The head's place in the stage, as last located; turns are about it.
-    head_in_stage: DVec3,
+    /// The head in the stage, as last located; turns are about it.
+    stage_from_head: Pose,
+    /// The hands' rays in the stage, as last known.
+    stage_from_aim: [Option<Pose>; 2],
     held: ([f32; 3], bool),
-    snap_ready: bool,
+    is_walking: bool,
+    /// Height of the stage's floor above that which the user stands on, meters.
+    raised_m: f64,
+    floors: FloorsCell,
+    gestures: Gestures,
+    grab: Grab,
+    feet: Feet,
+    vignette: Vignette,
+    visits: Visits,
+    /// Where the user was before the scan became a model.
+    before_model: Option<Standpoint>,
+    guides: Guides,
 }
 
 impl Locomotion {
-    /// A viewer who stands at the start.
+    /// A viewer who stands at the start. Until `floors` are there, one flies.
     #[must_use]
-    pub fn new(options: LocomotionOptions, start: Start) -> Self {
+    pub fn new(options: LocomotionOptions, start: Start, floors: FloorsCell) -> Self {
+        let is_walking = match options.stride {
+            Stride::Auto => start.is_inside,
+            Stride::Walk => true,
+            Stride::Fly => false,
+        };
         Self {
             options,
             start,
-            floor_in_world: start.floor_in_world,
-            yaw: start.yaw,
+            place: StagePlace::new(start.floor_in_world, start.yaw, start.units_per_m),
             pitch: 0.0,
             may_pitch: false,
-            head_in_stage: DVec3::ZERO,
+            stage_from_head: Pose::IDENTITY,
+            stage_from_aim: [None; 2],
             held: ([0.0; 3], false),
-            snap_ready: true,
+            is_walking,
+            raised_m: 0.0,
+            floors,
+            gestures: Gestures::new(options.moving_hand.index(), options.turn),
+            grab: Grab::default(),
+            feet: Feet::default(),
+            vignette: Vignette::default(),
+            visits: Visits::default(),
+            before_model: None,
+            guides: Guides::default(),
         }
+    }
+
+    /// The same viewer, with their head above the start wherever in the stage it is.
+    #[must_use]
+    pub fn with_head(mut self, stage_from_head: &Pose) -> Self {
+        self.stage_from_head = *stage_from_head;
+        self.reset();
+        self
     }
 
     /// Sets whether the mouse may look up and down, which is for simulated headsets only: a head pitches itself.
@@ -84,20 +110,56 @@ impl Locomotion {
         }
     }
 
-    /// Meters a second at full deflection, until the user changes it.
+    /// Meters a second, of the user's, at full deflection, until the user changes it.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        // One moves slowly round a small object.
-        let extent_m = self.start.extent_m;
+        // One moves slowly round a small object, and round a model.
+        let extent_m = self.start.extent_m * self.place.scale;
         let chosen = (0.1 * extent_m).clamp(extent_m.clamp(0.1, 1.0), 60.0);
+        let chosen = if self.walked_floors().is_some() { chosen.min(WALK_M_PER_S) } else { chosen };
         self.options.speed_m_per_s.unwrap_or(chosen)
     }
 
     /// Where the stage stands, for the log.
     #[must_use]
     pub fn place(&self) -> Place {
-        let units_per_m = self.start.units_per_m;
-        Place { floor_in_world: self.floor_in_world, yaw_deg: self.yaw.to_degrees(), units_per_m }
+        let StagePlace { floor_in_world, yaw, .. } = self.place;
+        Place { floor_in_world, yaw_deg: yaw.to_degrees(), units_per_m: self.place.units_per_m() }
+    }
+
+    /// The floor on which the walk began, in the stage: upright, and turned as the world is.
+    #[must_use]
+    pub fn stage_from_start(&self) -> Pose {
+        self.place.stage_from_level(self.start.floor_in_world)
+    }
+
+    /// Where the stage stands.
+    #[must_use]
+    pub fn stage(&self) -> &StagePlace {
+        &self.place
+    }
+
+    /// What the last frame shows of how the user moves.
+    #[must_use]
+    pub fn guides(&self) -> &Guides {
+        &self.guides
+    }
+
+    /// True if sticks and keys walk on the floor, false if they fly.
+    #[must_use]
+    pub fn is_walking(&self) -> bool {
+        self.is_walking
+    }
+
+    /// Where the user would stand who points along a ray in the world: that of a hand, or of a pixel of the mirror. They keep
+    /// facing where they do.
+    #[must_use]
+    pub fn pointed_at(&self, from_in_world: DVec3, along_in_world: DVec3) -> Option<Landing> {
+        let units_per_m = self.place.units_per_m();
+        let along = along_in_world.try_normalize()?;
+        let floors = self.floors.get()?;
+        let floor = arc::pointed_at(floors, from_in_world, along, POINTED_M * units_per_m, units_per_m)?;
+        Some(Landing { floor_in_world: floor, yaw: self.facing() })
     }
 
     /// Applies what moves the viewer.
@@ -114,30 +176,35 @@ impl Locomotion {
             Action::Snap(steps) => self.turn(-f64::from(steps) * self.options.snap_rad),
             Action::Reset => self.reset(),
             Action::WholeView => {
-                (self.floor_in_world, self.yaw) = self.start.overview;
+                let (floor_in_world, yaw) = self.start.overview;
                 self.pitch = 0.0;
+                self.go(&Standpoint { floor_in_world, yaw, scale: 1.0 });
+            }
+            Action::TeleportTo { floor_in_world, yaw } => {
+                self.go(&Standpoint { floor_in_world, yaw, scale: self.place.scale });
+            }
+            Action::ToggleWalking => {
+                self.is_walking = !self.is_walking;
+                self.feet.forget();
+            }
+            Action::ShowModel => self.show_model(),
+            Action::LifeSize => self.life_size(),
+            Action::SavePlace => self.visits.save(self.standpoint()),
+            Action::NextPlace => self.visit(1),
+            Action::PreviousPlace => self.visit(-1),
+            Action::Raise(meters) => self.raise(self.raised_m + f64::from(meters)),
+            Action::ToggleSeated => {
+                let eye_m = self.stage_from_head.position.y;
+                self.raise(if self.raised_m == 0.0 { STANDING_EYE_M - eye_m } else { 0.0 });
             }
             // The state applies these, or the walk.
             Action::Faster(_) | Action::SetSpeed(_) | Action::SetOverlay(_) | Action::NextOverlay => {}
-            Action::Screenshot | Action::Quit => {}
+            Action::LookForHeadset | Action::Screenshot | Action::Quit => {}
         }
     }
 
-    /// Turns to the left by `angle` about the head: whoever stands off the stage's middle must not be swung round it.
-    fn turn(&mut self, angle: f64) {
-        let scale = self.start.units_per_m;
-        let before = self.world_from_stage_axes() * self.head_in_stage;
-        self.yaw += angle;
-        let after = self.world_from_stage_axes() * self.head_in_stage;
-        self.floor_in_world += (before - after) * scale;
-    }
-
-    fn reset(&mut self) {
-        (self.floor_in_world, self.yaw, self.pitch) = (self.start.floor_in_world, self.start.yaw, 0.0);
-    }
-
-    /// Moves by what is held for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the head
-    /// as last located: forward is the direction in which it looks.
+    /// Moves by what hands and keys do for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the
+    /// head as last located: forward is the direction in which it looks.
     pub fn advance(
         &mut self,
         seconds: f64,
@@ -145,43 +212,179 @@ impl Locomotion {
         controllers: &ControllerInput,
         stage_from_head: &Pose,
     ) {
-        self.head_in_stage = stage_from_head.position;
-        let dead = |v: f32| if v.abs() < DEAD_ZONE { 0.0 } else { f64::from(v) };
-        let [right, up, forward] = self.held.0.map(f64::from);
-        let [stick_right, stick_forward] = controllers.left_stick.map(dead);
-        let fast = if self.held.1 { self.options.fast } else { 1.0 };
-        let direction = DVec3::new(right * fast + stick_right, 0.0, -(forward * fast + stick_forward));
-        let in_world = self.world_from_head(stage_from_head).orientation * direction + DVec3::Z * up * fast;
-        // A hitch of the program must not throw the viewer through a wall.
-        let step = self.speed() * f64::from(faster) * self.start.units_per_m * seconds.clamp(0.0, 0.1);
-        self.floor_in_world += in_world * step;
-
-        let turn = controllers.right_stick[0];
-        if turn.abs() < 0.5 * SNAP_AT {
-            self.snap_ready = true;
-        } else if turn.abs() > SNAP_AT && self.snap_ready {
-            self.snap_ready = false;
-            self.turn(-f64::from(turn.signum()) * self.options.snap_rad);
+        self.stage_from_head = *stage_from_head;
+        self.stage_from_aim = controllers.hands.map(|hand| hand.stage_from_aim);
+        let seconds = seconds.clamp(0.0, LONGEST_FRAME_S);
+        let intents = self.gestures.advance(controllers, seconds);
+        let landing = self.guides.arc.and_then(|arc| arc.landing);
+        self.guides = Guides::default();
+        self.hold(controllers, &intents);
+        self.aim(&intents, landing);
+        for (hand, &steps) in intents.snaps.iter().enumerate().filter(|(_, steps)| **steps != 0) {
+            self.turn(-f64::from(steps) * self.options.snap_rad);
+            self.guides.events[hand] = Some(Event::Snap);
         }
-        if controllers.reset {
+        self.turn(-intents.turn * self.options.turn_rad_per_s * seconds);
+        self.stride(seconds, faster, intents.stride);
+        let moved = intents.stride.length().max(intents.turn.abs());
+        self.vignette.advance(moved * f64::from(self.options.vignette), seconds);
+        self.guides.vignette = self.vignette.now() as f32;
+        if intents.reset {
             self.reset();
         }
     }
 
-    /// Rotation from stage axes (y up) to world axes (z up), turned by the yaw.
-    fn world_from_stage_axes(&self) -> DQuat {
-        DQuat::from_rotation_z(self.yaw) * DQuat::from_rotation_x(FRAC_PI_2)
+    /// Moves the world with the hands that hold it.
+    fn hold(&mut self, controllers: &ControllerInput, intents: &Intents) {
+        let hands = [0, 1].map(|hand: usize| {
+            let input = controllers.hands[hand];
+            let pose = input.stage_from_grip.or(input.stage_from_aim).filter(|_| intents.grab[hand]);
+            pose.map(|pose| pose.position)
+        });
+        let limits = model::limits(&self.start.bounds, self.place.life_units_per_m());
+        if let Some(event) = self.grab.advance(&mut self.place, hands, limits) {
+            self.guides.events = hands.map(|hand| hand.map(|_| event));
+        }
+        if self.grab.is_holding() {
+            self.feet.forget();
+        }
+        self.guides.scale = self.grab.is_scaling().then_some(self.place.scale);
+    }
+
+    /// Throws the arc of the hand that aims, or takes the user to `landing`, where the frame before showed that it ends.
+    fn aim(&mut self, intents: &Intents, landing: Option<Landing>) {
+        if let Some(hand) = intents.cancelled {
+            self.guides.events[hand] = Some(Event::Cancel);
+        }
+        let Some(aim) = intents.aim else { return };
+        // A head that has turned since is no turn of the world.
+        let yaw = self.facing() + aim.twist;
+        if let Some(hand) = intents.go {
+            if let Some(Landing { floor_in_world, .. }) = landing {
+                self.go(&Standpoint { floor_in_world, yaw, scale: self.place.scale });
+                self.guides.events[hand] = Some(Event::Arrival);
+            }
+            return;
+        }
+        if intents.began {
+            self.guides.events[aim.hand] = Some(Event::Aim);
+        }
+        if let Some(stage_from_aim) = self.stage_from_aim[aim.hand] {
+            let hand = self.place.pose_in_world(&stage_from_aim);
+            let level = self.feet_in_world().z;
+            let ground = self.floors.get().map_or(Ground::Level(level), Ground::Floors);
+            let (speed, units_per_m) = (arc::speed_for(self.options.reach_m), self.place.units_per_m());
+            let along = hand.orientation * DVec3::NEG_Z;
+            self.guides.arc = Some(arc::arc(ground, hand.position, along, yaw, speed, units_per_m));
+        }
+    }
+
+    /// Walks or flies by keys and the stick.
+    fn stride(&mut self, seconds: f64, faster: f32, stick: DVec2) {
+        let units_per_m = self.place.units_per_m();
+        let step = self.speed() * f64::from(faster) * units_per_m * seconds;
+        let [right, up, forward] = self.held.0.map(f64::from);
+        let fast = if self.held.1 { self.options.fast } else { 1.0 };
+        let across = DVec2::new(right, forward) * fast + stick;
+        let rise = DVec3::Z * up * fast;
+        if self.walked_floors().is_none() {
+            let direction = DVec3::new(across.x, 0.0, -across.y);
+            let in_world = self.world_from_head(&self.stage_from_head).orientation * direction;
+            self.place.floor_in_world += (in_world + rise) * step;
+            return;
+        }
+        let way = DVec2::from_angle(self.facing()).rotate(across) * step;
+        let from = self.feet_in_world();
+        self.place.floor_in_world += way.extend(0.0) + rise * step;
+        if up != 0.0 {
+            // Whoever leaves the floor by a key stays where they are.
+            self.feet.forget();
+        } else if let Some(floors) = self.floors.get() {
+            if way != DVec2::ZERO {
+                self.feet.walk(floors, from, from.truncate() + way, units_per_m);
+            }
+            self.place.floor_in_world.z += self.feet.rise(from.z, seconds, units_per_m);
+        }
+    }
+
+    /// The floors that one walks on; `None` if one flies.
+    fn walked_floors(&self) -> Option<&Floors> {
+        let walks = self.is_walking && self.place.scale >= LEAST_WALKED;
+        self.floors.get().filter(|floors| walks && !floors.is_empty())
+    }
+
+    /// Turns to the left by `angle` about the head.
+    fn turn(&mut self, angle: f64) {
+        self.place.turn_about(self.stage_from_head.position, angle);
+    }
+
+    fn facing(&self) -> f64 {
+        self.place.facing(&self.stage_from_head)
+    }
+
+    fn standpoint(&self) -> Standpoint {
+        self.place.standpoint(&self.stage_from_head, self.raised_m)
+    }
+
+    /// The floor below the head, if the user stands on it.
+    fn feet_in_world(&self) -> DVec3 {
+        self.standpoint().floor_in_world
+    }
+
+    /// Takes the user somewhere.
+    fn go(&mut self, to: &Standpoint) {
+        self.place.stand(to, &self.stage_from_head, self.raised_m);
+        self.feet.forget();
+    }
+
+    fn reset(&mut self) {
+        let Start { floor_in_world, yaw, .. } = self.start;
+        self.pitch = 0.0;
+        self.go(&Standpoint { floor_in_world, yaw, scale: 1.0 });
+    }
+
+    fn visit(&mut self, steps: i64) {
+        if let Some(place) = self.visits.step(steps) {
+            self.go(&place);
+        }
+    }
+
+    fn show_model(&mut self) {
+        if self.before_model.is_none() {
+            self.before_model = Some(self.standpoint());
+        }
+        model::show(&mut self.place, &self.start.bounds, &self.stage_from_head);
+        self.feet.forget();
+    }
+
+    /// Shows the scan as large as life, from the place that a hand or the head points at; if it points at none, from where
+    /// the user was.
+    fn life_size(&mut self) {
+        let pointer = match self.stage_from_aim[1].or(self.stage_from_aim[0]) {
+            Some(stage_from_aim) => self.place.pose_in_world(&stage_from_aim),
+            None => self.world_from_head(&self.stage_from_head),
+        };
+        let pointed = self.pointed_at(pointer.position, pointer.orientation * DVec3::NEG_Z);
+        let before = self.before_model.take();
+        let pointed =
+            pointed.map(|Landing { floor_in_world, yaw }| Standpoint { floor_in_world, yaw, scale: 1.0 });
+        match pointed.or(before.map(|before| Standpoint { scale: 1.0, ..before })) {
+            Some(place) => self.go(&place),
+            None => self.place.scale_about(self.stage_from_head.position.with_y(-self.raised_m), 1.0),
+        }
+    }
+
+    fn raise(&mut self, raised_m: f64) {
+        let raised_m = if raised_m.is_finite() { raised_m.clamp(-MOST_RAISED_M, MOST_RAISED_M) } else { 0.0 };
+        self.place.floor_in_world.z += (raised_m - self.raised_m) * self.place.units_per_m();
+        self.raised_m = raised_m;
     }
 
     /// The head in the world. The pitch turns it about itself, not about the stage's origin.
     #[must_use]
     pub fn world_from_head(&self, stage_from_head: &Pose) -> Pose {
-        let turn = self.world_from_stage_axes();
-        let pitch = DQuat::from_rotation_x(self.pitch);
-        Pose {
-            position: self.floor_in_world + turn * stage_from_head.position * self.start.units_per_m,
-            orientation: (turn * stage_from_head.orientation * pitch).normalize(),
-        }
+        let Pose { position, orientation } = self.place.pose_in_world(stage_from_head);
+        Pose { position, orientation: (orientation * DQuat::from_rotation_x(self.pitch)).normalize() }
     }
 
     /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` is in meters.
@@ -193,180 +396,10 @@ impl Locomotion {
         sizes_px: [[u32; 2]; 2],
         near_m: f64,
     ) -> View {
-        let (head, scale) = (head_of(eyes), self.start.units_per_m);
-        let to_eye = |(eye, size_px): (&StageEye, [u32; 2])| {
-            let mut head_from_view = head.inverse().then(&eye.stage_from_view);
-            head_from_view.position *= scale;
-            Eye {
-                world_from_view: world_from_head.then(&head_from_view),
-                fov: eye.fov,
-                size_px,
-                gaze_in_view: eye.gaze_in_view.unwrap_or(Eye::AHEAD),
-            }
-        };
-        View { eyes: eyes.iter().zip(sizes_px).map(to_eye).collect(), near: near_m * scale }
-    }
-}
-
-/// The head: midway between the eyes, looking in the mean direction of the left and right eye.
-#[must_use]
-pub fn head_of(eyes: &[StageEye; 2]) -> Pose {
-    let [left, right] = eyes.map(|e| e.stage_from_view);
-    Pose {
-        position: 0.5 * (left.position + right.position),
-        orientation: left.orientation.slerp(right.orientation, 0.5),
+        self.place.view(world_from_head, eyes, sizes_px, near_m)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use base::space::Fov;
-    use std::f64::consts::PI;
-
-    const OPTIONS: LocomotionOptions = LocomotionOptions {
-        speed_m_per_s: None,
-        fast: 4.0,
-        snap_rad: PI / 6.0,
-        look_rad_per_px: PI / 1200.0,
-    };
-
-    fn start() -> Start {
-        Start {
-            floor_in_world: DVec3::new(5e5, 4e6, 100.0),
-            yaw: 0.0,
-            units_per_m: 1.0,
-            magnified: 1.0,
-            extent_m: 20.0,
-            overview: (DVec3::new(5e5, 4e6 - 50.0, 120.0), 0.0),
-        }
-    }
-
-    fn eyes() -> [StageEye; 2] {
-        let eye = |x| StageEye {
-            stage_from_view: Pose { position: DVec3::new(x, 1.7, 0.0), orientation: DQuat::IDENTITY },
-            fov: Fov::symmetric(1.5, 1.0),
-            gaze_in_view: None,
-        };
-        [eye(-0.03), eye(0.03)]
-    }
-
-    fn walk() -> Locomotion {
-        let mut walk = Locomotion::new(OPTIONS, start());
-        walk.set_may_pitch(true);
-        walk
-    }
-
-    fn seen(walk: &Locomotion, eyes: &[StageEye; 2]) -> View {
-        walk.view(&walk.world_from_head(&head_of(eyes)), eyes, [[100, 100]; 2], 0.05)
-    }
-
-    #[test]
-    fn stands_on_the_floor_looking_north_with_the_left_eye_in_the_west() {
-        let view = seen(&walk(), &eyes());
-        let [left, right] = [0, 1].map(|i| view.eyes[i].world_from_view);
-        assert!((left.position - DVec3::new(5e5 - 0.03, 4e6, 101.7)).length() < 1e-9);
-        assert!((right.position - DVec3::new(5e5 + 0.03, 4e6, 101.7)).length() < 1e-9);
-        assert!((left.orientation * DVec3::NEG_Z - DVec3::Y).length() < 1e-12);
-        assert!((left.orientation * DVec3::Y - DVec3::Z).length() < 1e-12);
-    }
-
-    #[test]
-    fn eyes_look_where_they_are_seen_to_look_or_ahead() {
-        let [mut left, right] = eyes();
-        let aside = DVec3::new(0.6, 0.0, -0.8);
-        left.gaze_in_view = Some(aside);
-        let view = seen(&walk(), &[left, right]);
-        assert_eq!([0, 1].map(|i| view.eyes[i].gaze_in_view), [aside, Eye::AHEAD]);
-    }
-
-    #[test]
-    fn units_scale_the_viewer_not_the_scan() {
-        let walk = Locomotion::new(OPTIONS, Start { units_per_m: 1.0 / 0.3048, ..start() });
-        let view = seen(&walk, &eyes());
-        let gap = view.eyes[1].world_from_view.position.x - view.eyes[0].world_from_view.position.x;
-        assert!((gap - 0.06 / 0.3048).abs() < 1e-9 && (view.near - 0.05 / 0.3048).abs() < 1e-9);
-    }
-
-    #[test]
-    fn the_left_stick_flies_where_the_head_looks() {
-        let mut walk = walk();
-        let forward = ControllerInput { left_stick: [0.0, 1.0], ..Default::default() };
-        // The head looks left (west) and up by 45 degrees.
-        let orientation = DQuat::from_rotation_y(FRAC_PI_2) * DQuat::from_rotation_x(FRAC_PI_2 / 2.0);
-        walk.advance(0.1, 1.0, &forward, &Pose { position: DVec3::ZERO, orientation });
-        let moved = walk.floor_in_world - start().floor_in_world;
-        let step = 0.1 * walk.speed();
-        assert!(
-            (moved - DVec3::new(-step / 2f64.sqrt(), 0.0, step / 2f64.sqrt())).length() < 1e-9,
-            "{moved}"
-        );
-    }
-
-    #[test]
-    fn the_right_stick_turns_once_a_push() {
-        let mut walk = walk();
-        let push = ControllerInput { right_stick: [1.0, 0.0], ..Default::default() };
-        for _ in 0..5 {
-            walk.advance(0.01, 1.0, &push, &Pose::IDENTITY);
-        }
-        assert!((walk.yaw + 30f64.to_radians()).abs() < 1e-12, "one snap to the right");
-        walk.advance(0.01, 1.0, &ControllerInput::default(), &Pose::IDENTITY);
-        walk.advance(0.01, 1.0, &push, &Pose::IDENTITY);
-        assert!((walk.yaw + 60f64.to_radians()).abs() < 1e-12);
-        walk.advance(0.01, 1.0, &ControllerInput { reset: true, ..Default::default() }, &Pose::IDENTITY);
-        assert_eq!(walk.yaw, 0.0);
-    }
-
-    #[test]
-    fn turning_leaves_the_head_where_it_is() {
-        let mut walk = walk();
-        let mut off_center = eyes();
-        for eye in &mut off_center {
-            eye.stage_from_view.position += DVec3::new(0.8, 0.0, -1.2);
-        }
-        walk.advance(0.01, 1.0, &ControllerInput::default(), &head_of(&off_center));
-        let before = seen(&walk, &off_center).head_in_world();
-        walk.apply(Action::Snap(3));
-        let after = seen(&walk, &off_center);
-        assert!((after.head_in_world() - before).length() < 1e-9);
-        let forward = after.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
-        assert!((forward - DVec3::X).length() < 1e-9, "three times 30 degrees to the right: east");
-    }
-
-    #[test]
-    fn the_mouse_never_pitches_a_real_head() {
-        let mut walk = walk();
-        walk.apply(Action::Look { delta_px: [0.0, -100.0] });
-        walk.set_may_pitch(false);
-        walk.apply(Action::Look { delta_px: [0.0, -200.0] });
-        let view = seen(&walk, &eyes());
-        assert!((view.eyes[0].world_from_view.orientation * DVec3::NEG_Z).z.abs() < 1e-12);
-    }
-
-    #[test]
-    fn noise_of_a_stick_and_a_hitch_do_nothing_bad() {
-        let mut walk = walk();
-        walk.advance(
-            0.1,
-            1.0,
-            &ControllerInput { left_stick: [0.1, -0.1], ..Default::default() },
-            &Pose::IDENTITY,
-        );
-        assert_eq!(walk.floor_in_world, start().floor_in_world);
-        walk.apply(Action::Move { direction: [0.0, 0.0, 1.0], fast: true });
-        walk.advance(60.0, 1.0, &ControllerInput::default(), &Pose::IDENTITY);
-        let moved = (walk.floor_in_world - start().floor_in_world).length();
-        assert!((moved - 0.1 * 4.0 * walk.speed()).abs() < 1e-6, "a tenth of a second at most");
-    }
-
-    #[test]
-    fn looking_up_turns_the_eyes_about_the_head() {
-        let mut walk = walk();
-        walk.apply(Action::Look { delta_px: [0.0, -200.0] });
-        let view = seen(&walk, &eyes());
-        assert!((view.head_in_world() - DVec3::new(5e5, 4e6, 101.7)).length() < 1e-9);
-        let forward = view.eyes[0].world_from_view.orientation * DVec3::NEG_Z;
-        assert!((forward.z - 30f64.to_radians().sin()).abs() < 1e-9, "{forward}");
-    }
-}
+#[path = "locomotion_tests.rs"]
+mod tests;

@@ -12,6 +12,7 @@ use base::space::View;
 use base::task::CancelToken;
 use render::TargetTooLarge;
 use render::options::Overlay;
+use render::scenery::Surround;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
@@ -28,6 +29,8 @@ pub struct WalkOptions {
     pub governor: GovernorOptions,
     /// What is drawn over the mirror at start.
     pub overlay: Overlay,
+    /// What is seen where the scan has nothing; `None`: the background of the draw options.
+    pub surround: Option<Surround>,
 }
 
 /// What the loop needs besides headsets.
@@ -51,6 +54,8 @@ pub struct Walk {
     pub max_frames: Option<u64>,
     /// Stop this long after the first frame that showed a scan.
     pub max_time: Option<Duration>,
+    /// How long the walk goes on when the scan cannot be loaded: somebody is to read why.
+    pub error_stays: Duration,
     /// Set from outside to end the walk.
     pub stop: CancelToken,
 }
@@ -129,6 +134,9 @@ impl Walk {
             if walker.take_actions(self) {
                 self.stop.cancel();
             }
+            if std::mem::take(&mut walker.looks_for_headset) {
+                headsets.look_now();
+            }
             if walker.state.overlay != overlay {
                 frames.overlay_changed();
             }
@@ -142,10 +150,11 @@ impl Walk {
     }
 
     /// True if the walk is to end.
-    fn is_over(&self, walker: &Walker) -> bool {
+    fn is_over(&self, walker: &mut Walker) -> bool {
+        let in_vain = walker.in_vain_for().is_some_and(|time| time >= self.error_stays);
         let rows = &walker.rows;
         self.stop.is_cancelled()
-            || walker.is_in_vain()
+            || in_vain
             || self.max_frames.is_some_and(|max| rows.scan_frames >= max)
             || self.max_time.zip(rows.scan_shown).is_some_and(|(max, since)| since.elapsed() >= max)
     }

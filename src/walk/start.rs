@@ -1,6 +1,5 @@
 //! Where a walk begins: inside a place, before an object, above a landscape's edge.
 
-use super::locomotion::Start;
 use super::part::part;
 use super::surroundings::{Standing, standing};
 use super::tube;
@@ -27,6 +26,33 @@ const BEFORE_M: f64 = 0.4;
 /// Angle that one sees without turning one's head, degrees.
 const SEEN_DEG: f64 = 60.0;
 
+/// Where a walk begins, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The floor below the viewer.
+    pub floor_in_world: DVec3,
+    /// Direction of view about the world's vertical, radians; 0 looks along +y (north), positive to the left.
+    pub yaw: f64,
+    /// World units a meter.
+    pub units_per_m: f64,
+    /// Factor by which the scan is shown larger than it is, as by a magnifying glass.
+    pub magnified: f64,
+    /// Longest horizontal extent of the scan in meters: it sets the default speed.
+    pub extent_m: f64,
+    /// Place and yaw from which the whole scan is seen.
+    pub overview: (DVec3, f64),
+    /// Box of the scene.
+    pub bounds: Bounds,
+    /// True if the place has walls all around: one walks there.
+    pub is_inside: bool,
+}
+
+/// World units a meter of the user's in a scene whose world unit is `unit_m` meters, where it is shown as large as life.
+#[must_use]
+pub fn units_per_m(scene: &Scene, unit_m: f64) -> f64 {
+    if scene.is_a_point() { 1.0 / unit_m } else { scale(&scene.bounds, unit_m).0 }
+}
+
 /// The starting place for a scene whose world unit is `unit_m` meters.
 #[must_use]
 pub fn start(scene: &Scene, unit_m: f64) -> Start {
@@ -36,26 +62,29 @@ pub fn start(scene: &Scene, unit_m: f64) -> Start {
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
     let extent_m = extent / units_per_m;
     let overview = above_the_edge(&bounds, extent, units_per_m);
-    let (floor_in_world, yaw) = place(scene, units_per_m).unwrap_or((overview, 0.0));
-    Start { floor_in_world, yaw, units_per_m, magnified, extent_m, overview: (overview, 0.0) }
+    let (floor_in_world, yaw, is_inside) = place(scene, units_per_m).unwrap_or((overview, 0.0, false));
+    let overview = (overview, 0.0);
+    Start { floor_in_world, yaw, units_per_m, magnified, extent_m, overview, bounds, is_inside }
 }
 
-/// The floor and the yaw; `None` for a landscape. They are found from a part of a scene that is long and thin.
-fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64)> {
+/// The floor, the yaw, and whether walls are all around; `None` for a landscape. They are found from a part of a scene that is long and thin.
+fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64, bool)> {
     if let Some((floor_in_world, ahead)) = tube::floor(scene, units_per_m) {
-        return Some((floor_in_world, (-ahead.x).atan2(ahead.y)));
+        return Some((floor_in_world, (-ahead.x).atan2(ahead.y), true));
     }
     let near = part(scene, NEAR_PART_M * units_per_m);
     let far = part(scene, PART_M * units_per_m);
     if spread(&near) / units_per_m > LANDSCAPE_M {
         let size = near.bounds.size();
         let is_part = near.samples.len() < scene.samples.len();
-        return is_part.then(|| (above_the_edge(&near.bounds, size.max_element(), units_per_m), 0.0));
+        return is_part.then(|| (above_the_edge(&near.bounds, size.max_element(), units_per_m), 0.0, false));
     }
     Some(match standing(&near, units_per_m) {
-        Some(Standing { floor_in_world, enclosed: true }) => (floor_in_world, 0.0),
-        Some(Standing { floor_in_world, .. }) => (floor_in_world, toward(&near, floor_in_world, units_per_m)),
-        None => (before(&far, units_per_m), 0.0),
+        Some(Standing { floor_in_world, enclosed: true }) => (floor_in_world, 0.0, true),
+        Some(Standing { floor_in_world, .. }) => {
+            (floor_in_world, toward(&near, floor_in_world, units_per_m), false)
+        }
+        None => (before(&far, units_per_m), 0.0, false),
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::walk::locomotion::{Locomotion, LocomotionOptions, head_of};
+use crate::walk::moving::floors::FloorsCell;
 use crate::walk::simulated::{SimulatedHeadset, SimulatedOptions};
 use glam::DVec4;
 
@@ -50,13 +51,10 @@ const HEADSET: SimulatedOptions = SimulatedOptions {
     refresh_hz: 90.0,
     eye_height_m: 1.7,
 };
-const LOCOMOTION: LocomotionOptions =
-    LocomotionOptions { speed_m_per_s: None, fast: 4.0, snap_rad: 0.5, look_rad_per_px: 0.003 };
-
 /// Part of the scene that both eyes of the simulated headset see at the start.
 fn seen(scene: &Scene, start: Start) -> f64 {
     let eyes = SimulatedHeadset::eyes(&HEADSET);
-    let walk = Locomotion::new(LOCOMOTION, start);
+    let walk = Locomotion::new(LocomotionOptions::default(), start, FloorsCell::default());
     let view = walk.view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
     let is_seen = |p: DVec3| {
         view.eyes.iter().all(|eye| {

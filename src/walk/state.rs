@@ -1,6 +1,7 @@
 //! The application's state that more than one surface shows: owned and changed by the frame thread alone. Surfaces (the
 //! window, later a panel in the headset) send [`Action`]s and get [`Snapshot`]s.
 
+use glam::DVec3;
 use render::options::Overlay;
 
 /// Factor on the speed for one step of the wheel.
@@ -33,10 +34,35 @@ pub enum Action {
     Reset,
     /// Move back until the whole scan is in view.
     WholeView,
+    /// Walk on floors if one flew, fly if one walked.
+    ToggleWalking,
+    /// Go to a floor, the head above it.
+    TeleportTo {
+        /// Place on the floor, world space.
+        floor_in_world: DVec3,
+        /// Direction in which the head faces then, about the world's vertical, radians; 0 is north, positive to the left.
+        yaw: f64,
+    },
+    /// Show the whole scan as a model before the user.
+    ShowModel,
+    /// Show the scan as large as life, from where a hand or the head points.
+    LifeSize,
+    /// Keep the place where the user is.
+    SavePlace,
+    /// Go to the next place that was kept.
+    NextPlace,
+    /// Go to the place before.
+    PreviousPlace,
+    /// Raise the user by so many meters, or lower them (< 0).
+    Raise(f32),
+    /// Raise somebody who sits as if they stood, and back.
+    ToggleSeated,
     /// Draw this over the mirror from now on.
     SetOverlay(Overlay),
     /// Draw the next overlay over the mirror from now on.
     NextOverlay,
+    /// Look for a headset at once, if one is looked for at all.
+    LookForHeadset,
     /// Save both eyes' images.
     Screenshot,
     /// End the walk.

@@ -9,6 +9,7 @@ use super::state::{Action, AppState};
 use base::space::{Pose, View};
 use render::CloudBuffers;
 use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
 use timing::Phase;
 use xr::End;
 
@@ -23,6 +24,9 @@ pub(super) struct Walker {
     pub cloud: Option<CloudBuffers>,
     /// The scan on its way to the current GPU; `None` once all of it has come.
     loaded: Option<Receiver<Loaded>>,
+    in_vain_since: Option<Instant>,
+    /// True if the user wants a headset looked for at once.
+    pub looks_for_headset: bool,
     pub stage_from_head: Pose,
     pub last_view: Option<View>,
 }
@@ -38,6 +42,8 @@ impl Walker {
             rows: PendingRows::new(),
             cloud: None,
             loaded: None,
+            in_vain_since: None,
+            looks_for_headset: false,
             stage_from_head: Pose::IDENTITY,
             last_view: None,
         }
@@ -54,9 +60,12 @@ impl Walker {
         let mut has_come = false;
         while let Some(loaded) = &self.loaded {
             match loaded.try_recv() {
-                Ok(Loaded { cloud, start }) => {
+                Ok(Loaded { cloud, start, floors }) => {
                     self.cloud = Some(cloud);
-                    self.locomotion.get_or_insert_with(|| Locomotion::new(walk.options.locomotion, start));
+                    let head = &self.stage_from_head;
+                    self.locomotion.get_or_insert_with(|| {
+                        Locomotion::new(walk.options.locomotion, start, floors).with_head(head)
+                    });
                     has_come = true;
                 }
                 Err(TryRecvError::Empty) => break,
@@ -71,9 +80,10 @@ impl Walker {
         self.loaded.is_some()
     }
 
-    /// True if the loader is done and has brought no scan.
-    pub fn is_in_vain(&self) -> bool {
-        self.loaded.is_none() && self.cloud.is_none()
+    /// How long it is known that the loader is done and has brought no scan.
+    pub fn in_vain_for(&mut self) -> Option<Duration> {
+        let is_in_vain = self.loaded.is_none() && self.cloud.is_none();
+        is_in_vain.then(|| self.in_vain_since.get_or_insert_with(Instant::now).elapsed())
     }
 
     /// What the frame shows.
@@ -92,6 +102,7 @@ impl Walker {
             match action {
                 Action::Quit => return true,
                 Action::Screenshot => self.screenshots.ask(),
+                Action::LookForHeadset => self.looks_for_headset = true,
                 action => {
                     self.state.apply(action);
                     if let Some(locomotion) = &mut self.locomotion {

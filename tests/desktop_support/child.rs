@@ -1,6 +1,8 @@
 //! The window's program as a child process, its lines, and the validation layer that watches it.
 
-use kit::screen::{Picture, Rgb, Screen, wait_for};
+use kit::picture::{Picture, Rgb};
+use kit::screen::Screen;
+use kit::wait::{retry, wait_for};
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
@@ -131,20 +133,18 @@ impl<'a> Window<'a> {
 
     /// Waits until a pixel has its color.
     pub fn wait_pixel(&self, x: usize, y: usize, wanted: Rgb) {
-        let mut seen = [0; 3];
-        let begin = std::time::Instant::now();
-        while begin.elapsed().as_secs() < 15 {
+        let seen = retry(15.0, || {
             let picture = self.picture();
-            if x < picture.width && y < picture.height {
-                seen = picture.at(x, y);
-                if seen == wanted {
-                    return;
-                }
+            let is_inside = x < picture.width && y < picture.height;
+            match is_inside.then(|| picture.at(x, y)) {
+                Some(color) if color == wanted => Ok(()),
+                other => Err(other),
             }
-            std::thread::sleep(std::time::Duration::from_millis(50));
+        });
+        if let Err(seen) = seen {
+            self.picture().keep("failed");
+            panic!("pixel {x}, {y} is {seen:?}, not {wanted:?} (kept where SCANWALK_TEST_PICTURES says)");
         }
-        self.picture().keep("failed");
-        panic!("pixel {x}, {y} is {seen:?}, not {wanted:?} (kept where SCANWALK_TEST_PICTURES says)");
     }
 
     fn ended(&self) -> Option<String> {

@@ -157,7 +157,7 @@ fn row(frame: u64, time_s: f64) -> FrameRow {
     let wave = (frame as f32 * 0.13).sin() + 0.4 * (frame as f32 * 0.71).sin();
     let late = frame % 41 == 40;
     let depth_ms = 5.2 + 0.8 * wave + if late { 6.0 } else { 0.0 };
-    let stage_ms = [0.31, 0.05, 0.42 + 0.1 * wave, 0.6 * depth_ms, 0.4 * depth_ms, 1.3 + 0.1 * wave];
+    let stage_ms = [0.31, 0.05, 0.42 + 0.1 * wave, 0.6 * depth_ms, 0.4 * depth_ms, 1.3 + 0.1 * wave, 0.2];
     FrameRow {
         frame,
         time_s,

@@ -1,9 +1,10 @@
 //! What files are colored by, from the file to the bytes that are drawn: bits by distribution, one color everywhere, few
 //! colored points, points without a color. Files are made up as text.
 
-use base::task::CancelToken;
+use crate::bytes::shown;
 use kit::las_files::save;
-use points::{ColorSource, ReadOptions, Scan, read};
+use kit::reading;
+use points::{ColorSource, Scan};
 use std::path::{Path, PathBuf};
 
 const NUM_POINTS: usize = 2000;
@@ -21,14 +22,10 @@ fn file(color: impl Fn(usize) -> [u16; 3]) -> (tempfile::TempDir, PathBuf) {
     save("a.ply", text.as_bytes())
 }
 
-fn read_one(path: &Path) -> Scan {
-    read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
-}
-
 /// Reads a scan. Whatever is decided about colors, their column stays as it is stored, or is missing.
 fn scan(color: impl Fn(usize) -> [u16; 3]) -> Scan {
     let (_folder, path) = file(&color);
-    let scan = read_one(&path);
+    let scan = reading::file(&path).unwrap();
     let rgb = &scan.files[0].points.rgb;
     assert!(rgb.is_empty() || rgb.iter().enumerate().all(|(at, rgb)| *rgb == color(at)));
     scan
@@ -39,17 +36,10 @@ fn channels(at: usize) -> [f64; 3] {
     [0, 1, 2].map(|c| (((3 * at + c + 1).wrapping_mul(40_503) % 65_536) as f64 / 60_000.0).min(1.0))
 }
 
-/// Returns the bytes that are drawn.
-fn shown(scan: &Scan) -> Vec<[u8; 3]> {
-    let file = &scan.files[0];
-    let bytes = (0..file.points.xyz.len()).map(|at| file.color(at).to_le_bytes());
-    bytes.map(|[r, g, b, _]| [r, g, b]).collect()
-}
-
 #[test]
 fn a_scene_looks_the_same_in_whatever_bits_it_is_stored() {
     let stored = |white: f64| scan(move |at| channels(at).map(|c| (c * white).round() as u16));
-    let sixteen = shown(&stored(65535.0));
+    let sixteen = shown(&stored(65535.0).files[0]);
     for (white, source) in
         [(255.0, ColorSource::Rgb8), (1023.0, ColorSource::Rgb10), (4095.0, ColorSource::Rgb12)]
     {
@@ -57,7 +47,7 @@ fn a_scene_looks_the_same_in_whatever_bits_it_is_stored() {
         assert_eq!(scan.files[0].coloring.source, source);
         assert!(scan.warnings.is_empty(), "{:?}", scan.warnings);
         let differs = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
-        assert!(!shown(&scan).iter().zip(&sixteen).any(differs), "{source:?}");
+        assert!(!shown(&scan.files[0]).iter().zip(&sixteen).any(differs), "{source:?}");
     }
     // Colors of 16 bits stay exact.
     let expected: Vec<[u8; 3]> = (0..NUM_POINTS)
@@ -70,8 +60,8 @@ fn a_scene_looks_the_same_in_whatever_bits_it_is_stored() {
 fn a_single_wrong_value_darkens_nothing() {
     let scan = scan(|at| if at == 77 { [256; 3] } else { channels(at).map(|c| (c * 255.0).round() as u16) });
     assert_eq!(scan.files[0].coloring.source, ColorSource::Rgb8);
-    assert_eq!(shown(&scan)[77], [255; 3]);
-    assert!(shown(&scan).iter().flatten().filter(|&&c| c == 255).count() > 100);
+    assert_eq!(shown(&scan.files[0])[77], [255; 3]);
+    assert!(shown(&scan.files[0]).iter().flatten().filter(|&&c| c == 255).count() > 100);
 }
 
 #[test]
@@ -80,7 +70,7 @@ fn merged_files_are_drawn_each_point_by_its_own_and_that_is_said() {
     let scan = scan(|at| channels(at).map(|c| (c * white(at)).round() as u16));
     assert_eq!(scan.files[0].coloring.source, ColorSource::Rgb16);
     assert!(scan.warnings[0].contains("8 bits at some points and of 16 at others"), "{:?}", scan.warnings);
-    for (at, bytes) in shown(&scan).iter().enumerate() {
+    for (at, bytes) in shown(&scan.files[0]).iter().enumerate() {
         let expected = channels(at).map(|c| (c * 255.0).round() as u8);
         assert!(bytes.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{at}: {bytes:?} {expected:?}");
     }
@@ -92,7 +82,7 @@ fn num_off(scan: &Scan, right: impl Fn(usize) -> [f64; 3]) -> usize {
         let right = right(*at).map(|c| (c * 255.0).round() as u8);
         bytes.iter().zip(right).any(|(a, b)| a.abs_diff(b) > 1)
     };
-    shown(scan).into_iter().enumerate().filter(is_off).count()
+    shown(&scan.files[0]).into_iter().enumerate().filter(is_off).count()
 }
 
 fn bits_said(scan: &Scan, low: f64, high: f64) -> bool {
@@ -206,10 +196,10 @@ fn one_color_everywhere_but_at_a_few_points_gives_way_to_grays_by_intensity() {
     ] {
         for num_others in [1, 3, 4] {
             let (folder, path) = file(|at| if at % 500 < 1 && at / 500 < num_others { other } else { color });
-            let (scan, info) = (read_one(&path), said(&path));
+            let (scan, info) = (reading::file(&path).unwrap(), said(&path));
             drop(folder);
             let what = format!("{num_others} {other:?} among {color:?}: {info}");
-            let bytes = shown(&scan);
+            let bytes = shown(&scan.files[0]);
             let grays: Vec<[u8; 3]> = (0..NUM_POINTS).filter(|at| at % 500 > 0).map(|at| bytes[at]).collect();
             assert!(grays.iter().all(|[r, g, b]| r == g && g == b && (64..=191).contains(r)), "{what}");
             // Grays rise with the intensity.
@@ -236,8 +226,8 @@ fn an_overexposed_scene_keeps_its_colors() {
         let snow = |at: usize| if at % 50 == 7 { channels(at) } else { [1.0; 3] };
         let scan = scan(|at| snow(at).map(|c| (c * white).round() as u16));
         let expected = snow(57).map(|c| (c * 255.0).round() as u8);
-        assert!(shown(&scan)[57].iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{white}");
-        assert_eq!((shown(&scan)[0], scan.warnings.len()), ([255; 3], 0), "{white}");
+        assert!(shown(&scan.files[0])[57].iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{white}");
+        assert_eq!((shown(&scan.files[0])[0], scan.warnings.len()), ([255; 3], 0), "{white}");
     }
 }
 
@@ -245,7 +235,7 @@ fn an_overexposed_scene_keeps_its_colors() {
 fn points_without_a_color_among_a_few_that_have_one_are_seen() {
     let scan = scan(|at| if at % 500 == 3 { [65535, 300, 0] } else { [0; 3] });
     assert!(scan.warnings[0].contains("a color at only 4 of 2,000 points"), "{:?}", scan.warnings);
-    let bytes = shown(&scan);
+    let bytes = shown(&scan.files[0]);
     assert_eq!(bytes[3], [255, 1, 0]);
     let grays: Vec<u8> = bytes.iter().filter(|[r, g, b]| r == g && g == b).map(|rgb| rgb[0]).collect();
     assert_eq!(grays.len(), NUM_POINTS - 4);
@@ -265,7 +255,7 @@ fn colors_that_nobody_can_tell_apart_give_way_to_intensity() {
     ] {
         for step in [2, 7, 2000] {
             let (folder, path) = file(|at| if at % step == 1 { a } else { b });
-            let (scan, info) = (read_one(&path), said(&path));
+            let (scan, info) = (reading::file(&path).unwrap(), said(&path));
             drop(folder);
             assert!(
                 matches!(scan.files[0].coloring.source, ColorSource::Intensity { .. }),
@@ -285,14 +275,14 @@ fn black_points_beside_colored_ones_are_seen_and_those_of_a_dark_scene_stay() {
             let has_color = |at: usize| at * 37 % 100 >= percent;
             let color = |at: usize| channels(at).map(|c| (c * white).round() as u16);
             let (folder, path) = file(|at| if has_color(at) { color(at) } else { [0; 3] });
-            let (scan, info) = (read_one(&path), said(&path));
+            let (scan, info) = (reading::file(&path).unwrap(), said(&path));
             drop(folder);
             let num = NUM_POINTS / 100 * (100 - percent);
             let sentence = format!("a color at {only}{num} of 2,000 points").replace("1700", "1,700");
             let sentence = sentence.replace("1400", "1,400").replace("1000", "1,000");
             assert!(scan.warnings.iter().any(|w| w.contains(&sentence)), "{sentence}: {:?}", scan.warnings);
             assert!(info.contains("which are black and shown by intensity, in grays"), "{info}");
-            for (at, bytes) in shown(&scan).into_iter().enumerate() {
+            for (at, bytes) in shown(&scan.files[0]).into_iter().enumerate() {
                 let expected = channels(at).map(|c| (c * 255.0).round() as u8);
                 let is_right = if has_color(at) {
                     bytes.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1)
@@ -351,7 +341,7 @@ fn tiles_of_8_bit_intensities_are_as_bright_as_those_of_16() {
     };
     let both = |white: f64| {
         let paths = [tile("a.ply", 65535.0), tile("b.ply", white)];
-        read(&paths, &ReadOptions::default(), &CancelToken::default()).unwrap()
+        reading::files(&paths).unwrap()
     };
     let brightest = |scan: &Scan, file: usize| {
         let greens = (0..NUM_POINTS).map(|at| scan.files[file].color(at).to_le_bytes()[1]);

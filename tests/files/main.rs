@@ -1,6 +1,7 @@
 //! Reading of files to points, and building of octrees from points, on the CPU.
 
 mod attributes;
+mod bytes;
 mod colors;
 mod many_files;
 mod octree;

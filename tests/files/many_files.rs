@@ -3,7 +3,8 @@
 
 use base::task::CancelToken;
 use kit::las_files::Fixture;
-use points::{Project, ReadOptions, Scan, ScanError, Unit, Up, read};
+use kit::reading;
+use points::{Project, ReadOptions, Unit, Up, read};
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
@@ -15,10 +16,6 @@ const STRICT: ReadOptions = ReadOptions {
     strict: true,
     show_withheld: false,
 };
-
-fn read_all(paths: &[PathBuf]) -> Result<Scan, ScanError> {
-    read(paths, &ReadOptions::default(), &CancelToken::default())
-}
 
 /// A folder with a file for each name.
 fn folder(files: &[(&str, &[u8])]) -> (tempfile::TempDir, Vec<PathBuf>) {
@@ -48,14 +45,14 @@ fn a_link_to_nothing_among_good_tiles_is_named_and_the_rest_is_read() {
     let link = folder.path().join("gone.las");
     std::os::unix::fs::symlink("elsewhere.las", &link).unwrap();
     paths.push(link.clone());
-    let scan = read_all(&paths).unwrap();
+    let scan = reading::files(&paths).unwrap();
     assert_eq!((scan.num_points(), scan.warnings.len()), (5, 1));
     let warning = &scan.warnings[0];
     assert!(
         warning.contains("gone.las") && warning.contains("link to a file that is not there"),
         "{warning}"
     );
-    let alone = read_all(&[link]).unwrap_err().to_string();
+    let alone = reading::files(&[link]).unwrap_err().to_string();
     assert!(alone.contains("gone.las") && alone.contains("link"), "{alone}");
 }
 
@@ -65,7 +62,7 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     let cut = &tile[..100];
     let (folder, paths) =
         folder(&[("bad_1.las", cut), ("good_1.las", &tile), ("bad_2.ply", b"ply\n"), ("good_2.las", &tile)]);
-    let scan = read_all(&paths).unwrap();
+    let scan = reading::files(&paths).unwrap();
     assert_eq!((scan.num_points(), scan.files.len(), scan.warnings.len()), (10, 2, 2));
     for (warning, name) in scan.warnings.iter().zip(["bad_1.las: ", "bad_2.ply: "]) {
         assert!(warning.contains(name) && warning.contains("left out"), "{warning}");
@@ -73,7 +70,7 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     // The files are read in both orders: the order of good and bad does not matter.
     let (bad, good) = (&paths[0], &paths[1]);
     for (paths, num_points) in [([good, bad], 5), ([bad, good], 5)] {
-        assert_eq!(read_all(&paths.map(Clone::clone)).unwrap().num_points(), num_points);
+        assert_eq!(reading::files(&paths.map(Clone::clone)).unwrap().num_points(), num_points);
     }
     let refused = |paths: &[PathBuf], options: &ReadOptions| {
         read(paths, options, &CancelToken::default()).map(|scan| scan.num_points()).unwrap_err().to_string()
@@ -110,7 +107,7 @@ fn what_is_not_whole_is_refused_when_told_to_be_strict() {
     assert_eq!(strictly(&[las.clone(), ply.clone()]), Ok(8));
     for ((whole, part), num_points) in [las, ply, ply].into_iter().zip(parts).zip([9, 5, 5]) {
         let both = [whole.clone(), part.clone()];
-        let scan = read_all(&both).unwrap();
+        let scan = reading::files(&both).unwrap();
         assert_eq!((scan.num_points(), scan.warnings.len()), (num_points, 1), "{:?}", scan.warnings);
         let refused = strictly(&both).unwrap_err();
         assert!(refused.contains(&part.display().to_string()) && refused.contains("--strict"), "{refused}");
@@ -154,11 +151,11 @@ fn what_lies_beside_scans_and_what_is_named_twice_is_said() {
     let (folder, mut paths) =
         folder(&[("a.las", &tile), ("a.lax", b"LASX"), ("a.prj", b"PROJCS"), ("b.las", &tile)]);
     paths.push(folder.path().join(".").join("b.las"));
-    let scan = read_all(&paths).unwrap();
+    let scan = reading::files(&paths).unwrap();
     assert_eq!((scan.num_points(), scan.warnings.len()), (10, 2));
     assert!(scan.warnings[0].contains("a.prj: passed over"), "{:?}", scan.warnings);
     assert!(scan.warnings[1].contains("b.las: named twice"), "{:?}", scan.warnings);
-    let error = read_all(&paths[1..3]).map(|scan| scan.num_points()).unwrap_err().to_string();
+    let error = reading::files(&paths[1..3]).map(|scan| scan.num_points()).unwrap_err().to_string();
     assert!(error.contains("a.lax: lies beside a scan"), "{error}");
 }
 
@@ -166,6 +163,6 @@ fn what_lies_beside_scans_and_what_is_named_twice_is_said() {
 fn a_well_log_says_that_it_is_one() {
     let (_folder, paths) =
         folder(&[("log.las", b"~VERSION INFORMATION\n VERS. 2.0 : CWLS\n~ASCII\n1670.0 123.45\n")]);
-    let error = read_all(&paths).map(|scan| scan.num_points()).unwrap_err().to_string();
+    let error = reading::files(&paths).map(|scan| scan.num_points()).unwrap_err().to_string();
     assert!(error.contains("log.las: ") && error.contains("well log"), "{error}");
 }

@@ -6,7 +6,7 @@ use base::task::{CancelToken, Cancelled, Progress};
 use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
-use kit::frames::scan_of;
+use kit::frames::{SplitMix, octree_of, scan_of};
 use lab::reference::{self, ReferenceCloud};
 use points::Scan;
 use proptest::prelude::*;
@@ -16,33 +16,17 @@ use render::layout::{
 };
 use std::ops::Range;
 
-/// splitmix64: reproducible numbers without a dependency.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: i32) -> i32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) % end as u64) as i32
-    }
-}
-
 /// Far from the origin, where coordinates have digits to lose.
 const FAR: DVec3 = DVec3::new(5e5, 4e6, 100.0);
 
-fn octree_of(scan: &Scan) -> Octree {
-    build_octree(scan, &Progress::hidden()).expect("an octree")
-}
-
 /// Shapes whose octrees are unlike each other, each large enough for several levels.
 fn shapes() -> Vec<(&'static str, Vec<[i32; 3]>)> {
-    let mut random = Random(1);
-    let mut many = |count: usize, f: &dyn Fn(&mut Random) -> [i32; 3]| -> Vec<[i32; 3]> {
+    let mut random = SplitMix(1);
+    let mut many = |count: usize, f: &dyn Fn(&mut SplitMix) -> [i32; 3]| -> Vec<[i32; 3]> {
         (0..count).map(|_| f(&mut random)).collect()
     };
-    let ground = |r: &mut Random| [r.below(50_000), r.below(50_000), r.below(40)];
-    let cube = |r: &mut Random| [r.below(4096), r.below(4096), r.below(4096)];
+    let ground = |r: &mut SplitMix| [r.below(50_000), r.below(50_000), r.below(40)];
+    let cube = |r: &mut SplitMix| [r.below(4096), r.below(4096), r.below(4096)];
     let mut max_faces = many(60_000, &ground);
     max_faces.extend(many(20_000, &|r| [r.below(50_000), 49_999, r.below(50_000)]));
     max_faces.push([49_999; 3]);
@@ -244,7 +228,7 @@ proptest! {
     fn octrees_of_random_clouds_keep_every_promise(
         num_points in 1usize..90_000, bits in prop::array::uniform3(0u32..31), seed: u64,
     ) {
-        let mut random = Random(seed);
+        let mut random = SplitMix(seed);
         let xyz: Vec<_> = (0..num_points).map(|_| bits.map(|b| random.below(1 << b))).collect();
         let scan = scan_of(&xyz, 0.001, FAR);
         let faults = faults(&octree_of(&scan), &scan);
@@ -272,7 +256,7 @@ fn the_number_of_threads_changes_nothing() {
 /// color must be the plain average of its cell.
 #[test]
 fn filtered_colors_are_the_averages_of_cells() {
-    let mut random = Random(5);
+    let mut random = SplitMix(5);
     let mut point = |i: i32| {
         let mut near = |cell: i32| cell * 1024 + 512 + random.below(200) - 100;
         [near(i % 128), near(i / 128 % 128), near(0)]
@@ -356,7 +340,7 @@ fn samples_tell_how_far_apart_the_points_lie_that_they_stand_for() {
 
 #[test]
 fn nodes_are_handed_over_from_the_root_down_once_each_and_whole() {
-    let mut random = Random(3);
+    let mut random = SplitMix(3);
     let xyz: Vec<_> =
         (0..2_500_000).map(|_| [random.below(90_000), random.below(90_000), random.below(30)]).collect();
     let scan = scan_of(&xyz, 0.001, FAR);
@@ -439,7 +423,7 @@ fn small_and_impossible_clouds() {
 /// whose codes are made in frames of their own.
 #[test]
 fn a_few_crowded_places_keep_every_promise() {
-    let mut random = Random(190_902_201_275);
+    let mut random = SplitMix(190_902_201_275);
     let xyz: Vec<_> = (0..28_720).map(|_| [0, 0, 2].map(|bits| random.below(1 << bits))).collect();
     let scan = scan_of(&xyz, 0.001, FAR);
     let faults = faults(&octree_of(&scan), &scan);

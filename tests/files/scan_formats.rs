@@ -2,12 +2,9 @@
 
 use base::task::CancelToken;
 use kit::las_files::{Fixture, save};
-use points::{ColorSource, Points, ReadOptions, Scan, peek, read};
+use kit::reading;
+use points::{ColorSource, Points, ReadOptions, peek, read};
 use std::path::Path;
-
-fn read_one(path: &Path) -> Scan {
-    read(&[path.to_owned()], &ReadOptions::default(), &CancelToken::default()).unwrap()
-}
 
 /// The columns as the las crate's own reader sees them, from its points back to the grid.
 fn columns_by_las(path: &Path) -> Points {
@@ -47,7 +44,7 @@ fn fixtures() -> Vec<Fixture> {
 fn all_formats_equal_the_las_crate() {
     for fixture in fixtures() {
         let (_folder, path) = save("scan.las", &fixture.bytes());
-        let scan = read_one(&path);
+        let scan = reading::file(&path).unwrap();
         assert!(scan.warnings.is_empty(), "{fixture:?}: {:?}", scan.warnings);
         let (ours, theirs) = (&scan.files[0].points, columns_by_las(&path));
         assert_eq!(ours.xyz.len(), fixture.num_points, "{fixture:?}");
@@ -71,7 +68,10 @@ fn the_comparison_with_the_las_crate_can_fail() {
     for (from_end, what) in [(34, "x"), (34 - 12, "intensity"), (6, "red")] {
         bytes[num_bytes - from_end] ^= 1;
         let (_b, changed) = save("b.las", &bytes);
-        assert!(read_one(&changed).files[0].points != theirs, "a changed {what} was not noticed");
+        assert!(
+            reading::file(&changed).unwrap().files[0].points != theirs,
+            "a changed {what} was not noticed"
+        );
         bytes[num_bytes - from_end] ^= 1;
     }
 }
@@ -79,7 +79,7 @@ fn the_comparison_with_the_las_crate_can_fail() {
 #[test]
 fn the_grid_is_kept_exactly() {
     let (_folder, path) = save("scan.las", &Fixture::new(6).bytes());
-    let scan = read_one(&path);
+    let scan = reading::file(&path).unwrap();
     let file = &scan.files[0];
     assert_eq!(file.grid.scale.to_array(), [0.01, 0.01, 0.001]);
     assert_eq!(file.grid.offset.to_array(), [500_000.0, 4_000_000.0, 100.0]);
@@ -95,13 +95,13 @@ fn the_grid_is_kept_exactly() {
 fn several_files_keep_their_order_and_share_nothing_but_the_ramp() {
     let a = save("a.laz", &Fixture::new(1).compressed().bytes());
     let b = save("b.las", &Fixture::new(1).with_points(10).bytes());
-    let scan = read(&[a.1.clone(), b.1.clone()], &ReadOptions::default(), &CancelToken::default()).unwrap();
+    let scan = reading::files(&[a.1.clone(), b.1.clone()]).unwrap();
     assert_eq!(scan.num_points(), 1010);
     assert_eq!([&scan.files[0].path, &scan.files[1].path], [&a.1, &b.1]);
     assert_eq!(scan.files[0].coloring.source, scan.files[1].coloring.source);
     assert!(matches!(scan.files[0].coloring.source, ColorSource::Intensity { .. }));
     // Ten points alone have another range, so the ranges above were really shared.
-    assert_ne!(read_one(&b.1).files[0].coloring.source, scan.files[1].coloring.source);
+    assert_ne!(reading::file(&b.1).unwrap().files[0].coloring.source, scan.files[1].coloring.source);
 }
 
 #[test]

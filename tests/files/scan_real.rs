@@ -1,6 +1,7 @@
 //! Real scans, where `SCANWALK_TEST_DATA` names a folder of them: counts and boxes as other readers found them.
 
 use base::task::CancelToken;
+use kit::reading;
 use kit::real_scans::{folder, read_in};
 use points::{ColorSource, ReadOptions, Scan, read};
 
@@ -82,7 +83,7 @@ fn counts_and_boxes_are_those_of_other_readers() {
 #[test]
 fn a_wrong_row_is_noticed() {
     let (_folder, path) = kit::las_files::save("a.las", &kit::las_files::Fixture::new(0).bytes());
-    let scan = read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap();
+    let scan = reading::file(&path).unwrap();
     let (min, max) = (scan.bounds().min.to_array(), scan.bounds().max.to_array());
     assert_eq!(difference(&scan, &("a", 1000, min, max)), None);
     assert!(difference(&scan, &("a", 999, min, max)).is_some());
@@ -111,7 +112,7 @@ fn the_same_points_are_the_same_in_every_packing() {
 fn four_tiles_hold_the_points_of_the_whole() {
     let folder = folder();
     let tiles: Vec<_> = (1..=4).map(|i| folder.join(format!("laz-tiles-lone-star/split-{i}.laz"))).collect();
-    let tiles = read(&tiles, &ReadOptions::default(), &CancelToken::default()).unwrap();
+    let tiles = reading::files(&tiles).unwrap();
     let whole = read_in(&folder, "copc/lone-star.copc.laz").unwrap();
     let sorted = |scan: &Scan| {
         // All five files share steps of 0.25 mm.

@@ -4,12 +4,13 @@
 
 use base::space::Bounds;
 use base::task::{CancelToken, Progress};
-use cloud::octree::build_octree;
 use cloud::{Cloud, Order, build, quantize};
 use glam::DVec3;
+use kit::frames::octree_of;
+use kit::reading;
 use las::point::{Classification, Format};
 use las::{Builder, Color, Point, Transform, Vector, Writer};
-use points::{self, ReadOptions, Scan};
+use points::{self, ReadOptions};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -80,10 +81,6 @@ impl Files {
     }
 }
 
-fn read(paths: &[PathBuf]) -> Scan {
-    points::read(paths, &ReadOptions::default(), &CancelToken::default()).unwrap()
-}
-
 fn scanwalk(args: &[&str]) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_scanwalk")).args(args).output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr);
@@ -141,7 +138,7 @@ fn the_default_picture_shows_the_scene_whatever_is_astray() {
         // A stray must be on the grid.
         let scale = if name == "zeros" { 0.01 } else { 0.001 };
         let path = files.save(&format!("{name}.las"), &las_bytes(&points, 2, false, scale, |_, _| ()));
-        let scan = read(std::slice::from_ref(&path));
+        let scan = reading::file(&path).unwrap();
         let found = scan.scene.bounds;
         assert!((found.size() - DVec3::new(20.0, 20.0, 8.0)).abs().max_element() < 0.2, "{name}: {found:?}");
         for size in [[320, 200], [120, 300]] {
@@ -174,7 +171,7 @@ fn strays_beside_a_scene_neither_widen_nor_lift_it() {
             let stray =
                 |i: usize| DVec3::new(bell(3 * i), bell(3 * i + 1), bell(3 * i + 2)) * (far / 0.7) + 10.0;
             let points: Vec<DVec3> = scene.into_iter().chain((0..num_strays).map(stray)).collect();
-            let scan = read(&[files.save("halo.ply", &ply_text(&points))]);
+            let scan = reading::file(&files.save("halo.ply", &ply_text(&points))).unwrap();
             let (found, most) = (scan.scene.bounds, truth.grown(0.15 * truth.edge()));
             let what = format!("{num} {share} {far}: {found:.1?}");
             assert!(most.contains(found.min) && most.contains(found.max), "{what}");
@@ -195,7 +192,7 @@ fn strays_on_one_ray_do_not_count() {
         let points: Vec<DVec3> =
             scene.into_iter().chain((0..num_strays).map(stray)).map(|p| UTM + p).collect();
         let path = files.save("ray.las", &las_bytes(&points, 2, false, 0.001, |_, _| ()));
-        let found = read(std::slice::from_ref(&path)).scene.bounds;
+        let found = reading::file(&path).unwrap().scene.bounds;
         let most = truth.grown(0.4 * truth.edge());
         let what = format!("{num} {share}: {found:.1?}");
         assert!(most.contains(found.min - UTM) && most.contains(found.max - UTM), "{what}");
@@ -252,7 +249,7 @@ fn far_points_of_a_ply_are_left_out_and_named_or_cost_nothing() {
     for far in [30.0, 1e9, 3e12, 1e38, f64::INFINITY, f64::NAN] {
         let points: Vec<DVec3> = scene.iter().copied().chain([DVec3::new(far, 0.5, 0.5)]).collect();
         let path = files.save("far.ply", &ply_text(&points));
-        let scan = read(std::slice::from_ref(&path));
+        let scan = reading::file(&path).unwrap();
         let file = &scan.files[0];
         for (p, xyz) in scene.iter().zip(&file.points.xyz) {
             let moved = (file.grid.p_in_world(*xyz) - *p).length();
@@ -292,7 +289,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     strays.iter().enumerate().for_each(|(i, &p)| points.insert(20_000 * i + 5000, p));
     let far = files.save("far.las", &las_bytes(&points, 0, false, 0.001, |_, _| ()));
     let near = files.save("near.las", &las_bytes(&scene, 0, false, 0.001, |_, _| ()));
-    let (far, near) = (read(&[far]), read(&[near]));
+    let (far, near) = (reading::file(&far).unwrap(), reading::file(&near).unwrap());
     assert_eq!(far.scene.bounds, near.scene.bounds);
     let sorted = |mut positions: Vec<DVec3>| {
         positions.retain(|p| p.abs().max_element() < 1e3);
@@ -311,8 +308,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
         let wide = cloud.batches.iter().filter(|batch| batch.cell.iter().any(|&c| c > 1e-6)).count();
         assert_eq!(wide, 1, "{order:?}: only the strays' batch is wide");
     }
-    let octree = |scan: &Scan| build_octree(scan, &Progress::hidden()).unwrap();
-    let (far, near) = (octree(&far), octree(&near));
+    let (far, near) = (octree_of(&far), octree_of(&near));
     let positions = sorted(drawn(&far.cloud));
     // Cells are shares of a node's cube, and the root's cube is as wide as everything. The point or two of the scene
     // that the root takes are millimeters off; all points below it are right to micrometers.
@@ -345,7 +341,7 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
         for compressed in [false, true] {
             let what = format!("format {format}, compressed {compressed}");
             let path = files.save("withheld.las", &las_bytes(&points, format, compressed, 0.001, withheld));
-            let scan = read(std::slice::from_ref(&path));
+            let scan = reading::file(&path).unwrap();
             assert_eq!((scan.num_points(), scan.files[0].points.num_withheld), (1000, 60), "{what}");
             assert!(scan.bounds().size().z < 9.0, "{what}");
             assert!(scan.warnings[0].contains("withheld.las: has 60 points that are withheld"), "{what}");
@@ -355,7 +351,7 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
             assert_eq!(shown.scene.bounds, scan.scene.bounds, "{what}");
 
             let path = files.save("noise.las", &las_bytes(&points, format, compressed, 0.001, noise));
-            let scan = read(&[path]);
+            let scan = reading::file(&path).unwrap();
             assert_eq!(scan.num_points(), 1060, "{what}");
             assert_eq!((scan.files[0].points.noise.count(), scan.warnings.len()), (60, 0), "{what}");
             assert_eq!(scan.scene.bounds, shown.scene.bounds, "{what}");
@@ -379,8 +375,7 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
     // The reason is that there are only deleted points.
     let path =
         files.save("gone.las", &las_bytes(&scene, 6, true, 0.001, |point, _| point.is_withheld = true));
-    let error =
-        points::read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap_err().to_string();
+    let error = reading::file(&path).unwrap_err().to_string();
     assert!(error.contains("gone.las: holds no points: all 1000 are withheld"), "{error}");
 }
 
@@ -391,7 +386,7 @@ fn files_far_apart_are_named_and_the_larger_part_is_seen() {
     let utm: Vec<DVec3> = building(2900, 20.0).into_iter().map(|p| UTM + p).collect();
     let utm = files.save("utm.las", &las_bytes(&utm, 2, true, 0.001, |_, _| ()));
     for paths in [[local.clone(), utm.clone()], [utm, local]] {
-        let scan = read(&paths);
+        let scan = reading::files(&paths).unwrap();
         assert!(scan.scene.bounds.max.x < 21.0, "{:?}", scan.scene.bounds);
         let [warning] = &scan.warnings[..] else { panic!("{:?}", scan.warnings) };
         assert!(warning.contains("utm.las: 5024") && warning.contains("away from"), "{warning}");
@@ -402,7 +397,6 @@ fn files_far_apart_are_named_and_the_larger_part_is_seen() {
 fn coordinates_that_nothing_has_name_their_file() {
     let files = Files::new();
     let path = files.save("broken.las", &las_bytes(&building(10, 1e30), 0, false, 1e24, |_, _| ()));
-    let error =
-        points::read(&[path], &ReadOptions::default(), &CancelToken::default()).unwrap_err().to_string();
+    let error = reading::file(&path).unwrap_err().to_string();
     assert!(error.contains("broken.las: has points ") && error.contains("e29 units from zero"), "{error}");
 }

@@ -255,9 +255,7 @@ fn the_statue_is_a_mesh_too() {
     let folder = tempfile::tempdir().unwrap();
     let (path, summary) = make(folder.path(), "statue.ply", SynthKind::Photogrammetry, 30_000, 1);
     assert_eq!(summary.file_bytes, fs::metadata(&path).unwrap().len());
-    let scan =
-        points::read(std::slice::from_ref(&path), &points::ReadOptions::default(), &CancelToken::default())
-            .unwrap();
+    let scan = kit::reading::file(&path).unwrap();
     let (file, num_points) = (&scan.files[0], scan.num_points());
     assert_eq!((num_points as u64, scan.warnings.len()), (summary.num_points, 0));
     assert!((27_000..33_000).contains(&num_points), "{num_points}");

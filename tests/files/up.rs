@@ -1,27 +1,13 @@
 //! Which axis of a file points up: by its header, its coordinates, its surfaces, or as the user says. Files are made up.
 
-use base::task::CancelToken;
+use crate::bytes::{TOWER, read_bytes, read_bytes_with, tower, world};
 use glam::DVec3;
 use kit::las_files::save;
-use points::{ReadOptions, Scan, Up, read};
+use points::{ReadOptions, Scan, Up};
 
-/// A tower 6 m high and 20 m across, with points within, in meters about its foot.
-const TOWER: [[f64; 3]; 5] =
-    [[-10.0, -10.0, 0.0], [10.0, 10.0, 6.0], [3.0, -4.0, 1.5], [-7.25, 2.5, 0.0], [0.0, 0.0, 3.0]];
-
-fn read_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Scan {
-    let (_folder, path) = save(name, bytes);
-    read(&[path], options, &CancelToken::default()).unwrap()
-}
-
-/// Places of the points in the world.
-fn world(scan: &Scan) -> Vec<DVec3> {
-    let file = &scan.files[0];
-    file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz)).collect()
-}
-
-fn tower() -> impl Iterator<Item = DVec3> {
-    TOWER.into_iter().map(DVec3::from_array)
+/// Reads bytes as a file of this name, with this axis up.
+fn read_up(name: &str, bytes: &[u8], up: Up) -> Scan {
+    read_bytes_with(name, bytes, &ReadOptions { up, ..ReadOptions::default() }).unwrap()
 }
 
 fn ply(remark: &str, column: &str) -> Vec<u8> {
@@ -36,7 +22,7 @@ fn ply(remark: &str, column: &str) -> Vec<u8> {
 #[test]
 fn files_are_turned_only_where_their_header_leaves_no_doubt_or_the_user_asks() {
     let turned = |bytes: &[u8], up| {
-        let scan = read_bytes("a.ply", bytes, &ReadOptions { up, ..ReadOptions::default() });
+        let scan = read_up("a.ply", bytes, up);
         (scan.bounds().size() != scan.bounds_in_file().size(), scan.warnings.len())
     };
     let zippered = ply("zipper output", "confidence");
@@ -55,9 +41,7 @@ fn files_are_turned_only_where_their_header_leaves_no_doubt_or_the_user_asks() {
     assert_eq!(turned(&ply("Vertical axis: y", "scalar"), Up::Auto), (true, 1));
     assert_eq!(turned(&ply("Vertical axis: z", "scalar"), Up::Auto), (false, 0));
     assert_eq!(turned(&ply("by hand", "scalar"), Up::MinusY), (true, 0));
-    let first = |up| {
-        world(&read_bytes("a.ply", &ply("by hand", "s"), &ReadOptions { up, ..ReadOptions::default() }))[1]
-    };
+    let first = |up| world(&read_up("a.ply", &ply("by hand", "s"), up))[1];
     assert_eq!(first(Up::Z), DVec3::new(10.0, 10.0, 6.0));
     assert_eq!(first(Up::Y), DVec3::new(10.0, -6.0, 10.0));
     assert_eq!(first(Up::MinusY), DVec3::new(10.0, 6.0, -10.0));
@@ -101,7 +85,7 @@ fn room(in_file: impl Fn(DVec3) -> DVec3, remark: &str) -> Vec<u8> {
 fn a_mesh_whose_surfaces_leave_no_doubt_is_turned_unless_its_header_or_the_user_says_otherwise() {
     let y_up = |p: DVec3| DVec3::new(p.x, p.z, -p.y);
     let height = |bytes: &[u8], up| {
-        let scan = read_bytes("room.ply", bytes, &ReadOptions { up, ..ReadOptions::default() });
+        let scan = read_up("room.ply", bytes, up);
         (scan.bounds().size().z, scan.warnings)
     };
     let (z, warnings) = height(&room(y_up, "by hand"), Up::Auto);
@@ -126,7 +110,7 @@ fn a_maps_coordinates_along_x_and_z_mean_y_is_up() {
         }
         text.into_bytes()
     };
-    let read = |place| read_bytes("map.ply", &text(place), &ReadOptions::default());
+    let read = |place| read_bytes("map.ply", &text(place)).unwrap();
     let turned = read(|p| DVec3::new(p.x + 5e5, p.z + 300.0, -p.y - 5e6));
     assert!((turned.bounds().size() - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 1e-6);
     assert!(
@@ -165,7 +149,7 @@ fn houses(remark: &str) -> Vec<u8> {
 #[test]
 fn points_that_may_lie_on_their_side_are_not_turned_but_it_is_said() {
     let warnings = |remark, up| {
-        let scan = read_bytes("houses.ply", &houses(remark), &ReadOptions { up, ..ReadOptions::default() });
+        let scan = read_up("houses.ply", &houses(remark), up);
         let is_turned = scan.bounds().size() != scan.bounds_in_file().size();
         (is_turned, scan.warnings)
     };

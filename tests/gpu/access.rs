@@ -2,9 +2,8 @@
 //! points that threads draw together or alone.
 
 use base::space::View;
-use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
-use kit::frames::{Canvas, Drawn, gpu, made_up, stereo};
+use cloud::octree::Octree;
+use kit::frames::{Canvas, Drawn, gpu, inside, made_up, octree_of, stereo, tiers};
 use lab::reference::{self, ReferenceCloud};
 use lab::synth::{self, SynthKind};
 use lab::technique::counts::Counts;
@@ -15,11 +14,10 @@ use render::gpu::readback;
 use render::layout::{Detail, Variant};
 use render::options::{Dilate, Quality};
 use render::shaders::source;
-use render::{CloudBuffers, DrawOptions, RINGS_REACH_PX};
+use render::{DrawOptions, RINGS_REACH_PX};
 
 fn courtyard(num_points: u64) -> Octree {
-    let scan = made_up(SynthKind::Terrestrial, num_points);
-    build_octree(&scan, &Progress::hidden()).expect("an octree")
+    octree_of(&made_up(SynthKind::Terrestrial, num_points))
 }
 
 fn draw(
@@ -29,17 +27,13 @@ fn draw(
     atomics: Atomics,
     technique: LabTechnique,
 ) -> Drawn {
-    let mut canvas = Canvas::on(gpu(), &kit::frames::sizes(view), options, atomics, technique);
-    let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, 0, &Progress::hidden());
-    canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-    canvas.draw(view)
+    Canvas::layered_by(technique, octree, view, options, atomics, 0).draw(view)
 }
 
 #[test]
 fn all_ways_to_memory_draw_the_references_picture() {
     let octree = courtyard(60_000);
-    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
-    let view = stereo(place.eye, place.target, [203, 155]);
+    let view = inside([203, 155]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
         let options = DrawOptions { quality, dilate: Dilate::Rings, detail, ..DrawOptions::default() };
@@ -48,16 +42,13 @@ fn all_ways_to_memory_draw_the_references_picture() {
             want.pixels[0], want.pixels[1],
             "the comparison can fail: the eyes see different pictures"
         );
-        for atomics in [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64] {
+        for atomics in tiers() {
             for (early_z_load, checked, together) in [
                 (EarlyZLoad::Plain, true, true),
                 (EarlyZLoad::Atomic, false, true),
                 (EarlyZLoad::Plain, false, false),
                 (EarlyZLoad::Atomic, true, true),
             ] {
-                if atomics > gpu().atomics() {
-                    continue;
-                }
                 let access = Access { checked, together: Some(together) };
                 let technique = LabTechnique { early_z_load, ..LabTechnique::default() };
                 let drawn = draw(&octree, &view, DrawOptions { access, ..options }, atomics, technique);
@@ -79,8 +70,7 @@ fn all_ways_to_memory_draw_the_references_picture() {
 #[test]
 fn wide_points_are_counted_once_whoever_draws_them() {
     let octree = courtyard(60_000);
-    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
-    let view = stereo(place.eye, place.target, [303, 255]);
+    let view = inside([303, 255]);
     let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
     // A method without a look asks for every pixel, in any order.
     let options = DrawOptions { detail, ..DrawOptions::default() };

@@ -3,9 +3,9 @@
 
 use base::space::{Fov, Pose};
 use base::task::{CancelToken, Progress};
-use cloud::octree::{Hierarchy, NodeBlock, Octree, build_nodes, build_octree};
+use cloud::octree::{Hierarchy, NodeBlock, build_nodes};
 use glam::{DQuat, DVec3};
-use kit::frames::{Canvas, gpu, random_points, scan_of, stereo};
+use kit::frames::{Canvas, gpu, octree_of, random_points, scan_of, stereo};
 use lab::technique::LabTechnique;
 use points::Scan;
 use render::DrawOptions;
@@ -24,6 +24,7 @@ use scanwalk::walk::state::Action;
 use scanwalk::walk::{Walk, WalkOptions, link};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
+use std::time::Duration;
 use timing::FrameRow;
 use xr::{ControllerInput, End, EyeImages, FrameState, Headset, StageEye};
 
@@ -31,10 +32,6 @@ const SIZE_PX: [u32; 2] = [97, 65];
 
 fn scan() -> Scan {
     scan_of(&random_points(150_000, 10.0, 5), 0.001, DVec3::new(5e5, 4e6, 100.0))
-}
-
-fn octree(scan: &Scan) -> Octree {
-    build_octree(scan, &Progress::hidden()).expect("an octree")
 }
 
 /// Returns the scan's nodes, run after run.
@@ -66,7 +63,7 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
     // The test has a GPU of its own: other tests make and free what they like.
     let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
     for quality in [Quality::Hqs, Quality::Closest] {
-        let upload = || CloudBuffers::upload_layered(&gpu, &octree(&scan), 0, &Progress::hidden());
+        let upload = || CloudBuffers::upload_layered(&gpu, &octree_of(&scan), 0, &Progress::hidden());
         let [one, other] = [upload().expect("upload"), upload().expect("upload")];
         let center = scan.bounds().center();
         let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
@@ -127,7 +124,7 @@ fn what_has_come_is_drawn() {
         assert_eq!(canvas.renderer.resident().0, resident);
     }
     assert!(num_drawn.is_sorted() && num_drawn[0] > 0 && num_drawn[0] < num_drawn[3], "{num_drawn:?}");
-    let whole = Canvas::layered(&octree(&scan), &view, fine, device.atomics(), 0).draw(&view);
+    let whole = Canvas::layered(&octree_of(&scan), &view, fine, device.atomics(), 0).draw(&view);
     assert!(drawn.images == whole.images && drawn.visible == whole.visible, "all has come");
 }
 
@@ -225,18 +222,19 @@ impl<H: Headset> Headsets for Only<H> {
     fn has_another(&mut self) -> bool {
         false
     }
+    fn look_now(&mut self) {}
     fn replace(&mut self, _: Option<&End>) -> Result<bool, CannotGoOn> {
         Ok(false)
     }
 }
 
-/// A walk without window, log, governor and limits.
+/// A walk without window, log, governor, limits, and anything beside the scan.
 fn endless((actions, link): (Receiver<Action>, WalkEnd), stop: &CancelToken) -> Walk {
     let Plan { draw, walk, .. } = Plan::default();
     let governor = GovernorOptions { enabled: false, ..walk.governor };
     Walk {
         draw,
-        options: WalkOptions { governor, ..walk },
+        options: WalkOptions { governor, surround: None, ..walk },
         actions,
         link,
         mirrored: false,
@@ -244,6 +242,7 @@ fn endless((actions, link): (Receiver<Action>, WalkEnd), stop: &CancelToken) -> 
         pose_path: None,
         max_frames: None,
         max_time: None,
+        error_stays: Duration::ZERO,
         stop: stop.clone(),
     }
 }
@@ -272,7 +271,9 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
         let (device, silent) = (gpu(), Progress::hidden());
         let mut upload = CloudUpload::layered(&device, &hierarchy, 0, &silent).expect("room");
         upload.write_blocks(&hierarchy, &runs[0]).expect("the root");
-        loaded_sender.send(Loaded { cloud: upload.buffers(), start }).expect("the walk goes on");
+        loaded_sender
+            .send(Loaded { cloud: upload.buffers(), start, floors: Arc::default() })
+            .expect("the walk goes on");
         see(12);
         for run in &runs[1..] {
             upload.write_blocks(&hierarchy, run).expect("more nodes");

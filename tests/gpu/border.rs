@@ -2,10 +2,9 @@
 //! for bit. Points whose middle lies outside reach in, and dilation takes what lies beyond the edge.
 
 use base::space::{Eye, Fov, Pose, View};
-use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
+use cloud::octree::Octree;
 use glam::DVec3;
-use kit::frames::{Canvas, Drawn, SplitMix, gpu, scan_of, sizes, tiers};
+use kit::frames::{Canvas, Drawn, SplitMix, gpu, num_differing, octree_of, scan_of, sizes, tiers};
 use lab::reference::dilate::dilate;
 use render::gpu::Atomics;
 use render::layout::{Detail, GUARD_PX, Pixel, ViewUniform};
@@ -71,7 +70,7 @@ fn room() -> Octree {
         xyz.push(p);
     }
     xyz.extend((0..300).map(|_| [at(1.5), at(1.5), at(1.5)]));
-    build_octree(&scan_of(&xyz, 0.001, DVec3::ZERO), &Progress::hidden()).expect("an octree")
+    octree_of(&scan_of(&xyz, 0.001, DVec3::ZERO))
 }
 
 fn options(quality: Quality, dilate: Dilate, fill: bool) -> DrawOptions {
@@ -93,11 +92,6 @@ fn draw(octree: &Octree, view: &View, options: DrawOptions, tier: Atomics) -> Dr
 fn cut<T: Copy>(pixels: &[T], Part { first, size }: Part) -> Vec<T> {
     let rows = pixels.chunks_exact(SIZE[0] as usize).skip(first[1] as usize).take(size[1] as usize);
     rows.flat_map(|row| &row[first[0] as usize..][..size[0] as usize]).copied().collect()
-}
-
-fn num_differing<T: PartialEq>(a: &[T], b: &[T]) -> usize {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 #[test]

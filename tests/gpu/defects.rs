@@ -1,16 +1,14 @@
 //! Mistakes that point renderers are known to make, each of which must not happen here (docs/FRAME.md §10).
 
-use base::space::{Eye, Fov, Pose, View};
+use base::space::View;
 use cloud::Order;
 use glam::DVec3;
-use kit::frames::{Drawn, cloud_of, draw, scan_of};
+use kit::frames::{Drawn, cloud_of, draw, mono, scan_of};
 use lab::reference::clear::EMPTY;
 
 /// One eye at the origin that looks along +y, x right, z up; `half` is the tangent of its half angles.
 fn look_north(size_px: [u32; 2], half: f64) -> View {
-    let world_from_view = Pose::look_at(DVec3::ZERO, DVec3::Y, DVec3::Z);
-    let fov = Fov { left: -half, right: half, up: half, down: -half };
-    View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: 0.05 }
+    mono(DVec3::ZERO, DVec3::Y, half, size_px)
 }
 
 fn draw_points(xyz: &[[i32; 3]], view: &View) -> Drawn {

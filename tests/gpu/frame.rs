@@ -1,26 +1,24 @@
 //! GPU stages against their CPU references: integer buffers match bit for bit.
 
-use base::output::Output;
 use base::space::View;
-use base::task::{CancelToken, Progress};
+use base::task::Progress;
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
-use kit::frames::{Drawn, cloud_of, draw, gpu, plain, random_points, stereo};
+use kit::frames::{Drawn, cloud_of, draw, gpu, made_up, num_differing, plain, random_points, stereo};
+use kit::real_scans::{self, ROOM};
 use lab::reference::{self, ReferenceCloud};
-use lab::synth::{self, SynthKind, SynthOptions};
-use points::{self, ReadOptions};
+use lab::synth::{self, SynthKind};
+use points::Scan;
 use render::CloudBuffers;
 use render::layout::{
     ALL_PLANES, Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded,
 };
-use std::path::Path;
 
 fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
     let drawn = draw(cloud, view, full_precision, chunk_limit);
     let want = reference::frame(&ReferenceCloud::flat(cloud), view, &plain(full_precision), None);
     for eye in 0..view.eyes.len() {
-        let num_pixels = want.keys[eye].len();
-        let differing = (0..num_pixels).filter(|&i| drawn.keys[eye][i] != want.keys[eye][i]).count();
+        let differing = num_differing(&drawn.keys[eye], &want.keys[eye]);
         assert_eq!(differing, 0, "eye {eye}: pixels whose depth or id differ from the CPU reference");
         assert!(drawn.pixels[eye] == want.pixels[eye], "eye {eye}: pixels");
         assert!(drawn.images[eye] == want.images[eye], "eye {eye}: image");
@@ -49,16 +47,7 @@ fn stereo_frame_equals_its_reference() {
 /// The scans are a made-up courtyard from where people stand, and a real room where there is one.
 #[test]
 fn whole_scans_equal_their_reference() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("courtyard.las");
-    let options = SynthOptions {
-        kind: SynthKind::Terrestrial,
-        out: Output::new(&out, synth::SCAN).expect("a folder"),
-        points: 300_000,
-        seed: 7,
-    };
-    synth::write(&options, &CancelToken::default()).expect("a courtyard");
-    let cloud = cloud_from(&out);
+    let cloud = sorted(&made_up(SynthKind::Terrestrial, 300_000));
     for place in synth::viewpoints(SynthKind::Terrestrial) {
         assert_reference(&cloud, &stereo(place.eye, place.target, [401, 399]), false, 0);
     }
@@ -67,16 +56,14 @@ fn whole_scans_equal_their_reference() {
 #[test]
 #[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn a_real_room_equals_its_reference() {
-    let room = cloud_from(&kit::real_scans::folder().join("laz-indoor-rooms/indoor-rooms.laz"));
+    let room = sorted(&real_scans::read_in(&real_scans::folder(), ROOM).expect("a scan"));
     let inside = stereo(DVec3::new(6.0, 5.0, 2.4), DVec3::new(9.0, 8.0, 2.2), [501, 503]);
     let drawn = assert_reference(&room, &inside, false, 0);
     assert!(drawn.times.points_read > 100_000);
 }
 
-fn cloud_from(path: &Path) -> Cloud {
-    let scan = points::read(&[path.to_path_buf()], &ReadOptions::default(), &CancelToken::default())
-        .expect("a scan");
-    build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud")
+fn sorted(scan: &Scan) -> Cloud {
+    build(scan, Order::Morton, &Progress::hidden()).expect("a cloud")
 }
 
 #[test]

@@ -1,13 +1,12 @@
 //! The depth test with a tolerance and running average that point trees ask of future hardware [SPT §5], against
 //! high-quality shading, which does the same in two dispatches.
 
-use base::space::View;
 use cloud::spt::SequentialCloud;
-use kit::frames::{Canvas, discs, gpu, hqs, made_up, spt_of, stereo};
+use kit::frames::{Canvas, discs, gpu, hqs, inside, made_up, spt_of};
 use lab::reference::clear;
 use lab::reference::points::{self, Put};
 use lab::reference::tree::Tree;
-use lab::synth::{self, SynthKind};
+use lab::synth::SynthKind;
 use lab::technique::tree::TreeUniform;
 use render::layout::{SURFACE_TOLERANCE, ViewUniform, guarded, without_guard};
 
@@ -57,8 +56,7 @@ fn drawn(spt: &SequentialCloud, fragments: &[Put], eye: usize) -> Vec<Destinatio
 #[test]
 fn fuzzy_blending_is_high_quality_shading() {
     let spt = spt_of(&made_up(SynthKind::Terrestrial, 200_000), false);
-    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
-    let view: View = stereo(place.eye, place.target, SIZE_PX);
+    let view = inside(SIZE_PX);
     let detail = discs();
     let options = hqs(detail);
     let frame = Canvas::sequential(&spt, 1.0, &view, options, gpu().atomics(), 0).draw(&view);

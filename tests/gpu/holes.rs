@@ -3,19 +3,20 @@
 //! frame of all points fills. This is a small form of the benchmark's table (`docs/bench/holes`): fewer pixels, or
 //! fewer headsets with each preset.
 
-use base::space::View;
+#[path = "../../benches/quality/headset.rs"]
+mod headset;
+
 use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
+use cloud::octree::Octree;
 use glam::DVec3;
-use kit::frames::gpu;
+use headset::{left_eye, plan};
+use kit::frames::{gpu, octree_of};
 use kit::quality::holes::{
-    self, Drawer, Drawn, EMPTY_RGB, Holes, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
+    self, Drawer, Drawn, Holes, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
 };
 use kit::quality::scene::Source;
 use lab::synth::{SynthKind, Viewpoint};
 use render::CloudBuffers;
-use scanwalk::config::{self, ConfigError};
-use scanwalk::resolve::Plan;
 use std::sync::OnceLock;
 
 const SHARE: f64 = 0.2;
@@ -33,22 +34,7 @@ const MAX_OUTLINE_PERCENT: u64 = 3;
 
 fn octree() -> &'static Octree {
     static OCTREE: OnceLock<Octree> = OnceLock::new();
-    let build = || build_octree(&sphere(POINTS), &Progress::hidden()).expect("an octree");
-    OCTREE.get_or_init(build)
-}
-
-/// The plan of the settings of these presets, then of `sets`, in which empty pixels have a color of their own.
-fn plan(presets: &[&str], sets: &[String]) -> Result<Plan, ConfigError> {
-    let presets: Vec<String> = presets.iter().map(|&name| name.to_owned()).collect();
-    let mut plan = Plan::of(&config::load(&presets, None, sets)?);
-    plan.draw.options.background = EMPTY_RGB;
-    Ok(plan)
-}
-
-/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
-fn eye_at(plan: &Plan, place: &Viewpoint, share: f64) -> View {
-    let share = share * plan.headset.resolution_scale;
-    holes::left_eye(place, plan.simulated.left_fov, (plan.simulated.size_px, share), plan.draw.near)
+    OCTREE.get_or_init(|| octree_of(&sphere(POINTS)))
 }
 
 /// Holes of each ring, from the middle of the sphere, with each of the settings and rungs of the governor.
@@ -68,7 +54,7 @@ fn holes_from(
 ) -> Vec<Holes> {
     let of = |set: &str| plan(presets, &[set.to_owned()]).expect("settings");
     let first = of(frames[0].0);
-    let view = eye_at(&first, place, share);
+    let view = left_eye(&first, place, share);
     let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
     let (atomics, size_px) = (first.draw.atomics(&gpu()).expect("a tier"), view.eyes[0].size_px);
     let mut drawer =
@@ -108,7 +94,7 @@ fn a_closed_surface_has_no_holes_at_any_angle() {
 /// Checks a scan from each of its places.
 fn assert_scan_is_closed(source: Source) {
     let scan = source.dense_scan(SCAN_POINTS).expect("a scan");
-    let octree = build_octree(&scan, &Progress::hidden()).expect("an octree");
+    let octree = octree_of(&scan);
     let frames = [("fovea.smooth=true", 1.0), ("fovea.smooth=false", 2.0), ("fovea.smooth=true", 3.0)];
     let looks =
         [("valve-index", "balanced"), ("meta-quest-3", "performance"), ("bigscreen-beyond-2", "quality")];
@@ -164,7 +150,7 @@ fn thresholds_set_by_hand_open_no_holes() {
 #[test]
 fn a_hole_is_counted_in_its_ring() {
     let plan = plan(&["balanced", "valve-index"], &[]).expect("settings");
-    let view = eye_at(&plan, &Viewpoint { name: "origin", eye: DVec3::ZERO, target: DVec3::Y }, 0.02);
+    let view = left_eye(&plan, &Viewpoint { name: "origin", eye: DVec3::ZERO, target: DVec3::Y }, 0.02);
     let [width, height] = view.eyes[0].size_px;
     let whole =
         Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };

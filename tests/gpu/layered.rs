@@ -1,11 +1,13 @@
 //! Layered clouds and high-quality shading: GPU stages against their CPU references, in every tier, bit for bit.
 
-use base::space::{Eye, Fov, Pose, View};
+use base::space::{Eye, Fov, Pose};
 use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
+use cloud::octree::Octree;
 use cloud::{Cloud, Order, build};
 use glam::DVec3;
-use kit::frames::{Canvas, Drawn, cloud_of, gpu, plain, scan_of, sizes, stereo};
+use kit::frames::{
+    Canvas, Drawn, cloud_of, gpu, hqs, inside, num_differing, octree_of, plain, scan_of, sizes, stereo, tiers,
+};
 use lab::reference::{self, Frame, ReferenceCloud};
 use lab::synth::{self, SynthKind};
 use points::Scan;
@@ -27,32 +29,12 @@ fn courtyard() -> &'static (Scan, Octree) {
     })
 }
 
-fn octree_of(scan: &Scan) -> Octree {
-    build_octree(scan, &Progress::hidden()).expect("an octree")
-}
-
-/// A view along the courtyard from within: near and far nodes, all rings.
-fn inside(size_px: [u32; 2]) -> View {
-    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
-    stereo(place.eye, place.target, size_px)
-}
-
-fn hqs(detail: Detail) -> DrawOptions {
-    DrawOptions { quality: Quality::Hqs, background: [1, 2, 3], detail, ..DrawOptions::default() }
-}
-
-/// Tiers that this machine's GPU has.
-fn tiers() -> Vec<Atomics> {
-    let all = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
-    all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
-}
-
 fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
     assert!(drawn.states == want.states, "{what}: states");
     assert!(drawn.visible == want.visible, "{what}: visible batches");
     assert_eq!(drawn.times.visible_nodes, want.visible_nodes, "{what}: visible nodes");
     for eye in 0..want.pixels.len() {
-        let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
+        let differing = num_differing(&drawn.pixels[eye], &want.pixels[eye]);
         assert_eq!(differing, 0, "{what}: eye {eye}: pixels that differ from the CPU reference's");
         assert!(drawn.images[eye] == want.images[eye], "{what}: eye {eye}: image");
     }

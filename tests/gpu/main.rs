@@ -16,8 +16,7 @@ mod methods;
 mod overlay;
 mod popping;
 mod precision;
+mod scenery;
 mod second_driver;
 mod shaders;
 mod spt;
-
-mod waiting;

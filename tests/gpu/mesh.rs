@@ -1,12 +1,13 @@
 //! Meshes: triangles and discs in one picture, against their CPU references, against rays, and far and near.
 
-use base::space::{Eye, Fov, Pose, View};
+use base::space::View;
 use base::task::Progress;
-use cloud::octree::build_octree;
 use cloud::spt::SequentialCloud;
 use cloud::{Order, build};
 use glam::DVec3;
-use kit::frames::{Canvas, difference, discs, gpu, hqs, scan_of, spt_of, stereo, tiers};
+use kit::frames::{Canvas, difference, discs, gpu, hqs, mono, octree_of, scan_of, spt_of, stereo, tiers};
+use kit::picture::write_png;
+use kit::quality::picture::Picture;
 use lab::reference::{self, Frame, ReferenceCloud};
 use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
@@ -73,13 +74,6 @@ fn ball_and_points() -> &'static SequentialCloud {
 /// A view from this distance to the ball's center.
 fn view_at(distance: f64, size_px: [u32; 2]) -> View {
     stereo(OFFSET + distance * DVec3::new(-0.6, -0.7, 0.4).normalize(), OFFSET, size_px)
-}
-
-/// One eye that sees this far to each side, as a tangent.
-fn mono(eye: DVec3, target: DVec3, tangent: f64, size_px: [u32; 2]) -> View {
-    let world_from_view = Pose::look_at(eye, target, DVec3::Z);
-    let fov = Fov { left: -tangent, right: tangent, up: tangent, down: -tangent };
-    View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: 0.05 }
 }
 
 /// Numbers of visible batches of triangles, and of discs.
@@ -266,14 +260,10 @@ fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
     (num_inside, num_holes)
 }
 
-fn write_png(name: &str, image: &[u32], [width, height]: [u32; 2]) {
-    let file = std::fs::File::create(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)).expect("a file");
-    let mut encoder = png::Encoder::new(file, width, height);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder
-        .write_header()
-        .and_then(|mut w| w.write_image_data(bytemuck::cast_slice(image)))
-        .expect("a picture");
+/// Keeps a picture for people.
+fn keep(name: &str, image: &[u32], size_px: [u32; 2]) {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    write_png(&path, size_px, &Picture::of_colors(size_px, image.iter().copied()).rgb).expect("a picture");
 }
 
 /// All triangles are drawn near by, all discs far away, and there is no hole on the way from one to the other.
@@ -297,7 +287,7 @@ fn the_transition_has_no_holes() {
             assert_eq!(num_holes, 0, "{distance} m, {error_px} px");
             num_mixed += usize::from(num_meshes > 0 && num_discs > 0);
             if error_px == 1.0 {
-                write_png(&format!("ball-{step:02}.png"), &frame.images[0], size_px);
+                keep(&format!("ball-{step:02}.png"), &frame.images[0], size_px);
             }
         }
     }
@@ -408,8 +398,7 @@ fn flat_clouds_and_octrees_show_a_meshs_points() {
     points.files[0].triangles.clear();
     let flat = |scan: &Scan| build(scan, Order::Morton, &Progress::hidden()).expect("a cloud");
     assert_eq!(flat(&mesh).planes, flat(&points).planes);
-    let octree = |scan: &Scan| build_octree(scan, &Progress::hidden()).expect("an octree");
-    assert_eq!(octree(&mesh).cloud.planes, octree(&points).cloud.planes);
+    assert_eq!(octree_of(&mesh).cloud.planes, octree_of(&points).cloud.planes);
 }
 
 /// The sides of triangles are known: discs at the back are not read then, and the picture stays.

@@ -2,10 +2,10 @@
 
 use base::space::{Eye, View};
 use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
+use cloud::octree::Octree;
 use cloud::{Cloud, GROUP_POINTS, Order};
 use glam::DVec3;
-use kit::frames::{Canvas, Drawn, cloud_of, gpu, random_points, scan_of, stereo};
+use kit::frames::{Canvas, Drawn, cloud_of, gpu, octree_of, random_points, scan_of, stereo, tiers};
 use lab::reference::{clear, fixed40, points};
 use lab::technique::{LabTechnique, Method};
 use render::CloudBuffers;
@@ -49,11 +49,7 @@ fn layered(
     atomics: Atomics,
     chunk_limit: u64,
 ) -> Canvas {
-    let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| eye.size_px).collect();
-    let mut canvas = Canvas::on(gpu(), &sizes_px, options, atomics, LabTechnique::method(method));
-    let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
-    canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-    canvas
+    Canvas::layered_by(LabTechnique::method(method), octree, view, options, atomics, chunk_limit)
 }
 
 fn same(a: &Drawn, b: &Drawn) -> bool {
@@ -130,7 +126,7 @@ fn just_set_fills_the_same_pixels_wrongly() {
 
 #[test]
 fn methods_draw_octrees_too() {
-    let octree = build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden()).unwrap();
+    let octree = octree_of(&scan_of(&scattered(), 0.001, DVec3::ZERO));
     let view = view();
     let detail = Detail { fade: true, threshold_px: [60.0; 3], ..Detail::default() };
     for quality in [Quality::Closest, Quality::Hqs] {
@@ -148,7 +144,7 @@ fn methods_draw_octrees_too() {
 /// Most methods exist in every tier; several chunks and a part of the image change nothing.
 #[test]
 fn methods_of_every_tier_draw_the_same_in_each() {
-    let octree = build_octree(&scan_of(&scattered(), 0.001, DVec3::ZERO), &Progress::hidden()).unwrap();
+    let octree = octree_of(&scan_of(&scattered(), 0.001, DVec3::ZERO));
     let view = stereo(DVec3::new(1.0, -1.5, 1.2), DVec3::new(1.6, 2.0, 1.5), [61, 48]);
     let draw = |method, atomics, chunk_limit| {
         let options = options(method, Quality::Closest);
@@ -157,8 +153,7 @@ fn methods_of_every_tier_draw_the_same_in_each() {
         canvas.draw(&view)
     };
     let reference = draw(Method::Prefetch, gpu().atomics(), 0);
-    let tiers = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
-    for atomics in tiers.into_iter().filter(|&atomics| atomics <= gpu().atomics()) {
+    for atomics in tiers() {
         for method in methods(Quality::Closest).filter(|method| !method.needs_int64()) {
             let drawn = draw(method, atomics, 40_000);
             assert!(same(&drawn, &reference), "{} {}", method.name(), atomics.name());

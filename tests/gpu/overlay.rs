@@ -2,10 +2,10 @@
 
 use base::space::{Eye, View};
 use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
+use cloud::octree::Octree;
 use cloud::{Cloud, Order};
 use glam::DVec3;
-use kit::frames::{Canvas, cloud_of, gpu, random_points, scan_of, stereo};
+use kit::frames::{Canvas, cloud_of, gpu, octree_of, random_points, scan_of, stereo};
 use lab::reference::{self, ReferenceCloud};
 use render::DrawOptions;
 use render::gpu::{Atomics, readback};
@@ -78,8 +78,7 @@ fn flat() -> Cloud {
 }
 
 fn layered() -> Octree {
-    let scan = scan_of(&random_points(60_000, 10.0, 9), 0.001, DVec3::new(5e5, 4e6, 100.0));
-    build_octree(&scan, &Progress::hidden()).expect("an octree")
+    octree_of(&scan_of(&random_points(60_000, 10.0, 9), 0.001, DVec3::new(5e5, 4e6, 100.0)))
 }
 
 /// Looks at the cloud from this far away, with a gaze off the axis.
@@ -320,7 +319,7 @@ fn overlays_follow_the_renderer() {
     let mut canvas = Canvas::layered(&octree, &view, rings, gpu().atomics(), 0);
     let mut overlays = Overlays::new(&canvas.renderer);
     let other = scan_of(&random_points(30_000, 10.0, 8), 0.001, DVec3::new(5e5, 4e6, 100.0));
-    let other = build_octree(&other, &Progress::hidden()).expect("an octree");
+    let other = octree_of(&other);
     let set_cloud = |canvas: &mut Canvas, octree: &Octree| {
         let buffers = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
         canvas.renderer.set_cloud(buffers).expect("room");

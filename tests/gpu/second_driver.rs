@@ -3,9 +3,10 @@
 //! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have.
 //! That is enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
-use base::output;
-use base::task::CancelToken;
-use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
+use kit::frames::num_differing;
+use kit::made_up;
+use kit::picture::Picture;
+use lab::synth::{self, SynthKind, Viewpoint};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -21,13 +22,7 @@ fn second_driver() -> PathBuf {
 /// A courtyard of few points.
 fn courtyard(folder: &Path, points: u64) -> PathBuf {
     let out = folder.join("courtyard.las");
-    let options = SynthOptions {
-        kind: SynthKind::Terrestrial,
-        out: output::Output::new(&out, synth::SCAN).expect("a folder"),
-        points,
-        seed: 3,
-    };
-    synth::write(&options, &CancelToken::default()).expect("a courtyard");
+    made_up::file(&out, SynthKind::Terrestrial, points, 3).expect("a courtyard");
     out
 }
 
@@ -74,7 +69,7 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
 type Case<'a> = (&'a Viewpoint, &'a [&'a str]);
 
 /// Both eyes' pixels and the name of the GPU that drew them, in the tier that each driver has.
-fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Case, folder: &Path) -> (Vec<Vec<u8>>, String) {
+fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Case, folder: &Path) -> ([Picture; 2], String) {
     let (out, metrics) = (folder.join("out.png"), folder.join("metrics.json"));
     let metrics_path = metrics.to_str().expect("a path of ours");
     let more = [&["--stereo", "--set", "gpu.tier=int32", "--metrics", metrics_path][..], how].concat();
@@ -82,27 +77,17 @@ fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Case, folder: &Path) 
     assert!(output.status.success(), "{}", last_words(&output));
     let metrics = std::fs::read(&metrics).expect("the figures");
     let metrics: serde_json::Value = serde_json::from_slice(&metrics).expect("JSON");
-    let pictures = ["left", "right"].map(|side| read_png(&folder.join(format!("out.{side}.png"))));
-    (pictures.to_vec(), metrics["device"].as_str().expect("a name").to_owned())
-}
-
-fn read_png(path: &Path) -> Vec<u8> {
-    let file = std::io::BufReader::new(std::fs::File::open(path).expect("the picture"));
-    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels
+    let read = |side: &str| Picture::read(&folder.join(format!("out.{side}.png"))).expect("a picture");
+    (["left", "right"].map(read), metrics["device"].as_str().expect("a name").to_owned())
 }
 
 /// Number of pixels that differ, of both eyes.
-fn num_different(a: &[Vec<u8>], b: &[Vec<u8>]) -> usize {
-    let (a, b) = (a.concat(), b.concat());
-    assert_eq!(a.len(), b.len());
-    a.chunks_exact(3).zip(b.chunks_exact(3)).filter(|(a, b)| a != b).count()
+fn num_different(a: &[Picture; 2], b: &[Picture; 2]) -> usize {
+    a.iter().zip(b).map(|(a, b)| num_differing(&a.pixels, &b.pixels)).sum()
 }
 
 /// Draws each case on both drivers, which must agree in every pixel; gives the pictures.
-fn assert_same(driver: &Path, scan: &Path, folder: &Path, cases: &[Case]) -> Vec<Vec<Vec<u8>>> {
+fn assert_same(driver: &Path, scan: &Path, folder: &Path, cases: &[Case]) -> Vec<[Picture; 2]> {
     let compare = |&case: &Case| {
         let (own, own_name) = drawn(None, scan, case, folder);
         let (second, second_name) = drawn(Some(driver), scan, case, folder);

@@ -173,8 +173,9 @@ fn every_shader_is_valid_in_every_tier() {
 }
 
 /// Entry points of shaders that draw; the others have one, `main`.
-const DRAWN: [(&str, &[&str]); 6] = [
+const DRAWN: [(&str, &[&str]); 7] = [
     ("depth-image", &["vertex", "fragment"]),
+    ("scenery", &["whole", "surround", "vignette", "corner", "shape"]),
     ("overlay", &["whole", "rings", "depth", "overdraw"]),
     ("boxes", &["node_box", "batch_box", "line"]),
     ("point-list", &["left", "right", "fragment"]),

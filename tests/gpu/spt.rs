@@ -3,10 +3,14 @@
 
 use base::space::View;
 use base::task::Progress;
-use cloud::octree::build_octree;
 use cloud::spt::{self, SequentialCloud};
 use glam::DVec3;
-use kit::frames::{Canvas, difference, discs, gpu, hqs, made_up, scan_of, spt_of, stereo, tiers};
+use kit::frames::{
+    Canvas, SplitMix, difference, discs, gpu, hqs, inside, made_up, octree_of, scan_of, spt_of, stereo, tiers,
+};
+use kit::quality::metrics;
+use kit::quality::picture::Picture;
+use kit::spread;
 use lab::reference::tree::{Tree, tolerance};
 use lab::reference::{self, Frame, ReferenceCloud};
 use lab::synth::{self, SynthKind};
@@ -14,7 +18,7 @@ use lab::technique::tree::TreeUniform;
 use points::Scan;
 use proptest::prelude::*;
 use render::Access;
-use render::layout::{Detail, ViewUniform, depth_of};
+use render::layout::{Detail, Pixel, ViewUniform, depth_of};
 use render::options::{Dilate, Quality};
 use render::{DrawOptions, RINGS_REACH_PX};
 use std::sync::OnceLock;
@@ -23,11 +27,6 @@ use std::sync::OnceLock;
 fn courtyard() -> &'static SequentialCloud {
     static COURTYARD: OnceLock<SequentialCloud> = OnceLock::new();
     COURTYARD.get_or_init(|| spt_of(&made_up(SynthKind::Terrestrial, 400_000), false))
-}
-
-fn inside(size_px: [u32; 2]) -> View {
-    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
-    stereo(place.eye, place.target, size_px)
 }
 
 #[test]
@@ -140,12 +139,7 @@ fn what_is_drawn_lies_in_the_prefix() {
 
 /// Points on a sphere with outward normals.
 fn ball(num_points: usize) -> Scan {
-    let direction = |i: usize| {
-        let z = 1.0 - (2.0 * i as f64 + 1.0) / num_points as f64;
-        let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
-        DVec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)
-    };
-    let normals: Vec<DVec3> = (0..num_points).map(direction).collect();
+    let normals: Vec<DVec3> = spread::directions(num_points).collect();
     let xyz: Vec<[i32; 3]> = normals.iter().map(|n| (n * 5e3).to_array().map(|v| v as i32)).collect();
     let mut scan = scan_of(&xyz, 0.001, DVec3::new(5e5, 4e6, 0.0));
     scan.files[0].points.normals = normals.iter().map(|n| n.as_vec3().to_array()).collect();
@@ -199,18 +193,13 @@ fn backs_are_culled_where_normals_have_sides() {
 /// Ratio of signal to noise of two images, decibels, from the mean squared difference of channels over pixels in
 /// which both show something.
 fn psnr_db(a: &Frame, b: &Frame) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for (a, b) in a.pixels.iter().flatten().zip(b.pixels.iter().flatten()) {
-        if a[0] == u32::MAX || b[0] == u32::MAX {
-            continue;
-        }
-        for shift in [0, 8, 16] {
-            let [a, b] = [a[1], b[1]].map(|color| f64::from(color >> shift & 255));
-            sum += (a - b) * (a - b);
-            count += 1;
-        }
-    }
-    10.0 * (255.0 * 255.0 * f64::from(count) / sum.max(1e-9)).log10()
+    let [a, b] = [a, b].map(|frame| frame.pixels.concat());
+    // Both eyes' pixels are one row.
+    let picture = |pixels: &[Pixel]| {
+        Picture::of_colors([pixels.len() as u32, 1], pixels.iter().map(|[_, color]| *color))
+    };
+    let is_shown = |pixel: usize| a[pixel][0] != u32::MAX && b[pixel][0] != u32::MAX;
+    metrics::psnr_db(&picture(&a), &picture(&b), is_shown)
 }
 
 /// Share of pixels that are empty.
@@ -227,7 +216,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
     // The courtyard is too thin in places, where pictures differ by how gaps are filled.
     let statue = made_up(SynthKind::Photogrammetry, 400_000);
     let spt = spt_of(&statue, false);
-    let octree = build_octree(&statue, &Progress::hidden()).expect("an octree");
+    let octree = octree_of(&statue);
     let scene = ReferenceCloud::sequential(&spt, 1.0);
     let mut wrong = spt.clone();
     // These discs are drawn where their errors are eight times as large as they may be.
@@ -423,7 +412,7 @@ fn rings_open_no_holes() {
             .iter()
             .zip(&sequence.shapes)
             .for_each(|(node, shape)| shapes[*node as usize] = Some(shape));
-        let mut random = kit::frames::SplitMix(5);
+        let mut random = SplitMix(5);
         let mut num_lost = 0;
         for case in 0..24 {
             let mut at = || tree.bounds.min + random_in(&mut random, tree.bounds.size() * 1.5);
@@ -451,6 +440,6 @@ fn rings_open_no_holes() {
     assert!(num_lost(0.0, 3.0) > 0, "without overlap there are holes");
 }
 
-fn random_in(random: &mut kit::frames::SplitMix, size: DVec3) -> DVec3 {
+fn random_in(random: &mut SplitMix, size: DVec3) -> DVec3 {
     size * DVec3::new(random.unit(), random.unit(), random.unit())
 }

@@ -72,10 +72,7 @@ impl Executable {
 /// The project's shaders for pictures (one eye) and headsets (two), in the forms that matter.
 fn our_shaders() -> Vec<Shader> {
     let mirror = MIRROR.source(Variant::eyes(1));
-    let waiting = include_str!("../../shaders/waiting.wgsl").to_owned();
-    let mut shaders = [("mirror", mirror), ("waiting", waiting)]
-        .map(|(name, text)| Shader { name: name.into(), text, checked: true })
-        .to_vec();
+    let mut shaders = vec![Shader { name: "mirror".into(), text: mirror, checked: true }];
     let mut add = |name: String, text: String| {
         // Drivers get these from a release build; of a debug build the shaders that meet every point are compiled
         // too.

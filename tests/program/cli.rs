@@ -1,6 +1,8 @@
 //! The program from outside: help, wrong usage, exit codes, closed pipes.
 
-use std::io::{BufRead, BufReader, Write};
+use crate::logs::frame_log;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 fn scanwalk(args: &[&str]) -> Command {
@@ -20,21 +22,10 @@ fn refusal(args: &[&str]) -> (i32, String) {
     (output.status.code().expect("no signal ended it"), String::from_utf8(output.stderr).unwrap())
 }
 
-/// A frame log of `num_frames` rows.
-fn frame_log(folder: &std::path::Path, num_frames: usize) -> String {
+/// Saves a frame log of `num_frames` rows without a head's pose; returns its path.
+fn saved_log(folder: &Path, num_frames: usize) -> String {
     let path = folder.join("frames.csv");
-    let mut file = std::fs::File::create(&path).unwrap();
-    writeln!(file, "{}, version 0.1.0", timing::columns::TITLE).unwrap();
-    writeln!(file, "# scan: yard.laz").unwrap();
-    writeln!(file, "{}", timing::columns::names().join(",")).unwrap();
-    for frame in 0..num_frames {
-        let time = frame as f64 / 100.0;
-        writeln!(
-            file,
-            "{frame},{time},0,1,1,1,1,0,1,4,1,1,8,11.1,0,0,9,100,1000,1,1,closest,0,,,,,,,,walking,9,,,,,,simulated,,,,,"
-        )
-        .unwrap();
-    }
+    std::fs::write(&path, frame_log(num_frames, "")).unwrap();
     path.into_os_string().into_string().unwrap()
 }
 
@@ -225,7 +216,7 @@ fn failures_exit_1_in_one_line_that_names_the_file() {
 #[test]
 fn a_report_of_a_log() {
     let folder = tempfile::tempdir().unwrap();
-    let output = output(&["report", &frame_log(folder.path(), 101)]);
+    let output = output(&["report", &saved_log(folder.path(), 101)]);
     assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty());
     let text = String::from_utf8(output.stdout).unwrap();
@@ -236,7 +227,7 @@ fn a_report_of_a_log() {
 fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
-    let log = frame_log(folder.path(), 101);
+    let log = saved_log(folder.path(), 101);
     let json = file("results.JSON");
     std::fs::write(&json, r#"{"device": "some GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#)
         .unwrap();
@@ -268,7 +259,7 @@ fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
 #[test]
 fn a_closed_pipe_is_no_failure() {
     let folder = tempfile::tempdir().unwrap();
-    let log = frame_log(folder.path(), 10);
+    let log = saved_log(folder.path(), 10);
     let scan = folder.path().join("yard.las").into_os_string().into_string().unwrap();
     assert_eq!(output(&["synth", "terrestrial", "-o", &scan, "--points", "1000"]).status.code(), Some(0));
     // A picture this large is written before it is whole.

@@ -2,7 +2,9 @@
 
 mod cli;
 mod config;
+mod controllers;
 mod house;
+mod logs;
 mod outputs;
 mod pages;
 mod report;

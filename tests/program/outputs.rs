@@ -2,6 +2,9 @@
 //! tried on the program. It refuses before it reads anything.
 #![cfg(unix)]
 
+use crate::logs::frame_log;
+use kit::picture::Picture;
+use kit::wait::wait_for;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::symlink;
@@ -19,7 +22,7 @@ impl TestFolder {
         let folder = Self(tempfile::tempdir().unwrap());
         folder.put("a.las", &las(7));
         folder.put("b.las", &las(9));
-        folder.put("frames.csv", frame_log().as_bytes());
+        folder.put("frames.csv", frame_log(20, "1").as_bytes());
         folder.put("set.toml", b"[frame]\nnear_m = 0.1\n");
         folder.put("walk.poses", b"0,0,0,5,0,0,0,1\n");
         symlink("a.las", folder.path("link.png")).unwrap();
@@ -106,21 +109,6 @@ fn las(num_points: u32) -> Vec<u8> {
         bytes.extend(record);
     }
     bytes
-}
-
-fn frame_log() -> String {
-    let columns = timing::columns::names();
-    let rows = (0..20).map(|frame| {
-        let value = |name: &String| match name.as_str() {
-            "frame" => frame.to_string(),
-            "time_s" => (f64::from(frame) / 100.0).to_string(),
-            "phase" => "walking".to_string(),
-            _ => "1".to_string(),
-        };
-        columns.iter().map(value).collect::<Vec<_>>().join(",") + "\n"
-    });
-    let (title, rows) = (timing::columns::TITLE, rows.collect::<String>());
-    format!("{title}, version 0.1.0\n# scan: yard.laz\n{}\n{rows}", columns.join(","))
 }
 
 #[test]
@@ -246,10 +234,7 @@ fn stdout_takes_one_output_and_nothing_else() {
     let folder = TestFolder::new();
     let output = folder.run("scanwalk render a.las -o - --size 64x48 --metrics m.json");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mut reader = png::Decoder::new(std::io::Cursor::new(output.stdout)).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    assert_eq!(reader.next_frame(&mut pixels).unwrap().width, 64);
-    reader.finish().expect("nothing follows the picture");
+    assert_eq!(Picture::decode(&output.stdout).expect("a picture and nothing else").width, 64);
     assert!(folder.path("m.json").exists());
     let output = folder.run("scanwalk render a.las -o x.png --size 64x48 --metrics -");
     assert_eq!(serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["points"], 7);
@@ -418,10 +403,10 @@ fn ctrl_c_leaves_no_half_file() {
             .spawn()
             .unwrap();
         let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
-        while folder.names() == before {
+        wait_for("a part of the file", 60.0, || {
             assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
+            (folder.names() != before).then_some(())
+        });
         for _ in 0..signals {
             let _ =
                 Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status();

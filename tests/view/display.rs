@@ -2,7 +2,8 @@
 
 use crate::program::Program;
 use crate::scene::Scene;
-use kit::screen::{Screen, wait_for};
+use kit::screen::Screen;
+use kit::wait::wait_for;
 use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -28,10 +29,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     let view = ["view", &scan, "--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"];
 
     let run = start(folder.path(), &view, Some(&screen.display));
-    let window = wait_for("the window on X11", 60.0, || {
-        let found = screen.try_xdotool(&["search", "--onlyvisible", "--name", "scanwalk"])?;
-        found.lines().next().map(str::to_string)
-    });
+    let window = screen.wait_for_window("scanwalk");
     wait_for("something in it", 60.0, || {
         let picture = screen.picture(&window);
         picture.pixels.iter().any(|pixel| *pixel != picture.pixels[0]).then_some(())
@@ -49,8 +47,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     silent.set_nonblocking(false).expect("a socket's option");
     let run = start(folder.path(), &view, None);
     let _asked = silent.accept().expect("whoever asks");
-    let id = run.0.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    run.interrupt();
     let (code, said) = run.end();
     assert!(code == Some(0) && said.contains("stopping"), "{code:?}: {said}");
 

@@ -1,6 +1,6 @@
 //! A run of the program, which is ended if the test fails.
 
-use kit::screen::wait_for;
+use kit::wait::wait_for;
 use std::io::Read;
 use std::process::{Child, Command};
 
@@ -11,15 +11,29 @@ impl Program {
         Self(command.spawn().expect("the program starts"))
     }
 
-    /// Returns the exit code, and what the program said, if that was piped.
+    /// Asks the program to end, as Ctrl-C does.
+    pub fn interrupt(&self) {
+        let id = self.0.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    }
+
+    /// Returns the exit code, and what the program said for good, if that was piped.
     pub fn end(mut self) -> (Option<i32>, String) {
         let status = wait_for("the end", 60.0, || self.0.try_wait().expect("a child of ours"));
         let mut said = String::new();
         if let Some(stderr) = &mut self.0.stderr {
             stderr.read_to_string(&mut said).expect("text");
         }
-        (status.code(), said)
+        (status.code(), for_good(&said))
     }
+}
+
+/// What the program said, without what it says on a slow machine alone: how far it is, every few seconds, and that it left
+/// without waiting for a thread.
+pub fn for_good(said: &str) -> String {
+    let is_progress = |line: &str| !line.starts_with("scanwalk: ") && line.contains(" %, ");
+    let lines = said.split_inclusive('\n');
+    lines.filter(|line| !is_progress(line) && !line.starts_with("scanwalk: left without waiting")).collect()
 }
 
 impl Drop for Program {

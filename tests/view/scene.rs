@@ -1,10 +1,9 @@
 //! What the walks look at: a made-up courtyard, and a red ball close before the viewer.
 
-use base::output::Output;
 use base::space::Pose;
-use base::task::CancelToken;
 use glam::DVec3;
-use lab::synth::{self, SynthKind, SynthOptions};
+use kit::{made_up, spread};
+use lab::synth::{self, SynthKind};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -31,13 +30,7 @@ impl Scene {
     fn make() -> Scene {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let courtyard = folder.path().join("courtyard.las");
-        let options = SynthOptions {
-            kind: SynthKind::Terrestrial,
-            out: Output::new(&courtyard, synth::SCAN).expect("a folder"),
-            points: 400_000,
-            seed: 1,
-        };
-        synth::write(&options, &CancelToken::default()).expect("a courtyard");
+        made_up::file(&courtyard, SynthKind::Terrestrial, 400_000, 1).expect("a courtyard");
         let place = synth::viewpoints(SynthKind::Terrestrial)
             .iter()
             .find(|v| v.name == "court")
@@ -68,11 +61,8 @@ fn write_ball(path: &Path, center: DVec3) {
     let axis = |offset: f64| las::Transform { scale, offset: offset.round() };
     header.transforms = las::Vector { x: axis(center.x), y: axis(center.y), z: axis(center.z) };
     let mut writer = las::Writer::from_path(path, header.into_header().expect("a header")).expect("a writer");
-    for step in 0..20_000 {
-        // A spiral from pole to pole covers the sphere evenly.
-        let z = 1.0 - 2.0 * (f64::from(step) + 0.5) / 20_000.0;
-        let (radius, angle) = ((1.0 - z * z).sqrt(), 2.399_963 * f64::from(step));
-        let p = center + 0.03 * DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
+    for (step, direction) in spread::directions(20_000).enumerate() {
+        let p = center + 0.03 * direction;
         let color = Some(las::Color { red: 65535 - (step % 2) as u16, green: 0, blue: 0 });
         writer
             .write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() })

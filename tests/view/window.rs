@@ -2,7 +2,9 @@
 
 use crate::program::Program;
 use crate::scene::Scene;
-use kit::screen::{Picture, Screen, wait_for};
+use kit::picture::Picture;
+use kit::screen::Screen;
+use kit::wait::wait_for;
 use kit::xr::RuntimeSlot;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,10 +15,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 
 /// Returns the program's window on a screen, once it is there and has the keyboard.
 fn window(screen: &Screen) -> String {
-    let window = wait_for("the window", 60.0, || {
-        let found = screen.try_xdotool(&["search", "--onlyvisible", "--name", "scanwalk"])?;
-        found.lines().next().map(str::to_string)
-    });
+    let window = screen.wait_for_window("scanwalk");
     screen.xdotool(&["windowfocus", "--sync", &window]);
     window
 }
@@ -170,8 +169,7 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
         if close {
             screen.ask_to_close(&window);
         } else {
-            let id = viewer.0.id().to_string();
-            assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+            viewer.interrupt();
         }
         assert_failed(viewer);
     }
@@ -189,15 +187,6 @@ fn screenshots(folder: &Path) -> BTreeMap<String, PathBuf> {
     names.collect()
 }
 
-/// Size and pixels of a PNG; `None` while it is being written.
-fn read_png(path: &Path) -> Option<([u32; 2], Vec<u8>)> {
-    let file = std::io::BufReader::new(std::fs::File::open(path).ok()?);
-    let mut reader = png::Decoder::new(file).read_info().ok()?;
-    let mut pixels = vec![0; reader.output_buffer_size()?];
-    let info = reader.next_frame(&mut pixels).ok()?;
-    Some(([info.width, info.height], pixels))
-}
-
 #[test]
 fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let screen = Screen::start();
@@ -205,6 +194,8 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let log = folder.path().join("frames.csv");
     let mut command = command(&screen, folder.path(), &Scene::get().courtyard, "on");
     command.arg("--log").arg(&log).env_remove("WAYLAND_DISPLAY");
+    // Eyes are smaller still: the notice is there for some seconds alone, in which the window has to come to draw it.
+    command.args(["--set", "simulated.size_px=[160,180]"]);
     let viewer = Program::start(&mut command);
     let window = window(&screen);
     wait_lit(&screen, &window);
@@ -224,18 +215,26 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     // The fifth overlay is on: there are four pictures, of which two are what the headset gets.
     screen.xdotool(&["key", "F12"]);
     let names = ["left.png", "left.precision.png", "right.png", "right.precision.png"];
-    let pictures = wait_for("four pictures", 60.0, || {
+    // The notice of them goes by itself after some seconds.
+    let mut is_told = false;
+    let pictures = wait_for("four pictures and the notice", 60.0, || {
+        let shown = screen.picture(&window);
+        if !is_told && shown.num_different(&before) > 1000 {
+            shown.keep("screenshot-notice");
+            is_told = true;
+        }
         let paths = screenshots(folder.path());
-        let pictures: Option<Vec<_>> = names.iter().map(|&name| read_png(paths.get(name)?)).collect();
-        pictures
+        // A picture is not whole while it is being written.
+        let pictures: Option<Vec<_>> =
+            names.iter().map(|&name| Picture::read(paths.get(name)?).ok()).collect();
+        pictures.filter(|_| is_told)
     });
-    assert!(pictures.iter().all(|(size, _)| *size == [320, 360]));
+    assert!(pictures.iter().all(|picture| [picture.width, picture.height] == [160, 180]));
     for pair in pictures.chunks_exact(2) {
-        let differing = pair[0].1.iter().zip(&pair[1].1).filter(|(a, b)| a != b).count();
-        assert!((100..pair[0].1.len() / 2).contains(&differing), "{differing} differ");
+        let [plain, with] = [0, 1].map(|at| pair[at].pixels.as_flattened());
+        let differing = plain.iter().zip(with).filter(|(a, b)| a != b).count();
+        assert!((100..plain.len() / 2).contains(&differing), "{differing} differ");
     }
-    wait_for("the notice", 60.0, || (screen.picture(&window).num_different(&before) > 1000).then_some(()));
-    screen.picture(&window).keep("screenshot-notice");
     // No overlay follows the last.
     screen.xdotool(&["key", "o"]);
     wait_for("no overlay", 60.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));

@@ -6,6 +6,7 @@
 
 mod extras;
 mod faults;
+mod hands;
 mod picture;
 mod probe;
 mod session;

@@ -1,5 +1,6 @@
 //! The program that the tests run inside the runtime: a frame loop as the walk has it, with a test pattern.
 
+use base::space::Pose;
 use kit::xr::{Finished, Running, TestRuntime};
 use render::gpu::Gpu;
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use xr::hidden_area::HiddenArea;
 use xr::{self, Connection, XrHeadset, XrOptions};
-use xr::{EyeImages, FrameState, Headset, StageEye};
+use xr::{EyeImages, FrameState, HandInput, HandJoints, Headset, Joint, StageEye};
 
 /// Environment variable that carries the [`Job`] to the child.
 pub const JOB: &str = "SCANWALK_XR_PROBE";
@@ -32,6 +33,12 @@ pub struct Job {
     /// Writes the pixels that the left eye's lens hides to `$XR_RUN/hidden.bits` when it is told, as
     /// [`HiddenArea::rasterize`] makes them.
     pub dump_hidden: bool,
+    /// Does not follow bare hands.
+    pub no_hands: bool,
+    /// Reports the joints of bare hands.
+    pub joints: bool,
+    /// Shakes the right controller with every drawn frame from this one on; 0: never.
+    pub vibrate_from: u64,
     /// A deliberate error: see `validation.rs`.
     pub misuse: String,
 }
@@ -77,9 +84,26 @@ pub struct Frame {
     pub state: String,
     /// Position, orientation x, y, z, w, tangents left, right, up, down; left eye, then right.
     pub eyes: [([f64; 3], [f64; 4], [f64; 4]); 2],
-    pub left_stick: [f32; 2],
-    pub right_stick: [f32; 2],
+    /// Left hand, right hand.
+    pub hands: [Hand; 2],
+}
+
+/// Position and orientation x, y, z, w in the stage.
+pub type StagePose = ([f64; 3], [f64; 4]);
+
+/// A hand as the probe reported it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Hand {
+    pub aim: Option<StagePose>,
+    pub grip: Option<StagePose>,
+    pub stick: [f32; 2],
+    pub has_stick: bool,
+    pub select: bool,
+    pub grab: bool,
+    pub menu: bool,
     pub reset: bool,
+    /// Poses and radii, if the job asks for them.
+    pub joints: Option<Vec<(StagePose, f64)>>,
 }
 
 /// A line as a frame, if it is one.
@@ -94,14 +118,19 @@ fn probe() {
     let Ok(job) = std::env::var(JOB) else { return };
     println!();
     let job: Job = serde_json::from_str(&job).unwrap();
+    // Warnings go to stderr, as the program's do.
+    let log = tracing_subscriber::fmt().with_max_level(tracing::Level::WARN).with_ansi(false);
+    log.with_writer(std::io::stderr).init();
     if job.misuse == "openxr" {
         return crate::validation::misuse_openxr();
     }
     let asked_or = |asked: f64, otherwise: f64| if asked > 0.0 { asked } else { otherwise };
     let options = XrOptions {
         resolution_scale: asked_or(job.resolution_scale, 1.0),
+        refresh_hz: None,
         depth_layer: !job.plain,
         visibility_mask: !job.plain,
+        hands: !job.no_hands,
         near_m: asked_or(job.near_m, 0.05),
     };
     let headset = match Connection::new().and_then(|connection| connection.open(&options)) {
@@ -120,6 +149,7 @@ fn probe() {
         "format": format!("{:?}", headset.image_format()),
         "offers_depth": headset.offers().depth_layer,
         "offers_mask": headset.offers().visibility_mask,
+        "offers_hands": headset.offers().hand_tracking,
         "depth_format": headset.depth_format().map(|format| format!("{format:?}")),
     }));
     let mut looper =
@@ -190,6 +220,7 @@ impl Loop<'_> {
 
     fn frame(&mut self, should_render: bool) -> anyhow::Result<()> {
         let input = self.headset.input();
+        let joints = self.headset.hands();
         if !should_render {
             report(&json!({ "hidden_frame": format!("{:?}", self.headset.state()) }));
             self.headset.submit(None);
@@ -212,13 +243,18 @@ impl Loop<'_> {
             self.report_hidden(&areas, &eyes)?;
         }
         self.headset.submit(Some(commands));
+        if self.job.vibrate_from > 0 && self.drawn >= self.job.vibrate_from {
+            self.headset.vibrate(1, 0.5, 0.02);
+        }
+        let hands = [0, 1].map(|hand: usize| {
+            let joints = joints[hand].filter(|_| self.job.joints);
+            hand_json(&input.hands[hand], joints.as_ref())
+        });
         report(&json!({
             "frame": self.drawn,
             "state": format!("{:?}", self.headset.state()),
             "eyes": eyes.map(eye_json),
-            "left_stick": input.left_stick,
-            "right_stick": input.right_stick,
-            "reset": input.reset,
+            "hands": hands,
             "gaze": eyes.map(|eye| eye.gaze_in_view.map(|gaze| gaze.to_array())),
         }));
         if let Some([left, right]) = dump {
@@ -265,6 +301,25 @@ fn clear_depth(commands: &mut wgpu::CommandEncoder, image: &wgpu::Texture) {
 fn eye_json(eye: StageEye) -> Value {
     let StageEye { stage_from_view: pose, fov, .. } = eye;
     json!([pose.position.to_array(), pose.orientation.to_array(), [fov.left, fov.right, fov.up, fov.down]])
+}
+
+fn pose_json(pose: &Pose) -> Value {
+    json!([pose.position.to_array(), pose.orientation.to_array()])
+}
+
+fn hand_json(hand: &HandInput, joints: Option<&HandJoints>) -> Value {
+    let joint_json = |joint: &Joint| json!([pose_json(&joint.stage_from_joint), joint.radius_m]);
+    json!({
+        "aim": hand.stage_from_aim.as_ref().map(pose_json),
+        "grip": hand.stage_from_grip.as_ref().map(pose_json),
+        "stick": hand.stick,
+        "has_stick": hand.has_stick,
+        "select": hand.select,
+        "grab": hand.grab,
+        "menu": hand.menu,
+        "reset": hand.reset,
+        "joints": joints.map(|joints| joints.iter().map(joint_json).collect::<Vec<_>>()),
+    })
 }
 
 /// Draws a red picture for the left eye and a green one for the right: noise of its own in every pixel, and white top

@@ -1,8 +1,8 @@
-//! Poses, fields of view, sticks and buttons arrive as the device has them.
+//! Poses and fields of view of the eyes arrive as the device has them.
 
 use crate::probe::{Frame, Job, frame};
 use glam::{DQuat, DVec3};
-use kit::xr::poses::{Packet, Remote, RemoteEye, RemoteHand, RemotePose};
+use kit::xr::poses::{Packet, Remote, RemoteEye, RemotePose};
 use kit::xr::{Running, RuntimeSlot};
 
 /// Sends a state and waits for a frame that shows it.
@@ -78,38 +78,4 @@ fn asymmetric_and_canted_eyes_arrive() {
     // Each eye looks outwards.
     let forward = |eye: usize| DQuat::from_array(frame.eyes[eye].1) * DVec3::NEG_Z;
     assert!(forward(0).x < -0.05 && forward(1).x > 0.05);
-}
-
-#[test]
-#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
-fn sticks_and_the_reset_button_arrive() {
-    let lab = RuntimeSlot::enter();
-    let mut run = Job { exit_after: 0, ..Job::default() }.start(&lab.runtime());
-    let mut remote = run.remote();
-    let mut packet = Packet {
-        left: RemoteHand { stick: [0.25, 0.75], ..RemoteHand::default() },
-        right: RemoteHand { stick: [-1.0, 0.5], ..RemoteHand::default() },
-        ..Packet::default()
-    };
-    let sticks = |frame: &Frame| (frame.left_stick, frame.right_stick);
-    let frame = settle(&mut run, &mut remote, &packet, |f| sticks(f) != ([0.0; 2], [0.0; 2]));
-    assert_eq!(sticks(&frame), ([0.25, 0.75], [-1.0, 0.5]));
-    assert!(!frame.reset);
-
-    // A button that is held over many frames is told once.
-    let press: [fn(&mut RemoteHand, bool); 2] =
-        [|hand, down| hand.stick_pressed = down, |hand, down| hand.a_pressed = down];
-    for set in press {
-        set(&mut packet.right, true);
-        let pressed = settle(&mut run, &mut remote, &packet, |frame| frame.reset).frame;
-        let held = settle(&mut run, &mut remote, &packet, |frame| frame.frame == pressed + 5);
-        assert!(!held.reset);
-        set(&mut packet.right, false);
-        settle(&mut run, &mut remote, &packet, |frame| frame.frame > held.frame + 3);
-    }
-
-    // A controller that is switched off rests.
-    packet.left.active = false;
-    let frame = settle(&mut run, &mut remote, &packet, |frame| frame.left_stick == [0.0; 2]);
-    assert_eq!(frame.right_stick, [-1.0, 0.5]);
 }

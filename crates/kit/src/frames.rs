@@ -1,20 +1,20 @@
 //! Helpers of several tests: made-up clouds, and a frame drawn on the GPU and read back.
 
-use cloud::octree::Octree;
+use cloud::octree::{Octree, build_octree};
 use cloud::spt::{SequentialCloud, build_spt};
 use cloud::{Cloud, Order, build};
 use glam::{DQuat, DVec3};
-use render::gpu::{Atomics, Gpu, readback};
+use render::gpu::{Atomics, Gpu, QueueGuard, readback};
 use render::options::Quality;
 
-use base::output::Output;
+use base::random::mix;
 use base::space::{Eye, Fov, Pose, View};
-use base::task::{CancelToken, Progress};
+use base::task::Progress;
 use lab::reference::Frame;
 use lab::reference::resolve::EMPTY;
-use lab::synth::{self, SynthKind, SynthOptions};
+use lab::synth::{self, SynthKind};
 use lab::technique::{LabTechnique, tree};
-use points::{self, Grid, ReadOptions, Scan, ScanBuilder};
+use points::{Grid, Scan, ScanBuilder};
 use render::DrawOptions;
 use render::layout::{ALL_PLANES, CullCounters, Detail, EMPTY_DEPTH, Pixel, VisibleBatch, without_guard};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
@@ -33,13 +33,17 @@ pub struct SplitMix(pub u64);
 impl SplitMix {
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+        mix(self.0)
     }
 
+    /// A number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A whole number in [0, `end`).
+    pub fn below(&mut self, end: i32) -> i32 {
+        (self.bits() % end as u64) as i32
     }
 }
 
@@ -50,12 +54,7 @@ pub fn courtyard() -> Scan {
 
 /// A made-up scan of this kind and number of points.
 pub fn made_up(kind: SynthKind, points: u64) -> Scan {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = folder.path().join("made-up.las");
-    let output = Output::new(&out, synth::SCAN).expect("a folder");
-    synth::write(&SynthOptions { kind, out: output, points, seed: 7 }, &CancelToken::default())
-        .expect("a file");
-    points::read(&[out], &ReadOptions::default(), &CancelToken::default()).expect("a scan")
+    crate::made_up::scan(kind, points, 7).expect("a scan")
 }
 
 /// Points in a box of `edge` world units, in steps of a millimeter.
@@ -153,7 +152,19 @@ impl Canvas {
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
-        let mut canvas = Self::new(&sizes(view), options, atomics);
+        Self::layered_by(LabTechnique::default(), octree, view, options, atomics, chunk_limit)
+    }
+
+    /// A canvas for a view, with a layered cloud, by any technique.
+    pub fn layered_by(
+        technique: LabTechnique,
+        octree: &Octree,
+        view: &View,
+        options: DrawOptions,
+        atomics: Atomics,
+        chunk_limit: u64,
+    ) -> Self {
+        let mut canvas = Self::on(gpu(), &sizes(view), options, atomics, technique);
         let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
         canvas
@@ -209,6 +220,11 @@ impl Canvas {
 
     /// Draws a frame and reads everything back.
     pub fn draw(&mut self, view: &View) -> Drawn {
+        self.draw_with(view, |_, _| ())
+    }
+
+    /// Draws a frame; `tell` tells the renderer more of it before it is submitted.
+    pub fn draw_with(&mut self, view: &View, tell: impl FnOnce(&Renderer, &QueueGuard)) -> Drawn {
         let views: Vec<_> = self.images.iter().map(|i| i.create_view(&Default::default())).collect();
         let eyes: Vec<EyeImage> = views.iter().map(|color| EyeImage { color, depth: None }).collect();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -217,6 +233,7 @@ impl Canvas {
         {
             let queue = self.gpu.queue.lock();
             self.renderer.set_view(&queue, view);
+            tell(&self.renderer, &queue);
             queue.submit([encoder.finish()]);
         }
         self.renderer.submitted();
@@ -296,6 +313,23 @@ pub fn stereo(eye: DVec3, target: DVec3, size_px: [u32; 2]) -> View {
     View { eyes: vec![side(-1.0), side(1.0)], near: 0.05 }
 }
 
+/// A view of one eye that sees this far to each side, as a tangent.
+pub fn mono(eye: DVec3, target: DVec3, tangent: f64, size_px: [u32; 2]) -> View {
+    let world_from_view = Pose::look_at(eye, target, DVec3::Z);
+    let fov = Fov { left: -tangent, right: tangent, up: tangent, down: -tangent };
+    View { eyes: vec![Eye { world_from_view, fov, size_px, gaze_in_view: Eye::AHEAD }], near: 0.05 }
+}
+
+/// A view along the made-up courtyard from within: near and far nodes, all rings.
+pub fn inside(size_px: [u32; 2]) -> View {
+    let place = synth::viewpoints(SynthKind::Terrestrial)[1];
+    stereo(place.eye, place.target, size_px)
+}
+
+pub fn octree_of(scan: &Scan) -> Octree {
+    build_octree(scan, &Progress::hidden()).expect("an octree")
+}
+
 pub fn spt_of(scan: &Scan, cull_backfaces: bool) -> SequentialCloud {
     build_spt(scan, cull_backfaces, &Progress::hidden()).expect("a point tree")
 }
@@ -309,9 +343,16 @@ pub fn hqs(detail: Detail) -> DrawOptions {
     DrawOptions { quality: Quality::Hqs, background: [1, 2, 3], detail, ..DrawOptions::default() }
 }
 
+/// Tiers that this machine's GPU has.
 pub fn tiers() -> Vec<Atomics> {
     let all = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
     all.into_iter().filter(|&tier| tier <= gpu().atomics()).collect()
+}
+
+/// Number of pixels that differ in two pictures of the same size.
+pub fn num_differing<T: PartialEq>(a: &[T], b: &[T]) -> usize {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 /// Says what of a frame differs from the CPU reference's.
@@ -320,7 +361,7 @@ pub fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
         return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));
     }
     for eye in 0..want.pixels.len() {
-        let differing = drawn.pixels[eye].iter().zip(&want.pixels[eye]).filter(|(a, b)| a != b).count();
+        let differing = num_differing(&drawn.pixels[eye], &want.pixels[eye]);
         if differing > 0 || drawn.images[eye] != want.images[eye] {
             return Some(format!("eye {eye}: {differing} pixels"));
         }

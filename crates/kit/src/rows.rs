@@ -9,12 +9,19 @@ pub struct LogRows {
 }
 
 impl LogRows {
-    /// Reads a file, without the lines that begin with `#`.
+    /// Reads a file that is whole.
     pub fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).expect("a log");
+        Self::so_far(path).expect("a log")
+    }
+
+    /// Reads the whole lines that a file has so far, without those that begin with `#`; `None` if it does not name its
+    /// columns yet.
+    pub fn so_far(path: &Path) -> Option<Self> {
+        let text = std::fs::read_to_string(path).ok()?;
+        let whole = &text[..=text.rfind('\n')?];
         let cells = |line: &str| line.split(',').map(str::to_owned).collect();
-        let mut lines = text.lines().filter(|line| !line.starts_with('#')).map(cells);
-        Self { names: lines.next().expect("names of columns"), rows: lines.collect() }
+        let mut lines = whole.lines().filter(|line| !line.starts_with('#')).map(cells);
+        Some(Self { names: lines.next()?, rows: lines.collect() })
     }
 
     /// A column's texts.

@@ -1,13 +1,10 @@
 //! A virtual screen: Xvfb on a free display, its pixels, and xdotool for hands.
 
+use crate::picture::Picture;
+use crate::wait::wait_for;
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt as _, EventMask, InputFocus};
-
-/// Red, green, blue, 0–255.
-pub type Rgb = [u8; 3];
 
 /// A screen of 1600 × 1000 pixels; it is gone when dropped.
 pub struct Screen {
@@ -24,37 +21,6 @@ pub struct WindowArea {
     pub y: usize,
     pub width: usize,
     pub height: usize,
-}
-
-/// A part of the screen, rows from the top.
-#[derive(Clone, PartialEq, Eq)]
-pub struct Picture {
-    pub width: usize,
-    pub height: usize,
-    pub pixels: Vec<Rgb>,
-}
-
-impl Picture {
-    pub fn at(&self, x: usize, y: usize) -> Rgb {
-        self.pixels[y * self.width + x]
-    }
-
-    /// How many pixels of `self` differ from `other` (all, if the sizes do).
-    pub fn num_different(&self, other: &Self) -> usize {
-        if (self.width, self.height) != (other.width, other.height) {
-            return self.pixels.len();
-        }
-        self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count()
-    }
-
-    /// Keeps the picture for people if SCANWALK_TEST_PICTURES names a folder.
-    pub fn keep(&self, name: &str) {
-        let Some(folder) = std::env::var_os("SCANWALK_TEST_PICTURES") else { return };
-        let file = std::fs::File::create(PathBuf::from(folder).join(format!("{name}.png"))).unwrap();
-        let mut png = png::Encoder::new(file, self.width as u32, self.height as u32);
-        png.set_color(png::ColorType::Rgb);
-        png.write_header().unwrap().write_image_data(self.pixels.as_flattened()).unwrap();
-    }
 }
 
 impl Screen {
@@ -98,6 +64,14 @@ impl Screen {
         self.try_xdotool(arguments).unwrap_or_else(|| panic!("xdotool {arguments:?} failed"))
     }
 
+    /// X11's number of the window whose title matches, once it is there.
+    pub fn wait_for_window(&self, title: &str) -> String {
+        wait_for("the window", 60.0, || {
+            let found = self.try_xdotool(&["search", "--onlyvisible", "--name", title])?;
+            found.lines().next().map(str::to_string)
+        })
+    }
+
     pub fn geometry(&self, window: &str) -> WindowArea {
         let text = self.xdotool(&["getwindowgeometry", "--shell", window]);
         let value = |name: &str| {
@@ -128,9 +102,7 @@ impl Screen {
     pub fn picture(&self, window: &str) -> Picture {
         let g = self.geometry(window);
         let screen = crate::xwd::read(&self.folder.path().join("Xvfb_screen0")).unwrap();
-        let rows = screen.pixels.chunks_exact(screen.size[0]).skip(g.y).take(g.height);
-        let pixels = rows.flat_map(|row| &row[g.x..g.x + g.width]).copied().collect();
-        Picture { width: g.width, height: g.height, pixels }
+        screen.part([g.x, g.y], [g.width, g.height])
     }
 }
 
@@ -138,17 +110,5 @@ impl Drop for Screen {
     fn drop(&mut self) {
         let _ = self.server.kill();
         let _ = self.server.wait();
-    }
-}
-
-/// Asks again and again until there is an answer; panics after `seconds`.
-pub fn wait_for<T>(what: &str, seconds: f64, mut ask: impl FnMut() -> Option<T>) -> T {
-    let begin = Instant::now();
-    loop {
-        if let Some(answer) = ask() {
-            return answer;
-        }
-        assert!(begin.elapsed().as_secs_f64() < seconds, "waited {seconds} s for {what}");
-        std::thread::sleep(Duration::from_millis(50));
     }
 }

@@ -1,6 +1,7 @@
 //! What benchmarks share whose every step happens in a process of its own, so that its peak memory is its own. They
 //! print CSV rows.
 
+use crate::damage::peak_kib;
 use anyhow::{Result, ensure};
 use clap::Parser;
 use std::path::{Path, PathBuf};
@@ -58,10 +59,5 @@ pub fn in_child(step: &str, path: &Path) -> Result<String> {
 
 /// Largest memory of this process so far, bytes a point; NaN where the system does not say.
 pub fn peak_bytes_per_point(num_points: usize) -> f64 {
-    let peak_kib = || {
-        let status = std::fs::read_to_string("/proc/self/status").ok()?;
-        let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-        line.split_whitespace().nth(1)?.parse::<f64>().ok()
-    };
-    peak_kib().map_or(f64::NAN, |kib| 1024.0 * kib / num_points as f64)
+    peak_kib().map_or(f64::NAN, |kib| 1024.0 * kib as f64 / num_points as f64)
 }

@@ -1,18 +1,11 @@
 //! Reads XWD files, in which Xvfb keeps its screen: a header of big-endian words, a color table, rows of pixels.
 
+use crate::picture::Picture;
 use std::io;
 use std::path::Path;
 
-/// A whole screen.
-pub struct Xwd {
-    /// Width, height.
-    pub size: [usize; 2],
-    /// Red, green, blue, row by row from the top.
-    pub pixels: Vec<[u8; 3]>,
-}
-
-/// Reads a file of 32 bits a pixel, blue first.
-pub fn read(path: &Path) -> io::Result<Xwd> {
+/// Reads a file of 32 bits a pixel, blue first: a whole screen.
+pub fn read(path: &Path) -> io::Result<Picture> {
     let bytes = std::fs::read(path)?;
     let word = |index: usize| -> io::Result<usize> {
         let at = bytes.get(4 * index..4 * index + 4).ok_or(io::ErrorKind::UnexpectedEof)?;
@@ -29,5 +22,5 @@ pub fn read(path: &Path) -> io::Result<Xwd> {
     if pixels.len() != width * height {
         return Err(io::ErrorKind::UnexpectedEof.into());
     }
-    Ok(Xwd { size: [width, height], pixels })
+    Ok(Picture { width, height, pixels })
 }

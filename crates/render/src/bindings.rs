@@ -188,7 +188,7 @@ sets! {
         sums,
         /// Sums in four u32.
         wide,
-        /// PixelSet before gaps are closed.
+        /// Pixels before gaps are closed.
         surface,
         /// Eyes and detail.
         view,
@@ -211,6 +211,17 @@ sets! {
         counters,
         /// The chunk's batches that are drawn.
         visible,
+    }
+    /// What is seen beside the scan.
+    ScenerySet, OfScenery {
+        /// What an eye's scenery is drawn with.
+        scenery,
+        /// Finished depths.
+        image_depth,
+        /// The card's picture.
+        card,
+        /// How the card's picture is looked up.
+        card_sampler,
     }
 }
 

@@ -8,6 +8,7 @@ use crate::layout::{
     COUNTERS_STRIDE, CullCounters, Detail, IMAGE_PITCH_PX, ViewUniform, WORKGROUP_SIZE, image_pitch_px,
 };
 use crate::options::Quality;
+use crate::scenery::{SceneryView, Shapes};
 use base::space::View;
 use timing::{STAGES, StageMs};
 
@@ -23,6 +24,8 @@ pub(super) const DEPTH: usize = 3;
 const COLOR: usize = 4;
 /// Place of `resolve` in [`STAGES`], and of its times.
 const RESOLVE: usize = 5;
+/// Place of `scenery` in [`STAGES`], and of its times.
+const SCENERY: usize = 6;
 
 // Rows of finished pixels begin where copies need them to.
 const _: () = assert!(4 * IMAGE_PITCH_PX == wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -68,6 +71,7 @@ impl Renderer {
         self.record_depth(encoder);
         self.record_color(encoder);
         self.record_resolve(encoder, images);
+        self.record_scenery(encoder, images);
         self.timer.end(encoder, &self.counters);
         self.images_are_new = false;
     }
@@ -85,6 +89,14 @@ impl Renderer {
             let uniform = ViewUniform::new(view, &cloud.split, &detail);
             queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
             self.technique.set_view(queue, view, &detail, self.lod_scale, cloud);
+        }
+    }
+
+    /// Sets what is seen beside the scan in the frame that is submitted next through the same guard. Nothing is without
+    /// [`Self::show_scenery`].
+    pub fn set_scenery(&self, queue: &QueueGuard, view: &SceneryView, shapes: &Shapes) {
+        if let Some(scenery) = &self.scenery {
+            scenery.set(queue, view, shapes, self.cloud.is_some());
         }
     }
 
@@ -170,7 +182,7 @@ impl Renderer {
     fn record_resolve(&self, encoder: &mut wgpu::CommandEncoder, images: &[EyeImage]) {
         if self.cloud.is_none() {
             for (eye, image) in images.iter().enumerate() {
-                self.record_waiting(encoder, eye, image, [eye == 0, eye + 1 == images.len()]);
+                self.record_empty(encoder, image, [eye == 0, eye + 1 == images.len()]);
             }
             return;
         }
@@ -244,17 +256,17 @@ impl Renderer {
         drawing.draw(0..3, 0..1);
     }
 
-    fn record_waiting(
+    /// Records an image without a point.
+    fn record_empty(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        eye: usize,
         image: &EyeImage,
         [is_first, is_last]: [bool; 2],
     ) {
         let [r, g, b] = self.options.background.map(linear_from_srgb);
         let load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("waiting"),
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(STAGES[RESOLVE]),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: image.color,
                 depth_slice: None,
@@ -265,8 +277,32 @@ impl Renderer {
             timestamp_writes: self.timer.render(RESOLVE, is_first, is_last),
             ..Default::default()
         });
-        self.draw_to_drawn_part(&mut pass, eye);
-        self.loading_bar.draw(&mut pass, eye);
+    }
+
+    /// Records what is seen beside the scan, over the images.
+    fn record_scenery(&mut self, encoder: &mut wgpu::CommandEncoder, images: &[EyeImage]) {
+        let Some(mut scenery) = self.scenery.take() else {
+            // A stage that does nothing has its time all the same.
+            drop(self.compute_pass(encoder, SCENERY));
+            return;
+        };
+        scenery.bind(&self.gpu, &self.targets, self.binding());
+        for (eye, image) in images.iter().enumerate() {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(STAGES[SCENERY]),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: image.color,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                timestamp_writes: self.timer.render(SCENERY, eye == 0, eye + 1 == images.len()),
+                ..Default::default()
+            });
+            self.draw_to_drawn_part(&mut pass, eye);
+            scenery.draw(&mut pass, eye);
+        }
+        self.scenery = Some(scenery);
     }
 
     fn draw_to_drawn_part(&self, pass: &mut wgpu::RenderPass, eye: usize) {
@@ -290,7 +326,7 @@ fn infinitely_far(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttac
 }
 
 /// The value that an sRGB image encodes back to `c`.
-fn linear_from_srgb(c: u8) -> f64 {
+pub(super) fn linear_from_srgb(c: u8) -> f64 {
     let c = f64::from(c) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }

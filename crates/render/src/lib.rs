@@ -15,12 +15,12 @@ mod overlay;
 mod pipelines;
 mod pool;
 mod renderer;
+pub mod scenery;
 pub mod shaders;
 mod targets;
 pub mod technique;
 mod tier;
 mod upload;
-mod waiting;
 
 pub use cloud_buffers::CloudBuffers;
 pub use draw_options::{Access, DrawOptions, NO_REACH_PX, RINGS_REACH_PX};

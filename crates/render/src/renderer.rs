@@ -5,16 +5,16 @@ use super::drawn_part::DrawnPart;
 use super::groups::{self, Groups, Parts};
 use super::pipelines::{PipelineOptions, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
-use super::waiting::LoadingBar;
 use crate::draw_options::DrawOptions;
 use crate::gpu::readback::{self, ReadbackError};
 use crate::gpu::timer::Timer;
-use crate::gpu::{Atomics, Gpu, QueueGuard};
+use crate::gpu::{Atomics, Gpu};
 use crate::layout::{COUNTERS_STRIDE, Pixel, Sums, ViewUniform, of_image};
 use crate::nearest::{Nearest, Recording};
 use crate::options::Quality;
+use crate::scenery::{Scenery, Surround};
 use crate::technique::{Own, Technique};
-use base::space::{Eye, Pose, Split};
+use base::space::Split;
 use std::sync::Arc;
 use timing::STAGES;
 
@@ -53,7 +53,8 @@ pub struct Renderer {
     pub(super) nearest: Box<dyn Nearest>,
     /// Bits of the pixels that the lenses hide, an eye each.
     hidden: Vec<Vec<u32>>,
-    pub(super) loading_bar: LoadingBar,
+    /// What is seen beside the scan, if anything is.
+    pub(super) scenery: Option<Scenery>,
     drawn: DrawnPart,
     pub(super) groups: Groups,
     /// True if the finished pixels are of another drawn part or cloud than the next frame's.
@@ -90,7 +91,6 @@ impl Renderer {
         let drawn = DrawnPart::new(gpu, &targets, &[], (options.background_word(), setup.color_format));
         let counters = counters_buffer(gpu, NUM_COUNTERS);
         let timer = Timer::new(gpu, STAGES.len(), counters.size());
-        let loading_bar = LoadingBar::new(gpu, &setup);
         let mut renderer = Self {
             gpu: Arc::clone(gpu),
             setup,
@@ -104,7 +104,7 @@ impl Renderer {
             nearest,
             targets,
             hidden: vec![],
-            loading_bar,
+            scenery: None,
             drawn,
             groups: Groups::default(),
             images_are_new: true,
@@ -115,18 +115,17 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Sets what is shown while there is no cloud: the part of the work until then that is done, 0 to 1, as a bar and a
-    /// number that stand at `world_from_bar`, in meters. `None` shows nothing. It is shown from the frame on that is
-    /// recorded next.
-    pub fn set_waiting(
-        &mut self,
-        queue: &QueueGuard,
-        eyes: &[Eye],
-        near: f64,
-        world_from_bar: &Pose,
-        fraction: Option<f64>,
-    ) {
-        self.loading_bar.set(queue, eyes, near, world_from_bar, fraction);
+    /// Has frames show what is seen beside the scan, from the next one on: walks do, and pictures of a scan do not.
+    /// `None`: nothing is seen where no point is.
+    pub fn show_scenery(&mut self, surround: Option<Surround>) {
+        self.scenery = Some(Scenery::new(&self.gpu, &self.setup, surround));
+    }
+
+    /// Sets the picture of the card that shapes may show.
+    pub fn set_card(&mut self, card: Option<&wgpu::Texture>) {
+        if let Some(scenery) = &mut self.scenery {
+            scenery.set_card(&self.gpu, card);
+        }
     }
 
     /// Shows this cloud from the next frame on, and gives back the one before. It takes no longer for a large cloud

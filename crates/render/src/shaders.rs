@@ -1,6 +1,8 @@
 //! The shaders' final texts: prelude of host constants, shared structs, the file itself.
 
-use crate::bindings::{BatchSet, ChunkSet, ClearSet, CloudSet, EyeSet, GeometrySet, OverlaySet, Set};
+use crate::bindings::{
+    BatchSet, ChunkSet, ClearSet, CloudSet, EyeSet, GeometrySet, OverlaySet, ScenerySet, Set,
+};
 use crate::layout::{self, Variant};
 use crate::technique::Pieces;
 use std::marker::PhantomData;
@@ -169,6 +171,7 @@ shaders! {
         shared!("dilate");
     SHOW: EyeSet = "show", &[&[TILES, KEPT_SURFACE, IMAGE]], shared!("show");
     DEPTH_IMAGE: EyeSet = "depth-image", &[], shared!("depth-image");
+    SCENERY: ScenerySet = "scenery", &[], shared!("scenery");
     OVERLAY: (CloudSet, OverlaySet) = "overlay", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("overlay");
     BOXES: (CloudSet, OverlaySet) = "boxes", &[&[RINGS, DILATION, SRGB, OVERLAYS]], shared!("boxes");
 }

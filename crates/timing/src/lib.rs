@@ -12,8 +12,8 @@ mod read;
 pub use log::{FrameLog, LogError, LogSummary};
 pub use read::{FrameLogFile, LoggedFrame, ReadError, read};
 
-/// The stages of a frame, in order. One name everywhere: shader, host, CPU reference, timer row, log column, test.
-pub const STAGES: [&str; 6] = ["clear", "lod", "cull", "depth", "color", "resolve"];
+/// The stages of a frame, in order. One name everywhere: shader, host, CPU reference, timer row, log column.
+pub const STAGES: [&str; 7] = ["clear", "lod", "cull", "depth", "color", "resolve", "scenery"];
 
 /// GPU milliseconds of each of [`STAGES`]; NaN where the device gave no time.
 pub type StageMs = [f32; STAGES.len()];

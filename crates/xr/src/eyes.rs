@@ -64,6 +64,15 @@ impl Eyes {
         &self.0
     }
 
+    /// The head, midway between the eyes, in the space that they were located in.
+    pub fn head(&self) -> Pose {
+        let [left, right] = self.in_stage(None).map(|eye| eye.stage_from_view);
+        Pose {
+            position: 0.5 * (left.position + right.position),
+            orientation: left.orientation.slerp(right.orientation, 0.5),
+        }
+    }
+
     /// The eyes as the walk wants them, in the space that they were located in, with the direction of the gaze in that
     /// space.
     ///
@@ -130,6 +139,13 @@ mod tests {
         assert!((left.fov.left - f64::from(-0.9_f32).tan()).abs() < 1e-12);
         assert!((left.fov.down - f64::from(-0.85_f32).tan()).abs() < 1e-12);
         assert_eq!(right.stage_from_view.position.x, f64::from(0.032_f32));
+    }
+
+    #[test]
+    fn the_head_is_between_the_eyes() {
+        let head = Eyes::standing().head();
+        assert_eq!(head.position, DVec3::new(0.0, EYE_HEIGHT_M.into(), 0.0));
+        assert!((head.orientation * DVec3::NEG_Z - DVec3::NEG_Z).length() < 1e-9);
     }
 
     #[test]

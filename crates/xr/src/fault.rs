@@ -19,6 +19,20 @@ pub enum Cause {
     InstanceLossPending,
 }
 
+/// A call of several that failed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FailedCall {
+    pub call: &'static str,
+    pub result: openxr::sys::Result,
+}
+
+impl FailedCall {
+    /// For `map_err`: the failure of `call`.
+    pub fn of(call: &'static str) -> impl Fn(openxr::sys::Result) -> Self {
+        move |result| Self { call, result }
+    }
+}
+
 /// Why a session is over.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {

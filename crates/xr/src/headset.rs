@@ -36,15 +36,76 @@ pub struct StageEye {
     pub gaze_in_view: Option<DVec3>,
 }
 
-/// Controller input of one frame; the simulated headset leaves it at rest.
+/// A hand in one frame: where it is, and what it holds down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HandInput {
+    /// The hand's pointing ray starts here and goes along −z. In stage space, at the frame's display time; `None` while
+    /// nobody knows where the hand is.
+    pub stage_from_aim: Option<Pose>,
+    /// The middle of what the hand holds, as OpenXR has it. In stage space; `None` while nobody knows.
+    pub stage_from_grip: Option<Pose>,
+    /// Stick: x right, y forward, each −1 to 1. A trackpad counts while it is pressed.
+    pub stick: [f32; 2],
+    /// True if the hand has a stick or trackpad. Bare hands and the simplest controllers have none: `select` is all that
+    /// they can move by.
+    pub has_stick: bool,
+    /// True while the trigger is pressed, or thumb and finger are pinched.
+    pub select: bool,
+    /// True while the hand grabs.
+    pub grab: bool,
+    /// True while the menu button is pressed, or a bare hand pinches with its palm to the eyes.
+    pub menu: bool,
+    /// True while the button that leads back to the start is pressed.
+    pub reset: bool,
+}
+
+/// Input of both hands in one frame; the simulated headset leaves it at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ControllerInput {
-    /// Left stick, x right, y forward, each −1 to 1.
-    pub left_stick: [f32; 2],
-    /// Right stick, x right, y forward, each −1 to 1.
-    pub right_stick: [f32; 2],
-    /// Reset pressed in this frame (an edge, not a level).
-    pub reset: bool,
+    /// Left, right.
+    pub hands: [HandInput; 2],
+}
+
+/// A joint of a hand that is tracked without a controller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint {
+    /// Pose of the joint in stage space, at the frame's display time. Its −z axis points to the fingertip, its y axis out
+    /// of the back of the hand.
+    pub stage_from_joint: Pose,
+    /// Distance from the joint to the skin, meters.
+    pub radius_m: f64,
+}
+
+impl Default for Joint {
+    /// A point at the stage's origin.
+    fn default() -> Self {
+        Self { stage_from_joint: Pose::IDENTITY, radius_m: 0.0 }
+    }
+}
+
+/// The joints of a hand, in OpenXR's order (XrHandJointEXT); [`joint`] names some of them.
+pub type HandJoints = [Joint; 26];
+
+/// Numbers of joints in [`HandJoints`].
+///
+/// The thumb has the joints 2 to 5 and the fingers 6 to 10, 11 to 15, 16 to 20 and 21 to 25, each from the wrist to the tip.
+pub mod joint {
+    /// The middle of the palm.
+    pub const PALM: usize = 0;
+    /// The wrist.
+    pub const WRIST: usize = 1;
+    /// Tip of the thumb.
+    pub const THUMB_TIP: usize = 5;
+    /// Knuckle of the index finger.
+    pub const INDEX_PROXIMAL: usize = 7;
+    /// Tip of the index finger.
+    pub const INDEX_TIP: usize = 10;
+    /// Tip of the middle finger.
+    pub const MIDDLE_TIP: usize = 15;
+    /// Tip of the ring finger.
+    pub const RING_TIP: usize = 20;
+    /// Tip of the little finger.
+    pub const LITTLE_TIP: usize = 25;
 }
 
 /// The images of one frame, left then right; the frame fills both kinds.
@@ -91,8 +152,16 @@ pub trait Headset: Send {
     fn set_drawn_px(&mut self, _drawn_px: [[u32; 2]; 2]) {}
     /// Handles events, then blocks until the next frame should begin.
     fn wait(&mut self) -> FrameState;
-    /// Input of the controllers as of now; at rest if it cannot be had.
+    /// Input of both hands: buttons as of now, poses at the frame's predicted display time; at rest if it cannot be had.
     fn input(&mut self) -> ControllerInput;
+    /// The joints of each hand, left then right, as of the last `input`. `None` for a hand that is not seen, and always if
+    /// the headset tracks no hands.
+    fn hands(&self) -> [Option<HandJoints>; 2] {
+        [None; 2]
+    }
+    /// Shakes a controller, 0 left or 1 right, with `strength` between 0 and 1 for `seconds`. A hand without a motor feels
+    /// nothing.
+    fn vibrate(&mut self, _hand: usize, _strength: f32, _seconds: f32) {}
     /// The eyes' images to draw into, valid until `submit`; `None` if they cannot be had: then the frame is submitted
     /// without commands.
     fn acquire(&mut self) -> Option<EyeImages>;

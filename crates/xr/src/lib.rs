@@ -2,28 +2,34 @@
 //!
 //! The runtime makes the Vulkan device and wgpu wraps it (`raw::device`); the session (`session`) follows the
 //! runtime's states (`lifecycle`) and hands the frame thread images (`swapchain`), poses (`eyes`), what the lenses
-//! hide (`mask`) and controllers
-//! (`input`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
+//! hide (`mask`), controllers (`input`, with the bindings of `controllers`) and bare hands (`hands`, `gestures`). The four OpenXR calls that may use the Vulkan queue are reachable only with a
 //! [`render::gpu::QueueGuard`], since the window presents on the same queue.
 
 mod connection;
+pub mod controllers;
 mod eyes;
 mod fault;
 mod frames;
 mod gaze;
+mod gestures;
+mod hands;
 mod headset;
 pub mod hidden_area;
 mod input;
 mod lifecycle;
 mod mask;
 mod missing;
+mod pose;
+mod refresh;
 mod runtime;
 mod session;
 mod swapchain;
 
 pub use connection::Connection;
 pub use fault::{Cause, End};
-pub use headset::{ControllerInput, EyeImages, FrameState, Headset, StageEye};
+pub use headset::{
+    ControllerInput, EyeImages, FrameState, HandInput, HandJoints, Headset, Joint, StageEye, joint,
+};
 pub use missing::XrMissing;
 pub use openxr::SessionState;
 pub use runtime::Offers;
@@ -42,10 +48,14 @@ const DRAIN_TIME: Duration = Duration::from_secs(1);
 pub struct XrOptions {
     /// Factor on the width and height that the runtime recommends.
     pub resolution_scale: f64,
+    /// Images a second that the headset is to show; `None`: as many as its runtime chooses.
+    pub refresh_hz: Option<f64>,
     /// True to hand depth to the runtime for its reprojection, if it takes depth.
     pub depth_layer: bool,
     /// True to ask the runtime what the lenses hide, if it tells.
     pub visibility_mask: bool,
+    /// True to follow hands without controllers, if the runtime tracks them.
+    pub hands: bool,
     /// The frame's near plane, which depth images are relative to, meters.
     pub near_m: f64,
 }
@@ -161,6 +171,14 @@ impl Headset for XrHeadset {
 
     fn input(&mut self) -> ControllerInput {
         self.session_mut().input()
+    }
+
+    fn hands(&self) -> [Option<HandJoints>; 2] {
+        self.open_session().hands
+    }
+
+    fn vibrate(&mut self, hand: usize, strength: f32, seconds: f32) {
+        self.session_mut().vibrate(hand, strength, seconds);
     }
 
     fn acquire(&mut self) -> Option<EyeImages> {

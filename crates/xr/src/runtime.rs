@@ -1,6 +1,7 @@
 //! The OpenXR runtime and the headset that is connected to it, before any GPU is touched.
 
 use super::missing::XrMissing;
+use crate::controllers::{PROFILES, Profile};
 use openxr as xr;
 use raw::device::load_loader;
 
@@ -22,6 +23,8 @@ pub struct Offers {
     pub clock: bool,
     /// True if it has a reference space at the user's place with its floor at 0.
     pub local_floor: bool,
+    /// True if it tells where the joints of bare hands are.
+    pub hand_tracking: bool,
 }
 
 /// A runtime with a headset.
@@ -33,6 +36,8 @@ pub(super) struct Runtime {
     /// The headset, as the runtime calls it.
     pub headset: String,
     pub offers: Offers,
+    /// The kinds of controllers whose paths may be named to it.
+    pub profiles: Vec<&'static Profile>,
 }
 
 impl Runtime {
@@ -42,15 +47,16 @@ impl Runtime {
     /// No loader, no runtime, one without Vulkan, no headset.
     pub fn connect() -> Result<Self, XrMissing> {
         let entry = load_loader().map_err(|reason| XrMissing::NoLoader { reason })?;
-        let offered =
+        let mut offered =
             entry.enumerate_extensions().map_err(no_runtime("xrEnumerateInstanceExtensionProperties"))?;
-        let offers = Offers {
+        let mut offers = Offers {
             depth_layer: offered.khr_composition_layer_depth,
             visibility_mask: offered.khr_visibility_mask,
             eye_gaze: offered.ext_eye_gaze_interaction,
             refresh_rate: offered.fb_display_refresh_rate,
             clock: offered.khr_convert_timespec_time,
             local_floor: offered.ext_local_floor,
+            hand_tracking: offered.ext_hand_tracking,
         };
         let mut wanted = xr::ExtensionSet::default();
         wanted.khr_vulkan_enable2 = offered.khr_vulkan_enable2;
@@ -61,6 +67,13 @@ impl Runtime {
         wanted.ext_local_floor = offers.local_floor;
         wanted.khr_convert_timespec_time = offers.clock;
         wanted.ext_debug_utils = offered.ext_debug_utils;
+        wanted.ext_hand_tracking = offers.hand_tracking;
+        let mut profiles: Vec<&'static Profile> = PROFILES.iter().collect();
+        profiles.retain(|profile| {
+            let Some(extension) = profile.extension else { return true };
+            *(extension.flag)(&mut wanted) = *(extension.flag)(&mut offered);
+            *(extension.flag)(&mut offered)
+        });
         let application = xr::ApplicationInfo {
             application_name: "scanwalk",
             application_version: 1,
@@ -77,6 +90,8 @@ impl Runtime {
             return Err(XrMissing::NoVulkan { runtime: name });
         }
         let system = system(&xr, &name)?;
+        // A runtime may know the extension and have a headset without cameras for it.
+        offers.hand_tracking = offers.hand_tracking && xr.supports_hand_tracking(system).unwrap_or(false);
         let headset = xr
             .system_properties(system)
             .map_err(XrMissing::runtime_failed("xrGetSystemProperties"))?
@@ -87,7 +102,7 @@ impl Runtime {
         if !configurations.contains(&STEREO) {
             return Err(XrMissing::NotStereo { headset });
         }
-        Ok(Self { xr, system, name, headset, offers })
+        Ok(Self { xr, system, name, headset, offers, profiles })
     }
 
     /// Asks for the headset again.

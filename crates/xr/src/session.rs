@@ -1,16 +1,18 @@
 //! A session: events, frames, images and input together, as the frame thread uses them.
 
 use super::eyes::{EYE_HEIGHT_M, Eyes};
-use super::fault::{Cause, End};
+use super::fault::{Cause, End, FailedCall};
 use super::frames::{FrameCalls, locate};
-use super::input::Input;
+use super::hands::HandTrackers;
+use super::input::{Input, Moment};
 use super::lifecycle::{Duty, Lifecycle};
 use super::mask::VisibilityMask;
 use super::missing::XrMissing;
+use super::refresh;
 use super::runtime::{Runtime, STEREO, scaled_size};
 use super::swapchain::{Acquired, EyeSwapchains, ImageFormat};
 use crate::hidden_area::HiddenArea;
-use crate::{ControllerInput, EyeImages, FrameState, StageEye, XrOptions};
+use crate::{ControllerInput, EyeImages, FrameState, HandJoints, SessionState, StageEye, XrOptions};
 use openxr as xr;
 use raw::device::RuntimeGpu;
 use raw::frame::Begun;
@@ -19,9 +21,6 @@ use render::gpu::Gpu;
 use std::sync::Arc;
 use std::time::Instant;
 use timing::{CallTimes, ms};
-
-/// Refresh rate that is assumed until the runtime has told its display's.
-const DEFAULT_REFRESH_HZ: f64 = 90.0;
 
 /// A frame from xrWaitFrame to xrEndFrame.
 #[derive(Clone, Copy)]
@@ -40,6 +39,10 @@ pub(super) struct XrSession {
     stage: xr::Space,
     stage_kind: xr::ReferenceSpaceType,
     input: Input,
+    /// `None` if the runtime tracks no bare hands, or they are not to be followed.
+    trackers: Option<HandTrackers>,
+    /// The joints of each hand, as of the last input.
+    pub hands: [Option<HandJoints>; 2],
     frames: FrameCalls,
     session: xr::Session<xr::Vulkan>,
     xr: xr::Instance,
@@ -97,21 +100,25 @@ impl XrSession {
             add_depth(&mut images, &session, gpu, &offered);
         }
         let (stage, stage_kind) = stage_space(&session).map_err(refused("xrCreateReferenceSpace"))?;
-        let input = Input::new(&runtime.xr, &session, runtime.offers.eye_gaze)
+        let mut profiles = runtime.profiles.clone();
+        profiles.retain(|profile| options.hands || !profile.is_bare_hand());
+        let input = Input::new(&runtime.xr, &session, &profiles, runtime.offers.eye_gaze)
             .map_err(refused("xrAttachSessionActionSets"))?;
-        let told_hz =
-            if runtime.offers.refresh_rate { session.get_display_refresh_rate().ok() } else { None };
+        let refresh_hz = refresh::settle(&session, runtime.offers.refresh_rate, options.refresh_hz);
+        let trackers = if runtime.offers.hand_tracking && options.hands { track(&session) } else { None };
         Ok(Self {
             images,
             stage,
             stage_kind,
             input,
+            trackers,
+            hands: [None; 2],
             frames: FrameCalls::new(waiter, stream, blend_mode),
             session,
             xr: runtime.xr.clone(),
             gpu: Arc::clone(gpu),
             format: format.wgpu,
-            refresh_hz: told_hz.map(f64::from).filter(|hz| *hz > 0.0).unwrap_or(DEFAULT_REFRESH_HZ),
+            refresh_hz,
             life: Lifecycle::new(),
             mask: (runtime.offers.visibility_mask && options.visibility_mask).then(VisibilityMask::default),
             near_m: options.near_m as f32,
@@ -232,10 +239,37 @@ impl XrSession {
         self.life.survive(call, result, Instant::now());
     }
 
-    /// Input of the controllers; at rest if it cannot be had.
+    /// Input of both hands; at rest if it cannot be had.
     pub fn input(&mut self) -> ControllerInput {
-        let read = self.input.read(&self.session);
-        self.life.survive("xrSyncActions", read, Instant::now()).unwrap_or_default()
+        self.hands = [None; 2];
+        let Some(frame) = self.frame else { return ControllerInput::default() };
+        let has_focus = self.life.state() == SessionState::FOCUSED;
+        if let Some(trackers) = self.trackers.as_ref().filter(|_| has_focus) {
+            let located = trackers.locate(&self.stage, frame.display_time);
+            let located = self.life.survive("xrLocateHandJointsEXT", located, Instant::now());
+            self.hands = located.unwrap_or_default();
+        }
+        let moment = Moment {
+            session: &self.session,
+            stage: &self.stage,
+            display_time: frame.display_time,
+            stage_from_head: self.eyes.head(),
+            has_focus,
+        };
+        match self.input.read(&moment, &self.hands) {
+            Ok(input) => input,
+            Err(FailedCall { call, result }) => {
+                self.life.survive(call, Err(result), Instant::now()).unwrap_or_default()
+            }
+        }
+    }
+
+    /// Shakes a controller, if a session runs.
+    pub fn vibrate(&mut self, hand: usize, strength: f32, seconds: f32) {
+        if self.life.running() {
+            let applied = self.input.vibrate(&self.session, hand, strength, seconds);
+            self.life.survive("xrApplyHapticFeedback", applied, Instant::now());
+        }
     }
 
     /// The images to draw into; `None` if they cannot be had in this frame.
@@ -307,6 +341,14 @@ impl XrSession {
             self.life.end(End::ByUser);
         }
     }
+}
+
+/// Tracks the hands; without them all goes on as well.
+fn track(session: &xr::Session<xr::Vulkan>) -> Option<HandTrackers> {
+    let trackers = HandTrackers::new(session);
+    trackers
+        .inspect_err(|result| tracing::warn!("hands are not tracked: xrCreateHandTrackerEXT: {result:?}"))
+        .ok()
 }
 
 /// Adds depth images, if the runtime has a format that fits; without them all goes on as well.

@@ -12,6 +12,7 @@
 //! - `hang`: xrWaitFrame does not return; `hangbegin`: xrBeginFrame does not;
 //! - `watch`: one xrEndFrame's views are written to stderr (see [`tell_views`]);
 //! - `newmask`: an event that an eye's visibility mask has changed;
+//! - `random:SEED:EVERY`: one of these after another, chosen at random, each time that EVERY frames have passed;
 //!
 //! and without waiting for frames:
 //! - `noheadset`: xrGetSystem finds none;
@@ -21,16 +22,23 @@
 //! - `period:N`: xrWaitFrame predicts a display period of N microseconds;
 //! - `nodepth`: xrCreateSwapchain fails for images of depth, with ERROR_FEATURE_UNSUPPORTED;
 //! - `nomask`: xrGetVisibilityMaskKHR fails with ERROR_RUNTIME_FAILURE;
-//! - `gaze`: the one action space that a program creates is active, turned by [`GAZE_TURN`] in any base space;
-//! - `nogaze`: it is active, and xrLocateSpace fails for it with ERROR_RUNTIME_FAILURE.
+//! - `gaze`: the action space that belongs to no hand is active, turned by [`actions::GAZE_TURN`] in any base space;
+//! - `nogaze`: it is active, and xrLocateSpace fails for it with ERROR_RUNTIME_FAILURE;
+//! - `bare`: the poses of both hands' controllers are not active;
+//! - `no-NAME`: no kind of controller is known whose path ends with this name.
 //!
-//! Besides, it tells on stderr of an image that is released before a wait for it has come to its end. The layer serves
-//! one instance and one session at a time, and others after them.
+//! Besides, it tells on stderr of an image that is released before a wait for it has come to its end, of suggested
+//! bindings, and of vibrations. The layer serves one instance and one session at a time, and others after them.
 
+mod actions;
 mod plan;
 
+use actions::{
+    apply_haptic_feedback, create_action_space, get_action_state_pose, locate_hand_joints, locate_space,
+    suggest_bindings,
+};
 use openxr_sys as xr;
-use plan::{FRAMES, failure, fires, hang, number, planned};
+use plan::{count_frame, failure, fires, hang, number, planned};
 use std::collections::HashSet;
 use std::ffi::{CStr, c_char};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -43,9 +51,6 @@ static NEXT: Mutex<Option<pfn::GetInstanceProcAddr>> = Mutex::new(None);
 static WAITED: LazyLock<Mutex<HashSet<u64>>> = LazyLock::new(Mutex::default);
 static INSTANCE: AtomicU64 = AtomicU64::new(0);
 static SESSION: AtomicU64 = AtomicU64::new(0);
-static ACTION_SPACE: AtomicU64 = AtomicU64::new(0);
-/// Angle of the gaze to the left, radians.
-const GAZE_TURN: f32 = 0.3;
 
 /// The function `name` of the layer below.
 ///
@@ -138,54 +143,6 @@ unsafe extern "system" fn get_visibility_mask(
     }
     let below = unsafe { next::<pfn::GetVisibilityMaskKHR>(c"xrGetVisibilityMaskKHR") };
     unsafe { below(session, views, view, kind, mask) }
-}
-
-unsafe extern "system" fn create_action_space(
-    session: xr::Session,
-    info: *const xr::ActionSpaceCreateInfo,
-    space: *mut xr::Space,
-) -> xr::Result {
-    unsafe {
-        let result = next::<pfn::CreateActionSpace>(c"xrCreateActionSpace")(session, info, space);
-        if result.into_raw() >= 0 {
-            ACTION_SPACE.store((*space).into_raw(), Ordering::SeqCst);
-        }
-        result
-    }
-}
-
-unsafe extern "system" fn get_action_state_pose(
-    session: xr::Session,
-    info: *const xr::ActionStateGetInfo,
-    state: *mut xr::ActionStatePose,
-) -> xr::Result {
-    let result = unsafe { next::<pfn::GetActionStatePose>(c"xrGetActionStatePose")(session, info, state) };
-    if planned("gaze") || planned("nogaze") {
-        unsafe { (*state).is_active = xr::TRUE };
-    }
-    result
-}
-
-unsafe extern "system" fn locate_space(
-    space: xr::Space,
-    base: xr::Space,
-    time: xr::Time,
-    location: *mut xr::SpaceLocation,
-) -> xr::Result {
-    let is_gaze = space.into_raw() == ACTION_SPACE.load(Ordering::SeqCst);
-    if is_gaze && planned("nogaze") {
-        return xr::Result::ERROR_RUNTIME_FAILURE;
-    }
-    let result = unsafe { next::<pfn::LocateSpace>(c"xrLocateSpace")(space, base, time, location) };
-    if is_gaze && planned("gaze") {
-        let (sin, cos) = (0.5 * GAZE_TURN).sin_cos();
-        unsafe {
-            (*location).location_flags =
-                xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::ORIENTATION_TRACKED;
-            (*location).pose.orientation = xr::Quaternionf { x: 0.0, y: sin, z: 0.0, w: cos };
-        }
-    }
-    result
 }
 
 /// Writes a line for each view of each projection layer: `view` and the size of its image, and if depth is chained to
@@ -315,7 +272,7 @@ unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::Frame
         unsafe { tell_views(&*info) };
     }
     let result = unsafe { next::<pfn::EndFrame>(c"xrEndFrame")(session, info) };
-    FRAMES.fetch_add(1, Ordering::SeqCst);
+    count_frame();
     if fires("exit") {
         unsafe { next::<pfn::RequestExitSession>(c"xrRequestExitSession")(session) };
     }
@@ -384,6 +341,15 @@ unsafe extern "system" fn get_instance_proc_addr(
             }
             b"xrGetActionStatePose" => {
                 Some(transmute::<pfn::GetActionStatePose, pfn::VoidFunction>(get_action_state_pose))
+            }
+            b"xrSuggestInteractionProfileBindings" => {
+                Some(transmute::<pfn::SuggestInteractionProfileBindings, pfn::VoidFunction>(suggest_bindings))
+            }
+            b"xrApplyHapticFeedback" => {
+                Some(transmute::<pfn::ApplyHapticFeedback, pfn::VoidFunction>(apply_haptic_feedback))
+            }
+            b"xrLocateHandJointsEXT" => {
+                Some(transmute::<pfn::LocateHandJointsEXT, pfn::VoidFunction>(locate_hand_joints))
             }
             b"xrLocateSpace" => Some(transmute::<pfn::LocateSpace, pfn::VoidFunction>(locate_space)),
             b"xrWaitFrame" => Some(transmute::<pfn::WaitFrame, pfn::VoidFunction>(wait_frame)),

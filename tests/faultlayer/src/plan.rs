@@ -1,7 +1,7 @@
 //! What is to happen, and when: the environment says it.
 
 use openxr_sys as xr;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use std::time::Duration;
 pub static FRAMES: AtomicU64 = AtomicU64::new(0);
 
 /// Calls that fail: the fault, the call, its result.
-pub const FAILURES: [(&str, &str, xr::Result); 17] = [
+pub const FAILURES: [(&str, &str, xr::Result); 20] = [
     ("waiterr", "xrWaitFrame", xr::Result::ERROR_RUNTIME_FAILURE),
     ("waitnotrunning", "xrWaitFrame", xr::Result::ERROR_SESSION_NOT_RUNNING),
     ("sessionlost", "xrWaitFrame", xr::Result::ERROR_SESSION_LOST),
@@ -23,11 +23,19 @@ pub const FAILURES: [(&str, &str, xr::Result); 17] = [
     ("locateerr", "xrLocateViews", xr::Result::ERROR_TIME_INVALID),
     ("locatelost", "xrLocateViews", xr::Result::ERROR_SESSION_LOST),
     ("syncerr", "xrSyncActions", xr::Result::ERROR_RUNTIME_FAILURE),
+    ("handerr", "xrLocateSpace", xr::Result::ERROR_TIME_INVALID),
+    ("jointserr", "xrLocateHandJointsEXT", xr::Result::ERROR_TIME_INVALID),
+    ("shakeerr", "xrApplyHapticFeedback", xr::Result::ERROR_RUNTIME_FAILURE),
     ("badend", "xrEndFrame", xr::Result::ERROR_LAYER_INVALID),
     ("enderr", "xrEndFrame", xr::Result::ERROR_RUNTIME_FAILURE),
     ("endlost", "xrEndFrame", xr::Result::ERROR_SESSION_LOST),
     ("badtime", "xrEndFrame", xr::Result::ERROR_TIME_INVALID),
 ];
+
+/// Faults that happen at random: all failures, and these.
+const OTHERS: [&str; 7] = ["discard", "exit", "losspending", "exiting", "instloss", "norender", "newmask"];
+/// The fault of `random` that happens next.
+static ARMED: Mutex<Option<&str>> = Mutex::new(None);
 
 /// What is to happen.
 struct Fault {
@@ -69,10 +77,31 @@ pub fn number(what: &str) -> Option<u64> {
     plan(what).map(|plan| plan.frames)
 }
 
+/// Counts a call of xrEndFrame; chooses a fault at random if it is time for one.
+pub fn count_frame() {
+    let frames = FRAMES.fetch_add(1, Ordering::SeqCst) + 1;
+    // `random:SEED:EVERY`
+    let Some(random) = plan("random").filter(|random| frames.is_multiple_of(random.calls)) else { return };
+    // The finalizer of splitmix64.
+    let mut bits = random.frames.wrapping_add(frames.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let number = ((bits ^ bits >> 31) % (FAILURES.len() + OTHERS.len()) as u64) as usize;
+    let what = FAILURES.get(number).map_or_else(|| OTHERS[number - FAILURES.len()], |(what, ..)| what);
+    *ARMED.lock().unwrap_or_else(PoisonError::into_inner) = Some(what);
+}
+
+/// Whether `what` was chosen at random and has not happened yet.
+fn fires_at_random(what: &str) -> bool {
+    let mut armed = ARMED.lock().unwrap_or_else(PoisonError::into_inner);
+    armed.take_if(|armed| *armed == what).is_some()
+}
+
 /// Whether `what` is planned, due, and has not happened often enough yet.
 pub fn fires(what: &str) -> bool {
     let due = plan(what).filter(|plan| FRAMES.load(Ordering::SeqCst) >= plan.frames);
-    let fires = due.is_some_and(|plan| plan.fired.fetch_add(1, Ordering::SeqCst) < plan.calls);
+    let fires = due.is_some_and(|plan| plan.fired.fetch_add(1, Ordering::SeqCst) < plan.calls)
+        || fires_at_random(what);
     if fires {
         eprintln!("faultlayer: {what}");
     }

@@ -1,6 +1,7 @@
 //! What is drawn where a file's system, its coordinates and the user's units contradict each other.
 
-use super::{Las, errors, geocentric, tower, tower_on_earth, world};
+use super::{Las, errors, geocentric, tower_on_earth};
+use crate::bytes::{tower, world};
 use glam::DVec3;
 use points::{Project, ReadOptions, Unit, WorldFromFile};
 

@@ -3,15 +3,14 @@
 
 mod contradicted;
 
+use crate::bytes::{read_bytes_with, tower, world};
 use base::task::CancelToken;
 use glam::DVec3;
 use kit::las_files::save;
+use kit::reading;
 use points::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
 
 const US_FOOT: f64 = 1200.0 / 3937.0;
-/// A tower 6 m high and 20 m across, with points within, in meters about its foot.
-const TOWER: [[f64; 3]; 5] =
-    [[-10.0, -10.0, 0.0], [10.0, 10.0, 6.0], [3.0, -4.0, 1.5], [-7.25, 2.5, 0.0], [0.0, 0.0, 3.0]];
 
 /// A LAS 1.4 file of point format 0, with its grid, GeoTIFF keys or WKT, and coordinates.
 struct Las {
@@ -80,22 +79,8 @@ impl Las {
     }
 
     fn read(&self, options: &ReadOptions) -> Scan {
-        read_bytes("a.las", &self.bytes(), options)
+        read_bytes_with("a.las", &self.bytes(), options).unwrap()
     }
-}
-
-fn read_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Scan {
-    let (_folder, path) = save(name, bytes);
-    read(&[path], options, &CancelToken::default()).unwrap()
-}
-
-/// Places of the points in the world.
-fn world(scan: &Scan) -> Vec<DVec3> {
-    scan.files.iter().flat_map(|file| file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz))).collect()
-}
-
-fn tower() -> impl Iterator<Item = DVec3> {
-    TOWER.into_iter().map(DVec3::from_array)
 }
 
 /// The tower at a place on the earth, as longitude, latitude in degrees and height, by steps of a second: not by the
@@ -274,8 +259,8 @@ fn files_of_a_scan_share_one_frame() {
     let (_a, a) = save("a.las", &tile(&degrees[..2], &keys));
     let (_b, b) = save("b.las", &tile(&degrees[2..], &keys));
     let (_all, all) = save("all.las", &tile(&degrees, &keys));
-    let two = read(&[a, b], &ReadOptions::default(), &CancelToken::default()).unwrap();
-    let one = read(&[all], &ReadOptions::default(), &CancelToken::default()).unwrap();
+    let two = reading::files(&[a, b]).unwrap();
+    let one = reading::file(&all).unwrap();
     for (p, q) in world(&two).iter().zip(world(&one)) {
         assert!((*p - q).length() < 1e-3, "{p} {q}");
     }
@@ -425,7 +410,7 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
         let (_a, a) = save("m.las", &tile(1.0, shift(false), &meters));
         let (_b, b) = save("ft.las", &tile(0.3048, shift(true), &feet));
         let paths = if feet_first { [b, a] } else { [a, b] };
-        let scan = read(&paths, &ReadOptions::default(), &CancelToken::default()).unwrap();
+        let scan = reading::files(&paths).unwrap();
         let unit_m = if feet_first { 0.3048 } else { 1.0 };
         assert_eq!(scan.unit_m, Some(unit_m));
         for (p, right) in world(&scan).iter().zip(&both) {
@@ -447,6 +432,6 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
     // Nothing is scaled beside a file that states no unit.
     let (_a, a) = save("m.las", &tile(1.0, 0.0, &meters));
     let (_b, b) = save("none.las", &tile(1.0, 20.0, &[]));
-    let scan = read(&[b, a], &ReadOptions::default(), &CancelToken::default()).unwrap();
+    let scan = reading::files(&[b, a]).unwrap();
     assert_eq!((scan.warnings.len(), scan.unit_m), (0, Some(1.0)), "{:?}", scan.warnings);
 }

@@ -1,7 +1,8 @@
 //! Which of several colors is shown, colors in lists, opacities, and numbers as few programs write them.
 
 use super::{read_one, text};
-use points::{ColorSource, ScanFile};
+use crate::bytes::shown;
+use points::ColorSource;
 
 const NUM_POINTS: usize = 200;
 
@@ -10,11 +11,6 @@ fn points(properties: &str, values: impl Fn(usize) -> String) -> Vec<u8> {
     let row = |at: usize| format!("{} {} {} {}\n", at % 20, at / 20, at % 7, values(at));
     let rows: String = (0..NUM_POINTS).map(row).collect();
     text(&format!("float x, float y, float z, {properties}"), &rows)
-}
-
-fn shown(file: &ScanFile) -> Vec<[u8; 3]> {
-    let color = |at: usize| file.color(at).to_le_bytes();
-    (0..file.points.xyz.len()).map(color).map(|[r, g, b, _]| [r, g, b]).collect()
 }
 
 /// Red, green, blue of a point, all different.

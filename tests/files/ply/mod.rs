@@ -6,21 +6,18 @@ pub mod made;
 mod real;
 mod world;
 
+use crate::bytes::read_bytes;
 use base::task::CancelToken;
 use made::{Encoding, Face, Made, Point};
-use points::{ColorSource, ReadOptions, Scan, ScanError, ScanFile, peek, read};
+use points::{ColorSource, ReadOptions, ScanFile, peek, read};
 use proptest::prelude::*;
 
-/// Reads bytes as a file named scan.ply.
-fn read_bytes(bytes: &[u8]) -> Result<Scan, ScanError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scan.ply");
-    std::fs::write(&path, bytes).unwrap();
-    read(&[path], &ReadOptions::default(), &CancelToken::default())
-}
+/// The name by which bytes are read here.
+const NAME: &str = "scan.ply";
 
+/// Reads bytes as a file; returns the file and the warnings.
 fn read_one(bytes: &[u8]) -> (ScanFile, Vec<String>) {
-    let mut scan = read_bytes(bytes).unwrap();
+    let mut scan = read_bytes(NAME, bytes).unwrap();
     (scan.files.remove(0), scan.warnings)
 }
 
@@ -129,7 +126,7 @@ fn points_without_a_place_are_left_out_and_faces_renumbered() {
         assert!(warnings[1].contains("triangles of points that are left out"), "{warnings:?}");
     }
     made.points.iter_mut().for_each(|point| point.place[0] = f64::NAN);
-    let error = read_bytes(&made.bytes(Encoding::LittleEndian)).unwrap_err().to_string();
+    let error = read_bytes(NAME, &made.bytes(Encoding::LittleEndian)).unwrap_err().to_string();
     assert!(error.contains("scan.ply: holds no points: its header announces 200, none has"), "{error}");
 }
 

@@ -2,7 +2,8 @@
 //! Gaussian splats.
 
 use super::made::{Encoding, Made};
-use super::{difference, read_bytes, read_one, text};
+use super::{NAME, difference, read_one, text};
+use crate::bytes::read_bytes;
 use points::{ColorSource, ScanFile, peek};
 
 /// Header and body of a text file.
@@ -139,7 +140,7 @@ fn headers_of_other_hands_are_read() {
     }
     assert!(long.len() > 1 << 21);
     let endless = format!("ply\nformat ascii 1.0\n{}", "comment and so on\n".repeat(1 << 20));
-    let error = read_bytes(endless.as_bytes()).map(|scan| scan.num_points()).unwrap_err().to_string();
+    let error = read_bytes(NAME, endless.as_bytes()).map(|scan| scan.num_points()).unwrap_err().to_string();
     assert!(error.contains("no line end_header in its first 16 MiB"), "{error}");
 }
 
@@ -392,6 +393,7 @@ fn a_compressed_splat_without_its_chunks_has_no_places() {
         warnings.iter().any(|warning| warning.contains("44 points without a finite place")),
         "{warnings:?}"
     );
-    let error = read_bytes(&bytes[..header + 10]).map(|scan| scan.num_points()).unwrap_err().to_string();
+    let error =
+        read_bytes(NAME, &bytes[..header + 10]).map(|scan| scan.num_points()).unwrap_err().to_string();
     assert!(error.contains("scan.ply: holds no points"), "{error}");
 }

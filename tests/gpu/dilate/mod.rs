@@ -5,7 +5,7 @@ mod on_gpu;
 
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
-use kit::frames::SplitMix;
+use kit::frames::{SplitMix, num_differing};
 use lab::reference::color::Sum;
 use lab::reference::dilate::{dilate, radius_px};
 use lab::reference::resolve::{EMPTY, blend};
@@ -73,12 +73,6 @@ fn sparse([width, height]: [u32; 2], percent: u64, seed: u64) -> Vec<Pixel> {
         }
     }
     pixels
-}
-
-/// Number of pixels that differ in any bit.
-fn num_differing(a: &[Pixel], b: &[Pixel]) -> usize {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 #[test]

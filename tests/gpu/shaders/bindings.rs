@@ -4,7 +4,7 @@
 
 use super::{PARSED, ParsedText, parse};
 use naga::Module;
-use render::bindings::{ChunkSet, ClearSet, CloudSet, EyeSet, OverlaySet, PixelSet, Set};
+use render::bindings::{ChunkSet, ClearSet, CloudSet, EyeSet, OverlaySet, PixelSet, ScenerySet, Set};
 use render::gpu::stage::used;
 use render::layout::Variant;
 use render::shaders::{SHADERS, source};
@@ -70,6 +70,7 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
         PixelSet::names(),
         EyeSet::names(),
         OverlaySet::names(),
+        ScenerySet::names(),
     ];
     let mut bound = vec![BTreeSet::new(); sets.len()];
     for ParsedText { shader, name, declared, .. } in PARSED.iter() {
@@ -87,11 +88,6 @@ fn all_that_a_set_has_is_bound_by_a_shader_that_it_is_for() {
         let idle: Vec<_> = set.iter().filter(|name| !bound.contains(**name)).collect();
         assert!(idle.is_empty(), "nobody binds {idle:?}");
     }
-}
-
-#[test]
-fn the_shader_outside_the_table_binds_nothing() {
-    assert_eq!(declared(&parse("waiting", include_str!("../../../shaders/waiting.wgsl"))), []);
 }
 
 /// A pipeline asks for what its entry point uses, not for what the text declares.

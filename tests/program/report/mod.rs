@@ -9,7 +9,7 @@ mod worst;
 
 use base::space::Pose;
 use glam::{DQuat, DVec3};
-use timing::{CallTimes, FrameLogFile, FrameRow, LoggedFrame, Phase};
+use timing::{CallTimes, FrameLogFile, FrameRow, LoggedFrame, Phase, STAGES};
 
 /// A log at 90 Hz whose frames take the GPU `ms(frame)`.
 pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
@@ -18,7 +18,7 @@ pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
         frame,
         time_s: frame as f64 / 90.0,
         cpu_ms: [2.0, 0.5, 0.2],
-        stage_ms: [0.02, 0.05, 0.05, 0.5, 0.25, 0.1].map(|part| part * gpu_ms).to_vec(),
+        stage_ms: [0.02, 0.05, 0.05, 0.5, 0.25, 0.08, 0.02].map(|part| part * gpu_ms).to_vec(),
         gpu_ms,
         budget_ms,
         over_budget: gpu_ms > budget_ms,
@@ -53,7 +53,7 @@ pub fn row_of(frame: &LoggedFrame) -> FrameRow {
         wait_ms: 1.0,
         record_ms: 1.0,
         submit_ms: 1.0,
-        stage_ms: [1.0; 6],
+        stage_ms: [1.0; STAGES.len()],
         gpu_ms: frame.gpu_ms as f32,
         budget_ms: frame.budget_ms as f32,
         missed_periods: 0,

@@ -54,6 +54,34 @@ fn figures_are_of_the_walk() {
     assert!(worst(&mixed(&log))[0].gpu_ms > 100.0);
 }
 
+/// What is written of the marks beside a plot: where they end, and how long they are at most.
+fn marks(page: &str) -> Vec<(f64, String)> {
+    page.split("<text class=\"mark end\" x=\"")
+        .skip(1)
+        .filter_map(|rest| {
+            let (x, rest) = rest.split_once('"')?;
+            let text = rest.split_once('>')?.1.split_once('<')?.0;
+            Some((x.parse().ok()?, text.to_owned()))
+        })
+        .collect()
+}
+
+#[test]
+fn marks_fit_beside_their_plots() {
+    let mut log = started(5, 5, 50);
+    let states = ["IDLE", "READY", "SYNCHRONIZED", "VISIBLE", "FOCUSED", "LOSS_PENDING", "simulated"];
+    log.sessions = states.map(String::from).to_vec();
+    for (frame, state) in log.frames.iter_mut().zip((0..states.len() as u8).cycle()) {
+        frame.session = Some(state);
+    }
+    let page = walk_page(&log);
+    let marks = marks(&page);
+    assert!(states.iter().all(|state| marks.iter().any(|(_, text)| text == state)), "{marks:?}");
+    // Letters of marks are 12 units high, and capital letters 8 wide at most.
+    let cut: Vec<_> = marks.iter().filter(|(x, text)| *x < 7.5 * text.chars().count() as f64).collect();
+    assert!(cut.is_empty(), "{cut:?}");
+}
+
 #[test]
 fn the_page_shows_when_the_walk_begins() {
     let log = started(120, 54, 169);

@@ -1,12 +1,12 @@
 //! A stranger's desk: a folder with files in it, and the program run there.
 
+use kit::wait::retry;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
-/// Longest time for a run, far beyond what any row takes: no input may hang the program.
-const LONGEST: Duration = Duration::from_secs(120);
+/// Longest time for a run in seconds, far beyond what any row takes: no input may hang the program.
+const LONGEST_S: f64 = 120.0;
 /// Pixels of pictures: small, and wider than high.
 pub const SIZE: [usize; 2] = [96, 64];
 
@@ -61,16 +61,13 @@ impl Desk {
             command.env_remove(name);
         }
         let mut child = command.spawn().expect("the program starts");
-        let until = Instant::now() + LONGEST;
-        let code = loop {
-            match child.try_wait().expect("a child of ours") {
-                Some(status) => break status.code().unwrap_or(-1),
-                None if Instant::now() > until => {
-                    child.kill().expect("a child of ours");
-                    let _ = child.wait();
-                    break -2;
-                }
-                None => std::thread::sleep(Duration::from_millis(10)),
+        let ended = retry(LONGEST_S, || child.try_wait().expect("a child of ours").ok_or(()));
+        let code = match ended {
+            Ok(status) => status.code().unwrap_or(-1),
+            Err(()) => {
+                child.kill().expect("a child of ours");
+                let _ = child.wait();
+                -2
             }
         };
         let read = |path: PathBuf| std::fs::read(path).expect("what it said");
@@ -198,9 +195,7 @@ impl Picture {
     }
 }
 
+/// The pixels of a PNG; the error is in words.
 pub fn decoded(bytes: &[u8]) -> Result<Vec<[u8; 3]>, String> {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().map_err(|e| e.to_string())?;
-    let mut pixels = vec![0; reader.output_buffer_size().ok_or("too large a picture")?];
-    reader.next_frame(&mut pixels).map_err(|error| error.to_string())?;
-    Ok(pixels.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect())
+    Ok(kit::picture::Picture::decode(bytes).map_err(|error| error.to_string())?.pixels)
 }

@@ -29,13 +29,11 @@ fn around(center: [f64; 3], reach: [f64; 3], num: usize) -> Vec<Point> {
 
 /// Points all over a closed sphere of radius 5, seen from inside.
 fn sphere(num: usize) -> Las {
-    let point = |i: usize| {
-        let height = 1.0 - (2 * i + 1) as f64 / num as f64;
-        let (turn, radius) = (2.399_963_229_728_653 * i as f64, (1.0 - height * height).sqrt());
-        let at = [radius * turn.cos(), radius * turn.sin(), height].map(|c| 5.0 * c);
+    let point = |direction: glam::DVec3| {
+        let at = (5.0 * direction).to_array();
         Point { at, rgb: [50_000, 60_000, 55_000], ..Point::default() }
     };
-    Las::new(2, (0..num).map(point).collect()).scaled([0.0001; 3])
+    Las::new(2, kit::spread::directions(num).map(point).collect()).scaled([0.0001; 3])
 }
 
 pub fn rows() -> Vec<Row> {

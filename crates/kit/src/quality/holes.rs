@@ -1,13 +1,14 @@
 //! Holes by the angle from the gaze: the pixels that are empty although the frame without level of detail fills them,
 //! for headsets, presets and steps of the governor.
 
+use crate::frames::{SplitMix, image};
 use anyhow::{Context, Result};
 use base::space::{Eye, Fov, Pose, View};
 use glam::DVec3;
 use lab::synth::Viewpoint;
 use points::{Grid, Scan, ScanBuilder};
 use render::gpu::{Atomics, Gpu, readback};
-use render::{self, CloudBuffers, DrawOptions, EyeImage, IMAGE_USAGES, Renderer, Setup};
+use render::{self, CloudBuffers, DrawOptions, EyeImage, Renderer, Setup};
 use std::sync::Arc;
 
 /// Angles from the gaze at which the rings end, degrees; the last reaches to the image's corners.
@@ -26,14 +27,8 @@ const SPHERE_RADIUS: f64 = 5.0;
 
 /// A closed sphere round the origin, of points at random, equally likely everywhere on it.
 pub fn sphere(num_points: u64) -> Scan {
-    let mut state = 0x5ca1_ab1e_u64;
-    let mut unit = || {
-        // splitmix64
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = SplitMix(0x5ca1_ab1e);
+    let mut unit = || random.unit();
     let scale = 1e-5;
     let (mut xyz, mut rgb) = (Vec::new(), Vec::new());
     for _ in 0..num_points {
@@ -113,9 +108,7 @@ impl Drawer {
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, options)?;
         renderer.set_cloud(cloud)?;
-        let usage = IMAGE_USAGES | wgpu::TextureUsages::COPY_SRC;
-        let image = gpu.texture("image", size_px, FORMAT, usage);
-        Ok(Self { gpu: Arc::clone(gpu), renderer, image, frame: 0 })
+        Ok(Self { gpu: Arc::clone(gpu), renderer, image: image(gpu, size_px, FORMAT), frame: 0 })
     }
 
     /// Gives the cloud back.

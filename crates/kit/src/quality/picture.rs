@@ -13,6 +13,17 @@ pub struct Picture {
     pub depth: Vec<f32>,
 }
 
+impl Picture {
+    /// A picture whose depths nobody asks for, from colors as images hold them.
+    pub fn of_colors(size_px: [u32; 2], colors: impl IntoIterator<Item = u32>) -> Self {
+        let rgb = |color: u32| {
+            let [red, green, blue, _] = color.to_le_bytes();
+            [red, green, blue]
+        };
+        Self { size_px, rgb: colors.into_iter().map(rgb).collect(), depth: Vec::new() }
+    }
+}
+
 /// The one eye of a view; every view here has one.
 pub fn only_eye(view: &View) -> &Eye {
     &view.eyes[0]

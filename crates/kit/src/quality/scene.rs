@@ -1,15 +1,15 @@
 //! The scans that are drawn, and the places that they are drawn from.
 
+use crate::real_scans::{self, ROOM};
+use crate::{made_up, reading};
 use anyhow::{Context, Result};
-use base::output::Output;
 use base::space::{Eye, Fov, Pose, View};
-use base::task::{CancelToken, Progress};
+use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
 use cloud::{self, Cloud, Order};
 use glam::DVec3;
-use lab::synth::{self, SynthKind, SynthOptions, Viewpoint};
-use points::{self, ReadOptions, Scan};
-use std::path::PathBuf;
+use lab::synth::{self, SynthKind, Viewpoint};
+use points::Scan;
 
 /// Angle of an eye's image from the axis to each of its edges, in degrees.
 const HALF_FOV_DEG: f64 = 45.0;
@@ -17,8 +17,6 @@ const NEAR_M: f64 = 0.05;
 const SEED: u64 = 1;
 /// Names of the made-up scans' viewpoints: of the whole, and close up.
 const PLACES: [&str; 4] = ["overview", "hall", "village", "face"];
-/// The real scan, below the folder that `SCANWALK_TEST_DATA` names.
-const ROOM: &str = "laz-indoor-rooms/indoor-rooms.laz";
 /// A viewpoint in the room, across it.
 const ROOM_PLACES: [Viewpoint; 1] =
     [Viewpoint { name: "room", eye: DVec3::new(6.0, 5.0, 2.4), target: DVec3::new(9.0, 8.0, 2.2) }];
@@ -83,7 +81,7 @@ impl Source {
 
     /// True if the scan is here; else prints a line that says that the real scan is not.
     pub fn is_here(self) -> bool {
-        let here = self != Self::Room || data_folder().is_some();
+        let here = self != Self::Room || real_scans::named_folder().is_some();
         if !here {
             eprintln!("skipped: a real room, for SCANWALK_TEST_DATA names no folder of scans");
         }
@@ -96,7 +94,7 @@ impl Source {
     /// If it cannot be made or read.
     pub fn scan(self, points: u64) -> Result<Scan> {
         match self {
-            Self::Synth(kind) => made(kind, points),
+            Self::Synth(kind) => made_up::scan(kind, points, SEED),
             Self::Room => Ok(thinned(room()?)),
         }
     }
@@ -107,7 +105,7 @@ impl Source {
     /// If it cannot be made or read.
     pub fn dense_scan(self, points: u64) -> Result<Scan> {
         match self {
-            Self::Synth(kind) => made(kind, points),
+            Self::Synth(kind) => made_up::scan(kind, points, SEED),
             Self::Room => room(),
         }
     }
@@ -133,21 +131,9 @@ pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
     View { eyes: vec![eye], near: NEAR_M }
 }
 
-fn made(kind: SynthKind, points: u64) -> Result<Scan> {
-    let folder = tempfile::tempdir()?;
-    let out = folder.path().join("scan.las");
-    let output = Output::new(&out, synth::SCAN)?;
-    synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, &CancelToken::default())?;
-    Ok(points::read(&[out], &ReadOptions::default(), &CancelToken::default())?)
-}
-
-fn data_folder() -> Option<PathBuf> {
-    std::env::var_os("SCANWALK_TEST_DATA").map(PathBuf::from)
-}
-
 fn room() -> Result<Scan> {
-    let folder = data_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
-    Ok(points::read(&[folder.join(ROOM)], &ReadOptions::default(), &CancelToken::default())?)
+    let folder = real_scans::named_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
+    Ok(reading::file(&folder.join(ROOM))?)
 }
 
 /// Keeps one point in [`ROOM_SHARE`], in the file's order.

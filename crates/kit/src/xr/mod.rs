@@ -8,11 +8,11 @@
 //! let shown = run.screen();
 //! let done = run.finish();
 //! ```
-//!
 
 pub mod poses;
-pub mod screen;
 
+use crate::picture::Picture;
+use crate::wait::{retry, wait_for};
 use std::fs::{self, File, TryLockError};
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
@@ -293,18 +293,13 @@ impl Running {
 
     /// Connects to the remote device, as soon as it listens.
     pub fn remote(&mut self) -> poses::Remote {
-        loop {
-            match poses::Remote::connect(self.port) {
-                Ok(remote) => return remote,
-                Err(error) => assert!(Instant::now() < self.deadline, "the remote device: {error}"),
-            }
-            std::thread::sleep(Duration::from_millis(50));
-        }
+        retry(self.seconds_left(), || poses::Remote::connect(self.port))
+            .unwrap_or_else(|error| panic!("the remote device: {error}"))
     }
 
     /// The picture that the compositor shows now ([`Compositor::Xcb`]).
-    pub fn screen(&self) -> screen::Image {
-        screen::Image::read_xwd(&self.folder().join("fb/Xvfb_screen0")).expect("the virtual screen")
+    pub fn screen(&self) -> Picture {
+        crate::xwd::read(&self.folder().join("fb/Xvfb_screen0")).expect("the virtual screen")
     }
 
     /// Waits for a line of the program's output for which `found` has a value.
@@ -338,15 +333,21 @@ impl Running {
     /// # Panics
     /// If it has not within a minute.
     pub fn wait_until_said(&self, words: &str, times: usize) {
-        let until = Instant::now() + Duration::from_secs(60);
-        loop {
+        let said = retry(60.0, || {
             let said = self.said.lock().expect("no panic").clone();
-            if said.matches(words).count() >= times {
-                return;
-            }
-            assert!(Instant::now() < until, "'{words}' was not said {times} times:\n{said}");
-            std::thread::sleep(Duration::from_millis(50));
-        }
+            if said.matches(words).count() >= times { Ok(()) } else { Err(said) }
+        });
+        said.unwrap_or_else(|said| panic!("'{words}' was not said {times} times:\n{said}"));
+    }
+
+    /// All that the program has said on stderr so far.
+    pub fn said(&self) -> String {
+        self.said.lock().expect("no panic").clone()
+    }
+
+    /// Seconds until the program is late.
+    fn seconds_left(&self) -> f64 {
+        self.deadline.saturating_duration_since(Instant::now()).as_secs_f64()
     }
 
     /// All that the program has said on stderr, once it has ended.
@@ -360,11 +361,6 @@ impl Running {
     /// Kills the runtime, not the program.
     pub fn kill_runtime(&self) {
         self.signal("KILL", "service.pid");
-    }
-
-    /// Stops the runtime for good, but does not end it: its clients wait for answers.
-    pub fn freeze_runtime(&self) {
-        self.signal("STOP", "service.pid");
     }
 
     /// Starts the runtime again after [`Self::kill_runtime`], or at last after [`TestRuntime::later`].
@@ -384,17 +380,12 @@ impl Running {
 
     /// Waits for the program's end.
     pub fn finish(mut self) -> Finished {
-        while let Ok(line) = self.lines.recv_timeout(self.deadline.saturating_duration_since(Instant::now()))
-        {
+        while let Ok(line) = self.lines.recv_timeout(Duration::from_secs_f64(self.seconds_left())) {
             self.seen.push(line);
         }
-        let code = loop {
-            match self.child.try_wait().expect("a child of ours") {
-                Some(status) => break status.code(),
-                None => assert!(Instant::now() < self.deadline, "the program hangs"),
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        };
+        let left = self.seconds_left();
+        let status = wait_for("the program's end", left, || self.child.try_wait().expect("a child of ours"));
+        let code = status.code();
         let stderr = self.all_said();
         let folder = self.folder.take().expect("kept until the end");
         Finished { code, lines: std::mem::take(&mut self.seen), stderr, folder, validated: self.validate }

@@ -51,10 +51,22 @@ pub struct RemoteEye {
 pub struct RemoteHand {
     /// False if the controller is switched off.
     pub active: bool,
+    /// False if the hand's joints are not seen.
+    pub seen: bool,
     pub pose: RemotePose,
+    /// How far each finger is bent, 0 to 1: little, ring, middle, index, thumb.
+    pub curl: [f32; 5],
+    /// How far the trigger is pulled, 0 to 1.
+    pub trigger: f32,
+    /// How far the hand is closed round the controller, 0 to 1.
+    pub squeeze: f32,
+    /// How hard it squeezes the controller, 0 to 1.
+    pub squeeze_force: f32,
     /// Deflection of the stick: x right, y forward.
     pub stick: [f32; 2],
+    pub system_pressed: bool,
     pub a_pressed: bool,
+    pub b_pressed: bool,
     pub stick_pressed: bool,
 }
 
@@ -62,9 +74,16 @@ impl Default for RemoteHand {
     fn default() -> Self {
         Self {
             active: true,
+            seen: true,
             pose: RemotePose::at([0.0, 1.2, -0.3]),
+            curl: [0.0; 5],
+            trigger: 0.0,
+            squeeze: 0.0,
+            squeeze_force: 0.0,
             stick: [0.0; 2],
+            system_pressed: false,
             a_pressed: false,
+            b_pressed: false,
             stick_pressed: false,
         }
     }
@@ -120,12 +139,17 @@ fn pose(out: &mut Vec<u8>, pose: &RemotePose) {
 
 fn hand(out: &mut Vec<u8>, hand: &RemoteHand) {
     pose(out, &hand.pose);
-    // Linear and angular velocity, finger curls, trigger, squeeze, squeeze force.
-    floats(out, &[0.0; 3 + 3 + 5 + 3]);
+    // Linear and angular velocity.
+    floats(out, &[0.0; 3 + 3]);
+    floats(out, &hand.curl);
+    floats(out, &[hand.trigger, hand.squeeze, hand.squeeze_force]);
     floats(out, &hand.stick);
     // Trackpad force and position.
     floats(out, &[0.0; 3]);
-    let [active, a, stick] = [hand.active, hand.a_pressed, hand.stick_pressed].map(u8::from);
-    // Hand tracking, controller; then click and touch of system, a, b, trigger, stick; trackpad touch; padding.
-    out.extend([active, active, 0, 0, a, a, 0, 0, 0, 0, stick, stick, 0, 0, 0, 0]);
+    let buttons =
+        [hand.system_pressed, hand.a_pressed, hand.b_pressed, hand.trigger > 0.9, hand.stick_pressed];
+    out.extend([hand.seen, hand.active].map(u8::from));
+    // Click and touch of each button; trackpad touch; padding.
+    out.extend(buttons.into_iter().flat_map(|pressed| [u8::from(pressed); 2]));
+    out.extend([0; 4]);
 }

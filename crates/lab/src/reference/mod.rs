@@ -11,6 +11,7 @@ pub mod lod;
 pub mod points;
 pub mod resolve;
 pub mod rings;
+pub mod scenery;
 mod sizes;
 pub mod tree;
 

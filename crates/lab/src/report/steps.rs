@@ -9,7 +9,10 @@ use super::svg::Plot;
 use super::timeline::{SIDES, along_time, steps, time_axis};
 use timing::{FrameLogFile, LoggedFrame, Phase};
 
+/// Least height of a lane.
 const HEIGHT: f64 = 46.0;
+/// Height of a mark of a lane, with the room to the next.
+const MARK: f64 = 15.0;
 
 /// A figure of a frame; NaN where the log has none.
 type Figure = fn(&LoggedFrame) -> f64;
@@ -73,8 +76,12 @@ fn lane(
     let (low, high) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
     // A line along the edge would look cut off.
     let margin = if high > low { 0.15 * (high - low) } else { 0.5 };
-    let mut plot =
-        Plot::new(name, [time_axis(log), Axis::linear(low - margin, high + margin)], SIDES, HEIGHT);
+    let mut plot = Plot::new(
+        name,
+        [time_axis(log), Axis::linear(low - margin, high + margin)],
+        SIDES,
+        HEIGHT.max(MARK * marks.len() as f64),
+    );
     plot.mark_x(name);
     for (value, text) in marks {
         plot.mark_y_at(*value, text);

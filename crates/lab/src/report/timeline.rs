@@ -9,8 +9,9 @@ use super::svg::{Path, Plot, RIGHT};
 use base::words::counted;
 use timing::{FrameLogFile, LoggedFrame};
 
-/// Room for marks beside every plot along the time, the same for all, so that their time axes line up.
-pub(super) const SIDES: [f64; 2] = [52.0, RIGHT];
+/// Room for marks beside every plot along the time, the same for all, so that their time axes line up. The longest mark
+/// is a session's state, SYNCHRONIZED.
+pub(super) const SIDES: [f64; 2] = [100.0, RIGHT];
 const HEIGHT: f64 = 240.0;
 /// How far marks of missed displays reach up from the time axis, in units.
 const MISSED_UNITS: f64 = 10.0;

@@ -5,6 +5,7 @@ mod flags;
 mod guard;
 mod pixel;
 mod prelude;
+mod scenery;
 mod view;
 mod words;
 
@@ -16,6 +17,7 @@ pub use flags::{
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
 pub use pixel::{Pixel, depth_of};
 pub use prelude::{Sums, Variant, prelude};
+pub use scenery::SceneryUniform;
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 pub use words::{
     EMPTY_KEY, ID_ODD, ID_SHIFT, KEY_DEPTH_SHIFT, MASK_WORD_PX, OWN_BITS, OWN_NONE, OWN_NONE_WORD,

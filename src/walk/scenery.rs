@@ -1,0 +1,144 @@
+//! What the walk shows beside the scan: the surround with its grid, the card while there is no scan, the hands, and the
+//! arc by which one of them aims.
+
+use super::link::WalkEnd;
+use super::locomotion::{Locomotion, head_of};
+use super::{marks, shapes_of_hands};
+use base::space::{Eye, Pose};
+use glam::DVec3;
+use render::Renderer;
+use render::gpu::QueueGuard;
+use render::scenery::{SceneryView, Shapes};
+use xr::{ControllerInput, HandJoints, StageEye};
+
+/// Distance of the card before the viewer, meters.
+const AWAY_M: f64 = 2.0;
+/// Width of the card, meters: half a right angle's half, so that all of it is seen without turning one's head.
+const CARD_WIDTH_M: f64 = 1.1;
+/// The card comes before the viewer again when they have turned away from it by this angle, radians.
+const FOLLOW_RAD: f64 = 1.0;
+
+/// From where a frame is seen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stand<'a> {
+    /// The eyes in the stage.
+    pub eyes: &'a [StageEye; 2],
+    /// Pixels of each eye that are drawn.
+    pub drawn_px: [[u32; 2]; 2],
+    /// Depth of the near plane, meters.
+    pub near_m: f64,
+    /// Where the stage stands in the scan, if there is one.
+    pub locomotion: Option<&'a Locomotion>,
+    /// Hands as last known.
+    pub hands: &'a SeenHands,
+}
+
+/// Both hands of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SeenHands {
+    /// What they hold down, and where controllers are.
+    pub controllers: ControllerInput,
+    /// Joints of hands that are tracked without a controller.
+    pub joints: [Option<HandJoints>; 2],
+}
+
+/// The scenery, from one frame to the next.
+#[derive(Debug, Default)]
+pub(super) struct SceneryOfWalk {
+    shapes: Shapes,
+    card: Option<wgpu::Texture>,
+    /// Chosen when the card is first shown, so that it stands still.
+    stage_from_card: Option<Pose>,
+}
+
+impl SceneryOfWalk {
+    /// Tells the renderer what to show; never waits for whoever paints the card.
+    pub fn show(&mut self, renderer: &mut Renderer, queue: &QueueGuard, link: &WalkEnd, stand: Stand) {
+        self.shapes.clear();
+        let stage_from_head = head_of(stand.eyes);
+        let head = stage_from_head.position;
+        if let Some(locomotion) = stand.locomotion {
+            marks::lay(&mut self.shapes, locomotion.guides(), locomotion.stage(), head);
+        }
+        shapes_of_hands::lay(&mut self.shapes, stand.hands, head);
+        self.lay_card(&stage_from_head);
+        let eyes = [0, 1].map(|eye: usize| Eye {
+            world_from_view: stand.eyes[eye].stage_from_view,
+            fov: stand.eyes[eye].fov,
+            size_px: stand.drawn_px[eye],
+            gaze_in_view: Eye::AHEAD,
+        });
+        let view = SceneryView {
+            eyes: &eyes,
+            near_m: stand.near_m,
+            units_per_m: stand.locomotion.map_or(1.0, |locomotion| locomotion.stage().units_per_m()),
+            stage_from_grid: stand.locomotion.map_or(Pose::IDENTITY, Locomotion::stage_from_start),
+            vignette: stand.locomotion.map_or(0.0, |locomotion| locomotion.guides().vignette),
+        };
+        renderer.set_scenery(queue, &view, &self.shapes);
+        // Another card is seen from the next frame on: this one's commands are recorded.
+        if let Some(card) = link.try_card().filter(|card| *card != self.card) {
+            renderer.set_card(card.as_ref());
+            self.card = card;
+        }
+    }
+
+    fn lay_card(&mut self, stage_from_head: &Pose) {
+        let Some(card) = &self.card else {
+            self.stage_from_card = None;
+            return;
+        };
+        let height_m = CARD_WIDTH_M * f64::from(card.height()) / f64::from(card.width());
+        let still = self.stage_from_card.filter(|pose| is_in_sight(pose, stage_from_head));
+        let stage_from_card = still.unwrap_or_else(|| before(stage_from_head));
+        self.stage_from_card = Some(stage_from_card);
+        self.shapes.card(&stage_from_card, [CARD_WIDTH_M, height_m]);
+    }
+}
+
+/// The horizontal direction in which a head looks.
+fn ahead(stage_from_head: &Pose) -> DVec3 {
+    let ahead = stage_from_head.orientation * DVec3::NEG_Z;
+    ahead.with_y(0.0).normalize_or(DVec3::NEG_Z)
+}
+
+/// True if a head looks about where the card is.
+fn is_in_sight(stage_from_card: &Pose, stage_from_head: &Pose) -> bool {
+    let to_card = (stage_from_card.position - stage_from_head.position).with_y(0.0);
+    to_card.length() < 2.0 * AWAY_M && ahead(stage_from_head).angle_between(to_card) < FOLLOW_RAD
+}
+
+/// A pose upright before a head, at its height, that faces it.
+fn before(stage_from_head: &Pose) -> Pose {
+    let ahead = ahead(stage_from_head);
+    let position = stage_from_head.position + AWAY_M * ahead;
+    Pose::look_at(position, position + ahead, DVec3::Y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    fn head(yaw: f64) -> Pose {
+        let orientation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(-0.4);
+        Pose { position: DVec3::new(0.3, 1.6, -0.2), orientation }
+    }
+
+    #[test]
+    fn the_card_stands_upright_before_the_head_and_faces_it() {
+        let card = before(&head(0.8));
+        assert!(((card.position - head(0.8).position).length() - AWAY_M).abs() < 1e-9);
+        assert!((card.orientation * DVec3::Y - DVec3::Y).length() < 1e-9);
+        let to_head = (head(0.8).position - card.position).normalize();
+        assert!((card.orientation * DVec3::Z - to_head).length() < 1e-9);
+    }
+
+    #[test]
+    fn the_card_stands_still_until_the_viewer_turns_away() {
+        let card = before(&head(0.0));
+        assert!(is_in_sight(&card, &head(0.9)) && !is_in_sight(&card, &head(1.2)));
+        let far = Pose { position: DVec3::new(0.0, 1.6, 9.0), orientation: DQuat::IDENTITY };
+        assert!(!is_in_sight(&card, &far));
+    }
+}

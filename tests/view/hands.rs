@@ -1,0 +1,98 @@
+//! Hands in the walk: they are seen, one of them aims an arc at the floor, and the user is where it landed.
+
+use crate::scene::Scene;
+use kit::picture::Picture;
+use kit::rows::LogRows;
+use kit::xr::poses::{Packet, RemoteEye, RemoteHand, RemotePose};
+use kit::xr::{Compositor, RuntimeSlot};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
+/// Width of an eye's part of the compositor's screen, pixels.
+const EYE_PX: usize = 960;
+/// Half angle of the eyes' field of view, radians.
+const HALF_FOV: f32 = 0.75;
+
+fn eyes() -> [RemoteEye; 2] {
+    [-0.0315, 0.0315].map(|x| RemoteEye {
+        fov: [-HALF_FOV, HALF_FOV, HALF_FOV, -HALF_FOV],
+        head_from_eye: RemotePose::at([x, 0.0, 0.0]),
+    })
+}
+
+/// A head that looks down a little, and both hands before it, pointing down as much.
+fn packet(right: RemoteHand) -> Packet {
+    let (sin, cos) = (-0.2f32).sin_cos();
+    let down = [sin, 0.0, 0.0, cos];
+    let hand = |x: f32| RemotePose { orientation: down, position: [x, 1.2, -0.4] };
+    Packet {
+        head: RemotePose { orientation: down, position: [0.0, 1.6, 0.0] },
+        eyes: Some(eyes()),
+        left: RemoteHand { pose: hand(-0.25), ..RemoteHand::default() },
+        right: RemoteHand { pose: hand(0.25), ..right },
+    }
+}
+
+/// Pixels of the color of arcs that land, nearly: they let the ground through.
+fn num_of_arc(image: &Picture) -> usize {
+    let is_arc = |[r, g, b]: &&[u8; 3]| {
+        let [r, g, b] = [*r, *g, *b].map(i32::from);
+        b > 190 && b - r > 90 && (g - r) > 50 && b - g > 25
+    };
+    image.pixels.iter().filter(is_arc).count()
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn a_hand_aims_at_the_floor_and_the_user_is_there() {
+    let lab = RuntimeSlot::enter();
+    let scene = Scene::get();
+    let log = scene.file("hands.csv");
+    let [courtyard, log_path] = [&scene.courtyard, &log].map(|path| path.to_str().expect("a UTF-8 path"));
+    let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log_path, "-v"];
+    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
+    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
+    let mut run = runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat());
+    run.remote().send(&packet(RemoteHand::default()));
+    run.wait_until_said("headset session: FOCUSED", 1);
+    let until = Instant::now() + Duration::from_secs(150);
+    let left_eye = |run: &kit::xr::Running| run.screen().columns(0, EYE_PX);
+    // The scan is there when the eye is filled.
+    let mut eye = left_eye(&run);
+    while eye.pixels.iter().filter(|[r, g, b]| *r > 90 || *g > 90 || *b > 90).count() < EYE_PX * 300 {
+        assert!(Instant::now() < until, "the scan was not seen");
+        std::thread::sleep(Duration::from_millis(100));
+        eye = left_eye(&run);
+    }
+    eye.keep("hands-rest");
+    let at_rest = num_of_arc(&eye);
+    run.remote().send(&packet(RemoteHand { stick: [0.0, 1.0], ..RemoteHand::default() }));
+    while num_of_arc(&eye) < at_rest + 300 {
+        assert!(Instant::now() < until, "the arc was not seen: {} of {at_rest}", num_of_arc(&eye));
+        std::thread::sleep(Duration::from_millis(100));
+        eye = left_eye(&run);
+    }
+    eye.keep("hands-arc");
+    run.remote().send(&packet(RemoteHand::default()));
+    while num_of_arc(&eye) > at_rest + 100 {
+        assert!(Instant::now() < until, "the arc stays");
+        std::thread::sleep(Duration::from_millis(100));
+        eye = left_eye(&run);
+    }
+    eye.keep("hands-arrived");
+    run.ask_to_end();
+    let done = run.finish();
+    done.assert_ok();
+    assert!(done.vulkan_complaints().is_empty(), "{:?}", done.vulkan_complaints());
+    let rows = LogRows::read(&log);
+    let along = |column: &str| -> Vec<f64> {
+        rows.column(column).iter().filter_map(|cell| cell.parse().ok()).collect()
+    };
+    let (x, y, z) = (along("head_x"), along("head_y"), along("head_z"));
+    let far = (x.last().unwrap() - x[0]).hypot(y.last().unwrap() - y[0]);
+    assert!((1.0..12.0).contains(&far), "{far} m away");
+    // One stands on the floor there, as high as before above it: the courtyard's floor is level to some centimeters.
+    let rise = z.last().unwrap() - z[0];
+    assert!(rise.abs() < 0.6, "{rise} m higher");
+}
