@@ -61,7 +61,10 @@ impl SceneryOfWalk {
             marks::lay(&mut self.shapes, locomotion.guides(), locomotion.stage(), head);
         }
         shapes_of_hands::lay(&mut self.shapes, stand.hands, head);
-        self.lay_card(&stage_from_head);
+        // A scan is not hidden behind a card, though some of it may be still to come.
+        if stand.locomotion.is_none() {
+            self.lay_card(&stage_from_head);
+        }
         let eyes = [0, 1].map(|eye: usize| Eye {
             world_from_view: stand.eyes[eye].stage_from_view,
             fov: stand.eyes[eye].fov,
