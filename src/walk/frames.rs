@@ -286,7 +286,7 @@ impl Frames {
             None => locomotion.world_from_head(&head_of(eyes)),
             Some(path) => path.at(walker.rows.scan_shown.map_or(0.0, |since| since.elapsed().as_secs_f64())),
         };
-        let view = locomotion.view(&world_from_head, eyes, self.drawn_px, walk.draw.near);
+        let view = locomotion.stage().view(&world_from_head, eyes, self.drawn_px, walk.draw.near);
         self.renderer.set_view(&queue, &view);
         let stand = Stand {
             eyes,

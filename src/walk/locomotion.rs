@@ -12,11 +12,11 @@ use super::moving::place::{StagePlace, Standpoint};
 use super::moving::visits::Visits;
 use super::moving::{Vignette, model};
 use super::state::Action;
-use base::space::{Pose, View};
+use base::space::Pose;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use timing::Place;
-use xr::{ControllerInput, StageEye};
+use xr::ControllerInput;
 
 pub use super::moving::options::LocomotionOptions;
 pub use super::moving::place::head_of;
@@ -385,18 +385,6 @@ impl Locomotion {
     pub fn world_from_head(&self, stage_from_head: &Pose) -> Pose {
         let Pose { position, orientation } = self.place.pose_in_world(stage_from_head);
         Pose { position, orientation: (orientation * DQuat::from_rotation_x(self.pitch)).normalize() }
-    }
-
-    /// The eyes in the world with the head at `world_from_head`, the user's or a pose path's. `near_m` is in meters.
-    #[must_use]
-    pub fn view(
-        &self,
-        world_from_head: &Pose,
-        eyes: &[StageEye; 2],
-        sizes_px: [[u32; 2]; 2],
-        near_m: f64,
-    ) -> View {
-        self.place.view(world_from_head, eyes, sizes_px, near_m)
     }
 }
 

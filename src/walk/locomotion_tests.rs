@@ -3,10 +3,10 @@
 use super::*;
 use crate::walk::moving::floors::made_up::Made;
 use crate::walk::moving::options::Turn;
-use base::space::{Bounds, Eye, Fov};
+use base::space::{Bounds, Eye, Fov, View};
 use std::f64::consts::PI;
 use std::sync::Arc;
-use xr::HandInput;
+use xr::{HandInput, StageEye};
 
 const FRAME_S: f64 = 1.0 / 90.0;
 const UTM: DVec3 = DVec3::new(5e5, 4e6, 100.0);
@@ -59,7 +59,7 @@ fn inside() -> Start {
 }
 
 fn seen(walk: &Locomotion, eyes: &[StageEye; 2]) -> View {
-    walk.view(&walk.world_from_head(&head_of(eyes)), eyes, [[100, 100]; 2], 0.05)
+    walk.stage().view(&walk.world_from_head(&head_of(eyes)), eyes, [[100, 100]; 2], 0.05)
 }
 
 fn stick(hand: usize, stick: [f32; 2]) -> ControllerInput {

@@ -55,7 +55,7 @@ const HEADSET: SimulatedOptions = SimulatedOptions {
 fn seen(scene: &Scene, start: Start) -> f64 {
     let eyes = SimulatedHeadset::eyes(&HEADSET);
     let walk = Locomotion::new(LocomotionOptions::default(), start, FloorsCell::default());
-    let view = walk.view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
+    let view = walk.stage().view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
     let is_seen = |p: DVec3| {
         view.eyes.iter().all(|eye| {
             let q = (p - view.head_in_world()).extend(1.0);

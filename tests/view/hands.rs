@@ -3,10 +3,10 @@
 use crate::scene::Scene;
 use kit::picture::Picture;
 use kit::rows::LogRows;
+use kit::wait::wait_for;
 use kit::xr::poses::{Packet, RemoteEye, RemoteHand, RemotePose};
 use kit::xr::{Compositor, RuntimeSlot};
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 /// Width of an eye's part of the compositor's screen, pixels.
@@ -54,33 +54,23 @@ fn a_hand_aims_at_the_floor_and_the_user_is_there() {
     let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
     let mut run = runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat());
-    run.remote().send(&packet(RemoteHand::default()));
+    let mut remote = run.remote();
+    remote.send(&packet(RemoteHand::default()));
     run.wait_until_said("headset session: FOCUSED", 1);
-    let until = Instant::now() + Duration::from_secs(150);
-    let left_eye = |run: &kit::xr::Running| run.screen().columns(0, EYE_PX);
+    // Waits until the left eye sees something, and keeps that.
+    let seen = |what: &str, is_there: &dyn Fn(&Picture) -> bool| {
+        let eye = wait_for(what, 150.0, || Some(run.screen().columns(0, EYE_PX)).filter(is_there));
+        eye.keep(&format!("hands-{what}"));
+        eye
+    };
     // The scan is there when the eye is filled.
-    let mut eye = left_eye(&run);
-    while eye.pixels.iter().filter(|[r, g, b]| *r > 90 || *g > 90 || *b > 90).count() < EYE_PX * 300 {
-        assert!(Instant::now() < until, "the scan was not seen");
-        std::thread::sleep(Duration::from_millis(100));
-        eye = left_eye(&run);
-    }
-    eye.keep("hands-rest");
-    let at_rest = num_of_arc(&eye);
-    run.remote().send(&packet(RemoteHand { stick: [0.0, 1.0], ..RemoteHand::default() }));
-    while num_of_arc(&eye) < at_rest + 300 {
-        assert!(Instant::now() < until, "the arc was not seen: {} of {at_rest}", num_of_arc(&eye));
-        std::thread::sleep(Duration::from_millis(100));
-        eye = left_eye(&run);
-    }
-    eye.keep("hands-arc");
-    run.remote().send(&packet(RemoteHand::default()));
-    while num_of_arc(&eye) > at_rest + 100 {
-        assert!(Instant::now() < until, "the arc stays");
-        std::thread::sleep(Duration::from_millis(100));
-        eye = left_eye(&run);
-    }
-    eye.keep("hands-arrived");
+    let is_bright = |[r, g, b]: &&[u8; 3]| *r > 90 || *g > 90 || *b > 90;
+    let at_rest = seen("scan", &|eye| eye.pixels.iter().filter(is_bright).count() >= EYE_PX * 300);
+    let at_rest = num_of_arc(&at_rest);
+    remote.send(&packet(RemoteHand { stick: [0.0, 1.0], ..RemoteHand::default() }));
+    seen("arc", &|eye| num_of_arc(eye) >= at_rest + 300);
+    remote.send(&packet(RemoteHand::default()));
+    seen("arrival", &|eye| num_of_arc(eye) <= at_rest + 100);
     run.ask_to_end();
     let done = run.finish();
     done.assert_ok();

@@ -1,6 +1,6 @@
 //! Hands arrive as the device has them: poses, what each kind of controller has pressed, joints, bare hands.
 
-use crate::probe::{Frame, Hand, Job, StagePose, frame, last};
+use crate::probe::{Frame, Hand, Job, StagePose, frame, last, settle};
 use glam::{DQuat, DVec3};
 use kit::xr::poses::{Packet, Remote, RemoteHand, RemotePose};
 use kit::xr::{Finished, Running, RuntimeSlot, TestRuntime};
@@ -21,12 +21,6 @@ fn start(runtime: TestRuntime, job: &Job) -> (Running, Remote) {
     let mut run = Job { exit_after: LONG, ..job.clone() }.start(&runtime.validate());
     let remote = run.remote();
     (run, remote)
-}
-
-/// Sends a state and waits for a frame that shows it.
-fn settle(run: &mut Running, remote: &mut Remote, packet: &Packet, shown: impl Fn(&Frame) -> bool) -> Frame {
-    remote.send(packet);
-    run.wait_for("frame with the state sent", |line| frame(line).filter(|frame| shown(frame)))
 }
 
 /// Waits for the end and looks at what the layers say.

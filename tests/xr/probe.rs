@@ -1,6 +1,7 @@
 //! The program that the tests run inside the runtime: a frame loop as the walk has it, with a test pattern.
 
 use base::space::Pose;
+use kit::xr::poses::{Packet, Remote};
 use kit::xr::{Finished, Running, TestRuntime};
 use render::gpu::Gpu;
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,17 @@ pub struct Hand {
     pub reset: bool,
     /// Poses and radii, if the job asks for them.
     pub joints: Option<Vec<(StagePose, f64)>>,
+}
+
+/// Sends a state and waits for a frame that shows it.
+pub fn settle(
+    run: &mut Running,
+    remote: &mut Remote,
+    packet: &Packet,
+    shown: impl Fn(&Frame) -> bool,
+) -> Frame {
+    remote.send(packet);
+    run.wait_for("frame with the state sent", |line| frame(line).filter(|frame| shown(frame)))
 }
 
 /// A line as a frame, if it is one.

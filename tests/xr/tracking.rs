@@ -1,15 +1,9 @@
 //! Poses and fields of view of the eyes arrive as the device has them.
 
-use crate::probe::{Frame, Job, frame};
+use crate::probe::{Frame, Job, settle};
 use glam::{DQuat, DVec3};
-use kit::xr::poses::{Packet, Remote, RemoteEye, RemotePose};
-use kit::xr::{Running, RuntimeSlot};
-
-/// Sends a state and waits for a frame that shows it.
-fn settle(run: &mut Running, remote: &mut Remote, packet: &Packet, shown: impl Fn(&Frame) -> bool) -> Frame {
-    remote.send(packet);
-    run.wait_for("frame with the state sent", |line| frame(line).filter(|frame| shown(frame)))
-}
+use kit::xr::RuntimeSlot;
+use kit::xr::poses::{Packet, RemoteEye, RemotePose};
 
 fn position(frame: &Frame, eye: usize) -> DVec3 {
     frame.eyes[eye].0.into()
