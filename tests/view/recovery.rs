@@ -23,8 +23,9 @@ fn start(runtime: &TestRuntime, headset: &str, log: &Path) -> Running {
     runtime.start(Path::new(PROGRAM), &[&args[..], &small].concat())
 }
 
-fn log_file(name: &str) -> PathBuf {
-    Scene::get().file(&format!("{name}.csv").replace(':', "-"))
+/// A log of this test's own: tests run beside each other, and two may ask for the same fault.
+fn log_file(test: &str, fault: &str) -> PathBuf {
+    Scene::get().file(&format!("{test}-{fault}.csv").replace(':', "-"))
 }
 
 /// Waits until the log that a walk writes has rows of these sessions, one after the other, and the last of them shows the
@@ -96,7 +97,7 @@ const LOSSES: [(&str, &str); 9] = [
 fn a_lost_headset_is_taken_again() {
     let lab = RuntimeSlot::enter();
     for (fault, words) in LOSSES {
-        let log = log_file(fault);
+        let log = log_file("retaken", fault);
         let run = start(&lab.runtime().fault(fault).timeout_s(90), "auto", &log);
         run.wait_until_said(words, 1);
         let lost = Instant::now();
@@ -115,7 +116,7 @@ fn a_lost_headset_is_taken_again() {
 fn a_required_headset_that_is_lost_ends_the_walk_with_the_reason() {
     let lab = RuntimeSlot::enter();
     for (fault, words) in [LOSSES[0], LOSSES[2], LOSSES[7]] {
-        let done = start(&lab.runtime().fault(fault).timeout_s(90), "require", &log_file(fault)).finish();
+        let done = start(&lab.runtime().fault(fault).timeout_s(90), "require", &log_file("required", fault)).finish();
         assert_eq!(done.code, Some(1), "{fault}: {}", done.stderr);
         let said = "scanwalk: --headset require: ";
         assert!(done.stderr.contains(said) && done.stderr.contains(words), "{fault}: {}", done.stderr);
@@ -141,7 +142,7 @@ const HITCHES: [(&str, &str); 10] = [
 fn one_bad_call_costs_a_frame() {
     let lab = RuntimeSlot::enter();
     for (fault, words) in HITCHES {
-        let log = log_file(fault);
+        let log = log_file("hitch", fault);
         // Frames go on: the layer tells of one that comes twenty frames after the first fault.
         let faults = format!("{fault},watch:40");
         let run = start(&lab.runtime().validate().fault(&faults).timeout_s(90), "auto", &log);
@@ -160,7 +161,7 @@ fn one_bad_call_costs_a_frame() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_session_that_only_fails_is_lost() {
     let lab = RuntimeSlot::enter();
-    let log = log_file("enderr");
+    let log = log_file("fails-only", "enderr");
     let run = start(&lab.runtime().fault("enderr:20:200").timeout_s(90), "auto", &log);
     run.wait_until_said("the headset was lost (xrEndFrame: ERROR_RUNTIME_FAILURE)", 1);
     run.wait_until_said(TAKEN, 1);
@@ -171,7 +172,7 @@ fn a_session_that_only_fails_is_lost() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_runtime_that_is_killed_and_started_again_is_taken_again() {
     let lab = RuntimeSlot::enter();
-    let log = log_file("killed");
+    let log = log_file("killed", "none");
     let run = start(&lab.runtime().timeout_s(120), "auto", &log);
     wait_for_rows(&run, &log, &["FOCUSED"]);
     run.kill_runtime();
@@ -189,7 +190,7 @@ fn a_runtime_that_is_killed_and_started_again_is_taken_again() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_runtime_that_is_started_later_is_found() {
     let lab = RuntimeSlot::enter();
-    let log = log_file("later");
+    let log = log_file("later", "none");
     let run = start(&lab.runtime().later().timeout_s(120), "auto", &log);
     run.wait_until_said("no headset, so a simulated one is used until one answers", 1);
     wait_for_rows(&run, &log, &["simulated"]);
@@ -206,7 +207,7 @@ fn a_runtime_that_is_started_later_is_found() {
 fn nobody_waits_for_a_runtime_that_does_not_answer() {
     let lab = RuntimeSlot::enter();
     for fault in ["hang:20", "hangbegin:20"] {
-        let log = log_file(fault);
+        let log = log_file("hangs", fault);
         let run = start(&lab.runtime().fault(fault).timeout_s(90), "auto", &log);
         run.wait_until_said(&format!("faultlayer: {}", fault.trim_end_matches(":20")), 1);
         let done = end(run);
@@ -226,7 +227,7 @@ fn the_scan_is_still_walked_after_faults_at_random() {
     let lab = RuntimeSlot::enter();
     let asked = std::env::var("SCANWALK_FAULTS_S").ok().and_then(|seconds| seconds.parse().ok());
     let faults_s: f64 = asked.unwrap_or(FAULTS_S);
-    let log = log_file("random");
+    let log = log_file("walked", "random");
     let runtime = lab.runtime().fault("random:7:25").timeout_s(faults_s as u32 + 60);
     let run = start(&runtime, "auto", &log);
     run.wait_until_said("headset session: FOCUSED", 1);

@@ -10,6 +10,9 @@ use std::sync::OnceLock;
 /// Eye distance of the test headset in meters.
 pub const EYE_DISTANCE: f64 = 0.063;
 
+/// Number of points of the courtyard.
+pub const NUM_POINTS: u64 = 400_000;
+
 pub struct Scene {
     pub courtyard: PathBuf,
     pub ball: PathBuf,
@@ -30,7 +33,7 @@ impl Scene {
     fn make() -> Scene {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let courtyard = folder.path().join("courtyard.las");
-        made_up::file(&courtyard, SynthKind::Terrestrial, 400_000, 1).expect("a courtyard");
+        made_up::file(&courtyard, SynthKind::Terrestrial, NUM_POINTS, 1).expect("a courtyard");
         let place = synth::viewpoints(SynthKind::Terrestrial)
             .iter()
             .find(|v| v.name == "court")

@@ -1,15 +1,15 @@
 //! `view` with a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
 
 use crate::program::Program;
-use crate::scene::Scene;
+use crate::scene::{NUM_POINTS, Scene};
 use kit::picture::Picture;
+use kit::rows::LogRows;
 use kit::screen::Screen;
 use kit::wait::wait_for;
 use kit::xr::RuntimeSlot;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use timing::{self, Phase};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 
@@ -33,18 +33,21 @@ fn wait_lit(screen: &Screen, window: &str) -> Picture {
     })
 }
 
-/// Number of frames of the walk in a log that is being written.
-fn num_walked(log: &Path) -> usize {
-    let log = timing::read(log);
-    log.map_or(0, |log| log.frames.iter().filter(|frame| frame.phase == Phase::Walking).count())
+/// Number of frames in a log that is being written that are of the walk and have all points of the courtyard: while
+/// nodes still arrive, a picture may stay for some frames and change afterwards.
+fn num_whole(log: &Path) -> usize {
+    let Some(rows) = LogRows::so_far(log) else { return 0 };
+    let (phases, resident) = (rows.column("phase"), rows.column("points_resident"));
+    let all = NUM_POINTS.to_string();
+    phases.iter().zip(resident).filter(|(phase, resident)| **phase == "walking" && *resident == all).count()
 }
 
-/// Returns the window's picture once further frames of the walk show nothing else.
+/// Returns the window's picture once further frames of the whole scan show nothing else.
 fn still(screen: &Screen, window: &str, log: &Path) -> Picture {
     let further = |before| {
         // The frame that has just ended may not be in the window yet.
-        wait_for("further frames", 120.0, || (num_walked(log) >= before + 3).then_some(()));
-        (num_walked(log), screen.picture(window))
+        wait_for("further frames", 120.0, || (num_whole(log) >= before + 3).then_some(()));
+        (num_whole(log), screen.picture(window))
     };
     let (mut num_before, mut before) = further(0);
     wait_for("a picture that stays", 120.0, || {
