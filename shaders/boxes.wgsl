@@ -2,7 +2,7 @@
 // that are read of them. A box is an instance: 12 edges of two triangles each, as wide as they need to be to survive
 // the way to the window. Boxes are faint behind surfaces.
 
-@group(0) @binding(4) var<storage, read> nodes: array<Node>;
+@group(0) @binding(4) var<storage, read> nodes: array<GpuNode>;
 @group(0) @binding(5) var<storage, read> states: array<u32>;
 @group(0) @binding(6) var<storage, read> visible: array<VisibleBatch>;
 /// The counters as words, num_visible first; see CullCounters.

@@ -1,8 +1,8 @@
 // cull: which batches of the nodes that `lod` chose does either eye see, at which precision, and where are they
 // in head space? One thread a batch. [2022 §3.2, 3.3]; docs/FRAME.md §2 to §4.
 
-@group(0) @binding(1) var<storage, read> batches: array<Batch>;
-@group(0) @binding(2) var<storage, read> nodes: array<Node>;
+@group(0) @binding(1) var<storage, read> batches: array<GpuBatch>;
+@group(0) @binding(2) var<storage, read> nodes: array<GpuNode>;
 @group(0) @binding(3) var<storage, read> states: array<u32>;
 
 // The widest square that a point is to close, in each ring, of a box whose edge is drawn this large: see `open_px`, in
@@ -22,7 +22,7 @@ fn widest(spacing: vec4<u32>) -> f32 {
 }
 
 // How far apart a node's samples lie, as a share of its edge: further if only a part of the root's samples is drawn.
-fn spacing_drawn(node: Node, drawn: u32) -> f32 {
+fn spacing_drawn(node: GpuNode, drawn: u32) -> f32 {
     if (node.flags & NODE_ROOT) == 0u || drawn == DRAWN_WHOLE {
         return node.sample_spacing;
     }
@@ -30,7 +30,7 @@ fn spacing_drawn(node: Node, drawn: u32) -> f32 {
 }
 
 // State of the child in each octant, in OWN_BITS; OWN_NONE where there is none, 0 where it is not on the GPU.
-fn own_colors(node: Node) -> vec2<u32> {
+fn own_colors(node: GpuNode) -> vec2<u32> {
     var own = vec2<u32>(0u);
     for (var octant = 0u; octant < 8u; octant += 1u) {
         let child = node.children[octant];

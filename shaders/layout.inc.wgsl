@@ -1,6 +1,6 @@
 // Structs shared with the host: crates/render/src/layout, which documents every field. Offsets are compared by a test.
 
-struct Batch {
+struct GpuBatch {
     min_hi: vec3<f32>,
     first_point: u32,
     min_lo: vec3<f32>,
@@ -11,7 +11,7 @@ struct Batch {
     reserved: u32,
 }
 
-struct Node {
+struct GpuNode {
     min_hi: vec3<f32>,
     edge: f32,
     min_lo: vec3<f32>,

@@ -7,13 +7,13 @@ use std::io::{self, BufWriter, Write};
 
 /// The pixels of an sRGB texture, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Rgb {
+pub struct RgbImage {
     size_px: [u32; 2],
     /// Red, green, blue of each pixel.
     bytes: Vec<u8>,
 }
 
-impl Rgb {
+impl RgbImage {
     /// Reads a texture back from the GPU, and waits for it.
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl Rgb {
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_png(output: &Output, image: &Rgb) -> Result<OutputFile, OutputError> {
+pub fn write_png(output: &Output, image: &RgbImage) -> Result<OutputFile, OutputError> {
     write_with(output, |file| {
         let [width, height] = image.size_px;
         let mut encoder = png::Encoder::new(file, width, height);

@@ -6,7 +6,7 @@
 
 mod desktop_support;
 
-use desktop_support::child::{ROLE, Window};
+use desktop_support::child::{ChildWindow, ROLE};
 use desktop_support::walk::{self, EYE_PX, QUARTERS};
 use kit::picture::Picture;
 use kit::screen::Screen;
@@ -61,7 +61,7 @@ fn middles(area: [f64; 4], cover: bool) -> [[usize; 2]; 4] {
     })
 }
 
-fn wait_quarters(window: &Window, area: [f64; 4], cover: bool, eye: usize) {
+fn wait_quarters(window: &ChildWindow, area: [f64; 4], cover: bool, eye: usize) {
     for ([x, y], color) in middles(area, cover).into_iter().zip(QUARTERS[eye]) {
         window.wait_pixel(x, y, color);
     }
@@ -69,7 +69,7 @@ fn wait_quarters(window: &Window, area: [f64; 4], cover: bool, eye: usize) {
 
 fn the_mirror_shows_exact_colors_and_keeps_its_shape() {
     let screen = Screen::start();
-    let window = Window::open("walk", &screen);
+    let window = ChildWindow::open("walk", &screen);
     window.xdotool(&["key", "Tab"]);
     wait_quarters(&window, [0.0, 0.0, 960.0, 640.0], true, 0);
     // The image is cropped in its middle: the colors' border is at the window's center, in both directions.
@@ -101,7 +101,7 @@ fn the_mirror_shows_exact_colors_and_keeps_its_shape() {
 
 fn panel_and_help_come_and_go() {
     let screen = Screen::start();
-    let window = Window::open("walk", &screen);
+    let window = ChildWindow::open("walk", &screen);
     window.xdotool(&["windowsize", &window.id, "1280", "800"]);
     // A picture of the new size reaches into the new corner.
     window.wait_pixel(1270, 790, QUARTERS[0][3]);
@@ -130,7 +130,7 @@ fn panel_and_help_come_and_go() {
 
 fn keys_and_mouse_become_actions() {
     let screen = Screen::start();
-    let window = Window::open("walk", &screen);
+    let window = ChildWindow::open("walk", &screen);
     let moving = |direction: &str, fast: bool| format!("Move {{ direction: {direction}, fast: {fast} }}");
     let rest = moving("[0.0, 0.0, 0.0]", false);
     let held = [
@@ -185,7 +185,7 @@ fn keys_and_mouse_become_actions() {
 
 fn losing_the_keyboard_stops_moving() {
     let screen = Screen::start();
-    let window = Window::open("walk", &screen);
+    let window = ChildWindow::open("walk", &screen);
     window.xdotool(&["keydown", "w"]);
     window.wait_command("Move { direction: [0.0, 0.0, 1.0], fast: false }", 0);
     let already = window.commands().len();
@@ -198,7 +198,7 @@ fn losing_the_keyboard_stops_moving() {
 /// The window draws on another GPU, with its panel as it was, and takes keys as before.
 fn the_window_outlives_its_gpu() {
     let screen = Screen::start();
-    let window = Window::open("another", &screen);
+    let window = ChildWindow::open("another", &screen);
     window.xdotool(&["key", "Tab"]);
     window.wait_command("another GPU", 0);
     window.xdotool(&["windowsize", &window.id, "1100", "700"]);
@@ -214,22 +214,22 @@ fn the_window_outlives_its_gpu() {
 
 fn closing_the_window_ends_the_walk() {
     let screen = Screen::start();
-    let window = Window::open("walk", &screen);
+    let window = ChildWindow::open("walk", &screen);
     close(window);
 }
 
 fn the_end_of_the_walk_closes_the_window() {
     let screen = Screen::start();
-    let (line, log) = Window::open("stop", &screen).wait_end();
+    let (line, log) = ChildWindow::open("stop", &screen).wait_end();
     assert_silent((line, log));
-    let (line, log) = Window::open("vanish", &screen).wait_end();
+    let (line, log) = ChildWindow::open("vanish", &screen).wait_end();
     assert_silent((line, log));
 }
 
 fn loading_and_its_failure_are_shown() {
     let screen = Screen::start();
     for role in ["loading", "broken"] {
-        let window = Window::open(role, &screen);
+        let window = ChildWindow::open(role, &screen);
         // The card alone is in the middle.
         let num_written = |p: &Picture| {
             let middle = (0..60).flat_map(|y| (0..200).map(move |x| (380 + x, 290 + y)));
@@ -242,7 +242,7 @@ fn loading_and_its_failure_are_shown() {
 }
 
 fn no_display_is_a_plain_sentence() {
-    let (line, log) = Window::without_display("walk").wait_end();
+    let (line, log) = ChildWindow::without_display("walk").wait_end();
     assert_eq!(
         line,
         "ended with: no window can be opened: there is no display (neither DISPLAY nor \
@@ -252,7 +252,7 @@ fn no_display_is_a_plain_sentence() {
 }
 
 fn the_validation_layer_can_object() {
-    let (line, log) = Window::without_display("hazard").wait_end();
+    let (line, log) = ChildWindow::without_display("hazard").wait_end();
     assert_eq!(line, "ended well");
     assert!(
         log.contains("SYNC-HAZARD-WRITE-AFTER-WRITE"),
@@ -261,7 +261,7 @@ fn the_validation_layer_can_object() {
 }
 
 /// Waits until the picture is as wanted at two looks in a row, between which only the panel's plots may move.
-fn settled(window: &Window, wanted: impl Fn(&Picture) -> bool) -> Picture {
+fn settled(window: &ChildWindow, wanted: impl Fn(&Picture) -> bool) -> Picture {
     let mut before: Option<Picture> = None;
     wait_for("the picture", 20.0, || {
         let now = Some(window.picture()).filter(&wanted);
@@ -272,7 +272,7 @@ fn settled(window: &Window, wanted: impl Fn(&Picture) -> bool) -> Picture {
 }
 
 /// Asks the window to close as a desktop's close button does, and checks a good end.
-fn close(window: Window) {
+fn close(window: ChildWindow) {
     window.ask_to_close();
     let commands = wait_for("Quit", 10.0, || {
         let commands = window.commands();

@@ -6,7 +6,7 @@ mod scene;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use kit::timed::{Spread, Timed};
+use kit::timed::{Spread, TimedArgs};
 use render::bindings::{EyeSet, OfEye};
 use render::gpu::stage::Stage;
 use render::gpu::timer::Timer;
@@ -26,9 +26,9 @@ const NAMES: [&str; 2] = ["separable", "direct"];
 
 /// Times the two ways to dilate an eye's image.
 #[derive(Debug, Parser)]
-struct Args {
+struct DilateArgs {
     #[command(flatten)]
-    timed: Timed,
+    timed: TimedArgs,
     /// Pixels of the image
     #[arg(long, value_names = ["WIDTH", "HEIGHT"], num_args = 2, default_values_t = [1440, 1600])]
     size: Vec<u32>,
@@ -38,7 +38,7 @@ struct Args {
 }
 
 fn main() -> Result<()> {
-    let mut args = Args::parse();
+    let mut args = DilateArgs::parse();
     if args.timed.is_quick() {
         (args.size, args.timed.runs) = (vec![143, 161], 3);
     }

@@ -1,6 +1,6 @@
 //! Checks that the comparison is fair: contestants that claim to draw the same picture do.
 
-use crate::contestant::Contestant;
+use crate::contestant::StereoContestant;
 use anyhow::{Result, ensure};
 use base::space::View;
 use render::layout::{Pixel, depth_of};
@@ -12,7 +12,7 @@ const MIN_AGREEMENT: f64 = 0.99;
 const TOLERANCE: f32 = 1e-3;
 
 /// Ensures that both draw the same, bit for bit.
-pub fn same(a: &mut dyn Contestant, b: &mut dyn Contestant, view: &View) -> Result<()> {
+pub fn same(a: &mut dyn StereoContestant, b: &mut dyn StereoContestant, view: &View) -> Result<()> {
     let [left, right] = a.pixels(view)?;
     // The comparison can fail, since the eyes see different pictures.
     ensure!(left != right, "both eyes see the same");
@@ -21,7 +21,11 @@ pub fn same(a: &mut dyn Contestant, b: &mut dyn Contestant, view: &View) -> Resu
 }
 
 /// Ensures that depths agree on nearly all pixels; returns the share.
-pub fn alike(hardware: &mut dyn Contestant, compute: &mut dyn Contestant, view: &View) -> Result<f64> {
+pub fn alike(
+    hardware: &mut dyn StereoContestant,
+    compute: &mut dyn StereoContestant,
+    view: &View,
+) -> Result<f64> {
     let ([left, right], other) = (hardware.pixels(view)?, compute.pixels(view)?);
     let share = agreement(&left, &other[0]).min(agreement(&right, &other[1]));
     ensure!(share > MIN_AGREEMENT, "depths agree on {:.2} % of the pixels only", 100.0 * share);

@@ -1,11 +1,11 @@
 //! The ways to draw both eyes that are compared: each draws whole frames of the same view and tells its times.
 
-use crate::heat::{Entry, Plan};
-use crate::scene::Scene;
+use crate::heat::{ComputePlan, HeatEntry};
 use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
+use kit::quality::scene::DrawnScan;
 use lab::bench::point_list::{self, VertexList};
 use render::DrawOptions;
 use render::gpu::Gpu;
@@ -20,7 +20,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// Times of one frame of both eyes, milliseconds; NaN where a contestant has no such stage.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
+pub struct FrameSample {
     /// GPU time of each of [`STAGES`]; of two renderers, the sum.
     pub stage_ms: [f64; STAGES.len()],
     /// GPU time of the whole frame.
@@ -34,9 +34,9 @@ pub struct Sample {
 }
 
 /// One way to draw both eyes.
-pub trait Contestant {
+pub trait StereoContestant {
     /// Draws a frame and waits for it.
-    fn draw(&mut self, view: &View) -> Result<Sample>;
+    fn draw(&mut self, view: &View) -> Result<FrameSample>;
 
     /// Both eyes' pixels of a frame that is drawn from all coordinate bits. A renderer for one eye may need fewer bits
     /// than one for both, and hardware points have all.
@@ -47,23 +47,28 @@ pub trait Contestant {
 ///
 /// # Errors
 /// If it does not fit the GPU.
-pub fn make(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], entry: Entry) -> Result<Box<dyn Contestant>> {
+pub fn make(
+    gpu: &Arc<Gpu>,
+    scene: &DrawnScan,
+    size_px: [u32; 2],
+    entry: HeatEntry,
+) -> Result<Box<dyn StereoContestant>> {
     Ok(match entry {
-        Entry::Compute(plan) => Box::new(Compute::new(gpu, scene, size_px, plan)?),
-        Entry::Hardware => Box::new(Hardware::new(gpu, &scene.flat, size_px)?),
+        HeatEntry::Compute(plan) => Box::new(StereoCompute::new(gpu, scene, size_px, plan)?),
+        HeatEntry::Hardware => Box::new(StereoHardware::new(gpu, &scene.cloud, size_px)?),
     })
 }
 
 /// The compute frame: one renderer for both eyes, or a renderer for each.
-struct Compute {
+struct StereoCompute {
     gpu: Arc<Gpu>,
     options: DrawOptions,
     renderers: Vec<(Renderer, Vec<wgpu::Texture>)>,
     frame: u64,
 }
 
-impl Compute {
-    fn new(gpu: &Arc<Gpu>, scene: &Scene, size_px: [u32; 2], plan: Plan) -> Result<Self> {
+impl StereoCompute {
+    fn new(gpu: &Arc<Gpu>, scene: &DrawnScan, size_px: [u32; 2], plan: ComputePlan) -> Result<Self> {
         let atomics = plan.atomics.unwrap_or(gpu.atomics());
         let renderer = |sizes_px: &[[u32; 2]]| {
             let setup =
@@ -71,9 +76,9 @@ impl Compute {
             let technique = plan.technique.open(gpu);
             let mut renderer = Renderer::with_technique(gpu, setup, plan.options, technique)?;
             renderer.set_cloud(if plan.layered {
-                CloudBuffers::upload_layered(gpu, &scene.layered, 0, &Progress::hidden())?
+                CloudBuffers::upload_layered(gpu, &scene.octree, 0, &Progress::hidden())?
             } else {
-                CloudBuffers::upload(gpu, &scene.flat, 0, &Progress::hidden())?
+                CloudBuffers::upload(gpu, &scene.cloud, 0, &Progress::hidden())?
             })?;
             anyhow::Ok((renderer, sizes_px.iter().map(|&size| image(gpu, size, FORMAT)).collect()))
         };
@@ -93,8 +98,8 @@ impl Compute {
     }
 }
 
-impl Contestant for Compute {
-    fn draw(&mut self, view: &View) -> Result<Sample> {
+impl StereoContestant for StereoCompute {
+    fn draw(&mut self, view: &View) -> Result<FrameSample> {
         self.frame += 1;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         for (renderer, images) in &mut self.renderers {
@@ -116,7 +121,7 @@ impl Contestant for Compute {
         let times = self.renderers.iter_mut().map(|(renderer, _)| renderer.collect_times());
         let times: Vec<FrameTimes> = times.collect::<Option<_>>().context("the GPU gave no frame back")?;
         let sum = |value: &dyn Fn(&FrameTimes) -> f32| times.iter().map(|t| f64::from(value(t))).sum();
-        Ok(Sample {
+        Ok(FrameSample {
             stage_ms: std::array::from_fn(|stage| sum(&|t| t.stage_ms[stage])),
             gpu_ms: sum(&|t| t.gpu_ms),
             wall_ms,
@@ -148,7 +153,7 @@ fn swapped(view: &View) -> View {
 }
 
 /// Hardware points.
-struct Hardware {
+struct StereoHardware {
     gpu: Arc<Gpu>,
     num_points: u64,
     point_list: VertexList,
@@ -156,7 +161,7 @@ struct Hardware {
     frame: u64,
 }
 
-impl Hardware {
+impl StereoHardware {
     /// Makes hardware points that take a draw per eye.
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
         let point_list = VertexList::new(gpu, cloud, &[size_px; 2])?;
@@ -165,14 +170,14 @@ impl Hardware {
     }
 }
 
-impl Contestant for Hardware {
-    fn draw(&mut self, view: &View) -> Result<Sample> {
+impl StereoContestant for StereoHardware {
+    fn draw(&mut self, view: &View) -> Result<FrameSample> {
         self.frame += 1;
         let views = [0, 1].map(|eye: usize| self.images[eye].create_view(&Default::default()));
         let began = self.point_list.draw(&self.gpu, self.frame, &views, view);
         let wall_ms = wait(&self.gpu, began)?;
         let gpu_ms = self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?;
-        Ok(Sample {
+        Ok(FrameSample {
             stage_ms: [f64::NAN; STAGES.len()],
             gpu_ms: gpu_ms.into(),
             wall_ms,

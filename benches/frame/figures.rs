@@ -1,13 +1,13 @@
 //! Makes medians, ratios, a table and CSV rows of samples.
 
-use crate::contestant::Sample;
-use crate::heat::{Part, Ratio};
+use crate::contestant::FrameSample;
+use crate::heat::{FramePart, Ratio};
 use kit::timed::Spread;
 use std::io::{self, Write};
 use timing::STAGES;
 
 /// All samples of one heat from one viewpoint.
-pub struct Figures {
+pub struct HeatSamples {
     /// Points of the cloud.
     pub num_points: u64,
     /// Name of the viewpoint.
@@ -15,10 +15,10 @@ pub struct Figures {
     /// Name of the heat.
     pub heat: &'static str,
     /// Samples of each contestant, in turn.
-    pub samples: Vec<(&'static str, Vec<Sample>)>,
+    pub samples: Vec<(&'static str, Vec<FrameSample>)>,
 }
 
-impl Figures {
+impl HeatSamples {
     /// Writes the first line of the CSV.
     pub fn csv_header(out: &mut impl Write) -> io::Result<()> {
         let stages = STAGES.map(|stage| format!("{stage}_ms")).join(",");
@@ -35,7 +35,7 @@ impl Figures {
                 // A stage that a contestant does not have stays empty.
                 let stages =
                     sample.stage_ms.map(|ms| if ms.is_nan() { String::new() } else { format!("{ms:.3}") });
-                let Sample { gpu_ms, wall_ms, points_read, visible_batches, .. } = sample;
+                let FrameSample { gpu_ms, wall_ms, points_read, visible_batches, .. } = sample;
                 write!(out, "{},{},{},{name},{run},", self.num_points, self.viewpoint, self.heat)?;
                 write!(out, "{},{gpu_ms:.3},{wall_ms:.3},", stages.join(","))?;
                 writeln!(out, "{points_read},{visible_batches}")?;
@@ -51,7 +51,7 @@ impl Figures {
         let stages = STAGES.map(|stage| format!("{stage:>9}")).concat();
         writeln!(out, "  {:<21}{stages}{:>27}{:>9}{:>9}", "ms", "frame", "wall", "M points")?;
         for (name, samples) in &self.samples {
-            let spread = |value: &dyn Fn(&Sample) -> f64| Spread::of(samples.iter().map(value));
+            let spread = |value: &dyn Fn(&FrameSample) -> f64| Spread::of(samples.iter().map(value));
             let stage = |stage| match spread(&|s| s.stage_ms[stage]).median {
                 ms if ms.is_nan() => format!("{:>9}", "–"),
                 ms => format!("{ms:>9.2}"),
@@ -69,7 +69,7 @@ impl Figures {
         let (Some(of), Some(to)) = (self.samples_of(ratio.of), self.samples_of(ratio.to)) else {
             return Ok(());
         };
-        let spread = |part: &Part| {
+        let spread = |part: &FramePart| {
             let ratios = of.iter().zip(to).map(|(of, to)| part.ms(of) / part.ms(to));
             format!("{} {}", part.name(), Spread::of(ratios))
         };
@@ -77,12 +77,12 @@ impl Figures {
         writeln!(out, "  {} / {}: {}", ratio.of, ratio.to, parts.join(", "))
     }
 
-    fn samples_of(&self, contestant: &str) -> Option<&[Sample]> {
+    fn samples_of(&self, contestant: &str) -> Option<&[FrameSample]> {
         self.samples.iter().find(|(name, _)| *name == contestant).map(|(_, samples)| &samples[..])
     }
 }
 
-impl Part {
+impl FramePart {
     fn name(self) -> &'static str {
         match self {
             Self::Depth => "depth",
@@ -92,7 +92,7 @@ impl Part {
         }
     }
 
-    fn ms(self, sample: &Sample) -> f64 {
+    fn ms(self, sample: &FrameSample) -> f64 {
         let stage = |name| {
             STAGES.iter().zip(sample.stage_ms).filter(|(stage, _)| **stage == name).map(|(_, ms)| ms).sum()
         };
@@ -106,14 +106,14 @@ impl Part {
 }
 
 /// Prints for people how frames grow with the cloud: medians in turn, then the last cloud's divided by the first one's.
-pub fn print_growth(out: &mut impl Write, all: &[Figures]) -> io::Result<()> {
+pub fn print_growth(out: &mut impl Write, all: &[HeatSamples]) -> io::Result<()> {
     for first in all.iter().filter(|f| f.num_points == all[0].num_points) {
-        let same = |f: &&Figures| (f.heat, f.viewpoint) == (first.heat, first.viewpoint);
-        let group: Vec<&Figures> = all.iter().filter(same).collect();
+        let same = |f: &&HeatSamples| (f.heat, f.viewpoint) == (first.heat, first.viewpoint);
+        let group: Vec<&HeatSamples> = all.iter().filter(same).collect();
         let millions: Vec<String> = group.iter().map(|f| (f.num_points as f64 / 1e6).to_string()).collect();
         writeln!(out, "{}, {}: frame ms at {} M points", first.heat, first.viewpoint, millions.join(", "))?;
         for (name, _) in &first.samples {
-            let frames = |f: &&Figures| Some(Spread::of(f.samples_of(name)?.iter().map(|s| s.gpu_ms)));
+            let frames = |f: &&HeatSamples| Some(Spread::of(f.samples_of(name)?.iter().map(|s| s.gpu_ms)));
             let spreads: Vec<Spread> = group.iter().filter_map(frames).collect();
             let texts: String = spreads.iter().map(|spread| format!("{spread:>27}")).collect();
             let growth = spreads[spreads.len() - 1].median / spreads[0].median;

@@ -17,7 +17,7 @@ pub struct Heat {
     /// Points of the largest cloud that takes part.
     pub max_points: u64,
     /// Entries by name.
-    pub entries: Vec<(&'static str, Entry)>,
+    pub entries: Vec<(&'static str, HeatEntry)>,
     /// Pairs that draw the same picture bit for bit.
     pub same: Vec<[&'static str; 2]>,
     /// Pairs whose depths agree on nearly all pixels.
@@ -28,16 +28,16 @@ pub struct Heat {
 
 /// A way to draw.
 #[derive(Clone, Copy, Debug)]
-pub enum Entry {
+pub enum HeatEntry {
     /// The compute frame.
-    Compute(Plan),
+    Compute(ComputePlan),
     /// Hardware points, for clouds up to [`MAX_HARDWARE_POINTS`].
     Hardware,
 }
 
 /// How the compute frame draws.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan {
+pub struct ComputePlan {
     /// True: the octree is drawn rather than every point.
     pub layered: bool,
     /// True: one eye is drawn after the other, each by a renderer for one eye.
@@ -52,7 +52,7 @@ pub struct Plan {
 
 /// Part of a frame that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum FramePart {
     /// The stage `depth`.
     Depth,
     /// The stage `color`.
@@ -71,10 +71,10 @@ pub struct Ratio {
     /// Contestant below the line.
     pub to: &'static str,
     /// Parts of the frame whose times are divided.
-    pub parts: &'static [Part],
+    pub parts: &'static [FramePart],
 }
 
-use Part::{Color, Depth, Frame, Geometry};
+use FramePart::{Color, Depth, Frame, Geometry};
 
 /// All heats, in the order in which they are run.
 pub fn heats() -> [Heat; 5] {
@@ -88,10 +88,10 @@ fn eyes() -> Heat {
         (["hqs-flat", "hqs-flat-singles"], flat(hqs(false)), &[Depth, Color, Frame]),
         (["hqs-lod", "hqs-lod-singles"], layered(hqs(false)), &[Depth, Color, Frame]),
     ];
-    let singles = |plan| Entry::Compute(Plan { singles: true, ..plan });
+    let singles = |plan| HeatEntry::Compute(ComputePlan { singles: true, ..plan });
     let mut entries: Vec<_> =
-        pairs.iter().flat_map(|&([a, b], p, _)| [(a, Entry::Compute(p)), (b, singles(p))]).collect();
-    entries.push(("point-list", Entry::Hardware));
+        pairs.iter().flat_map(|&([a, b], p, _)| [(a, HeatEntry::Compute(p)), (b, singles(p))]).collect();
+    entries.push(("point-list", HeatEntry::Hardware));
     let mut ratios: Vec<_> = pairs.iter().map(|&([of, to], _, parts)| Ratio { of, to, parts }).collect();
     ratios.push(Ratio { of: "hqs-flat", to: "closest-flat", parts: &[Geometry, Frame] });
     ratios.push(Ratio { of: "point-list", to: "closest-flat", parts: &[Frame] });
@@ -104,7 +104,8 @@ fn eyes() -> Heat {
 
 /// The tiers of atomics that the GPU has.
 fn tiers() -> Heat {
-    let tier = |options, atomics| Entry::Compute(Plan { atomics: Some(atomics), ..layered(options) });
+    let tier =
+        |options, atomics| HeatEntry::Compute(ComputePlan { atomics: Some(atomics), ..layered(options) });
     let names = [
         ["closest-int64", "closest-int64-minmax", "closest-int32"],
         ["hqs-int64", "hqs-int64-minmax", "hqs-int32"],
@@ -128,12 +129,12 @@ fn tiers() -> Heat {
 /// Level of detail against every point: bare, and in the whole frame.
 fn octree() -> Heat {
     let entries = vec![
-        ("hqs-flat", Entry::Compute(flat(hqs(false)))),
-        ("hqs-lod", Entry::Compute(layered(hqs(false)))),
-        ("hqs-lod-fade", Entry::Compute(layered(hqs(true)))),
-        ("whole-flat", Entry::Compute(flat(whole()))),
-        ("whole-lod-no-fill", Entry::Compute(layered(no_fill()))),
-        ("whole-lod", Entry::Compute(layered(whole()))),
+        ("hqs-flat", HeatEntry::Compute(flat(hqs(false)))),
+        ("hqs-lod", HeatEntry::Compute(layered(hqs(false)))),
+        ("hqs-lod-fade", HeatEntry::Compute(layered(hqs(true)))),
+        ("whole-flat", HeatEntry::Compute(flat(whole()))),
+        ("whole-lod-no-fill", HeatEntry::Compute(layered(no_fill()))),
+        ("whole-lod", HeatEntry::Compute(layered(whole()))),
     ];
     let pairs = [
         ("hqs-lod", "hqs-flat"),
@@ -153,7 +154,7 @@ fn parts() -> Heat {
     // The reach of the kernels stays, or `fill` would have more to do.
     without[0].1.dilate = Dilate::Off;
     without[2].1.detail.fade = false;
-    let entry = |(name, options)| (name, Entry::Compute(layered(options)));
+    let entry = |(name, options)| (name, HeatEntry::Compute(layered(options)));
     let ratios = without.map(|(to, _)| Ratio { of: "whole", to, parts: &[Frame] }).to_vec();
     let entries = [("whole", whole)].into_iter().chain(without).map(entry).collect();
     Heat { name: "parts", alike: vec![], max_points: 16_000_000, entries, same: vec![], ratios }
@@ -165,26 +166,26 @@ fn access() -> Heat {
     let [atomic, plain] = [EarlyZLoad::Atomic, EarlyZLoad::Plain].map(early_z);
     let checks = |checked| DrawOptions { access: Access { checked, ..Access::default() }, ..whole() };
     let entries = vec![
-        ("early-z-atomic-flat", Entry::Compute(Plan { technique: atomic, ..flat(closest()) })),
-        ("early-z-plain-flat", Entry::Compute(Plan { technique: plain, ..flat(closest()) })),
-        ("early-z-atomic-lod", Entry::Compute(Plan { technique: atomic, ..layered(closest()) })),
-        ("early-z-plain-lod", Entry::Compute(Plan { technique: plain, ..layered(closest()) })),
-        ("whole-lod-checked", Entry::Compute(layered(checks(true)))),
-        ("whole-lod-trusted", Entry::Compute(layered(checks(false)))),
-        ("whole-flat-checked", Entry::Compute(flat(checks(true)))),
-        ("whole-flat-trusted", Entry::Compute(flat(checks(false)))),
+        ("early-z-atomic-flat", HeatEntry::Compute(ComputePlan { technique: atomic, ..flat(closest()) })),
+        ("early-z-plain-flat", HeatEntry::Compute(ComputePlan { technique: plain, ..flat(closest()) })),
+        ("early-z-atomic-lod", HeatEntry::Compute(ComputePlan { technique: atomic, ..layered(closest()) })),
+        ("early-z-plain-lod", HeatEntry::Compute(ComputePlan { technique: plain, ..layered(closest()) })),
+        ("whole-lod-checked", HeatEntry::Compute(layered(checks(true)))),
+        ("whole-lod-trusted", HeatEntry::Compute(layered(checks(false)))),
+        ("whole-flat-checked", HeatEntry::Compute(flat(checks(true)))),
+        ("whole-flat-trusted", HeatEntry::Compute(flat(checks(false)))),
     ];
     let pairs: Vec<_> = entries.chunks_exact(2).map(|pair| [pair[1].0, pair[0].0]).collect();
     let ratios = pairs.iter().map(|&[of, to]| Ratio { of, to, parts: &[Geometry, Frame] }).collect();
     Heat { name: "access", alike: vec![], max_points: 16_000_000, entries, same: pairs, ratios }
 }
 
-fn flat(options: DrawOptions) -> Plan {
-    Plan { layered: false, singles: false, atomics: None, options, technique: LabTechnique::default() }
+fn flat(options: DrawOptions) -> ComputePlan {
+    ComputePlan { layered: false, singles: false, atomics: None, options, technique: LabTechnique::default() }
 }
 
-fn layered(options: DrawOptions) -> Plan {
-    Plan { layered: true, ..flat(options) }
+fn layered(options: DrawOptions) -> ComputePlan {
+    ComputePlan { layered: true, ..flat(options) }
 }
 
 /// Draw options for the nearest point, nothing filled.

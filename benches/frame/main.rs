@@ -14,12 +14,12 @@ mod scene;
 use anyhow::{Context, Result};
 use base::space::View;
 use clap::Parser;
-use contestant::Contestant;
-use figures::{Figures, print_growth};
-use heat::{Entry, Heat, MAX_HARDWARE_POINTS};
-use kit::timed::Timed;
+use contestant::StereoContestant;
+use figures::{HeatSamples, print_growth};
+use heat::{Heat, HeatEntry, MAX_HARDWARE_POINTS};
+use kit::quality::scene::DrawnScan;
+use kit::timed::TimedArgs;
 use render::gpu::Gpu;
-use scene::Scene;
 use std::io::{self, Write};
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ const WARM_UP_FRAMES: usize = 2;
 
 /// Times frames of made-up scans, drawn in several ways.
 #[derive(Debug, Parser)]
-struct Args {
+struct FrameArgs {
     /// Millions of points, one scan each
     #[arg(long, alias = "sizes", value_name = "M,M,…", value_delimiter = ',', default_value = "1,4,16,64")]
     points: Vec<f64>,
@@ -36,14 +36,14 @@ struct Args {
     #[arg(long, value_name = "NAME", default_value = "")]
     heat: String,
     #[command(flatten)]
-    timed: Timed,
+    timed: TimedArgs,
     /// Pixels an eye, width and height
     #[arg(long, value_name = "PX", default_value_t = 1024)]
     size: u32,
 }
 
 fn main() -> Result<()> {
-    let mut args = Args::parse();
+    let mut args = FrameArgs::parse();
     if args.timed.is_quick() {
         (args.points, args.timed.runs, args.size) = (vec![0.1, 0.2], 2, 256);
     }
@@ -52,7 +52,7 @@ fn main() -> Result<()> {
     let mut out = io::stdout().lock();
     let mut csv = args.timed.csv()?;
     if let Some(csv) = &mut csv {
-        Figures::csv_header(csv)?;
+        HeatSamples::csv_header(csv)?;
     }
     writeln!(
         out,
@@ -65,7 +65,7 @@ fn main() -> Result<()> {
     let mut all = Vec::new();
     for &millions in &args.points {
         // Clouds are made one at a time, so that memory holds the largest, not all.
-        let scene = Scene::new((1e6 * millions).round() as u64)?;
+        let scene = scene::courtyard((1e6 * millions).round() as u64)?;
         for heat in heat::heats().iter().filter(|heat| heat.name.contains(&args.heat)) {
             let figures = measure(&gpu, &scene, heat, &args, &mut out)
                 .with_context(|| format!("{}, {millions} M points", heat.name))?;
@@ -83,17 +83,17 @@ fn main() -> Result<()> {
 }
 
 /// Contestants by name.
-type Contestants = Vec<(&'static str, Box<dyn Contestant>)>;
+type Contestants = Vec<(&'static str, Box<dyn StereoContestant>)>;
 
 /// The figures of a heat from each viewpoint; prints them too.
 fn measure(
     gpu: &Arc<Gpu>,
-    scene: &Scene,
+    scene: &DrawnScan,
     heat: &Heat,
-    args: &Args,
+    args: &FrameArgs,
     out: &mut impl Write,
-) -> Result<Vec<Figures>> {
-    let num_points = scene.flat.num_points;
+) -> Result<Vec<HeatSamples>> {
+    let num_points = scene.cloud.num_points;
     if num_points > heat.max_points {
         writeln!(out, "{}: left out above {} points: it takes too long", heat.name, heat.max_points)?;
         return Ok(vec![]);
@@ -102,10 +102,10 @@ fn measure(
     let mut contestants = Contestants::new();
     for &(name, entry) in &heat.entries {
         match entry {
-            Entry::Hardware if num_points > MAX_HARDWARE_POINTS => {
+            HeatEntry::Hardware if num_points > MAX_HARDWARE_POINTS => {
                 writeln!(out, "{name}: left out above {MAX_HARDWARE_POINTS} points: it takes too long")?;
             }
-            Entry::Compute(plan) if plan.atomics.is_some_and(|atomics| atomics > gpu.atomics()) => {
+            HeatEntry::Compute(plan) if plan.atomics.is_some_and(|atomics| atomics > gpu.atomics()) => {
                 writeln!(out, "{name}: left out, for the GPU cannot")?;
             }
             _ => contestants.push((name, contestant::make(gpu, scene, size_px, entry)?)),
@@ -116,7 +116,7 @@ fn measure(
         let view = scene::view(place, size_px);
         check_pictures(heat, &mut contestants, &view, out).context(place.name)?;
         let samples = samples(&mut contestants, &view, args.timed.runs)?;
-        let figures = Figures { num_points, viewpoint: place.name, heat: heat.name, samples };
+        let figures = HeatSamples { num_points, viewpoint: place.name, heat: heat.name, samples };
         figures.print_times(out)?;
         heat.ratios.iter().try_for_each(|ratio| figures.print_ratio(out, ratio))?;
         all.push(figures);
@@ -146,7 +146,10 @@ fn check_pictures(
 }
 
 /// The two contestants of these names, if both take part.
-fn pair<'a>(contestants: &'a mut Contestants, names: &[&str; 2]) -> Option<[&'a mut dyn Contestant; 2]> {
+fn pair<'a>(
+    contestants: &'a mut Contestants,
+    names: &[&str; 2],
+) -> Option<[&'a mut dyn StereoContestant; 2]> {
     let place = |name| contestants.iter().position(|(n, _)| n == name);
     let places = [place(&names[0])?, place(&names[1])?];
     let [(_, a), (_, b)] = contestants.get_disjoint_mut(places).ok()?;
@@ -158,7 +161,7 @@ fn samples(
     contestants: &mut Contestants,
     view: &View,
     num_runs: usize,
-) -> Result<Vec<(&'static str, Vec<contestant::Sample>)>> {
+) -> Result<Vec<(&'static str, Vec<contestant::FrameSample>)>> {
     let mut all: Vec<_> = contestants.iter().map(|(name, _)| (*name, Vec::new())).collect();
     for run in 0..WARM_UP_FRAMES + num_runs {
         for ((_, contestant), (_, samples)) in contestants.iter_mut().zip(&mut all) {

@@ -2,11 +2,9 @@
 
 use anyhow::Result;
 use base::space::{Eye, Fov, Pose, View};
-use base::task::Progress;
-use cloud::octree::{Octree, build_octree};
-use cloud::{self, Cloud, Order};
 use glam::DVec3;
 use kit::made_up;
+use kit::quality::scene::DrawnScan;
 use lab::synth::{self, SynthKind, Viewpoint};
 
 /// Names of the viewpoints: one of the whole, and one inside, where culling matters.
@@ -18,24 +16,12 @@ const EYE_DISTANCE_M: f64 = 0.063;
 const NEAR_M: f64 = 0.05;
 const SEED: u64 = 1;
 
-/// A courtyard as a scanner sees it: the same place whatever the number of points, only denser.
-pub struct Scene {
-    /// All points, in Morton order.
-    pub flat: Cloud,
-    /// The same points as an octree.
-    pub layered: Octree,
-}
-
-impl Scene {
-    /// Makes a scene of exactly this many points.
-    ///
-    /// # Errors
-    /// If there is no room for its file.
-    pub fn new(points: u64) -> Result<Self> {
-        let scan = made_up::scan(SynthKind::Terrestrial, points, SEED)?;
-        let flat = cloud::build(&scan, Order::Morton, &Progress::hidden())?;
-        Ok(Self { flat, layered: build_octree(&scan, &Progress::hidden())? })
-    }
+/// A courtyard as a scanner sees it, of exactly this many points: the same place whatever their number, only denser.
+///
+/// # Errors
+/// If there is no room for its file.
+pub fn courtyard(points: u64) -> Result<DrawnScan> {
+    DrawnScan::new(made_up::scan(SynthKind::Terrestrial, points, SEED)?)
 }
 
 /// The viewpoints to draw from.

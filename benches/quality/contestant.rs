@@ -5,8 +5,8 @@ use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
 use kit::frames::image;
-use kit::quality::picture::{Picture, only_eye};
-use kit::quality::scene::Scene;
+use kit::quality::picture::{EyePicture, only_eye};
+use kit::quality::scene::DrawnScan;
 use kit::quality::supersample::{self, FACTOR};
 use lab::bench::point_list::{self, VertexList};
 use render::DrawOptions;
@@ -23,17 +23,17 @@ const BACKGROUND: [u8; 3] = [0, 0, 0];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// One way to draw an eye.
-pub trait Contestant {
+pub trait EyeContestant {
     /// Draws the view's one eye; `lod_scale` is a factor on the thresholds of level of detail, if it knows any.
-    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture>;
+    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<EyePicture>;
 }
 
 /// Makes a contestant for a scene, to draw pictures of this size.
-pub type Make = fn(&Arc<Gpu>, &Scene, [u32; 2]) -> Result<Box<dyn Contestant>>;
+pub type MakeContestant = fn(&Arc<Gpu>, &DrawnScan, [u32; 2]) -> Result<Box<dyn EyeContestant>>;
 
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
-pub const CONTESTANTS: [(&str, Make); 9] = [
-    ("point-list", |gpu, scene, size_px| Ok(Box::new(Hardware::new(gpu, &scene.cloud, size_px)?))),
+pub const CONTESTANTS: [(&str, MakeContestant); 9] = [
+    ("point-list", |gpu, scene, size_px| Ok(Box::new(EyeHardware::new(gpu, &scene.cloud, size_px)?))),
     ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, DrawOptions::default())),
     ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
     ("lod-hqs", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|_| ()))),
@@ -65,26 +65,26 @@ fn hqs(switch_on: &dyn Fn(&mut Config)) -> DrawOptions {
 
 fn flat(
     gpu: &Arc<Gpu>,
-    scene: &Scene,
+    scene: &DrawnScan,
     size_px: [u32; 2],
     options: DrawOptions,
-) -> Result<Box<dyn Contestant>> {
+) -> Result<Box<dyn EyeContestant>> {
     let cloud = CloudBuffers::upload(gpu, &scene.cloud, 0, &Progress::hidden())?;
-    Ok(Box::new(Compute::new(gpu, cloud, size_px, options)?))
+    Ok(Box::new(EyeCompute::new(gpu, cloud, size_px, options)?))
 }
 
 fn layered(
     gpu: &Arc<Gpu>,
-    scene: &Scene,
+    scene: &DrawnScan,
     size_px: [u32; 2],
     options: DrawOptions,
-) -> Result<Box<dyn Contestant>> {
+) -> Result<Box<dyn EyeContestant>> {
     let cloud = CloudBuffers::upload_layered(gpu, &scene.octree, 0, &Progress::hidden())?;
-    Ok(Box::new(Compute::new(gpu, cloud, size_px, options)?))
+    Ok(Box::new(EyeCompute::new(gpu, cloud, size_px, options)?))
 }
 
 /// The truth: all points of a denser scan of the same place, at full precision, 4 × 4 samples a pixel.
-pub struct Truth(Compute);
+pub struct Truth(EyeCompute);
 
 impl Truth {
     /// Makes the truth, to draw pictures of this size.
@@ -93,28 +93,28 @@ impl Truth {
     /// If the scan or the size does not fit the GPU.
     pub fn new(gpu: &Arc<Gpu>, dense: &Cloud, size_px: [u32; 2]) -> Result<Self> {
         let cloud = CloudBuffers::upload(gpu, dense, 0, &Progress::hidden())?;
-        Ok(Self(Compute::new(gpu, cloud, size_px, hqs(&|c| c.frame.precision = Precision::Full))?))
+        Ok(Self(EyeCompute::new(gpu, cloud, size_px, hqs(&|c| c.frame.precision = Precision::Full))?))
     }
 }
 
-impl Contestant for Truth {
-    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture> {
+impl EyeContestant for Truth {
+    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<EyePicture> {
         let places = (0..FACTOR * FACTOR).map(|i| [i % FACTOR, i / FACTOR]);
-        let parts: Result<Vec<Picture>> =
+        let parts: Result<Vec<EyePicture>> =
             places.map(|place| self.0.draw(&supersample::part(view, place), lod_scale)).collect();
         Ok(supersample::filtered(&parts?, BACKGROUND))
     }
 }
 
 /// The program's own renderer.
-struct Compute {
+struct EyeCompute {
     gpu: Arc<Gpu>,
     renderer: Renderer,
     image: wgpu::Texture,
     frame: u64,
 }
 
-impl Compute {
+impl EyeCompute {
     fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], options: DrawOptions) -> Result<Self> {
         let atomics = render::tier(gpu, Tier::Auto)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
@@ -128,8 +128,8 @@ impl Compute {
     }
 }
 
-impl Contestant for Compute {
-    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<Picture> {
+impl EyeContestant for EyeCompute {
+    fn draw(&mut self, view: &View, lod_scale: f32) -> Result<EyePicture> {
         self.frame += 1;
         self.renderer.set_lod_scale(lod_scale);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -144,19 +144,19 @@ impl Contestant for Compute {
         let rgb = colors(&self.gpu, &self.image)?;
         self.renderer.collect_times().context("the GPU gave no frame back")?;
         let size_px = only_eye(view).size_px;
-        Ok(Picture { size_px, rgb, depth: self.depths()? })
+        Ok(EyePicture { size_px, rgb, depth: self.depths()? })
     }
 }
 
 /// Hardware points, one pixel each.
-struct Hardware {
+struct EyeHardware {
     gpu: Arc<Gpu>,
     point_list: VertexList,
     image: wgpu::Texture,
     frame: u64,
 }
 
-impl Hardware {
+impl EyeHardware {
     fn new(gpu: &Arc<Gpu>, cloud: &Cloud, size_px: [u32; 2]) -> Result<Self> {
         let point_list = VertexList::new(gpu, cloud, &[size_px])?;
         let image = image(gpu, size_px, point_list::FORMAT);
@@ -164,15 +164,15 @@ impl Hardware {
     }
 }
 
-impl Contestant for Hardware {
-    fn draw(&mut self, view: &View, _lod_scale: f32) -> Result<Picture> {
+impl EyeContestant for EyeHardware {
+    fn draw(&mut self, view: &View, _lod_scale: f32) -> Result<EyePicture> {
         self.frame += 1;
         let image = self.image.create_view(&Default::default());
         self.point_list.draw(&self.gpu, self.frame, &[image], view);
         let rgb = colors(&self.gpu, &self.image)?;
         self.point_list.collect_ms(&self.gpu).context("the GPU gave no frame back")?;
         let depth = self.point_list.depths(&self.gpu, 0, view.near)?;
-        Ok(Picture { size_px: only_eye(view).size_px, rgb, depth })
+        Ok(EyePicture { size_px: only_eye(view).size_px, rgb, depth })
     }
 }
 

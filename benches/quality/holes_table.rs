@@ -5,8 +5,8 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
-use kit::quality::holes::{self, Drawer, Drawn, INSIDE, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
-use kit::quality::scene::{SOURCES, Source};
+use kit::quality::holes::{self, Drawer, EyeFrame, INSIDE, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
+use kit::quality::scene::{SOURCES, ScanSource};
 use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
@@ -21,7 +21,7 @@ const LOD_SCALES: [f32; 3] = [1.0, 2.0, 3.0];
 
 /// What is measured; each list empty for all.
 #[derive(Debug, clap::Args)]
-pub struct Holes {
+pub struct HolesArgs {
     /// Measure holes by angle, and nothing else
     #[arg(long)]
     holes: bool,
@@ -48,7 +48,7 @@ pub struct Holes {
     sets: Vec<String>,
 }
 
-impl Holes {
+impl HolesArgs {
     /// True if the table is asked for.
     pub fn is_wanted(&self) -> bool {
         self.holes
@@ -63,12 +63,12 @@ impl Holes {
         csv: &mut dyn Write,
         pictures: Option<&PathBuf>,
     ) -> Result<()> {
-        let mut kept = Kept { csv, pictures };
+        let mut kept = RowsKept { csv, pictures };
         kept.header()?;
         if "sphere".contains(scan) {
             self.scene(gpu, ("sphere", false), &sphere(points), &[INSIDE], &mut kept)?;
         }
-        let sources = [Source::Synth(SynthKind::Terrestrial), Source::Room];
+        let sources = [ScanSource::Synth(SynthKind::Terrestrial), ScanSource::Room];
         debug_assert!(sources.iter().all(|source| SOURCES.contains(source)));
         for source in sources.into_iter().filter(|source| source.name().contains(scan) && source.is_here()) {
             let scan = source.dense_scan(points)?;
@@ -84,7 +84,7 @@ impl Holes {
         (name, is_open): (&str, bool),
         scan: &Scan,
         places: &[Viewpoint],
-        kept: &mut Kept,
+        kept: &mut RowsKept,
     ) -> Result<()> {
         let octree = build_octree(scan, &Progress::hidden())?;
         let num_points = octree.cloud.num_points;
@@ -118,7 +118,7 @@ impl Holes {
         (names, num_points, is_open): (&str, u64, bool),
         mut options: DrawOptions,
         view: &View,
-        kept: &mut Kept,
+        kept: &mut RowsKept,
     ) -> Result<()> {
         let whole = if is_open { Some(drawer.draw(unreduced(options), view, 1.0)?) } else { None };
         for &smooth in &self.smooth {
@@ -136,12 +136,12 @@ impl Holes {
 }
 
 /// Destinations of rows and pictures.
-struct Kept<'a> {
+struct RowsKept<'a> {
     csv: &'a mut dyn Write,
     pictures: Option<&'a PathBuf>,
 }
 
-impl Kept<'_> {
+impl RowsKept<'_> {
     fn header(&mut self) -> Result<()> {
         let ring = |ring: &str| format!(",empty_{ring},judged_{ring}");
         let rings = ["0-20", "20-38", "38-50", "50-55", "55-"].map(ring).concat();
@@ -153,7 +153,13 @@ impl Kept<'_> {
     }
 
     /// Writes a row, which begins with `names`.
-    fn row(&mut self, names: &str, num_points: u64, drawn: &Drawn, holes: &holes::Holes) -> Result<()> {
+    fn row(
+        &mut self,
+        names: &str,
+        num_points: u64,
+        drawn: &EyeFrame,
+        holes: &holes::RingHoles,
+    ) -> Result<()> {
         let ([width, height], num_read) = (drawn.size_px, drawn.points_read);
         let all = || holes.rings.iter().chain([&holes.outline]);
         let counts: String = all().map(|part| format!(",{},{}", part.empty, part.judged)).collect();

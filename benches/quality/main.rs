@@ -10,13 +10,13 @@ mod holes_table;
 use anyhow::{Context, Result};
 use base::space::View;
 use clap::Parser;
-use contestant::{CONTESTANTS, Contestant, Truth};
-use holes_table::Holes;
+use contestant::{CONTESTANTS, EyeContestant, Truth};
+use holes_table::HolesArgs;
 use kit::picture::write_png;
-use kit::quality::figures::{Figures, Motion, Recording, Table};
+use kit::quality::figures::{ContestantRecording, Motion, QualityFigures, QualityTable};
 use kit::quality::motion;
-use kit::quality::picture::Picture;
-use kit::quality::scene::{self, SOURCES, Scene, Source};
+use kit::quality::picture::EyePicture;
+use kit::quality::scene::{self, DrawnScan, SOURCES, ScanSource};
 use lab::synth::Viewpoint;
 use render::gpu::Gpu;
 use std::fs::File;
@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 /// Draws scans in several ways and compares the pictures with the truth.
 #[derive(Debug, Parser)]
-struct Args {
+struct QualityArgs {
     /// Millions of points of a made-up scan
     #[arg(long, value_name = "M", default_value_t = 4.0)]
     points: f64,
@@ -55,7 +55,7 @@ struct Args {
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
     #[command(flatten)]
-    holes: Holes,
+    holes: HolesArgs,
     /// GPU whose name contains this
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -69,7 +69,7 @@ const SIZE_PX: [u32; 2] = [960, 1080];
 const QUICK_SIZE_PX: [u32; 2] = [96, 108];
 
 fn main() -> Result<()> {
-    let mut args = Args::parse();
+    let mut args = QualityArgs::parse();
     let quick = args.quick || !args.bench;
     if quick {
         (args.points, args.density, args.tremor, args.walk, args.approach) = (0.02, 4, 2, 2, 2);
@@ -87,7 +87,7 @@ fn main() -> Result<()> {
     }
     let mut out = io::stdout().lock();
     if let Some(csv) = &mut csv {
-        Table::csv_header(csv)?;
+        QualityTable::csv_header(csv)?;
     }
     writeln!(out, "{}, {}; {} × {} pixels", gpu.name(), gpu.driver(), size_px[0], size_px[1])?;
     for source in SOURCES.into_iter().filter(|s| s.name().contains(&args.scan) && s.is_here()) {
@@ -107,14 +107,14 @@ fn create(path: &Path) -> Result<BufWriter<File>> {
 }
 
 /// A place, and the frames that are drawn there.
-struct Stand {
+struct PlaceFrames {
     place: Viewpoint,
     tremor: Vec<View>,
     walk: Vec<View>,
     approach: Vec<f32>,
 }
 
-impl Stand {
+impl PlaceFrames {
     /// The frames that a contestant draws. The truth, which has no level of detail, draws two of the walk.
     fn motion(&self, is_truth: bool) -> Motion<'_> {
         let (walk, approach) =
@@ -124,14 +124,19 @@ impl Stand {
 }
 
 /// The figures of a scan from each viewpoint.
-fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Result<Vec<Table>> {
+fn measure(
+    gpu: &Arc<Gpu>,
+    source: ScanSource,
+    size_px: [u32; 2],
+    args: &QualityArgs,
+) -> Result<Vec<QualityTable>> {
     let stand = |place: Viewpoint| {
         let view = scene::view(&place, size_px);
         let tremor = motion::tremor(&view, args.tremor as usize);
         let walk = motion::walk(&view, place.target, args.walk as usize);
-        Stand { place, tremor, walk, approach: motion::approach(args.approach as usize) }
+        PlaceFrames { place, tremor, walk, approach: motion::approach(args.approach as usize) }
     };
-    let stands: Vec<Stand> = source.places().into_iter().map(stand).collect();
+    let stands: Vec<PlaceFrames> = source.places().into_iter().map(stand).collect();
     let points = (1e6 * args.points).round() as u64;
 
     // The dense scan is dropped before the other is made.
@@ -140,12 +145,12 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
         let truths = recordings(&mut Truth::new(gpu, &dense, size_px)?, &stands, true)?;
         (truths, dense.num_points)
     };
-    let scene = Scene::new(source.scan(points)?)?;
+    let scene = DrawnScan::new(source.scan(points)?)?;
     let mut tables = Vec::new();
     for (stand, truth) in stands.iter().zip(&truths) {
-        let figures = Figures::new(&stand.tremor[0], truth, truth);
+        let figures = QualityFigures::new(&stand.tremor[0], truth, truth);
         keep(args, source, stand, "truth", truth.still())?;
-        tables.push(Table {
+        tables.push(QualityTable {
             scan: source.name(),
             viewpoint: stand.place.name,
             num_points: scene.cloud.num_points,
@@ -156,22 +161,32 @@ fn measure(gpu: &Arc<Gpu>, source: Source, size_px: [u32; 2], args: &Args) -> Re
     for (name, make) in CONTESTANTS {
         let drawn = recordings(make(gpu, &scene, size_px)?.as_mut(), &stands, false)?;
         for (((table, stand), drawn), truth) in tables.iter_mut().zip(&stands).zip(&drawn).zip(&truths) {
-            table.rows.push((name, Figures::new(&stand.tremor[0], drawn, truth)));
+            table.rows.push((name, QualityFigures::new(&stand.tremor[0], drawn, truth)));
             keep(args, source, stand, name, drawn.still())?;
         }
     }
     Ok(tables)
 }
 
-fn recordings(contestant: &mut dyn Contestant, stands: &[Stand], is_truth: bool) -> Result<Vec<Recording>> {
-    let recording = |stand: &Stand| {
-        Recording::new(stand.motion(is_truth), |view, lod_scale| contestant.draw(view, lod_scale))
+fn recordings(
+    contestant: &mut dyn EyeContestant,
+    stands: &[PlaceFrames],
+    is_truth: bool,
+) -> Result<Vec<ContestantRecording>> {
+    let recording = |stand: &PlaceFrames| {
+        ContestantRecording::new(stand.motion(is_truth), |view, lod_scale| contestant.draw(view, lod_scale))
     };
     stands.iter().map(recording).collect()
 }
 
 /// Writes the picture as a PNG, if pictures are wanted.
-fn keep(args: &Args, source: Source, stand: &Stand, name: &str, picture: &Picture) -> Result<()> {
+fn keep(
+    args: &QualityArgs,
+    source: ScanSource,
+    stand: &PlaceFrames,
+    name: &str,
+    picture: &EyePicture,
+) -> Result<()> {
     let Some(folder) = &args.pictures else { return Ok(()) };
     let path = folder.join(format!("{}-{}-{name}.png", source.name(), stand.place.name));
     save(&path, picture.size_px, &picture.rgb)

@@ -43,7 +43,7 @@ pub(super) enum KeyAction {
 
 /// A line of the table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Binding {
+pub(super) struct KeyBinding {
     /// Inputs, each of which does it.
     pub inputs: &'static [WindowInput],
     /// What the inputs do.
@@ -53,12 +53,12 @@ pub(super) struct Binding {
 }
 
 /// Every binding there is, in the order of the help.
-pub(super) const BINDINGS: &[Binding] = {
+pub(super) const BINDINGS: &[KeyBinding] = {
     use KeyAction::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
     use KeyCode as K;
     use WindowInput::{Drag, Key, Wheel};
-    const fn bind(inputs: &'static [WindowInput], action: KeyAction, does: &'static str) -> Binding {
-        Binding { inputs, action, does }
+    const fn bind(inputs: &'static [WindowInput], action: KeyAction, does: &'static str) -> KeyBinding {
+        KeyBinding { inputs, action, does }
     }
     &[
         bind(&[Drag], Look, "Look around"),
@@ -99,7 +99,7 @@ pub(super) fn action(input: WindowInput) -> Option<KeyAction> {
     BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
 }
 
-impl Binding {
+impl KeyBinding {
     /// Names of its inputs for the help: "E", "Space". Left and right keys of one name count once.
     pub(super) fn labels(&self) -> Vec<String> {
         let mut labels: Vec<String> = self.inputs.iter().map(WindowInput::label).collect();

@@ -41,13 +41,13 @@ pub(super) struct App {
     headset: HeadsetState,
     /// The state when it was last looked at.
     state: Snapshot,
-    shown: Option<Shown>,
+    shown: Option<OpenWindow>,
     failure: Option<DesktopError>,
     next_tick: Instant,
 }
 
 /// What exists while the window does.
-struct Shown {
+struct OpenWindow {
     /// What draws, which is dropped before the window.
     canvas: WindowGpu,
     window: Arc<Window>,
@@ -87,7 +87,7 @@ impl WindowGpu {
     }
 }
 
-impl Shown {
+impl OpenWindow {
     /// Draws on this GPU from now on.
     fn move_to(&mut self, gpu: &Arc<Gpu>) -> Result<(), DesktopError> {
         let memory = self.canvas.egui.egui_ctx().memory(Clone::clone);
@@ -134,7 +134,7 @@ impl App {
         self.failure.map_or(Ok(()), Err)
     }
 
-    fn open(&self, events: &ActiveEventLoop) -> Result<Shown, DesktopError> {
+    fn open(&self, events: &ActiveEventLoop) -> Result<OpenWindow, DesktopError> {
         let [width, height] = self.options.size.map(|edge| edge.max(1));
         let title = match self.scan.as_str() {
             "" => "scanwalk".to_string(),
@@ -146,7 +146,7 @@ impl App {
             .with_min_inner_size(LogicalSize::new(160, 120));
         let window = Arc::new(events.create_window(attributes).map_err(refused)?);
         let gpu = self.viewer.gpu().ok_or(DesktopError::NoGpu)?;
-        Ok(Shown {
+        Ok(OpenWindow {
             canvas: WindowGpu::new(&gpu, &window, egui::Memory::default())?,
             window,
             occluded: false,

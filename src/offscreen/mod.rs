@@ -8,7 +8,7 @@ pub use options::{PictureError, PictureFov, PictureOptions};
 use crate::draw::DrawPlan;
 use crate::nodes::{self, CloudOptions, LodMethod};
 use crate::overview::{self, Lens};
-use crate::picture_files::{Rgb, write_npy, write_png, write_with};
+use crate::picture_files::{RgbImage, write_npy, write_png, write_with};
 use crate::resolve::Plan;
 use base::output::{Output, OutputFile};
 use base::percentile::Sorted;
@@ -65,7 +65,7 @@ pub fn run(options: &PictureOptions, plan: &Plan, task: &Task) -> Result<(), Pic
     // All files are written before the first gets its name, so that a failure leaves what was there before.
     let mut written: Vec<(&Output, OutputFile)> = Vec::new();
     for (output, image) in options.out.iter().zip(&offscreen.images) {
-        written.push((output, write_png(output, &Rgb::read(&gpu, image)?)?));
+        written.push((output, write_png(output, &RgbImage::read(&gpu, image)?)?));
     }
     for (eye, output) in options.depth.iter().enumerate() {
         let depths: Vec<f32> = offscreen.depths(eye)?.collect();

@@ -1,7 +1,7 @@
 //! Getting about as a whole: what hands, keys and mouse do to the head, with floors and without.
 
 use super::*;
-use crate::walk::moving::floors::made_up::Made;
+use crate::walk::moving::floors::made_up::MadeScan;
 use crate::walk::moving::options::Turn;
 use base::space::{Bounds, Eye, Fov, View};
 use std::f64::consts::PI;
@@ -45,7 +45,7 @@ fn walk() -> Locomotion {
 
 /// A room of 20 by 20 meters about the start, whose floor is at its height, with a platform a step and a half high.
 fn room() -> FloorsCell {
-    let mut made = Made::new(UTM - DVec3::new(10.0, 10.0, 0.0), 1.0);
+    let mut made = MadeScan::new(UTM - DVec3::new(10.0, 10.0, 0.0), 1.0);
     made.level([0.0, 0.0], [20.0, 20.0], 0.0, 0.04);
     made.level([8.0, 12.0], [12.0, 14.0], 0.2, 0.04);
     made.walls([0.0, 0.0], [20.0, 20.0], [0.0, 3.0], 0.04);

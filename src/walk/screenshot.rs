@@ -3,7 +3,7 @@
 
 use super::link::WalkEnd;
 use super::mirror::{Mirror, copy};
-use crate::picture_files::{Rgb, write_png};
+use crate::picture_files::{RgbImage, write_png};
 use base::output::{Output, OutputError, OutputKind};
 use render::gpu::Gpu;
 use render::gpu::readback::ReadbackError;
@@ -114,7 +114,7 @@ fn write(
     let mut written = Vec::new();
     for (name, picture) in pictures {
         let output = Output::fresh(path(&free, name), OutputKind::Picture)?;
-        written.push((write_png(&output, &Rgb::read(gpu, picture)?)?, output));
+        written.push((write_png(&output, &RgbImage::read(gpu, picture)?)?, output));
     }
     for (file, output) in written {
         output.keep(file)?;

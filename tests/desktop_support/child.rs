@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 pub const ROLE: &str = "SCANWALK_DESKTOP_TEST_ROLE";
 
 /// A running child, which is killed when dropped.
-pub struct Window<'a> {
+pub struct ChildWindow<'a> {
     process: Child,
     lines: Arc<Mutex<Vec<String>>>,
     screen: Option<&'a Screen>,
@@ -60,7 +60,7 @@ impl Validation {
 }
 
 /// Starts the child in `role`, on `screen` or on none.
-fn spawn<'a>(role: &str, screen: Option<&'a Screen>) -> Window<'a> {
+fn spawn<'a>(role: &str, screen: Option<&'a Screen>) -> ChildWindow<'a> {
     let validation = Validation::new();
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.env(ROLE, role).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
@@ -75,10 +75,10 @@ fn spawn<'a>(role: &str, screen: Option<&'a Screen>) -> Window<'a> {
         let lines = Arc::clone(&lines);
         move || output.lines().map_while(Result::ok).for_each(|line| lines.lock().unwrap().push(line))
     });
-    Window { process, lines, screen, id: String::new(), validation }
+    ChildWindow { process, lines, screen, id: String::new(), validation }
 }
 
-impl<'a> Window<'a> {
+impl<'a> ChildWindow<'a> {
     /// Opens the window on `screen`, waits until it is drawn, gives it the keyboard.
     pub fn open(role: &str, screen: &'a Screen) -> Self {
         let mut window = spawn(role, Some(screen));
@@ -160,7 +160,7 @@ impl<'a> Window<'a> {
     }
 }
 
-impl Drop for Window<'_> {
+impl Drop for ChildWindow<'_> {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();

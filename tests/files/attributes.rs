@@ -350,11 +350,11 @@ fn each_attribute_alone_is_the_same_as_with_the_others() {
 
 #[test]
 fn blocks_put_together_are_the_whole_file() {
-    let mut made = super::ply::made::Made::new(90_000);
+    let mut made = super::ply::made::MadePly::new(90_000);
     // A normal of NaN does not equal itself, so there is to be none.
     made.points.iter_mut().for_each(|point| point.normal[0] += 0.25);
     let mut cases = vec![("scan.laz", las(7, true, false)), ("scan.las", repeated(las(7, false, true), 9))];
-    cases.extend(super::ply::made::Encoding::ALL.map(|encoding| ("mesh.ply", made.bytes(encoding))));
+    cases.extend(super::ply::made::MadeEncoding::ALL.map(|encoding| ("mesh.ply", made.bytes(encoding))));
     for (name, bytes) in cases {
         let (_folder, path) = save(name, &bytes);
         let (_, want) = everything(&path);

@@ -6,14 +6,14 @@ use kit::real_scans::{folder, read_in};
 use points::{ColorSource, ReadOptions, Scan, read};
 
 /// Path, points, smallest and largest corner rounded to thousandths.
-type Row = (&'static str, usize, [f64; 3], [f64; 3]);
+type ScanRow = (&'static str, usize, [f64; 3], [f64; 3]);
 
 const AUTZEN_SMALL: ([f64; 3], [f64; 3]) = ([635619.85, 848899.7, 406.59], [638982.55, 853535.43, 586.38]);
 const POINT: [f64; 3] = [470692.44, 4602888.9, 16.0];
 const NINE: ([f64; 3], [f64; 3]) = ([0.0; 3], [9.0; 3]);
 
 #[rustfmt::skip]
-const TABLE: &[Row] = &[
+const TABLE: &[ScanRow] = &[
     ("copc/lone-star.copc.laz", 518862, [515368.602, 4918340.364, 2322.896], [515401.043, 4918381.124, 2338.575]),
     ("copc/simple_with_page.copc.laz", 1065, AUTZEN_SMALL.0, AUTZEN_SMALL.1),
     ("las-small/1.2-with-color.las", 1065, AUTZEN_SMALL.0, AUTZEN_SMALL.1),
@@ -53,7 +53,7 @@ const TABLE: &[Row] = &[
 ];
 
 /// Tells what differs from the row, if anything does.
-fn difference(scan: &Scan, (name, num_points, min, max): &Row) -> Option<String> {
+fn difference(scan: &Scan, (name, num_points, min, max): &ScanRow) -> Option<String> {
     let bounds = scan.bounds_in_file();
     let near = |a: [f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.00051);
     let same =

@@ -67,9 +67,9 @@ fn ply_text(points: &[DVec3]) -> Vec<u8> {
     text.into_bytes()
 }
 
-struct Files(tempfile::TempDir);
+struct SceneFiles(tempfile::TempDir);
 
-impl Files {
+impl SceneFiles {
     fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
@@ -89,7 +89,7 @@ fn scanwalk(args: &[&str]) -> Output {
 }
 
 /// The part of the picture's width and height that points span, how many pixels have one, and the warnings.
-fn rendered(files: &Files, scan: &Path, more: &[&str], size: [u32; 2]) -> ([f64; 2], usize, String) {
+fn rendered(files: &SceneFiles, scan: &Path, more: &[&str], size: [u32; 2]) -> ([f64; 2], usize, String) {
     let depth = files.0.path().join("depth.npy");
     let picture = files.0.path().join("picture.png");
     let size_text = format!("{}x{}", size[0], size[1]);
@@ -124,7 +124,7 @@ fn assert_fills([across, down]: [f64; 2], [width, height]: [u32; 2], what: &str)
 
 #[test]
 fn the_default_picture_shows_the_scene_whatever_is_astray() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let scene = building(2000, 20.0);
     let high = (0..30).map(|i| DVec3::new(3.0 + i as f64 % 10.0, 7.0, 500.0 + 120.0 * f64::from(i)));
     let cases: [(&str, Vec<DVec3>); 4] = [
@@ -154,7 +154,7 @@ fn the_default_picture_shows_the_scene_whatever_is_astray() {
 
 #[test]
 fn strays_beside_a_scene_neither_widen_nor_lift_it() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     // `part` gives irregular numbers from 0 to 1, and `bell` sums of them: strays all around, most of them as far
     // away as twice the scene's length.
     let part = |at: usize| {
@@ -182,7 +182,7 @@ fn strays_beside_a_scene_neither_widen_nor_lift_it() {
 
 #[test]
 fn strays_on_one_ray_do_not_count() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     for (num, share) in [(3_000, 0.049), (40_000, 0.15)] {
         let scene = building(num, 30.0);
         let truth = Bounds::around(&scene);
@@ -203,7 +203,7 @@ fn strays_on_one_ray_do_not_count() {
 
 #[test]
 fn small_scans_are_seen_whole() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     for (name, points) in [
         ("one.ply", vec![UTM]),
         ("equal.ply", vec![DVec3::ONE; 500]),
@@ -229,7 +229,7 @@ fn small_scans_are_seen_whole() {
 
 #[test]
 fn a_picture_of_nothing_says_where_the_scan_is() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let path = files.save("a.ply", &ply_text(&building(500, 10.0)));
     let away = ["--eye", "5,-30,2", "--target", "5,-60,2"];
     let (_, num, stderr) = rendered(&files, &path, &away, [64, 64]);
@@ -244,7 +244,7 @@ fn a_picture_of_nothing_says_where_the_scan_is() {
 
 #[test]
 fn far_points_of_a_ply_are_left_out_and_named_or_cost_nothing() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let scene = building(1000, 1.0);
     for far in [30.0, 1e9, 3e12, 1e38, f64::INFINITY, f64::NAN] {
         let points: Vec<DVec3> = scene.iter().copied().chain([DVec3::new(far, 0.5, 0.5)]).collect();
@@ -281,7 +281,7 @@ fn drawn(cloud: &Cloud) -> Vec<DVec3> {
 
 #[test]
 fn far_points_of_a_las_never_cost_the_scene_its_precision() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let scene = building(60_000, 20.0);
     let strays = [DVec3::new(2e6, 0.0, 0.0), DVec3::new(0.0, -2e6, 2e6), DVec3::splat(-2e6)];
     // The strays are in the midst of the other points, with which they share batches in the files' order.
@@ -325,7 +325,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
 
 #[test]
 fn the_withheld_are_not_drawn_and_noise_does_not_count() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let scene = building(1000, 20.0);
     let high = (0..60).map(|i| DVec3::new(2.0, f64::from(i) / 4.0, 500.0 + 50.0 * f64::from(i)));
     let points: Vec<DVec3> = scene.iter().copied().chain(high).map(|p| UTM + p).collect();
@@ -381,7 +381,7 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
 
 #[test]
 fn files_far_apart_are_named_and_the_larger_part_is_seen() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let local = files.save("local.las", &las_bytes(&building(3000, 20.0), 2, false, 0.001, |_, _| ()));
     let utm: Vec<DVec3> = building(2900, 20.0).into_iter().map(|p| UTM + p).collect();
     let utm = files.save("utm.las", &las_bytes(&utm, 2, true, 0.001, |_, _| ()));
@@ -395,7 +395,7 @@ fn files_far_apart_are_named_and_the_larger_part_is_seen() {
 
 #[test]
 fn coordinates_that_nothing_has_name_their_file() {
-    let files = Files::new();
+    let files = SceneFiles::new();
     let path = files.save("broken.las", &las_bytes(&building(10, 1e30), 0, false, 1e24, |_, _| ()));
     let error = reading::file(&path).unwrap_err().to_string();
     assert!(error.contains("broken.las: has points ") && error.contains("e29 units from zero"), "{error}");

@@ -130,7 +130,7 @@ fn what_has_come_is_drawn() {
 
 /// What the test's headset saw of a frame.
 #[derive(Debug)]
-struct Seen {
+struct SeenFrame {
     /// Pixels of both eyes that are not the background.
     num_lit: usize,
     /// Sum of their colors, to tell pictures apart.
@@ -141,7 +141,7 @@ struct Seen {
 struct Witness {
     images: [wgpu::Texture; 2],
     display: i64,
-    seen: SyncSender<Seen>,
+    seen: SyncSender<SeenFrame>,
     ended: bool,
 }
 
@@ -191,7 +191,7 @@ impl Headset for Witness {
             }
         }
         // Sending fails once the test has seen enough.
-        let _ = self.seen.send(Seen { num_lit, colors });
+        let _ = self.seen.send(SeenFrame { num_lit, colors });
     }
     fn request_exit(&mut self) {
         self.ended = true;
@@ -199,7 +199,7 @@ impl Headset for Witness {
 }
 
 impl Witness {
-    fn new(seen: SyncSender<Seen>) -> Self {
+    fn new(seen: SyncSender<SeenFrame>) -> Self {
         let image = |_: i32| kit::frames::image(&gpu(), SIZE_PX, wgpu::TextureFormat::Rgba8UnormSrgb);
         Self { images: [0, 1].map(image), display: 0, seen, ended: false }
     }
@@ -248,7 +248,7 @@ fn endless((actions, link): (Receiver<Action>, WalkEnd), stop: &CancelToken) -> 
 }
 
 /// The rows and the pictures of a walk that shows nothing, then the root, then the octree.
-fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
+fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<SeenFrame>) {
     let (hierarchy, runs) = runs(scan);
     let outside = start(&hierarchy.scene, 1.0);
     // The place is so near that the points fill the view.
@@ -260,7 +260,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<Seen>) {
     let (seen_sender, seen) = sync_channel(0);
     let stop = CancelToken::default();
     let walk = endless((actions, frame_link), &stop);
-    let mut pictures: Vec<Seen> = Vec::new();
+    let mut pictures: Vec<SeenFrame> = Vec::new();
     std::thread::scope(|scope| {
         let frames = scope.spawn(move || {
             let headset = Witness::new(seen_sender);

@@ -20,29 +20,29 @@ const SIZE: [u32; 2] = [177, 150];
 
 /// A part of a picture: its first pixel and its size.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct PicturePart {
     first: [u32; 2],
     size: [u32; 2],
 }
 
 /// Parts at each border, in each corner, in the middle, and some smaller than what reaches into them.
-const PARTS: [Part; 11] = [
-    Part { first: [0, 40], size: [60, 50] },
-    Part { first: [117, 40], size: [60, 50] },
-    Part { first: [50, 0], size: [70, 41] },
-    Part { first: [50, 109], size: [70, 41] },
-    Part { first: [0, 0], size: [64, 48] },
-    Part { first: [113, 0], size: [64, 48] },
-    Part { first: [0, 102], size: [64, 48] },
-    Part { first: [113, 102], size: [64, 48] },
-    Part { first: [53, 47], size: [33, 31] },
-    Part { first: [90, 75], size: [5, 3] },
-    Part { first: [140, 20], size: [1, 1] },
+const PARTS: [PicturePart; 11] = [
+    PicturePart { first: [0, 40], size: [60, 50] },
+    PicturePart { first: [117, 40], size: [60, 50] },
+    PicturePart { first: [50, 0], size: [70, 41] },
+    PicturePart { first: [50, 109], size: [70, 41] },
+    PicturePart { first: [0, 0], size: [64, 48] },
+    PicturePart { first: [113, 0], size: [64, 48] },
+    PicturePart { first: [0, 102], size: [64, 48] },
+    PicturePart { first: [113, 102], size: [64, 48] },
+    PicturePart { first: [53, 47], size: [33, 31] },
+    PicturePart { first: [90, 75], size: [5, 3] },
+    PicturePart { first: [140, 20], size: [1, 1] },
 ];
 
 /// Both eyes of the larger picture, or of a part of it.
-fn view(part: Option<Part>) -> View {
-    let Part { first, size } = part.unwrap_or(Part { first: [0, 0], size: SIZE });
+fn view(part: Option<PicturePart>) -> View {
+    let PicturePart { first, size } = part.unwrap_or(PicturePart { first: [0, 0], size: SIZE });
     let tangent = |axis: usize, px: u32| f64::from(FIRST[axis] + px as i32) / PX_PER_TANGENT;
     let fov = Fov {
         left: tangent(0, first[0]),
@@ -89,7 +89,7 @@ fn draw(octree: &Octree, view: &View, options: DrawOptions, tier: Atomics) -> Dr
 }
 
 /// A part of the larger picture's pixels.
-fn cut<T: Copy>(pixels: &[T], Part { first, size }: Part) -> Vec<T> {
+fn cut<T: Copy>(pixels: &[T], PicturePart { first, size }: PicturePart) -> Vec<T> {
     let rows = pixels.chunks_exact(SIZE[0] as usize).skip(first[1] as usize).take(size[1] as usize);
     rows.flat_map(|row| &row[first[0] as usize..][..size[0] as usize]).copied().collect()
 }
@@ -120,7 +120,7 @@ fn a_part_of_a_picture_is_that_part_of_the_larger_one() {
                 }
             }
             // The comparison can fail: a pixel further on is another part.
-            let [part, beside] = [PARTS[4], Part { first: [1, 0], ..PARTS[4] }];
+            let [part, beside] = [PARTS[4], PicturePart { first: [1, 0], ..PARTS[4] }];
             assert!(num_differing(&cut(&whole.pixels[0], part), &cut(&whole.pixels[0], beside)) > 500);
         }
     }

@@ -11,7 +11,7 @@ use lab::synth::{self, SynthKind};
 use points::Scan;
 use render::CloudBuffers;
 use render::layout::{
-    ALL_PLANES, Batch, DRAWN_WHOLE, Detail, Node, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded,
+    ALL_PLANES, DRAWN_WHOLE, Detail, GpuBatch, GpuNode, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded,
 };
 
 fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
@@ -122,14 +122,14 @@ fn cull_equals_its_reference() {
 }
 
 /// The batch as `cull` would pass it on if both eyes saw it: by a view that looks everywhere.
-fn forced_visible(view: &ViewUniform, batch: &Batch) -> VisibleBatch {
+fn forced_visible(view: &ViewUniform, batch: &GpuBatch) -> VisibleBatch {
     let mut everywhere = ViewUniform { forced_planes: ALL_PLANES, ..*view };
     for eye in &mut everywhere.eyes {
         eye.row_x = [0.0, 0.0, 0.0, 1.0];
         eye.row_y = [0.0, 0.0, 0.0, 1.0];
         eye.row_w = [0.0, 0.0, 0.0, 1.0];
     }
-    reference::cull::cull(&everywhere, 2, std::slice::from_ref(batch), &[Node::FLAT], &[DRAWN_WHOLE])[0]
+    reference::cull::cull(&everywhere, 2, std::slice::from_ref(batch), &[GpuNode::FLAT], &[DRAWN_WHOLE])[0]
 }
 
 /// The comparison above can fail: one point moved by one cell in the deepest plane shows.

@@ -12,9 +12,9 @@ use glam::DVec3;
 use headset::{left_eye, plan};
 use kit::frames::{gpu, octree_of};
 use kit::quality::holes::{
-    self, Drawer, Drawn, Holes, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
+    self, Drawer, EyeFrame, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, RingHoles, sphere, unreduced,
 };
-use kit::quality::scene::Source;
+use kit::quality::scene::ScanSource;
 use lab::synth::{SynthKind, Viewpoint};
 use render::CloudBuffers;
 use std::sync::OnceLock;
@@ -51,7 +51,7 @@ fn holes_from(
     (share, is_open): (f64, bool),
     presets: &[&str],
     frames: &[(&str, f32)],
-) -> Vec<Holes> {
+) -> Vec<RingHoles> {
     let of = |set: &str| plan(presets, &[set.to_owned()]).expect("settings");
     let first = of(frames[0].0);
     let view = left_eye(&first, place, share);
@@ -92,7 +92,7 @@ fn a_closed_surface_has_no_holes_at_any_angle() {
 }
 
 /// Checks a scan from each of its places.
-fn assert_scan_is_closed(source: Source) {
+fn assert_scan_is_closed(source: ScanSource) {
     let scan = source.dense_scan(SCAN_POINTS).expect("a scan");
     let octree = octree_of(&scan);
     let frames = [("fovea.smooth=true", 1.0), ("fovea.smooth=false", 2.0), ("fovea.smooth=true", 3.0)];
@@ -126,13 +126,13 @@ fn assert_scan_is_closed(source: Source) {
 
 #[test]
 fn a_courtyard_has_no_holes_at_any_angle() {
-    assert_scan_is_closed(Source::Synth(SynthKind::Terrestrial));
+    assert_scan_is_closed(ScanSource::Synth(SynthKind::Terrestrial));
 }
 
 #[test]
 #[cfg_attr(not(feature = "with-scans"), ignore = "needs real scans, in the folder SCANWALK_TEST_DATA")]
 fn a_real_room_has_no_holes_at_any_angle() {
-    assert_scan_is_closed(Source::Room);
+    assert_scan_is_closed(ScanSource::Room);
 }
 
 /// Thresholds that a user sets are followed as the governor's are.
@@ -152,8 +152,11 @@ fn a_hole_is_counted_in_its_ring() {
     let plan = plan(&["balanced", "valve-index"], &[]).expect("settings");
     let view = left_eye(&plan, &Viewpoint { name: "origin", eye: DVec3::ZERO, target: DVec3::Y }, 0.02);
     let [width, height] = view.eyes[0].size_px;
-    let whole =
-        Drawn { size_px: [width, height], rgb: vec![[1, 2, 3]; (width * height) as usize], points_read: 0 };
+    let whole = EyeFrame {
+        size_px: [width, height],
+        rgb: vec![[1, 2, 3]; (width * height) as usize],
+        points_read: 0,
+    };
     let with_hole = |at: usize| {
         let mut drawn = whole.clone();
         drawn.rgb[at] = plan.draw.options.background;
@@ -165,7 +168,7 @@ fn a_hole_is_counted_in_its_ring() {
         let holes = holes::holes(&view, &drawn, Some(&whole), OUTLINE_PX);
         let empty = holes.rings.map(|ring| ring.empty);
         assert_eq!((empty[want], empty.iter().sum::<u64>()), (1, 1), "{empty:?}");
-        let num_judged = |holes: &Holes| holes.rings.iter().map(|ring| ring.judged).sum::<u64>();
+        let num_judged = |holes: &RingHoles| holes.rings.iter().map(|ring| ring.judged).sum::<u64>();
         assert_eq!((num_judged(&holes), holes.outline), (u64::from(width * height), Judged::default()));
         // A pixel that is empty in both frames is no hole; round it lies an outline.
         let beside_itself = holes::holes(&view, &drawn, Some(&drawn), OUTLINE_PX);

@@ -8,7 +8,7 @@ use glam::DVec3;
 use kit::frames::{
     Canvas, Drawn, cloud_of, gpu, hqs, inside, num_differing, octree_of, plain, scan_of, sizes, stereo, tiers,
 };
-use lab::reference::{self, Frame, ReferenceCloud};
+use lab::reference::{self, ReferenceCloud, ReferenceFrame};
 use lab::synth::{self, SynthKind};
 use points::Scan;
 use proptest::prelude::*;
@@ -29,7 +29,7 @@ fn courtyard() -> &'static (Scan, Octree) {
     })
 }
 
-fn assert_same(what: &str, drawn: &Drawn, want: &Frame) {
+fn assert_same(what: &str, drawn: &Drawn, want: &ReferenceFrame) {
     assert!(drawn.states == want.states, "{what}: states");
     assert!(drawn.visible == want.visible, "{what}: visible batches");
     assert_eq!(drawn.times.visible_nodes, want.visible_nodes, "{what}: visible nodes");

@@ -7,8 +7,8 @@ use cloud::{Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, mono, octree_of, scan_of, spt_of, stereo, tiers};
 use kit::picture::write_png;
-use kit::quality::picture::Picture;
-use lab::reference::{self, Frame, ReferenceCloud};
+use kit::quality::picture::EyePicture;
+use lab::reference::{self, ReferenceCloud, ReferenceFrame};
 use lab::technique::tree::VISIBLE_TRIANGLES;
 use lab::technique::{LabTechnique, Method};
 use points::Scan;
@@ -77,7 +77,7 @@ fn view_at(distance: f64, size_px: [u32; 2]) -> View {
 }
 
 /// Numbers of visible batches of triangles, and of discs.
-fn num_batches(frame: &Frame) -> (usize, usize) {
+fn num_batches(frame: &ReferenceFrame) -> (usize, usize) {
     let is_mesh = |flags: u32| flags & VISIBLE_TRIANGLES != 0;
     let num_meshes = frame.visible.iter().filter(|batch| is_mesh(batch.flags)).count();
     (num_meshes, frame.visible.len() - num_meshes)
@@ -172,7 +172,7 @@ fn rays(x: [f64; 2], z: [f64; 2], away: f64, [width, height]: [u32; 2]) -> Vec<f
 }
 
 /// Number of pixels that are not as the rays say.
-fn num_wrong(frame: &Frame, rays: &[f64]) -> usize {
+fn num_wrong(frame: &ReferenceFrame, rays: &[f64]) -> usize {
     let wrong = |(pixel, &ray): (&[u32; 2], &f64)| {
         let depth = f64::from(depth_of(*pixel));
         if ray.is_finite() { (depth - ray).abs() > 1e-5 * ray } else { ray > 0.0 && depth != ray }
@@ -245,7 +245,7 @@ fn triangles_cross_the_near_plane() {
 const TANGENT: f64 = 0.2;
 
 /// Numbers of pixels within the ball's outline, and of those that show nothing, or something behind the center.
-fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
+fn holes(frame: &ReferenceFrame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
     let inner = (RADIUS - BUMP) / (distance * distance - RADIUS * RADIUS).sqrt();
     let center = |i: usize, n: u32| (2.0 * i as f64 + 1.0) / f64::from(n) - 1.0;
     let (mut num_inside, mut num_holes) = (0, 0);
@@ -263,7 +263,7 @@ fn holes(frame: &Frame, distance: f64, size_px: [u32; 2]) -> (usize, usize) {
 /// Keeps a picture for people.
 fn keep(name: &str, image: &[u32], size_px: [u32; 2]) {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    write_png(&path, size_px, &Picture::of_colors(size_px, image.iter().copied()).rgb).expect("a picture");
+    write_png(&path, size_px, &EyePicture::of_colors(size_px, image.iter().copied()).rgb).expect("a picture");
 }
 
 /// All triangles are drawn near by, all discs far away, and there is no hole on the way from one to the other.
@@ -410,7 +410,7 @@ fn backs_of_meshes_are_culled() {
     let options = hqs(discs());
     let frames = [&plain, &sided]
         .map(|spt| reference::frame(&ReferenceCloud::sequential(spt, 1.0), &view, &options, None));
-    let [all, front] = frames.each_ref().map(Frame::points_read);
+    let [all, front] = frames.each_ref().map(ReferenceFrame::points_read);
     println!("{front} of {all} points read");
     assert!(10 * front < 8 * all, "{front} of {all}");
     assert_eq!(frames.each_ref().map(|frame| num_batches(frame).0), [0, 0]);

@@ -28,17 +28,17 @@ const RAMP: [[f64; 3]; 6] =
     [[0.05, 0.03, 0.2], [0.2, 0.25, 0.7], [0.6, 0.2, 0.6], [0.9, 0.4, 0.2], [1.0, 0.8, 0.2], [1.0, 1.0, 1.0]];
 
 /// Both eyes' images and their copies with an overlay: red, green, blue of each pixel.
-struct Shown {
+struct OverlaidEyes {
     images: [Vec<[u8; 3]>; 2],
     copies: [Vec<[u8; 3]>; 2],
 }
 
-fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
+fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> OverlaidEyes {
     let mut overlays = Overlays::new(&canvas.renderer);
     show_with(&mut overlays, canvas, view, overlay)
 }
 
-fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay: Overlay) -> Shown {
+fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay: Overlay) -> OverlaidEyes {
     let gpu = gpu();
     let all = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::COPY_SRC
@@ -66,7 +66,7 @@ fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay:
         let bytes = readback::read_texture(&gpu, texture).expect("an image");
         bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect()
     };
-    Shown { images: images.each_ref().map(read), copies: copies.each_ref().map(read) }
+    OverlaidEyes { images: images.each_ref().map(read), copies: copies.each_ref().map(read) }
 }
 
 fn options(quality: Quality, dilate: Dilate) -> DrawOptions {
@@ -238,7 +238,7 @@ fn pixel(image: &[[u8; 3]], [x, y]: [usize; 2]) -> [u8; 3] {
 }
 
 /// Checks that a box's edges are drawn in a color, its faces are not, and next to nothing else is.
-fn assert_box(shown: &Shown, view: &View, low: DVec3, size: DVec3, color: [f64; 3]) {
+fn assert_box(shown: &OverlaidEyes, view: &View, low: DVec3, size: DVec3, color: [f64; 3]) {
     for (eye, (image, copy)) in view.eyes.iter().zip(shown.images.iter().zip(&shown.copies)) {
         let place = |share: [f64; 3]| pixel_of(view, eye, low + size * DVec3::from_array(share));
         let mut num_strong = 0;
@@ -276,7 +276,7 @@ fn nodes_are_cubes_in_their_places() {
     let near = DrawOptions { detail: Detail { threshold_px: [20.0; 3], ..DETAIL }, ..options };
     canvas.renderer.set_options(near).expect("room");
     let nearer = show(&mut canvas, &view, Overlay::Nodes);
-    let num_green = |shown: &Shown| {
+    let num_green = |shown: &OverlaidEyes| {
         let both = shown.copies[0].iter().zip(&shown.images[0]);
         both.filter(|(copy, image)| is_near(**copy, over(**image, PALETTE[1], 0.9))).count()
     };
@@ -334,7 +334,7 @@ fn overlays_follow_the_renderer() {
         ("dilation", &|canvas| set_options(canvas, rings)),
         ("the cloud again", &|canvas| set_cloud(canvas, &octree)),
     ];
-    let mut before: Option<Vec<Shown>> = None;
+    let mut before: Option<Vec<OverlaidEyes>> = None;
     for (what, change) in changes {
         change(&mut canvas);
         let mut all = Vec::new();

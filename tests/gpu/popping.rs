@@ -7,7 +7,7 @@
 use cloud::octree::Octree;
 use kit::frames::{Canvas, courtyard, gpu, mono, octree_of};
 use kit::quality::metrics::largest_patch_change;
-use kit::quality::picture::Picture;
+use kit::quality::picture::EyePicture;
 use lab::synth::{self, SynthKind};
 use render::layout::Detail;
 use render::options::{Dilate, Quality};
@@ -25,7 +25,8 @@ fn largest_pop(octree: &Octree, options: DrawOptions) -> f64 {
     let place = synth::viewpoints(SynthKind::Terrestrial)[0];
     let view = mono(place.eye, place.target, 0.7, [SIZE_PX; 2]);
     let mut canvas = Canvas::layered(octree, &view, options, gpu().atomics(), 0);
-    let picture = |canvas: &mut Canvas| Picture::of_colors([SIZE_PX; 2], canvas.draw(&view).images.remove(0));
+    let picture =
+        |canvas: &mut Canvas| EyePicture::of_colors([SIZE_PX; 2], canvas.draw(&view).images.remove(0));
     let mut before = picture(&mut canvas);
     let mut largest = 0.0;
     for step in 1..=NUM_STEPS {
@@ -66,7 +67,7 @@ fn fading_keeps_patches_from_popping() {
 #[test]
 fn a_patch_that_changes_is_found() {
     let mut colors = vec![0; (SIZE_PX * SIZE_PX) as usize];
-    let picture = |colors: &[u32]| Picture::of_colors([SIZE_PX; 2], colors.iter().copied());
+    let picture = |colors: &[u32]| EyePicture::of_colors([SIZE_PX; 2], colors.iter().copied());
     let before = picture(&colors);
     assert_eq!(largest_patch_change(&before, &before), 0.0);
     colors[(SIZE_PX * 17 + 40) as usize] = 0x00ff_ffff;

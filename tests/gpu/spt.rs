@@ -9,10 +9,10 @@ use kit::frames::{
     Canvas, SplitMix, difference, discs, gpu, hqs, inside, made_up, octree_of, scan_of, spt_of, stereo, tiers,
 };
 use kit::quality::metrics;
-use kit::quality::picture::Picture;
+use kit::quality::picture::EyePicture;
 use kit::spread;
 use lab::reference::tree::{Tree, tolerance};
-use lab::reference::{self, Frame, ReferenceCloud};
+use lab::reference::{self, ReferenceCloud, ReferenceFrame};
 use lab::synth::{self, SynthKind};
 use lab::technique::tree::TreeUniform;
 use points::Scan;
@@ -151,7 +151,7 @@ fn ball(num_points: usize) -> Scan {
 const OUTLINE: f64 = 0.005;
 
 /// Share of the pixels that show something in which only one frame does, or the frames differ.
-fn share_of_others(a: &Frame, b: &Frame) -> f64 {
+fn share_of_others(a: &ReferenceFrame, b: &ReferenceFrame) -> f64 {
     let depth = |pixel: &[u32; 2]| f64::from(depth_of(*pixel));
     let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
     let is_same = |a: f64, b: f64| a == b || a.max(b) < 1.01 * a.min(b);
@@ -192,18 +192,18 @@ fn backs_are_culled_where_normals_have_sides() {
 
 /// Ratio of signal to noise of two images, decibels, from the mean squared difference of channels over pixels in
 /// which both show something.
-fn psnr_db(a: &Frame, b: &Frame) -> f64 {
+fn psnr_db(a: &ReferenceFrame, b: &ReferenceFrame) -> f64 {
     let [a, b] = [a, b].map(|frame| frame.pixels.concat());
     // Both eyes' pixels are one row.
     let picture = |pixels: &[Pixel]| {
-        Picture::of_colors([pixels.len() as u32, 1], pixels.iter().map(|[_, color]| *color))
+        EyePicture::of_colors([pixels.len() as u32, 1], pixels.iter().map(|[_, color]| *color))
     };
     let is_shown = |pixel: usize| a[pixel][0] != u32::MAX && b[pixel][0] != u32::MAX;
     metrics::psnr_db(&picture(&a), &picture(&b), is_shown)
 }
 
 /// Share of pixels that are empty.
-fn empty(frame: &Frame) -> f64 {
+fn empty(frame: &ReferenceFrame) -> f64 {
     let pixels = || frame.pixels.iter().flatten();
     pixels().filter(|p| p[0] == u32::MAX).count() as f64 / pixels().count() as f64
 }
@@ -323,7 +323,7 @@ fn read(spt: &SequentialCloud, view: &View, error_px: f32) -> u64 {
     let tree = Tree { uniform, ..Tree::new(spt) };
     let view_uniform = ViewUniform::new(view, &spt.cloud.split, &discs());
     let visible = reference::tree::cull::cull(&view_uniform, view.eyes.len(), &tree);
-    Frame { visible, ..Frame::default() }.points_read()
+    ReferenceFrame { visible, ..ReferenceFrame::default() }.points_read()
 }
 
 /// Clusters of normals save reads near by and cost none far away.
@@ -374,7 +374,8 @@ fn everywhere(detail: Detail) -> Detail {
 fn the_fovea_counts_for_point_trees() {
     let spt = courtyard();
     // Total of what pixels blend: discs count by the pixels that they cover.
-    let blended = |frame: &Frame| frame.sums.iter().flatten().map(|sum| u64::from(sum[3])).sum::<u64>();
+    let blended =
+        |frame: &ReferenceFrame| frame.sums.iter().flatten().map(|sum| u64::from(sum[3])).sum::<u64>();
     for place in &synth::viewpoints(SynthKind::Terrestrial)[..2] {
         let view = stereo(place.eye, place.target, [500, 500]);
         for error_px in [1.0, 2.0] {

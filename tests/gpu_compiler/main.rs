@@ -37,7 +37,7 @@ const FORBIDDEN: [&str; 3] = ["Spilled SGPRs", "Spilled VGPRs", "Scratch size"];
 
 /// A shader's whole text.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Shader {
+struct WholeShader {
     name: String,
     text: String,
     /// True with wgpu's checks of every index and loop.
@@ -70,15 +70,15 @@ impl Executable {
 }
 
 /// The project's shaders for pictures (one eye) and headsets (two), in the forms that matter.
-fn our_shaders() -> Vec<Shader> {
+fn our_shaders() -> Vec<WholeShader> {
     let mirror = MIRROR.source(Variant::eyes(1));
-    let mut shaders = vec![Shader { name: "mirror".into(), text: mirror, checked: true }];
+    let mut shaders = vec![WholeShader { name: "mirror".into(), text: mirror, checked: true }];
     let mut add = |name: String, text: String| {
         // Drivers get these from a release build; of a debug build the shaders that meet every point are compiled
         // too.
-        let shader = Shader { name, text, checked: false };
+        let shader = WholeShader { name, text, checked: false };
         if ["depth32-2-fill", "color-2-fill"].contains(&&*shader.name) {
-            shaders.push(Shader {
+            shaders.push(WholeShader {
                 name: format!("{}-checked", shader.name),
                 checked: true,
                 ..shader.clone()
@@ -156,8 +156,9 @@ fn eyes_of(shader: render::shaders::Shader) -> std::ops::RangeInclusive<u32> {
 }
 
 /// Shaders of this test's own, whose outcome is known.
-fn samples() -> Vec<Shader> {
-    let sample = |name: &str, text: &str| Shader { name: name.into(), text: text.into(), checked: false };
+fn samples() -> Vec<WholeShader> {
+    let sample =
+        |name: &str, text: &str| WholeShader { name: name.into(), text: text.into(), checked: false };
     vec![
         sample("lean", include_str!("shaders/lean.wgsl")),
         sample("pass", include_str!("shaders/pass.wgsl")),
@@ -166,7 +167,7 @@ fn samples() -> Vec<Shader> {
 }
 
 /// Compiles for a family. `Err` says why it cannot be done on this machine.
-fn compile(family: &[&str], shaders: &[Shader]) -> Result<Vec<Executable>, String> {
+fn compile(family: &[&str], shaders: &[WholeShader]) -> Result<Vec<Executable>, String> {
     let manifest = radv::manifest().ok_or("Mesa's driver for AMD GPUs (RADV) is not installed")?;
     let compiled = family.iter().find_map(|name| compile_for(name, &manifest, shaders).transpose());
     compiled.unwrap_or_else(|| Err(format!("this version of RADV is older than {}", family[0])))
@@ -174,7 +175,11 @@ fn compile(family: &[&str], shaders: &[Shader]) -> Result<Vec<Executable>, Strin
 
 /// Compiles in a child process, since driver and family are chosen by environment variables. `None` if RADV does not
 /// know a family of that name.
-fn compile_for(name: &str, manifest: &Path, shaders: &[Shader]) -> Result<Option<Vec<Executable>>, String> {
+fn compile_for(
+    name: &str,
+    manifest: &Path,
+    shaders: &[WholeShader],
+) -> Result<Option<Vec<Executable>>, String> {
     let folder = tempfile::tempdir().unwrap();
     let job = folder.path().join("job.json");
     std::fs::write(&job, serde_json::to_vec(shaders).unwrap()).unwrap();
@@ -205,12 +210,12 @@ fn compile_for(name: &str, manifest: &Path, shaders: &[Shader]) -> Result<Option
 #[ignore = "runs inside a child process of the other tests"]
 fn compile_in_child() {
     let Some(job) = std::env::var_os(JOB).map(PathBuf::from) else { return };
-    let shaders: Vec<Shader> = serde_json::from_slice(&std::fs::read(&job).unwrap()).unwrap();
+    let shaders: Vec<WholeShader> = serde_json::from_slice(&std::fs::read(&job).unwrap()).unwrap();
     let gpu = match radv::NullGpu::open() {
         Ok(gpu) => gpu,
         Err(reason) => return println!("{}{reason}", radv::NO_DEVICE),
     };
-    let compile = |shader: &Shader| {
+    let compile = |shader: &WholeShader| {
         let executables =
             wgsl::Parsed::new(&shader.text, shader.checked).and_then(|parsed| gpu.compile(&parsed));
         executables

@@ -2,7 +2,7 @@
 //! wgpu cannot open it, hence plain ash. Objects are never destroyed: the process ends right after.
 #![allow(unsafe_code)]
 
-use super::wgsl::{Parsed, Targets};
+use super::wgsl::{FragmentOutputs, Parsed};
 use ash::vk;
 use naga::ShaderStage;
 use std::ffi::{CStr, CString};
@@ -146,7 +146,7 @@ impl NullGpu {
         module: vk::ShaderModule,
         layout: vk::PipelineLayout,
         entries: [&str; 2],
-        targets: &Targets,
+        targets: &FragmentOutputs,
     ) -> Result<vk::Pipeline, vk::Result> {
         let [vertex, fragment] = entries.map(c_name);
         let stages = [

@@ -12,7 +12,7 @@ pub struct Parsed {
 }
 
 /// What the fragment entry point writes.
-pub struct Targets {
+pub struct FragmentOutputs {
     /// A format for each color output, in the order of their locations.
     pub colors: Vec<vk::Format>,
     /// True if it writes depth.
@@ -78,8 +78,8 @@ impl Parsed {
     }
 
     /// What the fragment entry point writes.
-    pub fn targets(&self, entry: &str) -> Targets {
-        let mut targets = Targets { colors: Vec::new(), depth: false };
+    pub fn targets(&self, entry: &str) -> FragmentOutputs {
+        let mut targets = FragmentOutputs { colors: Vec::new(), depth: false };
         let function = self.module.entry_points.iter().find(|e| e.name == entry).map(|e| &e.function);
         let Some(result) = function.and_then(|f| f.result.as_ref()) else { return targets };
         let outputs = match (&self.module.types[result.ty].inner, &result.binding) {

@@ -1,7 +1,7 @@
 //! The page of controllers has the table that the bindings are made from.
 
 use std::path::{Path, PathBuf};
-use xr::controllers::{Binding, Control, PROFILES, Profile, WhichHands};
+use xr::controllers::{Control, ControlBinding, PROFILES, Profile, WhichHands};
 
 const HEAD: &str = "| controller | profile | extension | move | select | grab | menu | back to the start | vibrates |\n\
                     |---|---|---|---|---|---|---|---|---|\n";
@@ -11,7 +11,7 @@ fn page() -> PathBuf {
 }
 
 /// A part as the page has it.
-fn part(part: &Binding) -> String {
+fn part(part: &ControlBinding) -> String {
     let path = part.path.strip_prefix("input/").unwrap_or(part.path);
     match part.hands {
         WhichHands::Both => format!("`{path}`"),

@@ -1,6 +1,6 @@
 //! The card in the headset: why there is no scan can be read there too, for as long as somebody needs.
 
-use crate::scene::Scene;
+use crate::scene::ViewedScans;
 use kit::picture::Picture;
 use kit::wait::wait_for;
 use kit::xr::{Compositor, RuntimeSlot};
@@ -19,7 +19,7 @@ fn num_of_heading(image: &Picture) -> usize {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_scan_that_cannot_be_read_is_told_of_in_the_headset() {
     let lab = RuntimeSlot::enter();
-    let broken = Scene::get().file("broken.las");
+    let broken = ViewedScans::get().file("broken.las");
     std::fs::write(&broken, b"LASF and nothing else").expect("a file");
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(120);
     let broken = broken.to_str().expect("a UTF-8 path");

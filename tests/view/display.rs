@@ -1,7 +1,7 @@
 //! Display servers that keep silent, as a session that hangs does: it takes connections and says nothing.
 
 use crate::program::Program;
-use crate::scene::Scene;
+use crate::scene::ViewedScans;
 use kit::screen::Screen;
 use kit::wait::wait_for;
 use std::os::unix::net::UnixListener;
@@ -25,7 +25,7 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     let screen = Screen::start();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let silent = UnixListener::bind(folder.path().join("wayland-0")).expect("a socket");
-    let scan = Scene::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
+    let scan = ViewedScans::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
     let view = ["view", &scan, "--headset", "off", "--window", "on", "--set", "simulated.size_px=[320,360]"];
 
     let run = start(folder.path(), &view, Some(&screen.display));

@@ -1,6 +1,6 @@
 //! Hands in the walk: they are seen, one of them aims an arc at the floor, and the user is where it landed.
 
-use crate::scene::Scene;
+use crate::scene::ViewedScans;
 use kit::picture::Picture;
 use kit::rows::LogRows;
 use kit::wait::wait_for;
@@ -47,7 +47,7 @@ fn num_of_arc(image: &Picture) -> usize {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_hand_aims_at_the_floor_and_the_user_is_there() {
     let lab = RuntimeSlot::enter();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let log = scene.file("hands.csv");
     let [courtyard, log_path] = [&scene.courtyard, &log].map(|path| path.to_str().expect("a UTF-8 path"));
     let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log_path, "-v"];

@@ -1,7 +1,7 @@
 //! In a headset the compositor shows what `render` draws for the same eyes, every layer of validation is silent, and
 //! the walk ends cleanly whoever ends it.
 
-use crate::scene::{EYE_DISTANCE, Scene};
+use crate::scene::{EYE_DISTANCE, ViewedScans};
 use base::percentile::Sorted;
 use kit::picture::Picture;
 use kit::rows::LogRows;
@@ -41,7 +41,7 @@ fn path(path: &Path) -> &str {
 }
 
 /// What `render` draws for the same eyes: left, right.
-fn rendered(scene: &Scene, preset: &str) -> [Picture; 2] {
+fn rendered(scene: &ViewedScans, preset: &str) -> [Picture; 2] {
     let out = scene.file(&format!("{preset}.png"));
     let [x, y] = half_angles_deg();
     let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
@@ -73,7 +73,7 @@ fn ball_column(image: &Picture) -> f64 {
 
 /// Checks that the compositor comes to show what `render` draws with the same preset; returns what it shows.
 fn assert_shown(lab: &RuntimeSlot, preset: &str, tolerance: f64) -> [Picture; 2] {
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let want = rendered(scene, preset);
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(300);
     let mut run = runtime.start(
@@ -163,7 +163,7 @@ fn states(done: &Finished) -> Vec<String> {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
     let lab = RuntimeSlot::enter();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let log = scene.file("frames.csv");
     let runtime = lab.runtime().validate().timeout_s(120);
     let args = [
@@ -201,7 +201,7 @@ fn a_walk_of_sixty_frames_is_in_focus_logged_and_valid() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_runtime_may_end_a_walk_that_requires_it() {
     let lab = RuntimeSlot::enter();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let args = ["view", path(&scene.courtyard), "--headset", "require", "--window", "off", "-v"];
     let done = lab.runtime().fault("exit:30").timeout_s(90).run(Path::new(PROGRAM), &args);
     assert_eq!(done.code, Some(1), "{}", done.stderr);
@@ -213,7 +213,7 @@ fn the_runtime_may_end_a_walk_that_requires_it() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn frames_that_nobody_sees_have_rows_and_are_not_missed() {
     let lab = RuntimeSlot::enter();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let log = scene.file("unseen.csv");
     let args = ["view", path(&scene.courtyard), "--window", "off", "--frames", "60", "--log", path(&log)];
     let small = ["--set", "headset.resolution_scale=0.3"];
@@ -253,7 +253,7 @@ fn frames_that_nobody_sees_have_rows_and_are_not_missed() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_budget_is_the_period_that_the_runtime_predicts() {
     let lab = RuntimeSlot::enter();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     for period_us in [8333, 13_889] {
         let log = scene.file(&format!("period_{period_us}.csv"));
         let args = ["view", path(&scene.courtyard), "--window", "off", "--frames", "10", "--log", path(&log)];
@@ -268,7 +268,7 @@ fn the_budget_is_the_period_that_the_runtime_predicts() {
 
 #[test]
 fn without_a_runtime_require_fails_and_auto_walks_on() {
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let view = |headset: &str| {
         Command::new(PROGRAM)
             .args(["view", path(&scene.courtyard), "--window", "off", "--frames", "2", "--headset", headset])

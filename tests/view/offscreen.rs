@@ -1,7 +1,7 @@
 //! `view` without headset and window: limits, logs, failures, and the way a signal ends it.
 
 use crate::program::{Program, for_good};
-use crate::scene::Scene;
+use crate::scene::ViewedScans;
 use kit::rows::LogRows;
 use kit::wait::wait_for;
 use std::io::{BufRead, BufReader};
@@ -28,7 +28,7 @@ fn said(output: &Output) -> String {
 
 #[test]
 fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let log = scene.file("offscreen.csv");
     let output = run(&scene.courtyard, &["--frames", "30", "--log", log.to_str().expect("UTF-8")]);
     assert!(output.status.success(), "{}", said(&output));
@@ -57,7 +57,7 @@ fn the_log_has_a_row_a_frame_and_the_report_reads_it() {
 /// Each frame's row has its head, and the worst frames can be seen again from there.
 #[test]
 fn the_worst_frames_are_replayed() {
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let path = |name: &str| scene.file(name).into_os_string().into_string().expect("UTF-8");
     let (first, poses, second) = (path("first.csv"), path("worst.poses"), path("second.csv"));
     let walk = |pose_path: &str, log: &str| {
@@ -87,7 +87,7 @@ fn the_worst_frames_are_replayed() {
 /// has what its frame was drawn with.
 #[test]
 fn the_governors_steps_are_in_the_log() {
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let drawn_with = |name: &str, governor: &str| -> Vec<(f64, f64, String)> {
         let log = scene.file(name);
         let log_path = log.to_str().expect("UTF-8");
@@ -116,15 +116,16 @@ fn the_governors_steps_are_in_the_log() {
 
 #[test]
 fn a_log_on_a_full_disk_is_reported_once_and_stops_nothing() {
-    let output = run(&Scene::get().courtyard, &["--frames", "20", "--log", "/dev/full"]);
+    let output = run(&ViewedScans::get().courtyard, &["--frames", "20", "--log", "/dev/full"]);
     assert!(output.status.success(), "{}", said(&output));
     assert_eq!(said(&output).matches("/dev/full").count(), 1, "{}", said(&output));
 }
 
 #[test]
 fn a_log_into_a_closed_pipe_is_reported_once_and_stops_nothing() {
-    let mut child =
-        view(&Scene::get().courtyard, &["--seconds", "3", "--log", "/dev/stdout"]).spawn().expect("view");
+    let mut child = view(&ViewedScans::get().courtyard, &["--seconds", "3", "--log", "/dev/stdout"])
+        .spawn()
+        .expect("view");
     let mut first = String::new();
     let mut reader = BufReader::new(child.stdout.take().expect("piped"));
     reader.read_line(&mut first).expect("a line");
@@ -139,7 +140,7 @@ fn a_log_into_a_closed_pipe_is_reported_once_and_stops_nothing() {
 fn a_scan_without_permission_says_so() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = folder.path().join("locked.las");
-    std::fs::copy(&Scene::get().ball, &scan).expect("a scan");
+    std::fs::copy(&ViewedScans::get().ball, &scan).expect("a scan");
     let mode = |path: &Path, mode| std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode));
     mode(&scan, 0o000).expect("locked");
     mode(folder.path(), 0o755).expect("a folder for all");
@@ -160,7 +161,7 @@ fn a_scan_without_permission_says_so() {
 
 #[test]
 fn a_scan_that_cannot_be_read_ends_the_walk_with_its_sentence() {
-    let missing = Scene::get().file("no-such.las");
+    let missing = ViewedScans::get().file("no-such.las");
     let output = run(&missing, &["--frames", "5"]);
     assert_eq!(output.status.code(), Some(1));
     let said = said(&output);
@@ -171,7 +172,7 @@ fn a_scan_that_cannot_be_read_ends_the_walk_with_its_sentence() {
 /// not the reason.
 #[test]
 fn what_is_required_and_missing_is_the_reason_that_is_given() {
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let missing = scene.file("no-such.las");
     let stale = [("WAYLAND_DISPLAY", "wayland-none")];
     let (window, headset) = (["--window", "on"], ["--headset", "require"]);
@@ -211,9 +212,9 @@ fn what_is_required_and_missing_is_the_reason_that_is_given() {
 
 #[test]
 fn a_signal_ends_the_walk_cleanly() {
-    let log = Scene::get().file("interrupted.csv");
+    let log = ViewedScans::get().file("interrupted.csv");
     let log_path = log.to_str().expect("UTF-8");
-    let walk = Program::start(&mut view(&Scene::get().courtyard, &["--log", log_path]));
+    let walk = Program::start(&mut view(&ViewedScans::get().courtyard, &["--log", log_path]));
     // The log gets its name when the scan is first shown.
     wait_for("the scan", 60.0, || log.exists().then_some(()));
     walk.interrupt();
@@ -224,7 +225,7 @@ fn a_signal_ends_the_walk_cleanly() {
 #[test]
 fn seconds_end_the_walk() {
     let began = Instant::now();
-    let output = run(&Scene::get().courtyard, &["--seconds", "1.5"]);
+    let output = run(&ViewedScans::get().courtyard, &["--seconds", "1.5"]);
     assert!(output.status.success(), "{}", said(&output));
     // The time is what is tested; the program's start and end come on top of it.
     assert!(began.elapsed().as_secs_f64() > 1.5, "no sooner");

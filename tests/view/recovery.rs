@@ -1,7 +1,7 @@
 //! The walk outlives its headset: whatever a runtime does, the scan, the place, the window and the log are kept, and the
 //! headset is taken again when it answers. One bad call costs a frame.
 
-use crate::scene::Scene;
+use crate::scene::ViewedScans;
 use kit::rows::LogRows;
 use kit::wait::retry;
 use kit::xr::{Finished, Running, RuntimeSlot, TestRuntime};
@@ -15,7 +15,7 @@ const TAKEN: &str = "is used from now on";
 
 /// A walk without a window, whose log has this name.
 fn start(runtime: &TestRuntime, headset: &str, log: &Path) -> Running {
-    let courtyard = Scene::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
+    let courtyard = ViewedScans::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
     let log = log.to_str().expect("a UTF-8 path");
     let args = ["view", &courtyard, "--headset", headset, "--window", "off", "--log", log, "-v"];
     // Small images, for a software driver.
@@ -25,7 +25,7 @@ fn start(runtime: &TestRuntime, headset: &str, log: &Path) -> Running {
 
 /// A log of this test's own: tests run beside each other, and two may ask for the same fault.
 fn log_file(test: &str, fault: &str) -> PathBuf {
-    Scene::get().file(&format!("{test}-{fault}.csv").replace(':', "-"))
+    ViewedScans::get().file(&format!("{test}-{fault}.csv").replace(':', "-"))
 }
 
 /// Waits until the log that a walk writes has rows of these sessions, one after the other, and the last of them shows the
@@ -116,7 +116,8 @@ fn a_lost_headset_is_taken_again() {
 fn a_required_headset_that_is_lost_ends_the_walk_with_the_reason() {
     let lab = RuntimeSlot::enter();
     for (fault, words) in [LOSSES[0], LOSSES[2], LOSSES[7]] {
-        let done = start(&lab.runtime().fault(fault).timeout_s(90), "require", &log_file("required", fault)).finish();
+        let done = start(&lab.runtime().fault(fault).timeout_s(90), "require", &log_file("required", fault))
+            .finish();
         assert_eq!(done.code, Some(1), "{fault}: {}", done.stderr);
         let said = "scanwalk: --headset require: ";
         assert!(done.stderr.contains(said) && done.stderr.contains(words), "{fault}: {}", done.stderr);

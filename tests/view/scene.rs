@@ -13,7 +13,7 @@ pub const EYE_DISTANCE: f64 = 0.063;
 /// Number of points of the courtyard.
 pub const NUM_POINTS: u64 = 400_000;
 
-pub struct Scene {
+pub struct ViewedScans {
     pub courtyard: PathBuf,
     pub ball: PathBuf,
     /// A path file that holds the head at `head`.
@@ -23,14 +23,14 @@ pub struct Scene {
     folder: tempfile::TempDir,
 }
 
-impl Scene {
+impl ViewedScans {
     /// Returns the scene, which is made once a test program.
-    pub fn get() -> &'static Scene {
-        static SCENE: OnceLock<Scene> = OnceLock::new();
-        SCENE.get_or_init(Scene::make)
+    pub fn get() -> &'static ViewedScans {
+        static SCENE: OnceLock<ViewedScans> = OnceLock::new();
+        SCENE.get_or_init(ViewedScans::make)
     }
 
-    fn make() -> Scene {
+    fn make() -> ViewedScans {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let courtyard = folder.path().join("courtyard.las");
         made_up::file(&courtyard, SynthKind::Terrestrial, NUM_POINTS, 1).expect("a courtyard");
@@ -46,7 +46,7 @@ impl Scene {
         let (p, q) = (head.position, head.orientation);
         let line = format!("0,{},{},{},{},{},{},{}\n", p.x, p.y, p.z, q.x, q.y, q.z, q.w);
         std::fs::write(&pose_path, line).expect("the pose path");
-        Scene { courtyard, ball, pose_path, head, target: place.target, folder }
+        ViewedScans { courtyard, ball, pose_path, head, target: place.target, folder }
     }
 
     /// A file of that name that goes with the tests.

@@ -1,7 +1,7 @@
 //! Every tier of atomics draws the same picture in every mode, and Vulkan's validation layer, with synchronization
 //! validation, has nothing to say.
 
-use crate::scene::Scene;
+use crate::scene::ViewedScans;
 use kit::xr::TestRuntime;
 use lab::technique::Method;
 use render::options::Quality;
@@ -15,7 +15,7 @@ const MODES: [(&str, &[&str]); 3] = [
 ];
 
 /// Both eyes' pictures of the courtyard, as files, under validation.
-fn draw(runtime: &TestRuntime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] {
+fn draw(runtime: &TestRuntime, scene: &ViewedScans, options: &[&str]) -> [Vec<u8>; 2] {
     let scan = scene.courtyard.to_str().expect("UTF-8");
     let out = scene.file(&format!("{}.png", options.concat().replace(['=', '/'], "-")));
     let place = ["--stereo", "--size", "301x203", "--eye", "499994.8,3999998.5,101.75"];
@@ -33,7 +33,7 @@ fn draw(runtime: &TestRuntime, scene: &Scene, options: &[&str]) -> [Vec<u8>; 2] 
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn methods_draw_the_same_picture_and_validation_is_silent() {
     let runtime = TestRuntime::drivers();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let plain = ["--preset", "plain", "--method"];
     let [nearest, blended] =
         ["closest", "hqs"].map(|quality| draw(&runtime, scene, &["--preset", "plain", "--quality", quality]));
@@ -56,7 +56,7 @@ fn methods_draw_the_same_picture_and_validation_is_silent() {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn tiers_draw_the_same_picture_and_validation_is_silent() {
     let runtime = TestRuntime::drivers();
-    let scene = Scene::get();
+    let scene = ViewedScans::get();
     let mut pictures = Vec::new();
     for (mode, options) in MODES {
         let drawn = ["int64", "int64-minmax", "int32"].map(|tier| {

@@ -1,7 +1,7 @@
 //! `view` with a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
 
 use crate::program::Program;
-use crate::scene::{NUM_POINTS, Scene};
+use crate::scene::{NUM_POINTS, ViewedScans};
 use kit::picture::Picture;
 use kit::rows::LogRows;
 use kit::screen::Screen;
@@ -97,7 +97,7 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
 
 /// Starts the program on the courtyard with small eyes; its screenshots come into `folder`.
 fn start(screen: &Screen, folder: &Path) -> Program {
-    let mut command = command(screen, folder, &Scene::get().courtyard, "on");
+    let mut command = command(screen, folder, &ViewedScans::get().courtyard, "on");
     Program::start(command.env_remove("WAYLAND_DISPLAY"))
 }
 
@@ -126,7 +126,7 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
         ("auto", "wayland-none", Some(folder.path())),
         ("on", "wayland-none", None),
     ] {
-        let mut command = command(&screen, folder.path(), &Scene::get().courtyard, when);
+        let mut command = command(&screen, folder.path(), &ViewedScans::get().courtyard, when);
         command.env("WAYLAND_DISPLAY", name).env_remove("XDG_RUNTIME_DIR").stderr(Stdio::piped());
         command.envs(runtime_dir.map(|folder| ("XDG_RUNTIME_DIR", folder)));
         let viewer = Program::start(&mut command);
@@ -195,7 +195,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let screen = Screen::start();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("frames.csv");
-    let mut command = command(&screen, folder.path(), &Scene::get().courtyard, "on");
+    let mut command = command(&screen, folder.path(), &ViewedScans::get().courtyard, "on");
     command.arg("--log").arg(&log).env_remove("WAYLAND_DISPLAY");
     // Eyes are smaller still: the notice is there for some seconds alone, in which the window has to come to draw it.
     command.args(["--set", "simulated.size_px=[160,180]"]);
@@ -250,7 +250,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
 fn the_window_mirrors_the_headset_and_validation_is_silent() {
     let lab = RuntimeSlot::enter();
     let screen = Screen::start();
-    let courtyard = Scene::get().courtyard.to_str().expect("a UTF-8 path");
+    let courtyard = ViewedScans::get().courtyard.to_str().expect("a UTF-8 path");
     let runtime = lab.runtime().validate().variable("DISPLAY", screen.display.clone()).timeout_s(120);
     for overlay in ["none", "nodes", "overdraw"] {
         let overlay_set = format!("window.overlay={overlay}");

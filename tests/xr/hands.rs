@@ -1,6 +1,6 @@
 //! Hands arrive as the device has them: poses, what each kind of controller has pressed, joints, bare hands.
 
-use crate::probe::{Frame, Hand, Job, StagePose, frame, last, settle};
+use crate::probe::{Job, ProbeFrame, ProbeHand, StagePose, frame, last, settle};
 use glam::{DQuat, DVec3};
 use kit::xr::poses::{Packet, Remote, RemoteHand, RemotePose};
 use kit::xr::{Finished, Running, RuntimeSlot, TestRuntime};
@@ -49,8 +49,9 @@ fn both_hands_are_where_the_device_says() {
         right: RemoteHand { pose: turned([0.25, 1.3, -0.6], -0.7), ..RemoteHand::default() },
         ..Packet::default()
     };
-    let is_there =
-        |hand: &Hand, x: f32| hand.aim.is_some_and(|(position, _)| (position[0] - f64::from(x)).abs() < 1e-4);
+    let is_there = |hand: &ProbeHand, x: f32| {
+        hand.aim.is_some_and(|(position, _)| (position[0] - f64::from(x)).abs() < 1e-4)
+    };
     let frame = settle(&mut run, &mut remote, &packet, |frame| {
         is_there(&frame.hands[0], -0.3) && is_there(&frame.hands[1], 0.25)
     });
@@ -79,11 +80,11 @@ fn both_hands_are_where_the_device_says() {
 }
 
 /// A button: its name, the hand that is asked, how to press it, and whether it is read as pressed.
-type Button = (&'static str, usize, fn(&mut RemoteHand), fn(&Hand) -> bool);
+type Button = (&'static str, usize, fn(&mut RemoteHand), fn(&ProbeHand) -> bool);
 
 /// Presses one button after the other and looks that each is read as what it is for, by its hand alone.
 fn press_all(run: &mut Running, remote: &mut Remote, buttons: &[Button]) {
-    let all = |hand: &Hand| [hand.select, hand.grab, hand.menu, hand.reset];
+    let all = |hand: &ProbeHand| [hand.select, hand.grab, hand.menu, hand.reset];
     settle(run, remote, &Packet::default(), |frame| frame.hands.iter().all(|hand| hand.aim.is_some()));
     for (name, number, press, is_read) in buttons {
         let mut packet = Packet::default();
@@ -192,7 +193,7 @@ fn the_simplest_controllers_select_and_have_a_menu() {
 }
 
 /// Joints of a hand: positions.
-fn positions(hand: &Hand) -> Vec<DVec3> {
+fn positions(hand: &ProbeHand) -> Vec<DVec3> {
     hand.joints.as_deref().expect("joints").iter().map(|((position, _), _)| (*position).into()).collect()
 }
 
@@ -206,7 +207,7 @@ fn joints_arrive_and_go_with_the_hand() {
         right: RemoteHand { pose: turned([0.25, 1.3, -0.6], -0.7), ..RemoteHand::default() },
         ..Packet::default()
     };
-    let near = |hand: &Hand, sent: &RemoteHand| {
+    let near = |hand: &ProbeHand, sent: &RemoteHand| {
         hand.joints.is_some()
             && positions(hand)[joint::PALM].distance(DVec3::from(sent.pose.position.map(f64::from))) < 0.15
     };
@@ -300,7 +301,7 @@ fn bare_hands_are_not_followed_where_the_user_says_so() {
     let done = job.run(&lab.runtime().fault("bare").validate());
     done.assert_ok();
     done.assert_valid();
-    let frames: Vec<Frame> = done.lines.iter().filter_map(|line| frame(line)).collect();
+    let frames: Vec<ProbeFrame> = done.lines.iter().filter_map(|line| frame(line)).collect();
     assert!(frames.iter().flat_map(|frame| &frame.hands).all(|hand| hand.joints.is_none()));
     assert!(frames.iter().flat_map(|frame| &frame.hands).all(|hand| hand.aim.is_none()));
     let told = told(&done);
@@ -338,10 +339,10 @@ fn failures_with_hands_cost_a_frame() {
         done.assert_valid();
         let told = done.stderr.matches(&format!("failed in a frame ({call})")).count();
         assert_eq!(told, 1, "{fault}: {}", done.stderr);
-        let frames: Vec<Frame> = done.lines.iter().filter_map(|line| frame(line)).collect();
+        let frames: Vec<ProbeFrame> = done.lines.iter().filter_map(|line| frame(line)).collect();
         assert!(frames.len() >= 40, "{fault}: {}", frames.len());
-        let at_rest = |frame: &Frame| frame.hands[1].aim.is_none();
-        let without_joints = |frame: &Frame| frame.hands[1].joints.is_none();
+        let at_rest = |frame: &ProbeFrame| frame.hands[1].aim.is_none();
+        let without_joints = |frame: &ProbeFrame| frame.hands[1].joints.is_none();
         let late = || frames.iter().filter(|frame| (20..36).contains(&frame.frame));
         match &fault[..4] {
             "hand" | "sync" => assert!(late().any(at_rest), "{fault}"),

@@ -80,13 +80,13 @@ pub fn last(lines: &[String], key: &str) -> Option<Value> {
 
 /// A frame as the probe reported it.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Frame {
+pub struct ProbeFrame {
     pub frame: u64,
     pub state: String,
     /// Position, orientation x, y, z, w, tangents left, right, up, down; left eye, then right.
     pub eyes: [([f64; 3], [f64; 4], [f64; 4]); 2],
     /// Left hand, right hand.
-    pub hands: [Hand; 2],
+    pub hands: [ProbeHand; 2],
 }
 
 /// Position and orientation x, y, z, w in the stage.
@@ -94,7 +94,7 @@ pub type StagePose = ([f64; 3], [f64; 4]);
 
 /// A hand as the probe reported it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-pub struct Hand {
+pub struct ProbeHand {
     pub aim: Option<StagePose>,
     pub grip: Option<StagePose>,
     pub stick: [f32; 2],
@@ -112,14 +112,14 @@ pub fn settle(
     run: &mut Running,
     remote: &mut Remote,
     packet: &Packet,
-    shown: impl Fn(&Frame) -> bool,
-) -> Frame {
+    shown: impl Fn(&ProbeFrame) -> bool,
+) -> ProbeFrame {
     remote.send(packet);
     run.wait_for("frame with the state sent", |line| frame(line).filter(|frame| shown(frame)))
 }
 
 /// A line as a frame, if it is one.
-pub fn frame(line: &str) -> Option<Frame> {
+pub fn frame(line: &str) -> Option<ProbeFrame> {
     serde_json::from_str(line).ok()
 }
 

@@ -1,16 +1,16 @@
 //! Poses and fields of view of the eyes arrive as the device has them.
 
-use crate::probe::{Frame, Job, settle};
+use crate::probe::{Job, ProbeFrame, settle};
 use glam::{DQuat, DVec3};
 use kit::xr::RuntimeSlot;
 use kit::xr::poses::{Packet, RemoteEye, RemotePose};
 
-fn position(frame: &Frame, eye: usize) -> DVec3 {
+fn position(frame: &ProbeFrame, eye: usize) -> DVec3 {
     frame.eyes[eye].0.into()
 }
 
 /// The point between the eyes.
-fn head(frame: &Frame) -> DVec3 {
+fn head(frame: &ProbeFrame) -> DVec3 {
     0.5 * (position(frame, 0) + position(frame, 1))
 }
 
@@ -57,7 +57,7 @@ fn asymmetric_and_canted_eyes_arrive() {
     let fovs = [[-0.9_f32, 0.7, 0.8, -0.85], [-0.7, 0.9, 0.8, -0.85]];
     let eyes = [eye(fovs[0], -0.033, cant), eye(fovs[1], 0.033, cant.inverse())];
     let packet = Packet { eyes: Some(eyes), ..Packet::default() };
-    let shown = |frame: &Frame| (frame.eyes[0].2[0] - f64::from(-0.9_f32).tan()).abs() < 1e-5;
+    let shown = |frame: &ProbeFrame| (frame.eyes[0].2[0] - f64::from(-0.9_f32).tan()).abs() < 1e-5;
     let frame = settle(&mut run, &mut remote, &packet, shown);
     for (eye, fov) in fovs.iter().enumerate() {
         for (tangent, angle) in frame.eyes[eye].2.iter().zip(fov) {

@@ -10,7 +10,7 @@ use render::options::Quality;
 use base::random::mix;
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
-use lab::reference::Frame;
+use lab::reference::ReferenceFrame;
 use lab::reference::resolve::EMPTY;
 use lab::synth::{self, SynthKind};
 use lab::technique::{LabTechnique, tree};
@@ -356,7 +356,7 @@ pub fn num_differing<T: PartialEq>(a: &[T], b: &[T]) -> usize {
 }
 
 /// Says what of a frame differs from the CPU reference's.
-pub fn difference(drawn: &Drawn, want: &Frame) -> Option<String> {
+pub fn difference(drawn: &Drawn, want: &ReferenceFrame) -> Option<String> {
     if drawn.visible != want.visible {
         return Some(format!("{} visible batches, not {}", drawn.visible.len(), want.visible.len()));
     }

@@ -16,7 +16,7 @@ pub struct Picture {
 
 /// A pixel that is not the same in two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Difference {
+pub struct PixelDifference {
     /// Place of the pixel: x, y from the top left.
     pub at: [usize; 2],
     pub here: Rgb,
@@ -87,13 +87,11 @@ impl Picture {
     }
 
     /// How many pixels differ from a picture of the same size, and the first that does.
-    pub fn differences(&self, other: &Self) -> (usize, Option<Difference>) {
+    pub fn differences(&self, other: &Self) -> (usize, Option<PixelDifference>) {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes");
         let mut pairs = self.pixels.iter().zip(&other.pixels).enumerate();
-        let first = pairs.find(|(_, (here, there))| here != there).map(|(i, (&here, &there))| Difference {
-            at: [i % self.width, i / self.width],
-            here,
-            there,
+        let first = pairs.find(|(_, (here, there))| here != there).map(|(i, (&here, &there))| {
+            PixelDifference { at: [i % self.width, i / self.width], here, there }
         });
         (self.num_different(other), first)
     }
@@ -142,7 +140,7 @@ mod tests {
         assert_eq!(picture.differences(&picture), (0, None));
         let mut changed = picture.clone();
         changed.pixels[4][1] ^= 1;
-        let difference = Difference { at: [1, 1], here: [7, 7, 7], there: [7, 6, 7] };
+        let difference = PixelDifference { at: [1, 1], here: [7, 7, 7], there: [7, 6, 7] };
         assert_eq!(picture.differences(&changed), (1, Some(difference)));
         assert_eq!(changed.part([1, 1], [2, 1]).pixels, [[7, 6, 7], [7; 3]]);
     }

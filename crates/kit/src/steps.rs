@@ -9,7 +9,7 @@ use std::process::Command;
 
 /// Arguments of each of them.
 #[derive(Debug, Parser)]
-struct Args {
+struct StepArgs {
     /// Millions of points of each made-up file
     #[arg(long, value_name = "M", default_value_t = 10.0)]
     points: f64,
@@ -36,7 +36,7 @@ pub fn run(
     bench: impl FnOnce(&Path, u64, u64) -> Result<()>,
     step: impl FnOnce(&str, &Path) -> Result<()>,
 ) -> Result<()> {
-    let mut args = Args::parse();
+    let mut args = StepArgs::parse();
     if let [name, path] = &args.step[..] {
         return step(&name.to_string_lossy(), path);
     }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// Arguments of each of them.
 #[derive(Debug, Args)]
-pub struct Timed {
+pub struct TimedArgs {
     /// Measured runs of each contestant
     #[arg(long, value_name = "N", default_value_t = 9)]
     pub runs: usize,
@@ -29,7 +29,7 @@ pub struct Timed {
     bench: bool,
 }
 
-impl Timed {
+impl TimedArgs {
     /// True for a run whose times do not matter.
     pub fn is_quick(&self) -> bool {
         self.quick || !self.bench

@@ -22,7 +22,7 @@ const MOST_HEIGHTS: usize = 1 << 20;
 
 /// What a file is colored by, and what is to be said of it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Choice {
+pub(super) struct ColorChoice {
     /// The coloring. [`share_ranges`] sets the ranges of its ramps, [`super::uncolored`] its grays.
     pub coloring: Coloring,
     /// Sentences whose subject is the file, where its colors are of several kinds.
@@ -30,9 +30,9 @@ pub(super) struct Choice {
 }
 
 /// Chooses how a file with these columns is colored. `known` is its white, where the format knows it.
-pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> Choice {
+pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> ColorChoice {
     if rgb.is_empty() {
-        return Choice { coloring: Coloring::by(without_rgb(stats)), ..Choice::default() };
+        return ColorChoice { coloring: Coloring::by(without_rgb(stats)), ..ColorChoice::default() };
     }
     let colors = Distribution::of(rgb);
     let white = White::known_or_of(known, &colors);
@@ -50,7 +50,7 @@ pub(super) fn choose(stats: &Stats, rgb: &[[u16; 3]], known: Option<u16>) -> Cho
         _ => make_one(rgb, known, white),
     };
     sentences.extend(source.white().and_then(|white| nearly_black(rgb, &raised, blank, white)));
-    Choice { coloring: Coloring { source, blank, grays: None, raised }, sentences }
+    ColorChoice { coloring: Coloring { source, blank, grays: None, raised }, sentences }
 }
 
 /// Returns a sentence if nearly all colors are so dark that nobody sees them.

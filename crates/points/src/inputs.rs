@@ -3,6 +3,7 @@
 use super::ScanError;
 use std::collections::HashMap;
 use std::ffi::OsStr;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that lie beside scans and hold no points: spatial indexes, coordinate systems, world files,
@@ -68,13 +69,13 @@ fn names(paths: &[PathBuf]) -> String {
 fn take_once(paths: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     /// What is known of a file: whether a path names it without a link, and the links that are kept.
     #[derive(Default)]
-    struct Seen {
+    struct FileNames {
         itself: bool,
         taken: bool,
         links: Vec<PathBuf>,
     }
-    let mut seen: HashMap<&Identity, Seen> = HashMap::new();
-    let identities: Vec<Option<Identity>> = paths.iter().map(|path| identity(path)).collect();
+    let mut seen = HashMap::<_, FileNames>::new();
+    let identities: Vec<_> = paths.iter().map(|path| identity(path)).collect();
     for (path, identity) in paths.iter().zip(&identities) {
         if let Some(identity) = identity {
             seen.entry(identity).or_default().itself |= !path.is_symlink();
@@ -112,20 +113,14 @@ fn own_place(link: &Path) -> PathBuf {
 
 /// Device and inode: equal for all names of a file, hard links too.
 #[cfg(unix)]
-type Identity = (u64, u64);
-
-#[cfg(unix)]
-fn identity(path: &Path) -> Option<Identity> {
+fn identity(path: &Path) -> Option<impl Eq + Hash + use<>> {
     use std::os::unix::fs::MetadataExt;
     std::fs::metadata(path).ok().map(|metadata| (metadata.dev(), metadata.ino()))
 }
 
 /// The path without links and dots; hard links look like two files.
 #[cfg(not(unix))]
-type Identity = PathBuf;
-
-#[cfg(not(unix))]
-fn identity(path: &Path) -> Option<Identity> {
+fn identity(path: &Path) -> Option<impl Eq + Hash + use<>> {
     std::fs::canonicalize(path).ok()
 }
 

@@ -2,7 +2,7 @@
 
 use super::block::Trailer;
 use super::collect::{self, Collected};
-use super::color::{self, Choice};
+use super::color::{self, ColorChoice};
 use super::inputs::{self, Inputs};
 use super::{
     FARTHEST, Header, InFile, ReadOptions, Scan, ScanError, ScanFile, WorldFromFile, open, uncolored, world,
@@ -136,7 +136,7 @@ fn add(scan: &mut Scan, file: ReadFile, show_withheld: bool) {
     let ReadFile { header, collected, trailer } = file;
     let bounds = bounds(&collected);
     let Collected { grid, points, stats } = collected;
-    let Choice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, trailer.white);
+    let ColorChoice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, trailer.white);
     let losses: Vec<String> =
         trailer.losses.iter().map(|loss| format!("{loss}; get or export it again")).collect();
     let sentences = header.warnings.iter().chain(&losses).chain(&trailer.warnings).chain(&of_colors);

@@ -15,9 +15,9 @@ fn scene(num_points: usize, darkness: f64) -> Vec<[f64; 3]> {
 }
 
 /// How a program writes a channel of 0 to 1.
-type Writer = (&'static str, fn(f64) -> u16, u16);
+type ChannelWriter = (&'static str, fn(f64) -> u16, u16);
 
-const WRITERS: [Writer; 6] = [
+const WRITERS: [ChannelWriter; 6] = [
     ("8 bits", |c| (c * 255.0).round() as u16, 255),
     ("10 bits", |c| (c * 1023.0).round() as u16, 1023),
     ("12 bits", |c| (c * 4095.0).round() as u16, 4095),

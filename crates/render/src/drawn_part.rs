@@ -66,7 +66,7 @@ impl DrawnPart {
     ) -> Self {
         let is_bgra = format == wgpu::TextureFormat::Bgra8UnormSrgb;
         let background = if is_bgra { swapped(background) } else { background };
-        let make = Make { gpu, targets };
+        let make = PartMaker { gpu, targets };
         Self {
             no_keys: make.clearing(8, EMPTY_DEPTH),
             no_depth: make.clearing(4, EMPTY_DEPTH),
@@ -83,12 +83,12 @@ impl DrawnPart {
 }
 
 /// What the buffers are made with.
-struct Make<'a> {
+struct PartMaker<'a> {
     gpu: &'a Gpu,
     targets: &'a Targets,
 }
 
-impl Make<'_> {
+impl PartMaker<'_> {
     fn clearing(&self, bytes_per_px: u64, value: u32) -> Clearing {
         self.clearing_words([0, 1].map(|eye| self.targets.num_words(eye, bytes_per_px)), value)
     }

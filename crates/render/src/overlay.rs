@@ -21,12 +21,12 @@ const BOX_VERTICES: u32 = 72;
 /// The overlays' pipelines, made at the start of a walk that a window watches: choosing one stops no frame.
 #[derive(Debug)]
 pub struct Overlays {
-    rings: Pass,
-    depth: Pass,
+    rings: OverlayPass,
+    depth: OverlayPass,
     /// A pass for each form of sums that the GPU can do.
-    overdraw: Vec<(Sums, Pass)>,
-    nodes: Pass,
-    batches: Pass,
+    overdraw: Vec<(Sums, OverlayPass)>,
+    nodes: OverlayPass,
+    batches: OverlayPass,
     /// Uniforms with each eye's number, as `dilate` in the shaders.
     eyes: [wgpu::Buffer; 2],
     bound: Option<Bound>,
@@ -44,7 +44,7 @@ struct Bound {
 
 /// A pipeline that blends over an image.
 #[derive(Debug)]
-struct Pass {
+struct OverlayPass {
     pipeline: wgpu::RenderPipeline,
     bindings: Bindings<(CloudSet, bindings::OverlaySet)>,
 }
@@ -59,7 +59,7 @@ impl Overlays {
         let (gpu, format) = (&*renderer.gpu, renderer.setup.color_format);
         let pass = |shader: ShaderOfSet<_>, sums, entries| {
             let wgsl = shader.source(Variant { sums, ..Variant::eyes(2) });
-            Pass::new(gpu, shader.name(), &wgsl, entries, format)
+            OverlayPass::new(gpu, shader.name(), &wgsl, entries, format)
         };
         let whole = |entry, sums| pass(shaders::OVERLAY, sums, ["whole", entry]);
         let boxes = |entry| pass(shaders::BOXES, Sums::Packed, [entry, "line"]);
@@ -128,7 +128,7 @@ impl Overlays {
     }
 
     /// The pass of an overlay, if this frame has what it shows.
-    fn pass(&self, renderer: &Renderer, overlay: Overlay) -> Option<&Pass> {
+    fn pass(&self, renderer: &Renderer, overlay: Overlay) -> Option<&OverlayPass> {
         match overlay {
             Overlay::None => None,
             Overlay::Rings => Some(&self.rings),
@@ -156,7 +156,7 @@ impl Overlays {
     }
 
     /// The pass for the form of sums that the frame adds up, if it adds up any.
-    fn overdraw(&self, renderer: &Renderer) -> Option<&Pass> {
+    fn overdraw(&self, renderer: &Renderer) -> Option<&OverlayPass> {
         if renderer.options.quality != Quality::Hqs {
             return None;
         }
@@ -168,7 +168,7 @@ impl Overlays {
         &self,
         renderer: &Renderer,
         cloud: &CloudBuffers,
-        pass: &Pass,
+        pass: &OverlayPass,
         eye: usize,
         chunk: usize,
     ) -> wgpu::BindGroup {
@@ -197,7 +197,7 @@ impl Overlays {
     }
 }
 
-impl Pass {
+impl OverlayPass {
     fn new(
         gpu: &Gpu,
         name: &'static str,

@@ -3,7 +3,7 @@
 
 use crate::cloud_buffers::{Allocator, CloudBuffers, FILTERED_COLORS, num_extra_slices};
 use crate::gpu::Gpu;
-use crate::layout::{Batch, CHILD_ABSENT, ChunkUniform, NO_CHILD, NODE_RESIDENT, Node};
+use crate::layout::{CHILD_ABSENT, ChunkUniform, GpuBatch, GpuNode, NO_CHILD, NODE_RESIDENT};
 use crate::pool::BatchPlaces;
 use base::space::Split;
 use base::task::{Cancelled, Progress};
@@ -64,7 +64,7 @@ struct Outline<'a> {
     batch_bytes: usize,
     /// Words of a plane.
     num_words: usize,
-    nodes: &'a [Node],
+    nodes: &'a [GpuNode],
     /// The column beside the colors.
     column: Option<&'static str>,
 }
@@ -77,7 +77,7 @@ pub struct CloudUpload<'a> {
     cloud: CloudBuffers,
     places: BatchPlaces,
     /// Nodes of an octree, as the GPU has them or will have them.
-    nodes: Vec<Node>,
+    nodes: Vec<GpuNode>,
     /// The node of each batch of an octree.
     node_of: Vec<u32>,
     /// Bytes sent since the GPU was last waited for.
@@ -147,12 +147,13 @@ impl<'a> CloudUpload<'a> {
             split: cloud.split,
             num_points: cloud.num_points,
             batches: &cloud.batches,
-            batch_bytes: size_of::<Batch>(),
+            batch_bytes: size_of::<GpuBatch>(),
             num_words: cloud.planes[0].len(),
-            nodes: &[Node::FLAT],
+            nodes: &[GpuNode::FLAT],
             column: None,
         };
-        let batch = |i: usize, first_point: u32| Batch::new(&cloud.split, &cloud.batches[i], 0, first_point);
+        let batch =
+            |i: usize, first_point: u32| GpuBatch::new(&cloud.split, &cloud.batches[i], 0, first_point);
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
         let [hi, mid, lo] = &cloud.planes;
         upload.write_whole(cloud, &[hi, mid, lo, &cloud.colors], &batch)?;
@@ -173,7 +174,7 @@ impl<'a> CloudUpload<'a> {
             batches: &cloud.batches,
             batch_bytes: size_of::<B>(),
             num_words: cloud.planes[0].len(),
-            nodes: &vec![Node::FLAT; num_nodes],
+            nodes: &vec![GpuNode::FLAT; num_nodes],
             column: Some(name),
         };
         let mut upload = Self::begin(gpu, outline, chunk_limit, progress)?;
@@ -195,17 +196,17 @@ impl<'a> CloudUpload<'a> {
             node_of[node.batches.start as usize..node.batches.end as usize].fill(number as u32);
         }
         let absent = |number: usize| {
-            let whole = Node::new(split, nodes, number);
+            let whole = GpuNode::new(split, nodes, number);
             let children =
                 whole.children.map(|child| if child == NO_CHILD { NO_CHILD } else { CHILD_ABSENT });
-            Node { children, flags: whole.flags & !NODE_RESIDENT, ..whole }
+            GpuNode { children, flags: whole.flags & !NODE_RESIDENT, ..whole }
         };
-        let gpu_nodes: Vec<Node> = (0..nodes.len()).map(absent).collect();
+        let gpu_nodes: Vec<GpuNode> = (0..nodes.len()).map(absent).collect();
         let outline = Outline {
             split: *split,
             num_points,
             batches,
-            batch_bytes: size_of::<Batch>(),
+            batch_bytes: size_of::<GpuBatch>(),
             num_words: octree::num_words(nodes),
             nodes: &gpu_nodes,
             column: Some(FILTERED_COLORS),
@@ -335,7 +336,7 @@ impl<'a> CloudUpload<'a> {
     ) -> Result<(), UploadError> {
         let mut touched: Vec<usize> = run.clone().collect();
         for number in run.clone() {
-            let node = Node::new(&self.cloud.split, nodes, number);
+            let node = GpuNode::new(&self.cloud.split, nodes, number);
             // Its children are linked as they come.
             self.nodes[number].flags = node.flags;
             if let Some(parent) = nodes[number].parent.map(|parent| parent as usize) {
@@ -347,17 +348,17 @@ impl<'a> CloudUpload<'a> {
         touched.sort_unstable();
         touched.dedup();
         let batch = |i: usize| {
-            Batch::new(&self.cloud.split, &batches[i], self.node_of[i], self.places.places[i].first_point)
+            GpuBatch::new(&self.cloud.split, &batches[i], self.node_of[i], self.places.places[i].first_point)
         };
-        let gpu_batches: Vec<Batch> = of_run.clone().map(batch).collect();
+        let gpu_batches: Vec<GpuBatch> = of_run.clone().map(batch).collect();
         let queue = self.gpu.queue.lock();
         for (i, batch) in of_run.zip(&gpu_batches) {
             let chunk = &self.cloud.chunks[self.places.places[i].chunk];
-            let offset = self.places.slot(i) * size_of::<Batch>();
+            let offset = self.places.slot(i) * size_of::<GpuBatch>();
             queue.write_buffer(&chunk.batches, offset as u64, bytemuck::bytes_of(batch));
         }
         for number in touched {
-            let offset = number * size_of::<Node>();
+            let offset = number * size_of::<GpuNode>();
             queue.write_buffer(&self.cloud.nodes, offset as u64, bytemuck::bytes_of(&self.nodes[number]));
         }
         queue.submit([]);

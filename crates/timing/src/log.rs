@@ -65,7 +65,7 @@ impl FrameLog {
         let (rows, queue) = sync_channel(QUEUE_ROWS);
         let num_dropped = Arc::new(AtomicU64::new(0));
         let finished = Arc::new(AtomicBool::new(false));
-        let writer = Writer {
+        let writer = LogWriter {
             out: Some(BufWriter::new(file)),
             path: output.path().to_owned(),
             num_dropped: Arc::clone(&num_dropped),
@@ -111,7 +111,7 @@ impl Drop for FrameLog {
 }
 
 /// The writer's side.
-struct Writer {
+struct LogWriter {
     /// `None` after a failure: rows are then taken and thrown away.
     out: Option<BufWriter<OutputFile>>,
     path: PathBuf,
@@ -121,7 +121,7 @@ struct Writer {
     summary: LogSummary,
 }
 
-impl Writer {
+impl LogWriter {
     fn run(mut self, queue: &Receiver<Option<FrameRow>>, facts: &RunFacts) -> LogSummary {
         self.write(|out| {
             write_header(out, facts)?;

@@ -54,7 +54,7 @@ impl WhichHands {
 
 /// A part of a controller and what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Binding {
+pub struct ControlBinding {
     /// What it is for.
     pub control: Control,
     /// The hands that have it.
@@ -82,17 +82,17 @@ pub struct Profile {
     /// The extension that it comes with; `None` if every runtime of OpenXR 1.0 knows the path.
     pub extension: Option<Extension>,
     /// Its parts except the poses, which all kinds have.
-    parts: &'static [Binding],
+    parts: &'static [ControlBinding],
 }
 
 impl Profile {
     /// All parts.
-    pub fn bindings(&self) -> impl Iterator<Item = &'static Binding> {
+    pub fn bindings(&self) -> impl Iterator<Item = &'static ControlBinding> {
         POSES.iter().chain(self.parts)
     }
 
     /// The parts of a hand, 0 left and 1 right, that are for `control`.
-    pub fn of(&self, control: Control, hand: usize) -> impl Iterator<Item = &'static Binding> {
+    pub fn of(&self, control: Control, hand: usize) -> impl Iterator<Item = &'static ControlBinding> {
         self.bindings().filter(move |part| part.control == control && part.hands.contain(hand))
     }
 
@@ -103,23 +103,24 @@ impl Profile {
     }
 }
 
-const fn both(control: Control, path: &'static str) -> Binding {
-    Binding { control, hands: WhichHands::Both, path }
+const fn both(control: Control, path: &'static str) -> ControlBinding {
+    ControlBinding { control, hands: WhichHands::Both, path }
 }
 
-const fn left(control: Control, path: &'static str) -> Binding {
-    Binding { control, hands: WhichHands::Left, path }
+const fn left(control: Control, path: &'static str) -> ControlBinding {
+    ControlBinding { control, hands: WhichHands::Left, path }
 }
 
-const fn right(control: Control, path: &'static str) -> Binding {
-    Binding { control, hands: WhichHands::Right, path }
+const fn right(control: Control, path: &'static str) -> ControlBinding {
+    ControlBinding { control, hands: WhichHands::Right, path }
 }
 
 /// What all kinds have.
-const POSES: [Binding; 2] = [both(Control::Aim, "input/aim/pose"), both(Control::Grip, "input/grip/pose")];
+const POSES: [ControlBinding; 2] =
+    [both(Control::Aim, "input/aim/pose"), both(Control::Grip, "input/grip/pose")];
 
 /// The parts of Meta's controllers, which differ in what scanwalk has no use for.
-const TOUCH: [Binding; 9] = [
+const TOUCH: [ControlBinding; 9] = [
     both(Control::Move, "input/thumbstick"),
     both(Control::Select, "input/trigger/value"),
     both(Control::Squeeze, "input/squeeze/value"),
@@ -132,7 +133,7 @@ const TOUCH: [Binding; 9] = [
 ];
 
 /// The parts of controllers that are like Meta's and have a button for the grab.
-const TOUCH_WITH_GRAB: [Binding; 9] = [
+const TOUCH_WITH_GRAB: [ControlBinding; 9] = [
     both(Control::Move, "input/thumbstick"),
     both(Control::Select, "input/trigger/value"),
     both(Control::Grab, "input/squeeze/click"),
@@ -329,7 +330,7 @@ mod tests {
             let grabs = [Control::Grab, Control::Squeeze].iter().any(|c| profile.of(*c, 0).next().is_some());
             assert!(grabs || profile.path == SIMPLE, "{}", profile.name);
         }
-        const ONE: [Binding; 1] = [right(Control::Select, "input/select/click")];
+        const ONE: [ControlBinding; 1] = [right(Control::Select, "input/select/click")];
         let one_handed = Profile { parts: &ONE, ..PROFILES[0] };
         assert_eq!(lacks(&one_handed, 0), ["select", "menu", "move"]);
         assert_eq!(lacks(&one_handed, 1), ["menu"]);

@@ -22,7 +22,7 @@ pub(crate) fn settle(session: &xr::Session<xr::Vulkan>, offered: bool, wanted_hz
             .enumerate_display_refresh_rates()
             .map(|rates| rates.into_iter().map(f64::from).collect())
             .unwrap_or_default();
-        let Choice { hz, remark } = choose(&rates, wanted_hz);
+        let RateChoice { hz, remark } = choose(&rates, wanted_hz);
         if let Some(remark) = remark {
             tracing::warn!("{remark}");
         }
@@ -38,24 +38,24 @@ pub(crate) fn settle(session: &xr::Session<xr::Vulkan>, offered: bool, wanted_hz
 
 /// The rate to ask for, and what the user is told if it is another than they chose.
 #[derive(Debug, PartialEq)]
-struct Choice {
+struct RateChoice {
     hz: Option<f64>,
     remark: Option<String>,
 }
 
 /// Chooses the rate nearest to the wanted one.
-fn choose(offered: &[f64], wanted_hz: f64) -> Choice {
+fn choose(offered: &[f64], wanted_hz: f64) -> RateChoice {
     let rates: Vec<String> = offered.iter().map(|hz| format!("{hz:.0}")).collect();
     let away = |hz: &f64| (hz - wanted_hz).abs();
     match offered.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))) {
-        None => Choice {
+        None => RateChoice {
             hz: None,
             remark: Some(format!(
                 "headset.refresh_hz={wanted_hz}: the headset's runtime offers no rates to choose from"
             )),
         },
-        Some(hz) if away(&hz) < SAME_HZ => Choice { hz: Some(hz), remark: None },
-        Some(hz) => Choice {
+        Some(hz) if away(&hz) < SAME_HZ => RateChoice { hz: Some(hz), remark: None },
+        Some(hz) => RateChoice {
             hz: Some(hz),
             remark: Some(format!(
                 "headset.refresh_hz={wanted_hz}: the headset offers {} Hz, and {hz:.0} Hz was chosen",
@@ -72,8 +72,8 @@ mod tests {
     #[test]
     fn the_nearest_offered_rate_is_chosen_and_another_is_told() {
         let offered = [72.0, 80.0, 89.999, 120.0];
-        assert_eq!(choose(&offered, 90.0), Choice { hz: Some(89.999), remark: None });
-        let Choice { hz, remark } = choose(&offered, 144.0);
+        assert_eq!(choose(&offered, 90.0), RateChoice { hz: Some(89.999), remark: None });
+        let RateChoice { hz, remark } = choose(&offered, 144.0);
         assert_eq!(hz, Some(120.0));
         assert!(remark.expect("a remark").contains("offers 72, 80, 90, 120 Hz, and 120 Hz was chosen"));
         assert_eq!(choose(&[], 90.0).hz, None);

@@ -1,6 +1,6 @@
 //! Arcs over made-up floors: how far they go, where they land, and what stops them.
 
-use super::super::floors::made_up::{Made, grid};
+use super::super::floors::made_up::{MadeScan, grid};
 use super::*;
 use glam::DVec2;
 use std::time::Instant;
@@ -18,8 +18,8 @@ fn thrown(floors: &Floors, hand: DVec3, along: DVec3, units_per_m: f64) -> Telep
 }
 
 /// Two stories with walls, whose upper one has an opening; a stair leads up.
-fn house(units_per_m: f64) -> Made {
-    let mut made = Made::new(UTM * units_per_m, units_per_m);
+fn house(units_per_m: f64) -> MadeScan {
+    let mut made = MadeScan::new(UTM * units_per_m, units_per_m);
     made.level([0.0, 0.0], [12.0, 6.0], 0.0, 0.03);
     made.walls([0.0, 0.0], [12.0, 6.0], [0.0, 5.6], 0.03);
     made.level([0.0, 0.0], [8.0, 6.0], 2.7, 0.03);
@@ -98,7 +98,7 @@ fn arcs_land_on_floors_and_stop_at_walls_and_ceilings() {
 
 #[test]
 fn strays_stop_no_arc() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     made.level([0.0, 0.0], [12.0, 4.0], 0.0, 0.03);
     for [x, y, z] in grid([0.2, 0.2, 0.3], [11.8, 3.8, 2.5], 0.37) {
         made.add([x, y, z]);
@@ -115,7 +115,7 @@ fn strays_stop_no_arc() {
 
 #[test]
 fn hills_catch_arcs_and_cliffs_do_not() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     made.surface([0.0, 0.0], [10.0, 4.0], 0.04, |x, _| 0.4 * x);
     made.surface([10.0, 0.0], [12.0, 4.0], 0.04, |x, _| 4.0 + 3.0 * (x - 10.0));
     let floors = made.floors();

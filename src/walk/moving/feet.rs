@@ -58,7 +58,7 @@ impl Feet {
 
 #[cfg(test)]
 mod tests {
-    use super::super::floors::made_up::{Made, grid};
+    use super::super::floors::made_up::{MadeScan, grid};
     use super::*;
 
     const FRAME_S: f64 = 1.0 / 90.0;
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn feet_go_up_stairs_smoothly_and_stay_up() {
         for units_per_m in [1.0, 1.0 / 0.3048, 1000.0] {
-            let mut made = Made::new(DVec3::new(0.0, 0.0, 0.0), units_per_m);
+            let mut made = MadeScan::new(DVec3::new(0.0, 0.0, 0.0), units_per_m);
             made.level([0.0, 0.0], [3.0, 3.0], 0.0, 0.03);
             made.stairs([3.0, 0.0], 3.0, 10, 0.17, 0.28, 0.03);
             made.level([5.8, 0.0], [9.0, 3.0], 1.7, 0.03);
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn nobody_falls_off_a_cliff_or_into_a_hole() {
-        let mut made = Made::new(DVec3::new(5e5, 4e6, 300.0), 1.0);
+        let mut made = MadeScan::new(DVec3::new(5e5, 4e6, 300.0), 1.0);
         made.level([0.0, 0.0], [4.0, 4.0], 2.0, 0.03);
         made.level([0.0, 0.0], [12.0, 4.0], 0.0, 0.03);
         // Behind a gap the upper floor goes on.
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn strays_lift_nobody() {
-        let mut made = Made::new(DVec3::ZERO, 1.0);
+        let mut made = MadeScan::new(DVec3::ZERO, 1.0);
         made.level([0.0, 0.0], [8.0, 4.0], 0.0, 0.03);
         for [x, y, z] in grid([0.5, 0.5, 0.1], [7.5, 3.5, 2.0], 0.4) {
             made.add([x, y, z]);

@@ -1,6 +1,6 @@
 //! What is drawn where a file's system, its coordinates and the user's units contradict each other.
 
-use super::{Las, errors, geocentric, tower_on_earth};
+use super::{PlacedLas, errors, geocentric, tower_on_earth};
 use crate::bytes::{tower, world};
 use glam::DVec3;
 use points::{Project, ReadOptions, Unit, WorldFromFile};
@@ -14,10 +14,11 @@ fn coordinates_that_plainly_contradict_the_system_are_taken_for_what_they_are() 
     let degrees = tower_on_earth(8.0, 47.0, 500.0);
     let cartesian: Vec<DVec3> = degrees.iter().map(geocentric).collect();
     let in_degrees = |keys: &[[u16; 4]]| {
-        Las::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), degrees.clone()).with_keys(keys)
+        PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), degrees.clone())
+            .with_keys(keys)
     };
     let from_center = |keys: &[[u16; 4]]| {
-        Las::new(DVec3::splat(1e-3), cartesian[0].round(), cartesian.clone()).with_keys(keys)
+        PlacedLas::new(DVec3::splat(1e-3), cartesian[0].round(), cartesian.clone()).with_keys(keys)
     };
     for (what, las, words) in [
         ("degrees, UTM", in_degrees(&utm), "but has its coordinates in degrees"),
@@ -45,7 +46,11 @@ fn coordinates_that_plainly_contradict_the_system_are_taken_for_what_they_are() 
 fn a_unit_of_length_is_taken_or_spoken_of() {
     let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
     let degrees = || {
-        Las::new(DVec3::new(1e-7, 1e-7, 1e-3), DVec3::new(16.0, 48.0, 0.0), tower_on_earth(16.0, 48.0, 200.0))
+        PlacedLas::new(
+            DVec3::new(1e-7, 1e-7, 1e-3),
+            DVec3::new(16.0, 48.0, 0.0),
+            tower_on_earth(16.0, 48.0, 200.0),
+        )
     };
     // The user says what the first file is, which does not say it itself.
     let scan = degrees().read(&meters);
@@ -73,7 +78,7 @@ fn angles_and_lengths_of_every_number_are_drawn_in_meters() {
         &[[1024, 0, 1, 2], [2048, 0, 1, 4807]][..],
         &[[1024, 0, 1, 2], [2048, 0, 1, 4326], [2054, 0, 1, 9105]],
     ] {
-        let las = Las::new(DVec3::new(1e-9, 1e-9, 1e-4), gradians[0], gradians.clone()).with_keys(keys);
+        let las = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), gradians[0], gradians.clone()).with_keys(keys);
         let (distance, above) = errors(&las.read(&ReadOptions::default()), 100.0);
         assert!(distance < 1e-3 && above < 1e-3, "{keys:?}: {distance} {above}");
     }
@@ -82,7 +87,7 @@ fn angles_and_lengths_of_every_number_are_drawn_in_meters() {
     {
         let base = DVec3::new(400_000.0, 170_000.0, 20.0);
         let points = tower().map(|p| (p + base) / unit_m).collect();
-        let las = Las::new(DVec3::splat(1e-3), (base / unit_m).round(), points).with_keys(&[
+        let las = PlacedLas::new(DVec3::splat(1e-3), (base / unit_m).round(), points).with_keys(&[
             [1024, 0, 1, 1],
             [3072, 0, 1, 32767],
             [3076, 0, 1, number],
@@ -105,9 +110,9 @@ fn latitude_comes_first_where_longitude_cannot() {
         for (stated, how) in
             [(&keys[..], "has its coordinates in angles, the latitude first"), (&[], "names no")]
         {
-            let las = Las::new(steps, swapped[0], swapped.clone()).with_keys(stated);
+            let las = PlacedLas::new(steps, swapped[0], swapped.clone()).with_keys(stated);
             let scan = las.read(&ReadOptions::default());
-            let want = Las::new(steps, in_order[0], in_order.clone())
+            let want = PlacedLas::new(steps, in_order[0], in_order.clone())
                 .with_keys(stated)
                 .read(&ReadOptions::default());
             let differ =
@@ -123,18 +128,18 @@ fn latitude_comes_first_where_longitude_cannot() {
     }
     // Either order may be meant here; it is then taken as the program's own files have it.
     let swapped: Vec<DVec3> = tower_on_earth(47.0, 8.0, 500.0);
-    let scan = Las::new(steps, swapped[0], swapped).with_keys(&keys).read(&ReadOptions::default());
+    let scan = PlacedLas::new(steps, swapped[0], swapped).with_keys(&keys).read(&ReadOptions::default());
     assert!(!scan.warnings[0].contains("latitude first"), "{:?}", scan.warnings);
 }
 
 #[test]
 fn longitudes_may_go_on_to_360_and_no_scan_has_steps_of_a_hundred_meters() {
     let east = tower_on_earth(254.8, 40.0, 1500.0);
-    let scan = Las::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::default());
+    let scan = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::default());
     assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }), "{:?}", scan.warnings);
     // This is a hall whose file names the system of a receiver.
     let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
-    let scan = Las::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect()).with_keys(&keys);
+    let scan = PlacedLas::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect()).with_keys(&keys);
     let scan = scan.read(&ReadOptions::default());
     assert_eq!(scan.bounds(), scan.bounds_in_file());
     assert!(scan.warnings[0].contains("its points are not there"), "{:?}", scan.warnings);

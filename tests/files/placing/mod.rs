@@ -13,7 +13,7 @@ use points::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
 const US_FOOT: f64 = 1200.0 / 3937.0;
 
 /// A LAS 1.4 file of point format 0, with its grid, GeoTIFF keys or WKT, and coordinates.
-struct Las {
+struct PlacedLas {
     scale: DVec3,
     offset: DVec3,
     keys: Vec<[u16; 4]>,
@@ -21,7 +21,7 @@ struct Las {
     points: Vec<DVec3>,
 }
 
-impl Las {
+impl PlacedLas {
     fn new(scale: DVec3, offset: DVec3, points: Vec<DVec3>) -> Self {
         Self { scale, offset, keys: Vec::new(), wkt: String::new(), points }
     }
@@ -115,7 +115,7 @@ fn errors(scan: &Scan, height: f64) -> (f64, f64) {
 #[test]
 fn info_gives_the_size_of_a_scan_on_the_earth_in_the_order_of_its_axes() {
     let tower = tower_on_earth(8.0, 47.0, 500.0);
-    let degrees = Las::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), tower);
+    let degrees = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), tower);
     let (_folder, path) = save("a.las", &degrees.with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).bytes());
     let info =
         std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
@@ -127,11 +127,11 @@ fn info_gives_the_size_of_a_scan_on_the_earth_in_the_order_of_its_axes() {
 
 #[test]
 fn units_are_stated_by_code_or_by_the_user() {
-    let tile = Las::new(DVec3::splat(0.001), DVec3::new(984_000.0, 200_000.0, 0.0), {
+    let tile = PlacedLas::new(DVec3::splat(0.001), DVec3::new(984_000.0, 200_000.0, 0.0), {
         tower().map(|p| p / US_FOOT + DVec3::new(984_000.0, 200_000.0, 0.0)).collect()
     });
     assert_eq!(tile.read(&ReadOptions::default()).unit_m, None);
-    let by_code = Las { keys: vec![[1024, 0, 1, 1], [3072, 0, 1, 2263]], ..tile };
+    let by_code = PlacedLas { keys: vec![[1024, 0, 1, 1], [3072, 0, 1, 2263]], ..tile };
     let scan = by_code.read(&ReadOptions::default());
     assert_eq!((scan.unit_m, scan.unit_in_file_m), (Some(US_FOOT), Some(US_FOOT)));
     assert!((scan.bounds().size() * US_FOOT - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 1e-3);
@@ -145,7 +145,7 @@ fn units_are_stated_by_code_or_by_the_user() {
 fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
     let foot = DVec3::new(1.0, 1.0, 1.0 / US_FOOT);
     let base = DVec3::new(583_000.0, 4_507_000.0, 0.0);
-    let tile = || Las::new(DVec3::splat(0.001), base, tower().map(|p| p * foot + base).collect());
+    let tile = || PlacedLas::new(DVec3::splat(0.001), base, tower().map(|p| p * foot + base).collect());
     let wkt = r#"COMPD_CS["both",PROJCS["UTM",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["x",2005],UNIT["US survey foot",0.304800609601219]]]"#;
     let keys = [[1024, 0, 1, 1], [3072, 0, 1, 26918], [4099, 0, 1, 9003]];
     let vertical = ReadOptions { vertical_unit: Unit::Meters(US_FOOT), ..ReadOptions::default() };
@@ -182,10 +182,10 @@ fn places_on_the_earth_stand_upright_in_meters_wherever_they_are() {
                 let degrees = tower_on_earth(longitude, latitude, height);
                 let scale = DVec3::new(1e-9, 1e-9, 1e-4);
                 let offset = DVec3::new(longitude, latitude, height);
-                let geographic = Las::new(scale, offset, degrees.clone())
+                let geographic = PlacedLas::new(scale, offset, degrees.clone())
                     .with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]);
                 let cartesian: Vec<DVec3> = degrees.iter().map(geocentric).collect();
-                let cartesian = Las::new(DVec3::splat(1e-4), cartesian[0].round(), cartesian);
+                let cartesian = PlacedLas::new(DVec3::splat(1e-4), cartesian[0].round(), cartesian);
                 for (what, las) in [
                     ("degrees by code", geographic.read(&options)),
                     (
@@ -218,7 +218,7 @@ fn places_on_the_earth_stand_upright_in_meters_wherever_they_are() {
 #[test]
 fn what_the_file_has_is_kept_beside_what_is_drawn() {
     let degrees = tower_on_earth(16.0, 48.0, 200.0);
-    let las = Las::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(16.0, 48.0, 200.0), degrees.clone());
+    let las = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(16.0, 48.0, 200.0), degrees.clone());
     let scan = las.with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).read(&ReadOptions::default());
     let file = &scan.files[0];
     let own = file.in_file.bounds;
@@ -236,13 +236,13 @@ fn what_the_file_has_is_kept_beside_what_is_drawn() {
 fn projection_is_off_on_or_forced_as_asked() {
     let with = |project| ReadOptions { project, ..ReadOptions::default() };
     let degrees = tower_on_earth(16.0, 48.0, 200.0);
-    let las = Las::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(16.0, 48.0, 200.0), degrees)
+    let las = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(16.0, 48.0, 200.0), degrees)
         .with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]);
     let off = las.read(&with(Project::Off));
     assert_eq!((off.bounds(), off.unit_m), (off.bounds_in_file(), None));
     assert!(off.warnings[0].contains("looks flat"), "{:?}", off.warnings);
     // A local scan may be one that somebody knows to be in degrees.
-    let local = Las::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect());
+    let local = PlacedLas::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect());
     assert_eq!(local.read(&with(Project::Auto)).unit_m, None);
     assert_eq!(local.read(&with(Project::Degrees)).unit_m, Some(1.0));
 }
@@ -250,7 +250,7 @@ fn projection_is_off_on_or_forced_as_asked() {
 #[test]
 fn files_of_a_scan_share_one_frame() {
     let tile = |points: &[DVec3], keys: &[[u16; 4]]| {
-        Las::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(8.0, 47.0, 500.0), points.to_vec())
+        PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(8.0, 47.0, 500.0), points.to_vec())
             .with_keys(keys)
             .bytes()
     };
@@ -272,7 +272,7 @@ fn a_system_that_the_points_contradict_is_not_believed() {
     // Such files exist: UTM coordinates, and a geocentric system in the header.
     let utm = |keys: &[[u16; 4]]| {
         let offset = DVec3::new(515_368.0, 4_918_340.0, 2322.0);
-        let scan = Las::new(DVec3::splat(1e-3), offset, tower().map(|p| p + offset).collect())
+        let scan = PlacedLas::new(DVec3::splat(1e-3), offset, tower().map(|p| p + offset).collect())
             .with_keys(keys)
             .read(&ReadOptions::default());
         assert_eq!(scan.bounds(), scan.bounds_in_file(), "{keys:?}");
@@ -291,7 +291,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         let points = (0..50).map(|i| {
             offset + size * DVec3::new(f64::from(i % 5) / 4.0, f64::from(i % 7) / 6.0, f64::from(i) / 49.0)
         });
-        Las::new(scale, offset, points.collect())
+        PlacedLas::new(scale, offset, points.collect())
     };
     for (what, las) in [
         ("a room", local([5.0, 4.0, 2.5], [8.0, 47.0, 0.0], mm)),
@@ -336,7 +336,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         );
     }
     // The rule can also find that coordinates are degrees.
-    let degrees = Las::new(
+    let degrees = PlacedLas::new(
         DVec3::new(1e-7, 1e-7, 1e-3),
         DVec3::new(16.0, 48.0, 0.0),
         tower_on_earth(16.0, 48.0, 200.0),
@@ -356,7 +356,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         ("flat", DVec3::new(1e-7, 1e-7, 1e-3), flat().collect()),
         ("at zero", DVec3::new(1e-7, 1e-7, 1e-3), tower_on_earth(0.01, 0.01, 200.0)),
     ] {
-        let scan = Las::new(scale, DVec3::ZERO, points).read(&ReadOptions::default());
+        let scan = PlacedLas::new(scale, DVec3::ZERO, points).read(&ReadOptions::default());
         assert!(
             matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }),
             "{what}: {:?}",
@@ -364,7 +364,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         );
     }
     let center: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
-    let scan = Las::new(mm, center[0].round(), center).read(&ReadOptions::default());
+    let scan = PlacedLas::new(mm, center[0].round(), center).read(&ReadOptions::default());
     assert!(scan.warnings[0].contains("from the earth's center"), "{:?}", scan.warnings);
 }
 
@@ -377,7 +377,7 @@ fn zeros_beside_places_on_the_earth_are_left_out_and_cost_nothing() {
         let mut points: Vec<DVec3> = cartesian.iter().copied().cycle().take(50).collect();
         points.iter_mut().enumerate().for_each(|(i, p)| *p += DVec3::splat(1e-3 * (i / 5) as f64));
         points.splice(7..7, vec![DVec3::ZERO; num_zeros]);
-        let las = Las::new(DVec3::splat(0.004), DVec3::ZERO, points.clone()).with_keys(&keys);
+        let las = PlacedLas::new(DVec3::splat(0.004), DVec3::ZERO, points.clone()).with_keys(&keys);
         let scan = las.read(&ReadOptions::default());
         let file = &scan.files[0];
         assert_eq!(file.points.xyz.len(), 50);
@@ -399,7 +399,7 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
     let base = DVec3::new(400_000.0, 170_000.0, 20.0);
     let tile = |unit_m: f64, shift: f64, keys: &[[u16; 4]]| {
         let points: Vec<DVec3> = tower().map(|p| (p + base + DVec3::X * shift) / unit_m).collect();
-        Las::new(DVec3::splat(0.001), (points[0]).round(), points).with_keys(keys).bytes()
+        PlacedLas::new(DVec3::splat(0.001), (points[0]).round(), points).with_keys(keys).bytes()
     };
     let meters = [[1024, 0, 1, 1], [3076, 0, 1, 9001]];
     let feet = [[1024, 0, 1, 1], [3076, 0, 1, 9002]];

@@ -2,7 +2,7 @@
 //! claimed.
 
 use super::NAME;
-use super::made::{Encoding, Made};
+use super::made::{MadeEncoding, MadePly};
 use crate::bytes::{assert_refused, read_bytes, world};
 use glam::DVec3;
 use kit::damage::{MOST_KIB, assert_sound, damaged, peak_kib};
@@ -77,9 +77,9 @@ fn lines_that_are_no_numbers_are_left_out() {
 
 #[test]
 fn a_file_cut_anywhere_gives_its_whole_points() {
-    for encoding in Encoding::ALL {
+    for encoding in MadeEncoding::ALL {
         for (faces_first, lists) in [(false, false), (true, true)] {
-            let made = Made { faces_first, lists, ..Made::new(12) };
+            let made = MadePly { faces_first, lists, ..MadePly::new(12) };
             let bytes = made.bytes(encoding);
             let (mut num_partial, mut most) = (0, 0);
             for len in 0..bytes.len() {
@@ -109,8 +109,8 @@ fn a_file_cut_anywhere_gives_its_whole_points() {
 
 #[test]
 fn missing_faces_are_counted() {
-    for encoding in Encoding::ALL {
-        let made = Made::new(60);
+    for encoding in MadeEncoding::ALL {
+        let made = MadePly::new(60);
         let bytes = made.bytes(encoding);
         let scan = read_bytes(NAME, &bytes[..bytes.len() - 40]).unwrap();
         assert_eq!(scan.num_points(), 60);
@@ -138,14 +138,14 @@ proptest! {
 
     #[test]
     fn damaged_files_end_well(
-        encoding in prop::sample::select(Encoding::ALL.to_vec()),
+        encoding in prop::sample::select(MadeEncoding::ALL.to_vec()),
         lists in any::<bool>(),
         faces_first in any::<bool>(),
         damage in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         cut in any::<prop::sample::Index>(),
         cutting in any::<bool>(),
     ) {
-        let whole = Made { faces_first, lists, ..Made::new(60) }.bytes(encoding);
+        let whole = MadePly { faces_first, lists, ..MadePly::new(60) }.bytes(encoding);
         let bytes = damaged(whole, &damage, cutting.then_some(cut));
         if let Ok(scan) = read_bytes(NAME, &bytes) {
             assert_sound(&scan);

@@ -63,10 +63,10 @@ fn transparent_points_are_left_out_whatever_their_colors_are() {
 }
 
 /// Properties, and how values of red, green and blue stand in them.
-type Way = (&'static str, fn([usize; 3]) -> String);
+type ColorProperties = (&'static str, fn([usize; 3]) -> String);
 
 /// The same colors in all the ways that a point may have them.
-fn ways() -> Vec<Way> {
+fn ways() -> Vec<ColorProperties> {
     fn words<T: ToString>(values: [T; 3]) -> String {
         values.map(|value| value.to_string()).join(" ")
     }

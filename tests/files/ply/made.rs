@@ -2,25 +2,25 @@
 
 /// How to write the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub enum MadeEncoding {
     Ascii,
     LittleEndian,
     BigEndian,
 }
 
-impl Encoding {
+impl MadeEncoding {
     pub const ALL: [Self; 3] = [Self::Ascii, Self::LittleEndian, Self::BigEndian];
 }
 
 #[derive(Clone, Debug)]
-pub struct Point {
+pub struct MadePoint {
     pub place: [f64; 3],
     pub rgb: [u8; 3],
     pub intensity: u16,
     pub normal: [f32; 3],
 }
 
-impl Point {
+impl MadePoint {
     pub fn has_place(&self) -> bool {
         self.place.iter().all(|c| c.is_finite())
     }
@@ -33,25 +33,25 @@ impl Point {
 
 /// Corners of a face, some of which may not exist.
 #[derive(Clone, Debug)]
-pub struct Face(pub Vec<i32>);
+pub struct MadeFace(pub Vec<i32>);
 
 /// What to write: points in the middle of elements and properties that nobody asked for.
 #[derive(Clone, Debug)]
-pub struct Made {
-    pub points: Vec<Point>,
-    pub faces: Vec<Face>,
+pub struct MadePly {
+    pub points: Vec<MadePoint>,
+    pub faces: Vec<MadeFace>,
     pub faces_first: bool,
     /// True if points get a list, so that their rows differ in size.
     pub lists: bool,
 }
 
-impl Made {
+impl MadePly {
     /// Makes points of all kinds, and faces of zero to seven corners, each ninth with a corner that does not exist.
     pub fn new(num_points: usize) -> Self {
         // A multiplicative hash gives irregular numbers.
         let hash = |i: usize, salt: u64| (i as u64 * 7 + salt + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let part = |i: usize, salt, bits: u32| hash(i, salt) >> (64 - bits);
-        let points = (0..num_points).map(|i| Point {
+        let points = (0..num_points).map(|i| MadePoint {
             place: [0, 1, 2].map(|axis| part(i, axis, 30) as f64 * 1e-7 + [5e5, 4e6, -30.0][axis as usize]),
             rgb: [3, 4, 5].map(|salt| part(i, salt, 8) as u8),
             intensity: part(i, 6, 16) as u16,
@@ -63,12 +63,12 @@ impl Made {
             if i % 9 == 8 {
                 corners.extend([[num_points as i32, -1][i % 2]]);
             }
-            Face(corners)
+            MadeFace(corners)
         });
         Self { points: points.collect(), faces: faces.collect(), faces_first: false, lists: true }
     }
 
-    fn is_good(&self, face: &Face) -> bool {
+    fn is_good(&self, face: &MadeFace) -> bool {
         face.0.iter().all(|corner| (0..self.points.len() as i32).contains(corner))
     }
 
@@ -100,7 +100,7 @@ impl Made {
         triangles
     }
 
-    pub fn bytes(&self, encoding: Encoding) -> Vec<u8> {
+    pub fn bytes(&self, encoding: MadeEncoding) -> Vec<u8> {
         let mut out = Out { bytes: self.header(encoding).into_bytes(), encoding };
         for row in 0..3u8 {
             out.list(&[row, 1, 2][..usize::from(row)]);
@@ -133,11 +133,11 @@ impl Made {
         out.bytes
     }
 
-    fn header(&self, encoding: Encoding) -> String {
+    fn header(&self, encoding: MadeEncoding) -> String {
         let name = match encoding {
-            Encoding::Ascii => "ascii",
-            Encoding::LittleEndian => "binary_little_endian",
-            Encoding::BigEndian => "binary_big_endian",
+            MadeEncoding::Ascii => "ascii",
+            MadeEncoding::LittleEndian => "binary_little_endian",
+            MadeEncoding::BigEndian => "binary_big_endian",
         };
         let list = if self.lists { "property list uchar uchar weights\n" } else { "" };
         let vertex = format!(
@@ -174,15 +174,15 @@ impl Made {
 /// The bytes so far.
 struct Out {
     bytes: Vec<u8>,
-    encoding: Encoding,
+    encoding: MadeEncoding,
 }
 
 impl Out {
     fn put<const N: usize>(&mut self, text: impl std::fmt::Display, little: [u8; N]) {
         match self.encoding {
-            Encoding::Ascii => self.bytes.extend(format!("{text} ").bytes()),
-            Encoding::LittleEndian => self.bytes.extend(little),
-            Encoding::BigEndian => self.bytes.extend(little.iter().rev()),
+            MadeEncoding::Ascii => self.bytes.extend(format!("{text} ").bytes()),
+            MadeEncoding::LittleEndian => self.bytes.extend(little),
+            MadeEncoding::BigEndian => self.bytes.extend(little.iter().rev()),
         }
     }
 
@@ -212,7 +212,7 @@ impl Out {
     }
 
     fn end_row(&mut self) {
-        if self.encoding == Encoding::Ascii {
+        if self.encoding == MadeEncoding::Ascii {
             self.bytes.extend(b"\r\n");
         }
     }

@@ -8,7 +8,7 @@ mod world;
 
 use crate::bytes::read_bytes;
 use base::task::CancelToken;
-use made::{Encoding, Face, Made, Point};
+use made::{MadeEncoding, MadeFace, MadePly, MadePoint};
 use points::{ColorSource, ReadOptions, ScanFile, peek, read};
 use proptest::prelude::*;
 
@@ -22,8 +22,8 @@ fn read_one(bytes: &[u8]) -> (ScanFile, Vec<String>) {
 }
 
 /// How a file differs from what was written into it, or nothing.
-fn difference(file: &ScanFile, made: &Made) -> Option<String> {
-    let kept: Vec<&Point> = made.points.iter().filter(|point| point.has_place()).collect();
+fn difference(file: &ScanFile, made: &MadePly) -> Option<String> {
+    let kept: Vec<&MadePoint> = made.points.iter().filter(|point| point.has_place()).collect();
     if file.points.xyz.len() != kept.len() {
         return Some(format!("{} points, not {}", file.points.xyz.len(), kept.len()));
     }
@@ -50,10 +50,10 @@ fn difference(file: &ScanFile, made: &Made) -> Option<String> {
 
 #[test]
 fn all_encodings_hold_the_same_points_and_faces() {
-    for made in [Made::new(1000), Made::new(40_000), Made::new(4)] {
-        for encoding in Encoding::ALL {
+    for made in [MadePly::new(1000), MadePly::new(40_000), MadePly::new(4)] {
+        for encoding in MadeEncoding::ALL {
             for (faces_first, lists) in [(false, true), (true, false), (false, false), (true, true)] {
-                let made = Made { faces_first, lists, ..made.clone() };
+                let made = MadePly { faces_first, lists, ..made.clone() };
                 let (file, warnings) = read_one(&made.bytes(encoding));
                 assert_eq!(difference(&file, &made), None, "{encoding:?}, {} points", made.points.len());
                 assert_eq!(file.coloring.source, ColorSource::Rgb8);
@@ -98,9 +98,9 @@ fn many_points_keep_their_order() {
 
 #[test]
 fn the_comparison_can_fail() {
-    let made = Made::new(10);
-    let (file, _) = read_one(&made.bytes(Encoding::BigEndian));
-    let changed = |change: fn(&mut Made)| {
+    let made = MadePly::new(10);
+    let (file, _) = read_one(&made.bytes(MadeEncoding::BigEndian));
+    let changed = |change: fn(&mut MadePly)| {
         let mut other = made.clone();
         change(&mut other);
         difference(&file, &other).unwrap_or_default()
@@ -115,29 +115,29 @@ fn the_comparison_can_fail() {
 
 #[test]
 fn points_without_a_place_are_left_out_and_faces_renumbered() {
-    let mut made = Made::new(200);
+    let mut made = MadePly::new(200);
     for (i, value) in [(3, f64::NAN), (4, f64::INFINITY), (150, f64::NEG_INFINITY)] {
         made.points[i].place[i % 3] = value;
     }
-    for encoding in Encoding::ALL {
+    for encoding in MadeEncoding::ALL {
         let (file, warnings) = read_one(&made.bytes(encoding));
         assert_eq!(difference(&file, &made), None, "{encoding:?}");
         assert!(warnings[0].contains("has 3 points without a finite place"), "{warnings:?}");
         assert!(warnings[1].contains("triangles of points that are left out"), "{warnings:?}");
     }
     made.points.iter_mut().for_each(|point| point.place[0] = f64::NAN);
-    let error = read_bytes(NAME, &made.bytes(Encoding::LittleEndian)).unwrap_err().to_string();
+    let error = read_bytes(NAME, &made.bytes(MadeEncoding::LittleEndian)).unwrap_err().to_string();
     assert!(error.contains("scan.ply: holds no points: its header announces 200, none has"), "{error}");
 }
 
 #[test]
 fn the_header_says_what_is_in_the_file() {
     for (encoding, format) in
-        Encoding::ALL.into_iter().zip(["ascii", "binary little-endian", "binary big-endian"])
+        MadeEncoding::ALL.into_iter().zip(["ascii", "binary little-endian", "binary big-endian"])
     {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scan.ply");
-        let made = Made::new(100);
+        let made = MadePly::new(100);
         std::fs::write(&path, made.bytes(encoding)).unwrap();
         let header = &peek(&[path]).unwrap()[0];
         assert_eq!(header.format, format!("PLY, {format}"));
@@ -154,9 +154,9 @@ fn reading_stops_when_asked() {
     let folder = tempfile::tempdir().unwrap();
     let stop = CancelToken::default();
     stop.cancel();
-    for encoding in Encoding::ALL {
+    for encoding in MadeEncoding::ALL {
         let path = folder.path().join("scan.ply");
-        std::fs::write(&path, Made::new(20).bytes(encoding)).unwrap();
+        std::fs::write(&path, MadePly::new(20).bytes(encoding)).unwrap();
         let error = read(&[path], &ReadOptions::default(), &stop).unwrap_err().to_string();
         assert!(error.contains("stopped"), "{error}");
     }
@@ -246,8 +246,8 @@ fn strips_are_triangles() {
 fn info_counts_triangles() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.ply");
-    let made = Made { faces: vec![Face(vec![0, 1, 2, 3])], ..Made::new(4) };
-    std::fs::write(&path, made.bytes(Encoding::LittleEndian)).unwrap();
+    let made = MadePly { faces: vec![MadeFace(vec![0, 1, 2, 3])], ..MadePly::new(4) };
+    std::fs::write(&path, made.bytes(MadeEncoding::LittleEndian)).unwrap();
     let say = |options: &[&str]| {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk"));
         let output = command.arg("info").arg(&path).args(options).output().unwrap();
@@ -270,9 +270,9 @@ proptest! {
     #[test]
     fn any_places_come_back(
         places in proptest::collection::vec(proptest::array::uniform3(-1e7..1e7), 1..60),
-        encoding in prop::sample::select(Encoding::ALL.to_vec()),
+        encoding in prop::sample::select(MadeEncoding::ALL.to_vec()),
     ) {
-        let mut made = Made::new(places.len());
+        let mut made = MadePly::new(places.len());
         made.points.iter_mut().zip(places).for_each(|(point, place)| point.place = place);
         let (file, _) = read_one(&made.bytes(encoding));
         prop_assert_eq!(difference(&file, &made), None);

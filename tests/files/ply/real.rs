@@ -4,10 +4,10 @@ use kit::real_scans::{folder, read_in};
 use points::{ColorSource, Scan, peek};
 
 /// Path, points, triangles, smallest and largest corner rounded to thousandths.
-type Row = (&'static str, usize, usize, [f64; 3], [f64; 3]);
+type PlyRow = (&'static str, usize, usize, [f64; 3], [f64; 3]);
 
 #[rustfmt::skip]
-const TABLE: &[Row] = &[
+const TABLE: &[PlyRow] = &[
     ("ply/Guanyin.ply", 238154, 0, [-0.511, 0.002, -0.37], [0.475, 1.293, 0.454]),
     ("ply/mesh.ply", 4, 2, [1.0, 1.0, 0.0], [2.0, 2.0, 2.0]),
     ("ply/simple_binary.ply", 3, 0, [-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
@@ -18,7 +18,7 @@ const TABLE: &[Row] = &[
 ];
 
 /// Tells what differs from the row, if anything does.
-fn difference(scan: &Scan, (name, num_points, num_triangles, min, max): &Row) -> Option<String> {
+fn difference(scan: &Scan, (name, num_points, num_triangles, min, max): &PlyRow) -> Option<String> {
     let bounds = scan.bounds();
     let near = |a: [f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.00051);
     let counts = (scan.num_points(), scan.files[0].triangles.len());

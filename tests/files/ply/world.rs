@@ -1,7 +1,7 @@
 //! PLY as the world writes it: text whose lines end anywhere, names and types of many programs, colors in odd places,
 //! Gaussian splats.
 
-use super::made::{Encoding, Made};
+use super::made::{MadeEncoding, MadePly};
 use super::{NAME, difference, read_one, text};
 use crate::bytes::read_bytes;
 use points::{ColorSource, ScanFile, peek};
@@ -34,8 +34,8 @@ fn reflowed(bytes: &[u8], widths: &[usize], line_end: &str) -> Vec<u8> {
 fn rows_may_take_several_lines_and_share_one() {
     for num_points in [3, 700] {
         for (lists, faces_first) in [(false, false), (true, false), (false, true)] {
-            let made = Made { lists, faces_first, ..Made::new(num_points) };
-            let bytes = made.bytes(Encoding::Ascii);
+            let made = MadePly { lists, faces_first, ..MadePly::new(num_points) };
+            let bytes = made.bytes(MadeEncoding::Ascii);
             let num_words = if lists { 13 } else { 12 };
             for (widths, line_end) in [
                 (&[num_words / 2][..], "\n"),

@@ -9,7 +9,7 @@ use kit::frames::{SplitMix, num_differing};
 use lab::reference::color::Sum;
 use lab::reference::dilate::{dilate, radius_px};
 use lab::reference::resolve::{EMPTY, blend};
-use on_gpu::{Shown, blended_on_gpu, on_gpu, run_shown};
+use on_gpu::{ShownAs, blended_on_gpu, on_gpu, run_shown};
 use render::layout::{
     Detail, GUARD_PX, MAX_MEAN_COUNT, Pixel, SURFACE_TOLERANCE, Variant, ViewUniform, depth_of,
     mask_words_per_row,
@@ -172,7 +172,7 @@ fn hidden_pixels_show_the_background_and_colors_the_images_order() {
     let of = (&view, 0);
     for (shader, want) in [("dilate", dilate(&view, 0, &surface)), ("show", surface.clone())] {
         for is_bgra in [false, true] {
-            let shown = Shown { hidden: hidden.clone(), background: 0xff01_0203, is_bgra };
+            let shown = ShownAs { hidden: hidden.clone(), background: 0xff01_0203, is_bgra };
             let got = run_shown(shader, Variant::eyes(2), of, &input, &shown);
             let mut num_poisoned = 0;
             for (i, (got, want)) in got.iter().zip(&want).enumerate() {

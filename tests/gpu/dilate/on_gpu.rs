@@ -37,7 +37,7 @@ fn pack(words: [u32; 4]) -> u64 {
 
 /// What lenses hide, and how the image holds the other pixels.
 #[derive(Default)]
-pub struct Shown {
+pub struct ShownAs {
     /// A bit for each pixel, in rows of [`mask_words_per_row`]; empty if no pixel is hidden.
     pub hidden: Vec<u32>,
     /// The background as the image holds it.
@@ -52,7 +52,7 @@ fn run(
     of: (&ViewUniform, usize),
     inputs: &[(&'static str, &[u8])],
 ) -> Vec<Pixel> {
-    run_shown(shader, variant, of, inputs, &Shown::default())
+    run_shown(shader, variant, of, inputs, &ShownAs::default())
 }
 
 /// The GPU's image of inputs that have no guard band: it is empty round them, as the CPU reference sees it. The
@@ -62,7 +62,7 @@ pub fn run_shown(
     variant: Variant,
     (view, eye): (&ViewUniform, usize),
     inputs: &[(&'static str, &[u8])],
-    shown: &Shown,
+    shown: &ShownAs,
 ) -> Vec<Pixel> {
     let gpu = gpu();
     let stage: Stage<EyeSet> = Stage::new(&gpu, shader, &shaders::source(shader, variant));

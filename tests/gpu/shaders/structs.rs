@@ -24,8 +24,8 @@ macro_rules! host {
 /// The host's side.
 pub fn host_structs() -> Vec<HostStruct> {
     vec![
-        host!(layout::Batch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved),
-        host!(layout::Node: min_hi, edge, min_lo, flags, spacing, children, level, sample_spacing, spacing_step, reserved),
+        host!(layout::GpuBatch: min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, reserved),
+        host!(layout::GpuNode: min_hi, edge, min_lo, flags, spacing, children, level, sample_spacing, spacing_step, reserved),
         host!(layout::EyeUniform: row_x, row_y, row_w, eye_in_head, pixels_per_radian, gaze_in_head, widest_cos,
             gaze_in_view, reserved, tangent_origin, tangent_per_px, first_px, end_px, width, height,
             reserved_end),

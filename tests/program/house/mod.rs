@@ -1,11 +1,12 @@
 //! The house's own rules, kept by reading its files: which room may name which, where `unsafe` may stand, how long a
-//! file gets, what the documents must mention. Each rule is shown to fail on a sample.
+//! file gets, what types are called, what the documents must mention. Each rule is shown to fail on a sample.
 
 mod calls;
 mod circles;
 mod documents;
 mod messages;
 mod rooms;
+mod types;
 
 use std::path::{Path, PathBuf};
 

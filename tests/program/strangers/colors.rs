@@ -1,22 +1,27 @@
 //! Rows of kind 5: colors by their distribution.
 
-use super::desk::{Desk, Picture};
-use super::las::{Las, Point, place};
-use super::{Row, judged, row};
+use super::desk::{Desk, RenderRun};
+use super::las::{LasPoint, StrangeLas, place};
+use super::{StrangerRow, judged, row};
 
 const LINE: u8 = 5;
 const EYE: [&str; 5] = ["scan.las", "--eye", "-14,-14,12", "--target", "0,0,2"];
 
 /// Draws the place from a file whose colors `store` makes from the 16-bit ones.
-fn drawn(desk: &Desk, format: u8, store: impl Fn(usize, &mut Point)) -> Result<Picture, String> {
+fn drawn(desk: &Desk, format: u8, store: impl Fn(usize, &mut LasPoint)) -> Result<RenderRun, String> {
     let mut points = place(6000, [0.0; 3], 20.0);
     points.iter_mut().enumerate().for_each(|(i, point)| store(i, point));
-    desk.put("scan.las", Las::new(format, points).bytes());
+    desk.put("scan.las", StrangeLas::new(format, points).bytes());
     desk.render(&EYE)
 }
 
 /// A row whose scene is drawn as it is in 16 bits, except for a few pixels of odd points and of rounding.
-fn as_reference(name: &'static str, format: u8, store: fn(usize, &mut Point), most_off: u8) -> Row {
+fn as_reference(
+    name: &'static str,
+    format: u8,
+    store: fn(usize, &mut LasPoint),
+    most_off: u8,
+) -> StrangerRow {
     row(LINE, name, "the picture of the same scene in 16 bits", move |desk| {
         let want = drawn(desk, format, |_, _| ())?;
         let got = drawn(desk, format, store)?;
@@ -29,12 +34,17 @@ fn as_reference(name: &'static str, format: u8, store: fn(usize, &mut Point), mo
     })
 }
 
-fn to_bits(point: &mut Point, bits: u32) {
+fn to_bits(point: &mut LasPoint, bits: u32) {
     point.rgb = point.rgb.map(|c| (f64::from(c) / 65535.0 * f64::from((1_u32 << bits) - 1)).round() as u16);
 }
 
 /// A row whose scene is shown by another figure than its colors, which is said.
-fn not_by_color(name: &'static str, format: u8, store: fn(usize, &mut Point), shown_by: &'static str) -> Row {
+fn not_by_color(
+    name: &'static str,
+    format: u8,
+    store: fn(usize, &mut LasPoint),
+    shown_by: &'static str,
+) -> StrangerRow {
     let right = format!("shown by {shown_by}; info says why");
     row(LINE, name, right, move |desk| {
         let picture = drawn(desk, format, store)?;
@@ -52,7 +62,7 @@ fn not_by_color(name: &'static str, format: u8, store: fn(usize, &mut Point), sh
     })
 }
 
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<StrangerRow> {
     let mut rows = vec![
         as_reference("8 bits", 2, |_, p| to_bits(p, 8), 3),
         as_reference("8 bits, LAS 1.4", 7, |_, p| to_bits(p, 8), 3),
@@ -133,7 +143,7 @@ pub fn rows() -> Vec<Row> {
             )
         },
     ));
-    type Merged = (&'static str, [&'static str; 2], fn(usize, &mut Point));
+    type Merged = (&'static str, [&'static str; 2], fn(usize, &mut LasPoint));
     const MERGED: [Merged; 3] = [
         ("12 and 16 bits, one tile each", ["12", "16"], |i, p| {
             if i < 3000 {

@@ -84,7 +84,7 @@ impl Desk {
     }
 
     /// Returns the picture that `render` makes of these, or how it failed.
-    pub fn render(&self, args: &[&str]) -> Result<Picture, String> {
+    pub fn render(&self, args: &[&str]) -> Result<RenderRun, String> {
         let size = format!("{}x{}", SIZE[0], SIZE[1]);
         let fixed = ["render", "-o", "picture.png", "--size", &size];
         let ran = self.run(&[&fixed[..], args].concat());
@@ -92,11 +92,11 @@ impl Desk {
             return Err(ran.in_words());
         }
         let bytes = std::fs::read(self.path("picture.png")).map_err(|error| error.to_string())?;
-        Ok(Picture { pixels: decoded(&bytes)?, ran })
+        Ok(RenderRun { pixels: decoded(&bytes)?, ran })
     }
 
     /// Returns where a walk's head is at first, in the coordinates that it walks in, or how it failed.
-    pub fn start(&self, args: &[&str]) -> Result<Start, String> {
+    pub fn start(&self, args: &[&str]) -> Result<StartRun, String> {
         let fixed = ["view", "--headset", "off", "--window", "off", "--frames", "2", "--log", "frames.csv"];
         let small = ["--set", "simulated.size_px=[64,64]"];
         let ran = self.run(&[&fixed[..], &small, args].concat());
@@ -111,7 +111,7 @@ impl Desk {
         let number = |name: &str| column(name).and_then(|at| row[at].parse::<f64>().ok());
         let head = ["head_x", "head_y", "head_z"].map(number);
         let [Some(x), Some(y), Some(z)] = head else { return Err(format!("the head is at {head:?}")) };
-        Ok(Start { head: [x, y, z], ran })
+        Ok(StartRun { head: [x, y, z], ran })
     }
 }
 
@@ -140,12 +140,12 @@ impl Info {
     }
 }
 
-pub struct Start {
+pub struct StartRun {
     pub head: [f64; 3],
     pub ran: RunOutput,
 }
 
-impl Start {
+impl StartRun {
     /// Distance of the head from a place, and its words for a cell of the table.
     pub fn from(&self, place: [f64; 3]) -> (f64, String) {
         let away: f64 = (0..3).map(|axis| (self.head[axis] - place[axis]).powi(2)).sum();
@@ -154,12 +154,12 @@ impl Start {
 }
 
 /// A picture of [`SIZE`] pixels.
-pub struct Picture {
+pub struct RenderRun {
     pub pixels: Vec<[u8; 3]>,
     pub ran: RunOutput,
 }
 
-impl Picture {
+impl RenderRun {
     pub fn lit(&self) -> usize {
         self.pixels.iter().filter(|pixel| **pixel != [0; 3]).count()
     }

@@ -2,7 +2,7 @@
 
 /// A point.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Point {
+pub struct LasPoint {
     pub at: [f64; 3],
     pub rgb: [u16; 3],
     pub intensity: u16,
@@ -12,18 +12,18 @@ pub struct Point {
 
 /// A file to write.
 #[derive(Clone, Debug)]
-pub struct Las {
+pub struct StrangeLas {
     /// Point format: 2 for LAS 1.2 with colors, 0 without; 7 and 6 for the same in LAS 1.4.
     pub format: u8,
     pub scale: [f64; 3],
     pub offset: [f64; 3],
     /// User, number, payload.
     pub vlrs: Vec<(&'static str, u16, Vec<u8>)>,
-    pub points: Vec<Point>,
+    pub points: Vec<LasPoint>,
 }
 
-impl Las {
-    pub fn new(format: u8, points: Vec<Point>) -> Self {
+impl StrangeLas {
+    pub fn new(format: u8, points: Vec<LasPoint>) -> Self {
         Self { format, scale: [0.001; 3], offset: [0.0; 3], vlrs: Vec::new(), points }
     }
 
@@ -88,7 +88,7 @@ impl Las {
         out
     }
 
-    fn record(&self, point: &Point, out: &mut Vec<u8>) {
+    fn record(&self, point: &LasPoint, out: &mut Vec<u8>) {
         for axis in 0..3 {
             let steps = ((point.at[axis] - self.offset[axis]) / self.scale[axis]).round();
             out.extend((steps as i32).to_le_bytes());
@@ -125,7 +125,7 @@ impl Chance {
 }
 
 /// A place of `edge` × `edge` ground round `center`, with a tower of 0.3 × `edge` in its middle; 16-bit colors.
-pub fn place(num: usize, center: [f64; 3], edge: f64) -> Vec<Point> {
+pub fn place(num: usize, center: [f64; 3], edge: f64) -> Vec<LasPoint> {
     let mut chance = Chance::new(num as u64);
     let mut point = || {
         let [u, v, w] = [0; 3].map(|_: i32| chance.part());
@@ -137,13 +137,13 @@ pub fn place(num: usize, center: [f64; 3], edge: f64) -> Vec<Point> {
         };
         let at = [center[0] + edge * x, center[1] + edge * y, center[2] + edge * z];
         let rgb = [u, v, w].map(|part| (65535.0 * (0.2 + 0.8 * part)) as u16);
-        Point { at, rgb, intensity: (65535.0 * w) as u16, class: 2, withheld: false }
+        LasPoint { at, rgb, intensity: (65535.0 * w) as u16, class: 2, withheld: false }
     };
     (0..num).map(|_| point()).collect()
 }
 
 /// The inside of a room of 6 × 4 × 3, its floor's middle at `center`.
-pub fn room(num: usize, center: [f64; 3]) -> Vec<Point> {
+pub fn room(num: usize, center: [f64; 3]) -> Vec<LasPoint> {
     let mut chance = Chance::new(7 + num as u64);
     let edges = [6.0, 4.0, 3.0];
     let mut point = || {
@@ -152,14 +152,14 @@ pub fn room(num: usize, center: [f64; 3]) -> Vec<Point> {
         part[side / 2] = (side % 2) as f64;
         let at = [0, 1, 2]
             .map(|axis| center[axis] + edges[axis] * (part[axis] - if axis == 2 { 0.0 } else { 0.5 }));
-        Point { at, rgb: [40_000, 50_000, 60_000], intensity: 9, class: 2, withheld: false }
+        LasPoint { at, rgb: [40_000, 50_000, 60_000], intensity: 9, class: 2, withheld: false }
     };
     (0..num).map(|_| point()).collect()
 }
 
 /// Points anywhere in a box.
-pub fn strays(num: usize, low: [f64; 3], high: [f64; 3]) -> Vec<Point> {
+pub fn strays(num: usize, low: [f64; 3], high: [f64; 3]) -> Vec<LasPoint> {
     let mut chance = Chance::new(99);
     let mut at = || [0, 1, 2].map(|axis| low[axis] + chance.part() * (high[axis] - low[axis]));
-    (0..num).map(|_| Point { at: at(), rgb: [60_000, 0, 60_000], ..Point::default() }).collect()
+    (0..num).map(|_| LasPoint { at: at(), rgb: [60_000, 0, 60_000], ..LasPoint::default() }).collect()
 }

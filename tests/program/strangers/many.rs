@@ -1,14 +1,14 @@
 //! Rows of kind 9: many files, and files that are no scans.
 
 use super::desk::Desk;
-use super::las::{Las, place};
-use super::{Row, judged, row};
+use super::las::{StrangeLas, place};
+use super::{StrangerRow, judged, row};
 
 const LINE: u8 = 9;
 
 fn tile(number: usize) -> Vec<u8> {
     let at = [20.0 * number as f64, 0.0, 0.0];
-    Las::new(2, place(100, at, 20.0)).bytes()
+    StrangeLas::new(2, place(100, at, 20.0)).bytes()
 }
 
 fn tiles(desk: &Desk, num: usize) -> Vec<String> {
@@ -25,7 +25,7 @@ fn refused_with(
     bytes: fn() -> Vec<u8>,
     words: &'static [&'static str],
     not: &'static str,
-) -> Row {
+) -> StrangerRow {
     row(LINE, name, format!("exit 1, a sentence with {words:?}, not \"{not}\""), move |desk| {
         desk.put("odd.las", bytes());
         let ran = desk.run(&["info", "odd.las"]);
@@ -33,7 +33,7 @@ fn refused_with(
     })
 }
 
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<StrangerRow> {
     let mut rows = vec![
         row(LINE, "1 200 tiles, 1 024 open files allowed", "all points", |desk| {
             let one = tile(0);

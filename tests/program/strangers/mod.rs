@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 type Outcome = Result<String, String>;
 
 /// A row of the table.
-struct Row {
+struct StrangerRow {
     kind: u8,
     input: String,
     right: String,
@@ -36,8 +36,8 @@ fn row(
     input: impl Into<String>,
     right: impl Into<String>,
     check: impl Fn(&Desk) -> Outcome + Send + Sync + 'static,
-) -> Row {
-    Row { kind, input: input.into(), right: right.into(), check: Box::new(check) }
+) -> StrangerRow {
+    StrangerRow { kind, input: input.into(), right: right.into(), check: Box::new(check) }
 }
 
 fn judged(is_right: bool, got: String) -> Outcome {
@@ -51,7 +51,7 @@ const KINDS: [&str; 10] =
 const AT_ONCE: usize = 2;
 
 /// Runs all rows; returns their outcomes.
-fn run(rows: &[Row]) -> Vec<Outcome> {
+fn run(rows: &[StrangerRow]) -> Vec<Outcome> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(rows.iter().map(|_| None).collect());
     std::thread::scope(|scope| {
@@ -69,7 +69,7 @@ fn run(rows: &[Row]) -> Vec<Outcome> {
 }
 
 /// Prints the table; returns how many rows are wrong.
-fn print(rows: &[Row], results: &[Outcome]) -> usize {
+fn print(rows: &[StrangerRow], results: &[Outcome]) -> usize {
     let mut num_wrong = 0;
     println!("| kind | input | right | got | |\n|---|---|---|---|---|");
     for (row, got) in rows.iter().zip(results) {
@@ -91,7 +91,7 @@ fn print(rows: &[Row], results: &[Outcome]) -> usize {
 #[test]
 fn odd_inputs_come_out_right() {
     let all = [outputs::rows(), views::rows(), colors::rows(), units::rows(), ply::rows(), many::rows()];
-    let mut rows: Vec<Row> = all.into_iter().flatten().collect();
+    let mut rows: Vec<StrangerRow> = all.into_iter().flatten().collect();
     rows.sort_by_key(|row| row.kind);
     // One kind can be run alone, to mend it.
     if let Ok(only) = std::env::var("STRANGERS_KIND") {
@@ -106,14 +106,14 @@ fn odd_inputs_come_out_right() {
 fn a_wrong_row_is_counted() {
     let rows = [
         row(4, "a black picture", "lit", |desk| {
-            desk.put("a.las", las::Las::new(2, las::place(50, [0.0; 3], 9.0)).bytes());
+            desk.put("a.las", las::StrangeLas::new(2, las::place(50, [0.0; 3], 9.0)).bytes());
             let picture =
                 desk.render(&["a.las", "--eye", "0,0,50", "--target", "0,0,90", "--up", "0,1,0"])?;
             judged(picture.lit() > 0, format!("{} lit pixels", picture.lit()))
         }),
         row(9, "no file", "read", |desk| desk.info(&["no-such.las"]).map(|info| info.in_words())),
         row(9, "a scan", "read", |desk| {
-            desk.put("a.las", las::Las::new(7, las::place(50, [0.0; 3], 9.0)).bytes());
+            desk.put("a.las", las::StrangeLas::new(7, las::place(50, [0.0; 3], 9.0)).bytes());
             let info = desk.info(&["a.las"])?;
             judged(info.points() == 50, info.in_words())
         }),

@@ -1,13 +1,13 @@
 //! Rows of kind 1: nothing that is written destroys what is read.
 
 use super::desk::{Desk, RunOutput, decoded};
-use super::las::{Las, place};
-use super::{Outcome, Row, row};
+use super::las::{StrangeLas, place};
+use super::{Outcome, StrangerRow, row};
 
 const LINE: u8 = 1;
 
 fn scan() -> Vec<u8> {
-    Las::new(2, place(500, [0.0; 3], 20.0)).bytes()
+    StrangeLas::new(2, place(500, [0.0; 3], 20.0)).bytes()
 }
 
 /// The program refuses with exit code 2, and every file stays as it was.
@@ -70,14 +70,14 @@ const REFUSED: [(&str, &str); 22] = [
     ("render a.las -o x.left.png", "a link to a scan that is not read"),
 ];
 
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<StrangerRow> {
     let of = |(args, why): (&'static str, &'static str)| {
         row(LINE, format!("{args} ({why})"), "exit 2, a sentence, all files as they were", move |desk| {
             lay_files(desk);
             refused(desk, &args.split(' ').collect::<Vec<_>>())
         })
     };
-    let mut rows: Vec<Row> = REFUSED.into_iter().map(of).collect();
+    let mut rows: Vec<StrangerRow> = REFUSED.into_iter().map(of).collect();
     rows.push(row(
         LINE,
         "-o nowhere/x.png, scan missing too",

@@ -1,8 +1,8 @@
 //! Rows of kind 8: PLY as the world writes it.
 
 use super::desk::Desk;
-use super::las::{Chance, Las, place};
-use super::{Row, judged, row};
+use super::las::{Chance, StrangeLas, place};
+use super::{StrangerRow, judged, row};
 
 const LINE: u8 = 8;
 
@@ -53,7 +53,7 @@ fn of_quarters(
     name: impl Into<String>,
     make: impl Fn() -> Vec<u8> + Send + Sync + 'static,
     num: usize,
-) -> Row {
+) -> StrangerRow {
     row(LINE, name, format!("{num} points in four colors"), move |desk| {
         desk.put("quarters.ply", make());
         shows_quarters(desk, num)
@@ -73,7 +73,7 @@ fn header(magic: &str, format: &str, count: &str, properties: &str) -> String {
     format!("{magic}\nformat {format} 1.0\ncomment made up\nelement vertex {count}\n{properties}end_header\n")
 }
 
-fn texts() -> Vec<Row> {
+fn texts() -> Vec<StrangerRow> {
     type Write = fn(usize, &[f64; 3], &[u8; 3]) -> String;
     const PLAIN: Write = |_, [x, y, z], [r, g, b]| format!("{x} {y} {z} {r} {g} {b}\n");
     let of = |name: &str, magic: &'static str, count: &'static str, end: &'static str, write: Write| {
@@ -111,7 +111,7 @@ fn texts() -> Vec<Row> {
     ]
 }
 
-fn binaries() -> Vec<Row> {
+fn binaries() -> Vec<StrangerRow> {
     let binary = |is_big: bool, extra: &'static str, extra_bytes: usize| {
         let properties = format!("{extra}{COLORED}");
         let name = if is_big { "binary_big_endian" } else { "binary_little_endian" };
@@ -163,7 +163,7 @@ fn splat(num_floaters: usize) -> Vec<u8> {
     bytes
 }
 
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<StrangerRow> {
     let mut rows = texts();
     rows.extend(binaries());
     rows.push(of_quarters("Gaussian splat", || splat(0), 2000));
@@ -254,7 +254,7 @@ pub fn rows() -> Vec<Row> {
     }));
     // The reader of another format is not mistaken for this one.
     rows.push(row(LINE, "a LAS file that is called .ply", "read as what it is", |desk| {
-        desk.put("wrong.ply", Las::new(2, place(777, [0.0; 3], 9.0)).bytes());
+        desk.put("wrong.ply", StrangeLas::new(2, place(777, [0.0; 3], 9.0)).bytes());
         let info = desk.info(&["wrong.ply"])?;
         judged(info.points() == 777, info.in_words())
     }));

@@ -1,8 +1,8 @@
 //! Rows of kind 6: units and axes.
 
 use super::desk::Desk;
-use super::las::{Las, place};
-use super::{Row, judged, row};
+use super::las::{StrangeLas, place};
+use super::{StrangerRow, judged, row};
 
 const LINE: u8 = 6;
 /// US survey feet in meters.
@@ -19,7 +19,12 @@ fn compound(horizontal: &str, vertical: &str) -> String {
 }
 
 /// A row whose file has this unit, and whose place has its size in meters, as `info` says.
-fn of_unit(name: &'static str, make: fn() -> Las, set: &'static [&'static str], unit_m: f64) -> Row {
+fn of_unit(
+    name: &'static str,
+    make: fn() -> StrangeLas,
+    set: &'static [&'static str],
+    unit_m: f64,
+) -> StrangerRow {
     row(LINE, name, format!("unit {unit_m:.7} m, eyes 1.7 m above the ground"), move |desk| {
         desk.put("place.las", make().bytes());
         let args = [&["place.las"], set].concat();
@@ -32,12 +37,12 @@ fn of_unit(name: &'static str, make: fn() -> Las, set: &'static [&'static str], 
     })
 }
 
-fn meters(edge: f64) -> Las {
-    Las::new(2, place(3000, [0.0; 3], edge))
+fn meters(edge: f64) -> StrangeLas {
+    StrangeLas::new(2, place(3000, [0.0; 3], edge))
 }
 
 /// The tower's height in the picture as a share of its height in the picture of the same place in meters.
-fn tower(desk: &Desk, las: &Las, args: &[&str]) -> Result<f64, String> {
+fn tower(desk: &Desk, las: &StrangeLas, args: &[&str]) -> Result<f64, String> {
     desk.put("tower.las", las.bytes());
     let mut heights = Vec::new();
     let fixed = ["tower.las", "--eye", "0,-60,3", "--target", "0,0,3", "--fov-y", "30"];
@@ -50,7 +55,11 @@ fn tower(desk: &Desk, las: &Las, args: &[&str]) -> Result<f64, String> {
     Ok((last + 1 - first) as f64)
 }
 
-fn isotropic(name: &'static str, make: fn(Las) -> Las, set: &'static [&'static str]) -> Row {
+fn isotropic(
+    name: &'static str,
+    make: fn(StrangeLas) -> StrangeLas,
+    set: &'static [&'static str],
+) -> StrangerRow {
     row(LINE, name, "the tower as high as in meters", move |desk| {
         let plain = tower(desk, &meters(20.0), &[])?;
         let mut feet = meters(20.0);
@@ -65,18 +74,18 @@ fn isotropic(name: &'static str, make: fn(Las) -> Las, set: &'static [&'static s
 }
 
 /// A place at longitude 8, latitude 47, in degrees and meters.
-fn degrees(longitude: f64, latitude: f64) -> Las {
+fn degrees(longitude: f64, latitude: f64) -> StrangeLas {
     let mut points = place(3000, [0.0; 3], 20.0);
     for point in &mut points {
         let [x, y, z] = point.at;
         point.at =
             [longitude + x / (111_320.0 * latitude.to_radians().cos()), latitude + y / 110_574.0, 450.0 + z];
     }
-    Las::new(2, points).scaled([1e-8, 1e-8, 0.001]).at([longitude, latitude, 0.0])
+    StrangeLas::new(2, points).scaled([1e-8, 1e-8, 0.001]).at([longitude, latitude, 0.0])
 }
 
 /// The same place in geocentric coordinates.
-fn geocentric(longitude: f64, latitude: f64) -> Las {
+fn geocentric(longitude: f64, latitude: f64) -> StrangeLas {
     let mut points = place(3000, [0.0; 3], 20.0);
     let (a, e2) = (6_378_137.0, 6.694_379_990_14e-3);
     let ((sin_lon, cos_lon), (sin_lat, cos_lat)) =
@@ -91,12 +100,12 @@ fn geocentric(longitude: f64, latitude: f64) -> Las {
             middle[2] + cos_lat * north + sin_lat * up,
         ];
     }
-    Las::new(2, points).at(middle.map(f64::round))
+    StrangeLas::new(2, points).at(middle.map(f64::round))
 }
 
 /// A row whose scan is walked in meters about its middle, upright, which is said; `info` has the file's own
 /// coordinates.
-fn projected(name: &'static str, make: fn() -> Las) -> Row {
+fn projected(name: &'static str, make: fn() -> StrangeLas) -> StrangerRow {
     row(LINE, name, "an upright place of 20 m, walked in meters; said; the box as in the file", move |desk| {
         let las = make();
         desk.put("earth.las", las.bytes());
@@ -121,7 +130,7 @@ fn upright(
     comment: &'static str,
     in_file: fn([f64; 3]) -> [f64; 3],
     up: &'static str,
-) -> Row {
+) -> StrangerRow {
     let right = format!("{up} is up; said if it is not z");
     row(LINE, name, right, move |desk| {
         let mut text = String::new();
@@ -162,12 +171,12 @@ fn upright(
 }
 
 /// Two tiles side by side, each of which states its unit.
-fn tiles() -> Row {
+fn tiles() -> StrangerRow {
     row(LINE, "a tile in meters and one in feet", "both of one size and side by side; said", |desk| {
         let mut feet = place(3000, [20.0, 0.0, 0.0], 20.0);
         feet.iter_mut().for_each(|point| point.at = point.at.map(|c| c / 0.3048));
         desk.put("m.las", meters(20.0).geo_keys(&[(1024, 1), (3076, 9001)]).bytes());
-        desk.put("ft.las", Las::new(2, feet).geo_keys(&[(1024, 1), (3076, 9002)]).bytes());
+        desk.put("ft.las", StrangeLas::new(2, feet).geo_keys(&[(1024, 1), (3076, 9002)]).bytes());
         let info = desk.info(&["m.las", "ft.las"])?;
         let side = |to: usize, axis: usize| info.json["scene"][to][axis].as_f64().unwrap_or(f64::NAN);
         let size = [0, 1, 2].map(|axis| side(1, axis) - side(0, axis));
@@ -177,11 +186,11 @@ fn tiles() -> Row {
 }
 
 /// A geocentric scan with zeros for what was not seen.
-fn zeros_on_earth() -> Row {
+fn zeros_on_earth() -> StrangerRow {
     row(LINE, "geocentric, with 40 zeros", "the scene of 20 m; the zeros left out, said", |desk| {
         let mut las =
             geocentric(8.0, 47.0).geo_keys(&[(1024, 3), (2048, 4978)]).at([0.0; 3]).scaled([0.003; 3]);
-        las.points.splice(70..70, vec![super::las::Point::default(); 40]);
+        las.points.splice(70..70, vec![super::las::LasPoint::default(); 40]);
         desk.put("earth.las", las.bytes());
         let info = desk.info(&["earth.las"])?;
         let (start, picture) = (desk.start(&["earth.las"])?, desk.render(&["earth.las"])?);
@@ -197,7 +206,7 @@ fn zeros_on_earth() -> Row {
     })
 }
 
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<StrangerRow> {
     let y_up = |[x, y, z]: [f64; 3]| [x, z, -y];
     let mut rows = vec![
         upright("a mesh of a room, y up", "made up", y_up, "y"),
@@ -236,7 +245,7 @@ pub fn rows() -> Vec<Row> {
         isotropic(
             "meters across, US feet up (WKT)",
             |las| {
-                Las { format: 7, ..las }
+                StrangeLas { format: 7, ..las }
                     .wkt(&compound("UNIT[\"metre\",1]", "UNIT[\"US survey foot\",0.304800609601219]"))
             },
             &[],

@@ -1,8 +1,8 @@
 //! Rows of kinds 2, 3, 4 and 7: no holes, the first view, small scans, far points.
 
 use super::desk::Desk;
-use super::las::{Las, Point, place, room, strays};
-use super::{Outcome, Row, judged, row};
+use super::las::{LasPoint, StrangeLas, place, room, strays};
+use super::{Outcome, StrangerRow, judged, row};
 
 const UTM: [f64; 3] = [500_000.0, 5_000_000.0, 400.0];
 
@@ -16,27 +16,27 @@ fn first_view(desk: &Desk, args: &[&str], center: [f64; 3], edge: f64) -> Outcom
 }
 
 /// A place among strays.
-fn among(num: usize, center: [f64; 3], edge: f64, strays: Vec<Point>) -> Las {
+fn among(num: usize, center: [f64; 3], edge: f64, strays: Vec<LasPoint>) -> StrangeLas {
     let mut points = place(num, center, edge);
     points.extend(strays);
-    Las::new(2, points).at([center[0].round(), center[1].round(), 0.0]).scaled([0.01; 3])
+    StrangeLas::new(2, points).at([center[0].round(), center[1].round(), 0.0]).scaled([0.01; 3])
 }
 
-fn around(center: [f64; 3], reach: [f64; 3], num: usize) -> Vec<Point> {
+fn around(center: [f64; 3], reach: [f64; 3], num: usize) -> Vec<LasPoint> {
     let low = [0, 1, 2].map(|axis| center[axis] - reach[axis]);
     strays(num, low, [0, 1, 2].map(|axis| center[axis] + reach[axis]))
 }
 
 /// Points all over a closed sphere of radius 5, seen from inside.
-fn sphere(num: usize) -> Las {
+fn sphere(num: usize) -> StrangeLas {
     let point = |direction: glam::DVec3| {
         let at = (5.0 * direction).to_array();
-        Point { at, rgb: [50_000, 60_000, 55_000], ..Point::default() }
+        LasPoint { at, rgb: [50_000, 60_000, 55_000], ..LasPoint::default() }
     };
-    Las::new(2, kit::spread::directions(num).map(point).collect()).scaled([0.0001; 3])
+    StrangeLas::new(2, kit::spread::directions(num).map(point).collect()).scaled([0.0001; 3])
 }
 
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<StrangerRow> {
     let mut rows = holes();
     rows.extend(border());
     rows.extend(scenes());
@@ -45,7 +45,7 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-fn holes() -> Vec<Row> {
+fn holes() -> Vec<StrangerRow> {
     const ANGLES: [(&str, &str); 2] = [("Valve Index", "60,40,55,55"), ("Quest 3", "54,40,44,55")];
     let of = |preset: &'static str, (headset, angles): (&str, &'static str), thresholds: &'static str| {
         let name = format!("closed sphere from inside, {preset}, {headset}, thresholds {thresholds}");
@@ -69,10 +69,10 @@ fn holes() -> Vec<Row> {
 }
 
 /// A crop of a picture is the same part of the larger one, also at its border.
-fn border() -> Vec<Row> {
+fn border() -> Vec<StrangerRow> {
     let of = |name: &'static str, half_angles: &'static str, first: [usize; 2]| {
         row(2, format!("a crop at the {name}"), "the same pixels as in the larger picture", move |desk| {
-            desk.put("place.las", Las::new(2, place(30_000, [0.0; 3], 20.0)).bytes());
+            desk.put("place.las", StrangeLas::new(2, place(30_000, [0.0; 3], 20.0)).bytes());
             let args = ["place.las", "--preset", "balanced", "--eye", "-12,-9,5", "--target", "0,0,2"];
             let whole = desk.render(
                 &[&args[..], &["--half-angles", "45,45,33.69006752597979,33.69006752597979"]].concat(),
@@ -102,9 +102,9 @@ fn sized(desk: &Desk, args: &[&str]) -> Result<Vec<[u8; 3]>, String> {
     super::desk::decoded(&bytes)
 }
 
-fn scenes() -> Vec<Row> {
+fn scenes() -> Vec<StrangerRow> {
     const NEAR: &str = "start and picture of the scene";
-    let of = |name: &str, make: fn() -> Las, center: [f64; 3], edge: f64| {
+    let of = |name: &str, make: fn() -> StrangeLas, center: [f64; 3], edge: f64| {
         row(3, name, NEAR, move |desk| {
             desk.put("scene.las", make().bytes());
             first_view(desk, &["scene.las"], center, edge)
@@ -123,7 +123,7 @@ fn scenes() -> Vec<Row> {
             UTM,
             30.0,
         ),
-        of("5000 points, 15 % zeros", || among(5000, UTM, 20.0, vec![Point::default(); 880]), UTM, 20.0),
+        of("5000 points, 15 % zeros", || among(5000, UTM, 20.0, vec![LasPoint::default(); 880]), UTM, 20.0),
         of("8000 points, 4 % all around", || among(8000, UTM, 8.0, around(UTM, [9e3; 3], 330)), UTM, 8.0),
         of(
             "3000 points, 18 % in a clump",
@@ -146,7 +146,7 @@ fn scenes() -> Vec<Row> {
             || {
                 let mut points = place(6000, UTM, 20.0);
                 points.iter_mut().for_each(|point| point.at[0] = UTM[0] + 200.0 * (point.at[0] - UTM[0]));
-                Las::new(2, points).at([500_000.0, 5_000_000.0, 0.0])
+                StrangeLas::new(2, points).at([500_000.0, 5_000_000.0, 0.0])
             },
             UTM,
             4000.0,
@@ -165,15 +165,15 @@ fn scenes() -> Vec<Row> {
         row_of_withheld(&mut rows, name, format);
     }
     rows.push(row(3, "two files 4500 km apart", "a warning with both names; the larger part", |desk| {
-        desk.put("near.las", Las::new(2, place(900, [0.0; 3], 20.0)).bytes());
-        let far = Las::new(2, place(3000, UTM, 20.0)).at([5e5, 5e6, 0.0]);
+        desk.put("near.las", StrangeLas::new(2, place(900, [0.0; 3], 20.0)).bytes());
+        let far = StrangeLas::new(2, place(3000, UTM, 20.0)).at([5e5, 5e6, 0.0]);
         desk.put("utm.las", far.bytes());
         let info = desk.info(&["near.las", "utm.las"])?;
         let (away, words) = desk.start(&["near.las", "utm.las"])?.from(UTM);
         judged(info.says(&["near.las", "utm.las"]) && away < 60.0, format!("{words}; {}", info.in_words()))
     }));
     rows.push(row(3, "a room of 6 × 4 × 3", "the walk begins inside, eyes 1.7 above the floor", |desk| {
-        desk.put("room.las", Las::new(2, room(20_000, UTM)).at([5e5, 5e6, 0.0]).bytes());
+        desk.put("room.las", StrangeLas::new(2, room(20_000, UTM)).at([5e5, 5e6, 0.0]).bytes());
         let head = desk.start(&["room.las"])?.head;
         let inside = (head[0] - UTM[0]).abs() < 3.0 && (head[1] - UTM[1]).abs() < 2.0;
         judged(inside && (head[2] - UTM[2] - 1.7).abs() < 0.3, format!("{head:.2?}"))
@@ -181,21 +181,21 @@ fn scenes() -> Vec<Row> {
     rows.push(row(3, "one object of 2 m", "the walk begins outside of it, within sight", |desk| {
         let mut points = place(9000, [0.0; 3], 2.0);
         points.retain(|point| point.at[2] > 0.0);
-        desk.put("thing.las", Las::new(2, points).bytes());
+        desk.put("thing.las", StrangeLas::new(2, points).bytes());
         let (away, words) = desk.start(&["thing.las"])?.from([0.0, 0.0, 0.3]);
         judged((0.5..12.0).contains(&away), words)
     }));
     rows
 }
 
-fn row_of_withheld(rows: &mut Vec<Row>, name: String, format: u8) {
+fn row_of_withheld(rows: &mut Vec<StrangerRow>, name: String, format: u8) {
     let right = "not drawn, said; drawn with cloud.show_withheld";
     rows.push(row(3, name, right, move |desk| {
         let mut points = place(4000, [0.0; 3], 20.0);
         let mut deleted = strays(600, [-8.0, -8.0, 1.0], [8.0, 8.0, 6.0]);
         deleted.iter_mut().for_each(|point| (point.rgb, point.withheld) = ([65535, 0, 65535], true));
         points.extend(deleted);
-        desk.put("kept.las", Las::new(format, points).bytes());
+        desk.put("kept.las", StrangeLas::new(format, points).bytes());
         let info = desk.info(&["kept.las"])?;
         let args = ["kept.las", "--eye", "-14,-14,12", "--target", "0,0,2"];
         let hidden = desk.render(&args)?.num_near([255, 0, 255]);
@@ -206,13 +206,13 @@ fn row_of_withheld(rows: &mut Vec<Row>, name: String, format: u8) {
     }));
 }
 
-fn small() -> Vec<Row> {
+fn small() -> Vec<StrangerRow> {
     let mut rows = Vec::new();
     for (name, num) in [("one point", 1), ("700 equal points", 700), ("two points 1 mm apart", 2)] {
         rows.push(row(4, name, "a lit pixel in the middle", move |desk| {
             let at = |i: usize| [UTM[0] + if num == 2 { 0.001 * i as f64 } else { 0.0 }, UTM[1], UTM[2]];
-            let point = |i| Point { at: at(i), rgb: [65535, 65535, 9], ..Point::default() };
-            desk.put("few.las", Las::new(2, (0..num).map(point).collect()).at(UTM).bytes());
+            let point = |i| LasPoint { at: at(i), rgb: [65535, 65535, 9], ..LasPoint::default() };
+            desk.put("few.las", StrangeLas::new(2, (0..num).map(point).collect()).at(UTM).bytes());
             let picture = desk.render(&["few.las"])?;
             judged(
                 picture.middle_is_lit() || num == 2 && picture.lit() > 0,
@@ -222,7 +222,7 @@ fn small() -> Vec<Row> {
     }
     for (name, edge) in [("8 cm", 0.08), ("5 mm", 5e-3), ("300 µm", 3e-4), ("40 µm", 4e-5)] {
         rows.push(row(4, format!("a scan of {name}"), "whole and large in the picture", move |desk| {
-            let las = Las::new(2, place(4000, [1.0, 2.0, 3.0], edge)).at([1.0, 2.0, 3.0]);
+            let las = StrangeLas::new(2, place(4000, [1.0, 2.0, 3.0], edge)).at([1.0, 2.0, 3.0]);
             desk.put("tiny.las", las.scaled([edge * 1e-6; 3]).bytes());
             let picture = desk.render(&["tiny.las"])?;
             let border =
@@ -237,7 +237,7 @@ fn small() -> Vec<Row> {
         "an eye that looks away",
         "exit 0, a sentence: nothing in view, and where it is",
         |desk| {
-            desk.put("place.las", Las::new(2, place(2000, UTM, 20.0)).at([5e5, 5e6, 0.0]).bytes());
+            desk.put("place.las", StrangeLas::new(2, place(2000, UTM, 20.0)).at([5e5, 5e6, 0.0]).bytes());
             let args = [
                 "place.las",
                 "--eye",
@@ -267,7 +267,7 @@ fn grid_and(property: &str, far: &[[&str; 3]]) -> String {
     text
 }
 
-fn far() -> Vec<Row> {
+fn far() -> Vec<StrangerRow> {
     type Far = &'static [[&'static str; 3]];
     const FAR: [(&str, &str, Far); 6] = [
         ("1 point at 2e9", "float", &[["2e9", "0", "0"]]),

@@ -253,7 +253,7 @@ pub fn build_nodes<E: From<BuildError>>(
         return Err(BuildError::from(Cancelled).into());
     }
     let mut levels = vec![0; keys.len()];
-    let draft = tree::Builder { index: &index, root, progress }.build(&mut keys, &mut levels);
+    let draft = tree::OctreeBuilder { index: &index, root, progress }.build(&mut keys, &mut levels);
     if progress.is_cancelled() {
         return Err(BuildError::from(Cancelled).into());
     }

@@ -2,7 +2,7 @@
 
 use super::keys::{CodeFrame, Cube, Root, SortKey, sorted};
 use super::sample::{Sample, Sampled, Sampler};
-use super::tree::{Builder, Draft};
+use super::tree::{Draft, OctreeBuilder};
 use super::*;
 use crate::made_up::{motley, scan_of};
 use proptest::prelude::*;
@@ -94,7 +94,8 @@ fn the_roots_filtered_colors_average_the_cloud() {
     let mut keys = sorted(&index, &root);
     let truth = own_totals(&index, &keys);
     let mut levels = vec![0; keys.len()];
-    let draft = Builder { index: &index, root, progress: &Progress::hidden() }.build(&mut keys, &mut levels);
+    let draft =
+        OctreeBuilder { index: &index, root, progress: &Progress::hidden() }.build(&mut keys, &mut levels);
     assert!(draft.children.iter().any(|child| !child.children.is_empty()), "two inner levels at least");
 
     // The root's samples are computed once more, from the tree's own leaves up, with their weights.

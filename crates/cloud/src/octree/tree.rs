@@ -96,13 +96,13 @@ impl<'k> SubtreeKeys<'k> {
 }
 
 /// Everything that stays the same while a tree is built.
-pub(super) struct Builder<'a> {
+pub(super) struct OctreeBuilder<'a> {
     pub index: &'a Index<'a>,
     pub root: Root,
     pub progress: &'a Progress,
 }
 
-impl Builder<'_> {
+impl OctreeBuilder<'_> {
     /// The tree over sorted keys, at least one. Afterwards `levels` says of each key which of the nodes on its path
     /// owns it, and its color is the filtered one. The result is worthless if `progress` is cancelled.
     pub fn build(&self, keys: &mut [SortKey], levels: &mut [u8]) -> Draft {

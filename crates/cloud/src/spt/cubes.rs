@@ -1,6 +1,6 @@
 //! Cubes of the octree as ranges of Morton-sorted keys.
 
-use super::SortKey;
+use super::CodedPoint;
 use crate::morton::BITS;
 use std::ops::Range;
 
@@ -15,12 +15,12 @@ pub(super) struct CubeKeys {
 
 impl CubeKeys {
     /// The cube of all keys: strays' codes have a bit of their own above those of the scene's.
-    pub fn root(keys: &[SortKey]) -> Self {
+    pub fn root(keys: &[CodedPoint]) -> Self {
         Self { keys: 0..keys.len(), bits: 3 * BITS + 3 }
     }
 
     /// The occupied octants of the smallest cube that holds the same keys; none if all codes are the same.
-    pub fn octants(&self, keys: &[SortKey]) -> Vec<CubeKeys> {
+    pub fn octants(&self, keys: &[CodedPoint]) -> Vec<CubeKeys> {
         let (first, last) = (keys[self.keys.start].0, keys[self.keys.end - 1].0);
         if first == last {
             return Vec::new();
@@ -30,7 +30,7 @@ impl CubeKeys {
     }
 
     /// The occupied cubes of a size within this one.
-    fn parts(&self, keys: &[SortKey], bits: u32) -> Vec<CubeKeys> {
+    fn parts(&self, keys: &[CodedPoint], bits: u32) -> Vec<CubeKeys> {
         let mut parts = Vec::with_capacity(8);
         let mut start = self.keys.start;
         while start < self.keys.end {
@@ -44,7 +44,7 @@ impl CubeKeys {
     }
 
     /// Cuts the cube in halves until each part has at most `max_keys`, or nothing tells its keys apart.
-    pub fn cut(&self, keys: &[SortKey], max_keys: usize, each: &mut dyn FnMut(CubeKeys)) {
+    pub fn cut(&self, keys: &[CodedPoint], max_keys: usize, each: &mut dyn FnMut(CubeKeys)) {
         if self.keys.len() <= max_keys || self.bits == 0 {
             return each(self.clone());
         }

@@ -31,7 +31,7 @@ pub struct Triangle {
 }
 
 /// A triangle as its file has it.
-struct Face {
+struct FileTriangle {
     /// Running numbers of points, as in [`super::Index`].
     corners: [u32; 3],
     /// Normal whose length is twice the triangle's area.
@@ -42,7 +42,7 @@ struct Face {
 
 /// Normals and sizes of the triangles at a point.
 #[derive(Clone, Copy)]
-struct Corner {
+struct MeshCorner {
     /// Sum of their normals, each as long as twice the area.
     normal: DVec3,
     /// Longest side of the smallest triangle, and of the largest.
@@ -55,7 +55,7 @@ pub(super) fn is_mesh(scan: &Scan) -> bool {
 }
 
 /// All triangles that are not degenerate.
-fn faces(scan: &Scan) -> impl Iterator<Item = Face> + '_ {
+fn faces(scan: &Scan) -> impl Iterator<Item = FileTriangle> + '_ {
     let firsts = scan.files.iter().scan(0, |next: &mut usize, file| {
         let first = *next;
         *next += file.points.xyz.len();
@@ -68,7 +68,7 @@ fn faces(scan: &Scan) -> impl Iterator<Item = Face> + '_ {
 
 /// A triangle of a file whose points begin with number `first`; `None` if its corners lie on a line, which the grid's
 /// whole numbers tell exactly.
-fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
+fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<FileTriangle> {
     let xyz = |corner: u32| file.points.xyz.get(corner as usize).map(|p| p.map(i64::from));
     let (a, b, c) = (xyz(corners[0])?, xyz(corners[1])?, xyz(corners[2])?);
     let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
@@ -78,7 +78,7 @@ fn face(file: &ScanFile, first: u32, corners: [u32; 3]) -> Option<Face> {
     }
     let [u, v] = [u, v].map(|d| file.grid.scale * DVec3::from_array(d.map(|v| v as f64)));
     let side = u.length().max(v.length()).max((v - u).length());
-    Some(Face { corners: corners.map(|c| first + c), normal: u.cross(v), side: rounded_up(side) })
+    Some(FileTriangle { corners: corners.map(|c| first + c), normal: u.cross(v), side: rounded_up(side) })
 }
 
 /// Puts into the leaves what files know better than neighbors tell: normals, sides if `with_sides`, and how far
@@ -94,7 +94,7 @@ pub(super) fn inform(leaves: &mut [Leaf], sorted: &SortedPoints, scan: &Scan, wi
             leaf.normal = normals::pack(normal);
             leaf.spread = if with_sides { 0.0 } else { NO_SIDE };
         }
-        if let Some(&Corner { sides: [shortest, longest], .. }) =
+        if let Some(&MeshCorner { sides: [shortest, longest], .. }) =
             corner.filter(|corner| corner.sides[1] > 0.0)
         {
             leaf.diameter = OVERLAP * longest.min(MAX_SIDE_RATIO * shortest);
@@ -103,15 +103,15 @@ pub(super) fn inform(leaves: &mut [Leaf], sorted: &SortedPoints, scan: &Scan, wi
 }
 
 /// The triangles at each point; empty if there is no triangle. Memory: 32 B a point.
-fn corners(scan: &Scan) -> Vec<Corner> {
+fn corners(scan: &Scan) -> Vec<MeshCorner> {
     if !is_mesh(scan) {
         return Vec::new();
     }
-    let nothing = Corner { normal: DVec3::ZERO, sides: [f32::INFINITY, 0.0] };
+    let nothing = MeshCorner { normal: DVec3::ZERO, sides: [f32::INFINITY, 0.0] };
     let mut corners = vec![nothing; scan.num_points()];
     for face in faces(scan) {
         for corner in face.corners {
-            let Corner { normal, sides: [shortest, longest] } = &mut corners[corner as usize];
+            let MeshCorner { normal, sides: [shortest, longest] } = &mut corners[corner as usize];
             *normal += face.normal;
             (*shortest, *longest) = (shortest.min(face.side), longest.max(face.side));
         }
@@ -131,7 +131,7 @@ pub(super) fn triangles(scan: &Scan, sorted: &SortedPoints, tree: &PointTree) ->
         node_of[key.1 as usize] = node;
     }
     let of_face =
-        |face: Face| Triangle { corners: face.corners.map(|c| node_of[c as usize]), side: face.side };
+        |face: FileTriangle| Triangle { corners: face.corners.map(|c| node_of[c as usize]), side: face.side };
     faces(scan).map(of_face).collect()
 }
 

@@ -70,7 +70,7 @@ pub use batches::{BatchRun, SequentialCloud};
 pub use mesh::Triangle;
 pub use sequence::{DiscShape, ListPart, Sequence};
 pub use steps::StepScale;
-pub use tree::{Node, PointTree};
+pub use tree::{PointTree, PointTreeNode};
 
 use super::BuildError;
 use super::build::{Checked, check, sort};
@@ -93,11 +93,11 @@ const MAX_POINTS: usize = 1_000_000_000;
 struct SortedPoints<'a> {
     index: Index<'a>,
     /// (code, number in the index), ascending.
-    keys: Vec<SortKey>,
+    keys: Vec<CodedPoint>,
 }
 
 /// Morton code, and number in the [`Index`].
-type SortKey = (u64, u32);
+type CodedPoint = (u64, u32);
 
 /// Builds the sequential point tree of a scan, ready for the GPU; see [`build_point_tree`]. With `cull_backfaces`,
 /// discs whose sides are known are not read where they show the eye their backs.

@@ -5,7 +5,7 @@
 
 use super::cubes::CubeKeys;
 use super::tree::{Leaf, NO_SIDE};
-use super::{SortKey, SortedPoints, normals};
+use super::{CodedPoint, SortedPoints, normals};
 use crate::build::FAR;
 use crate::morton::{BITS, compact, spread};
 use base::task::Progress;
@@ -122,7 +122,7 @@ impl Search<'_> {
 }
 
 /// The keys of a cube, and of each of the 26 cubes round it that has any.
-fn around(keys: &[SortKey], cube: &CubeKeys, each: &mut dyn FnMut(Range<usize>)) {
+fn around(keys: &[CodedPoint], cube: &CubeKeys, each: &mut dyn FnMut(Range<usize>)) {
     each(cube.keys.clone());
     if cube.bits > 3 * BITS {
         // The cube holds all keys.

@@ -24,16 +24,16 @@ pub(super) const MAX_DISCS: usize = 4096;
 pub(super) const MIN_APART: usize = 128;
 
 /// A node's number, and its disc's interval and size.
-pub(super) type Entry = (u32, DiscShape);
+pub(super) type DiscEntry = (u32, DiscShape);
 
 /// Entries, and the cluster and the size of each group of them.
-type Grouped = (Vec<Entry>, Vec<(u8, usize)>);
+type Grouped = (Vec<DiscEntry>, Vec<(u8, usize)>);
 
 /// Cuts a list that is sorted by falling octaves of `max`, and puts the entries of each part next to each other.
 pub(super) fn parts(
-    entries: Vec<Entry>,
+    entries: Vec<DiscEntry>,
     cluster: &(impl Fn(u32) -> u8 + Sync),
-) -> (Vec<Entry>, Vec<ListPart>) {
+) -> (Vec<DiscEntry>, Vec<ListPart>) {
     let apart = |range: &Range<usize>| asunder(entries[range.clone()].to_vec(), cluster);
     let pieces: Vec<Grouped> = cut(&entries).par_iter().map(apart).collect();
     drop(entries);
@@ -54,7 +54,7 @@ pub(super) fn parts(
 }
 
 /// Ranges of entries that become parts.
-fn cut(entries: &[Entry]) -> Vec<Range<usize>> {
+fn cut(entries: &[DiscEntry]) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let mut start = 0;
     let min_discs = (entries.len() / 8).clamp(MIN_DISCS_OF_FEW, MIN_DISCS);
@@ -71,11 +71,11 @@ fn cut(entries: &[Entry]) -> Vec<Range<usize>> {
 
 /// Orders the entries of a part so that those that belong together are next to each other; returns the groups' clusters
 /// and sizes too.
-fn asunder(entries: Vec<Entry>, cluster: &impl Fn(u32) -> u8) -> Grouped {
-    let is_for_afar = |(_, shape): &Entry| shape.min > 0;
+fn asunder(entries: Vec<DiscEntry>, cluster: &impl Fn(u32) -> u8) -> Grouped {
+    let is_for_afar = |(_, shape): &DiscEntry| shape.min > 0;
     let num_for_afar = entries.iter().filter(|entry| is_for_afar(entry)).count();
     let sets_apart = num_for_afar >= MIN_APART;
-    let mut grouped: Vec<(bool, u8, Entry)> = entries
+    let mut grouped: Vec<(bool, u8, DiscEntry)> = entries
         .into_iter()
         .map(|entry| (sets_apart && is_for_afar(&entry), cluster(entry.0), entry))
         .collect();

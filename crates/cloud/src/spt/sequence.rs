@@ -1,9 +1,10 @@
 //! The tree as a list: an interval of tolerance for each disc, sorted [SPT §3.6, 3.7].
 
 use super::clusters::{NUM_CLUSTERS, cluster_of};
+use super::mesh;
+use super::parts::{self, DiscEntry};
 use super::steps::{ENDLESS, StepScale};
 use super::tree::PointTree;
-use super::{mesh, parts};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -91,7 +92,7 @@ impl Sequence {
         keys.par_sort_unstable();
         let nodes: Vec<u32> = keys.into_par_iter().map(|key| key as u32).collect();
         let shapes: Vec<DiscShape> = nodes.par_iter().map(|&node| shape(node as usize)).collect();
-        let entries: Vec<(u32, DiscShape)> = nodes.into_iter().zip(shapes).collect();
+        let entries: Vec<DiscEntry> = nodes.into_iter().zip(shapes).collect();
         let (entries, parts) = parts::parts(entries, &cluster);
         let (nodes, shapes) = entries.into_iter().unzip();
         Self { scale, nodes, shapes, parts }

@@ -32,7 +32,7 @@ pub(super) struct Leaf {
 
 /// A node of the tree, drawn as a disc: a point, or the mean of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node {
+pub struct PointTreeNode {
     /// Mean of its points' positions, on the tree's grid; see [`PointTree::position`].
     pub position: [u32; 3],
     /// Mean of its points' normals, packed ([`normals::pack`]).
@@ -55,7 +55,7 @@ pub struct Node {
 #[derive(Clone, Debug)]
 pub struct PointTree {
     /// Children before their parents, a subtree in one run, in Morton order; the root is the last.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<PointTreeNode>,
     /// True box of the points, world space.
     pub bounds: Bounds,
     /// The scan's scene.
@@ -84,11 +84,11 @@ impl PointTree {
     }
 
     /// Center of a node, relative to the box's smallest corner.
-    fn offset(&self, node: &Node) -> DVec3 {
+    fn offset(&self, node: &PointTreeNode) -> DVec3 {
         DVec3::from_array(node.position.map(f64::from)) * self.step
     }
 
-    fn disc(&self, node: &Node) -> Disc {
+    fn disc(&self, node: &PointTreeNode) -> Disc {
         let (center, normal) = (self.offset(node), normals::unpack(node.normal));
         Disc { center, normal, radius: 0.5 * f64::from(node.diameter) }
     }
@@ -104,7 +104,7 @@ struct SubtreeSums {
 
 /// A subtree whose place in the list is still open.
 struct Subtree {
-    nodes: Vec<Node>,
+    nodes: Vec<PointTreeNode>,
     sums: SubtreeSums,
 }
 
@@ -126,7 +126,8 @@ pub(super) fn build(
         if progress.is_cancelled() {
             return Subtree { nodes: Vec::new(), sums: SubtreeSums::default() };
         }
-        let mut builder = Builder { sorted, leaves, tree: PointTree { ..tree.clone() }, parts: None };
+        let mut builder =
+            PointTreeBuilder { sorted, leaves, tree: PointTree { ..tree.clone() }, parts: None };
         let sums = builder.subtree(cube);
         progress.add(cube.keys.len() as u64);
         Subtree { nodes: builder.tree.nodes, sums }
@@ -138,7 +139,7 @@ pub(super) fn build(
     let num_nodes = parts.iter().map(|part| part.nodes.len() + 1).sum();
     let nodes = Vec::with_capacity(num_nodes);
     let tree = PointTree { nodes, scene, ..tree };
-    let mut builder = Builder { sorted, leaves, tree, parts: Some(parts.into_iter()) };
+    let mut builder = PointTreeBuilder { sorted, leaves, tree, parts: Some(parts.into_iter()) };
     builder.subtree(&root);
     builder.tree
 }
@@ -158,7 +159,7 @@ pub(super) fn rounded_up(length: f64) -> f32 {
     if f64::from(rounded) < length { rounded.next_up() } else { rounded }
 }
 
-struct Builder<'a> {
+struct PointTreeBuilder<'a> {
     sorted: &'a SortedPoints<'a>,
     leaves: &'a [Leaf],
     tree: PointTree,
@@ -166,7 +167,7 @@ struct Builder<'a> {
     parts: Option<std::vec::IntoIter<Subtree>>,
 }
 
-impl Builder<'_> {
+impl PointTreeBuilder<'_> {
     /// Appends the nodes of a subtree, its root last.
     fn subtree(&mut self, cube: &CubeKeys) -> SubtreeSums {
         let keys = &self.sorted.keys;
@@ -209,7 +210,8 @@ impl Builder<'_> {
         let Leaf { normal, diameter, spread } = self.leaves[key];
         let offset = p_in_world - self.tree.bounds.min;
         let position = self.on_grid(offset);
-        let node = Node { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
+        let node =
+            PointTreeNode { position, normal, color, diameter, error: 0.0, spread, num_points: 1, up: 0 };
         self.tree.nodes.push(node);
         SubtreeSums {
             position: offset,
@@ -224,7 +226,7 @@ impl Builder<'_> {
         let count = num_points as u64;
         let [r, g, b] = sums.rgb.map(|sum| ((sum + count / 2) / count) as u32);
         let color = r | g << GREEN_SHIFT | b << BLUE_SHIFT | OPAQUE;
-        let node = Node {
+        let node = PointTreeNode {
             position,
             normal: normals::pack(normal),
             color,
@@ -246,7 +248,7 @@ impl Builder<'_> {
         };
         let below = children.iter().map(|&child| tree.nodes[child].error).fold(0.0, f32::max);
         let diameter = rounded_up(2.0 * disc.radius);
-        let node = Node { diameter, error: (own as f32).max(below), ..node };
+        let node = PointTreeNode { diameter, error: (own as f32).max(below), ..node };
         let number = self.tree.nodes.len();
         self.tree.nodes.push(node);
         for &child in children {
@@ -257,7 +259,7 @@ impl Builder<'_> {
     /// Mean of the children's normals, each counted by its points, and the largest angle to any point's. Normals
     /// without a side are first turned into the hemisphere of those before them.
     fn mean_normal(&self, children: &[usize]) -> (DVec3, f32) {
-        let turned = |normal: DVec3, node: &Node, to: DVec3| {
+        let turned = |normal: DVec3, node: &PointTreeNode, to: DVec3| {
             if node.spread < NO_SIDE || normal.dot(to) >= 0.0 { normal } else { -normal }
         };
         let of_children = || {
@@ -274,7 +276,7 @@ impl Builder<'_> {
             // The normals cancel out: no direction is better than another, and no side is known.
             return (DVec3::Z, NO_SIDE);
         };
-        let angle = |(normal, node): (DVec3, &Node)| {
+        let angle = |(normal, node): (DVec3, &PointTreeNode)| {
             let cos = turned(normal, node, mean).dot(mean).clamp(-1.0, 1.0);
             (libm::acos(cos) as f32 + node.spread).min(NO_SIDE)
         };

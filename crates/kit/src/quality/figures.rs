@@ -1,7 +1,7 @@
 //! Makes figures, a table and CSV rows of pictures.
 
 use super::metrics::{Holes, largest_patch_change, mean_change, mean_own_change, psnr_db, ssim, within_ring};
-use super::picture::{Picture, only_eye};
+use super::picture::{EyePicture, only_eye};
 use base::percentile::Sorted;
 use base::space::View;
 use std::io::{self, Write};
@@ -11,9 +11,9 @@ const CENTER_DEG: f64 = 20.0;
 
 /// Pictures and changes that are kept of all that one contestant drew from one viewpoint.
 #[derive(Clone, Debug)]
-pub struct Recording {
+pub struct ContestantRecording {
     /// All frames of the tremor; the first one is the picture that is looked at.
-    pub tremor: Vec<Picture>,
+    pub tremor: Vec<EyePicture>,
     /// Change of the patch that changes most, in each step of the walk, 0 to 255.
     pub pops: Vec<f64>,
     /// Change of the patch that changes most, where the head stands still and only the level of detail goes on as if it
@@ -32,13 +32,17 @@ pub struct Motion<'a> {
     pub approach: &'a [f32],
 }
 
-impl Recording {
+impl ContestantRecording {
     /// Draws all frames; `draw` gets a view and the factor on the thresholds of level of detail.
     ///
     /// # Errors
     /// Those of `draw`.
-    pub fn new<E>(motion: Motion, mut draw: impl FnMut(&View, f32) -> Result<Picture, E>) -> Result<Self, E> {
-        let tremor = motion.tremor.iter().map(|view| draw(view, 1.0)).collect::<Result<Vec<Picture>, E>>()?;
+    pub fn new<E>(
+        motion: Motion,
+        mut draw: impl FnMut(&View, f32) -> Result<EyePicture, E>,
+    ) -> Result<Self, E> {
+        let tremor =
+            motion.tremor.iter().map(|view| draw(view, 1.0)).collect::<Result<Vec<EyePicture>, E>>()?;
         let mut pops = |frames: &mut dyn Iterator<Item = (&View, f32)>| {
             let (mut before, mut pops) = (tremor[0].clone(), Vec::new());
             for (view, lod_scale) in frames {
@@ -55,19 +59,19 @@ impl Recording {
     }
 
     /// The picture that is looked at.
-    pub fn still(&self) -> &Picture {
+    pub fn still(&self) -> &EyePicture {
         &self.tremor[0]
     }
 
     /// Pairs of consecutive frames of the tremor.
-    fn steps(&self) -> impl Iterator<Item = [&Picture; 2]> {
+    fn steps(&self) -> impl Iterator<Item = [&EyePicture; 2]> {
         self.tremor.windows(2).map(|pair| [&pair[0], &pair[1]])
     }
 }
 
 /// Figures of one contestant from one viewpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figures {
+pub struct QualityFigures {
     /// PSNR over the pixels that the truth covers.
     pub psnr_db: f64,
     /// PSNR over the pixels of the center ring that the truth covers.
@@ -80,17 +84,17 @@ pub struct Figures {
     pub flicker: f64,
     /// The part of the flicker that the truth does not have: see [`mean_own_change`].
     pub own_flicker: f64,
-    /// Largest of [`Recording::pops`].
+    /// Largest of [`ContestantRecording::pops`].
     pub largest_pop: f64,
-    /// Median of [`Recording::pops`].
+    /// Median of [`ContestantRecording::pops`].
     pub median_pop: f64,
-    /// Largest of [`Recording::lod_pops`].
+    /// Largest of [`ContestantRecording::lod_pops`].
     pub largest_lod_pop: f64,
 }
 
-impl Figures {
+impl QualityFigures {
     /// Figures of a contestant beside the truth of the same views, of which `view` is the first.
-    pub fn new(view: &View, drawn: &Recording, truth: &Recording) -> Self {
+    pub fn new(view: &View, drawn: &ContestantRecording, truth: &ContestantRecording) -> Self {
         let (still, true_still) = (drawn.still(), truth.still());
         let center = within_ring(only_eye(view), CENTER_DEG);
         let covered = |pixel: usize| true_still.depth[pixel].is_finite();
@@ -117,7 +121,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// All figures from one viewpoint.
-pub struct Table {
+pub struct QualityTable {
     /// Name of the scan.
     pub scan: &'static str,
     /// Name of the viewpoint.
@@ -127,10 +131,10 @@ pub struct Table {
     /// Points of the truth's scan.
     pub num_true_points: u64,
     /// The truth, then the contestants.
-    pub rows: Vec<(&'static str, Figures)>,
+    pub rows: Vec<(&'static str, QualityFigures)>,
 }
 
-impl Table {
+impl QualityTable {
     /// Writes the first line of the CSV.
     pub fn csv_header(out: &mut impl Write) -> io::Result<()> {
         writeln!(

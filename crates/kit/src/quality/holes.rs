@@ -54,7 +54,7 @@ pub fn left_eye(place: &Viewpoint, fov: Fov, (size_px, share): ([u32; 2], f64), 
 
 /// The part of a frame that is needed to count holes.
 #[derive(Clone, Debug)]
-pub struct Drawn {
+pub struct EyeFrame {
     /// Width, height.
     pub size_px: [u32; 2],
     /// Colors, sRGB as stored.
@@ -63,7 +63,7 @@ pub struct Drawn {
     pub points_read: u64,
 }
 
-impl Drawn {
+impl EyeFrame {
     fn is_empty(&self, pixel: usize) -> bool {
         self.rgb[pixel] == EMPTY_RGB
     }
@@ -120,7 +120,7 @@ impl Drawer {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn draw(&mut self, options: DrawOptions, view: &View, lod_scale: f32) -> Result<Drawn> {
+    pub fn draw(&mut self, options: DrawOptions, view: &View, lod_scale: f32) -> Result<EyeFrame> {
         self.renderer.set_options(options)?;
         self.renderer.set_lod_scale(lod_scale);
         let color = &self.image.create_view(&wgpu::TextureViewDescriptor::default());
@@ -136,7 +136,7 @@ impl Drawer {
         let rgba = readback::read_texture(&self.gpu, &self.image)?;
         let points_read = self.renderer.collect_times().context("the GPU gave no frame back")?.points_read;
         let size_px = view.eyes[0].size_px;
-        Ok(Drawn { size_px, rgb: rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect(), points_read })
+        Ok(EyeFrame { size_px, rgb: rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect(), points_read })
     }
 }
 
@@ -164,7 +164,7 @@ impl Judged {
 
 /// Empty pixels of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Holes {
+pub struct RingHoles {
     /// Pixels by the angle from the gaze: those all around which the frame that draws every point is filled, or all
     /// pixels if there is no such frame.
     pub rings: [Judged; RINGS_DEG.len()],
@@ -173,12 +173,12 @@ pub struct Holes {
 }
 
 /// Holes of a frame, beside the frame that draws every point, if there is one, whose outlines are `outline_px` wide.
-pub fn holes(view: &View, drawn: &Drawn, whole: Option<&Drawn>, outline_px: usize) -> Holes {
+pub fn holes(view: &View, drawn: &EyeFrame, whole: Option<&EyeFrame>, outline_px: usize) -> RingHoles {
     let eye = &view.eyes[0];
     let (fov, gaze) = (eye.fov, eye.gaze_in_view.normalize());
     let cosines = RINGS_DEG.map(|deg| deg.to_radians().cos());
     let [width, height] = drawn.size_px.map(|size| size as usize);
-    let mut holes = Holes::default();
+    let mut holes = RingHoles::default();
     for pixel in (0..width * height).filter(|&pixel| whole.is_none_or(|whole| !whole.is_empty(pixel))) {
         let share = |at: usize, size: usize| (at as f64 + 0.5) / size as f64;
         let right = fov.left + (fov.right - fov.left) * share(pixel % width, width);

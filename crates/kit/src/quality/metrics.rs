@@ -1,12 +1,12 @@
 //! Metrics that say one thing of a picture in one number. All values are 8-bit sRGB as stored, since that is what the
 //! display gets. `docs/bench/quality/README.md` says what each number means to a person.
 
-use super::picture::Picture;
+use super::picture::EyePicture;
 use base::space::Eye;
 
 /// Peak signal-to-noise ratio in dB over the pixels that `counts` accepts, all three channels alike; infinite for equal
 /// pictures, NaN where nothing counts.
-pub fn psnr_db(a: &Picture, b: &Picture, counts: impl Fn(usize) -> bool) -> f64 {
+pub fn psnr_db(a: &EyePicture, b: &EyePicture, counts: impl Fn(usize) -> bool) -> f64 {
     let (mut squares, mut num_values) = (0u64, 0u64);
     for (_, (a, b)) in a.rgb.iter().zip(&b.rgb).enumerate().filter(|(pixel, _)| counts(*pixel)) {
         squares += a.iter().zip(b).map(|(a, b)| u64::from(a.abs_diff(*b)).pow(2)).sum::<u64>();
@@ -42,7 +42,7 @@ const WINDOW_SIGMA_PX: f64 = 1.5;
 
 /// Structural similarity of luma (Rec. 601 weights), constants 0.01 and 0.03: the mean over all windows that lie within
 /// the picture, 11 × 11 pixels with Gaussian weights (σ = 1.5). 1 for equal pictures.
-pub fn ssim(a: &Picture, b: &Picture) -> f64 {
+pub fn ssim(a: &EyePicture, b: &EyePicture) -> f64 {
     let width = a.size_px[0] as usize;
     let (a, b) = (luma(a), luma(b));
     let mean = |values: Vec<f64>| blur(&values, width);
@@ -58,7 +58,7 @@ pub fn ssim(a: &Picture, b: &Picture) -> f64 {
     (0..a.len()).map(similarity).sum::<f64>() / a.len() as f64
 }
 
-fn luma(picture: &Picture) -> Vec<f64> {
+fn luma(picture: &EyePicture) -> Vec<f64> {
     let luma = |&[r, g, b]: &[u8; 3]| 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
     picture.rgb.iter().map(luma).collect()
 }
@@ -101,7 +101,7 @@ pub struct Holes {
 impl Holes {
     /// A pixel is a hole if its depth is more than 1 % behind the true depths of the pixel and of all its neighbors.
     /// The neighbors keep edges and slanted surfaces from being holes, where half a pixel decides what a pixel shows.
-    pub fn of(picture: &Picture, truth: &Picture) -> Self {
+    pub fn of(picture: &EyePicture, truth: &EyePicture) -> Self {
         let [width, height] = truth.size_px.map(|s| s as usize);
         let mut holes = Self::default();
         for y in 0..height {
@@ -129,7 +129,7 @@ impl Holes {
 }
 
 /// Mean absolute difference over pixels and channels, 0 to 255.
-pub fn mean_change(a: &Picture, b: &Picture) -> f64 {
+pub fn mean_change(a: &EyePicture, b: &EyePicture) -> f64 {
     let changes = a.rgb.as_flattened().iter().zip(b.rgb.as_flattened());
     changes.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / (3 * a.rgb.len()) as f64
 }
@@ -137,11 +137,11 @@ pub fn mean_change(a: &Picture, b: &Picture) -> f64 {
 /// Mean absolute difference, over channels and the pixels that the truth covers in both frames, between a
 /// contestant's change from frame to frame and the truth's: the part of the flicker that is its own. 0 to 255; NaN
 /// where the truth covers nothing.
-pub fn mean_own_change(picture: [&Picture; 2], truth: [&Picture; 2]) -> f64 {
+pub fn mean_own_change(picture: [&EyePicture; 2], truth: [&EyePicture; 2]) -> f64 {
     let (mut sum, mut num_values) = (0u64, 0u64);
     for pixel in (0..truth[0].rgb.len()).filter(|&pixel| truth.iter().all(|t| t.depth[pixel].is_finite())) {
         for channel in 0..3 {
-            let change = |of: [&Picture; 2]| {
+            let change = |of: [&EyePicture; 2]| {
                 i32::from(of[1].rgb[pixel][channel]) - i32::from(of[0].rgb[pixel][channel])
             };
             sum += u64::from(change(picture).abs_diff(change(truth)));
@@ -155,7 +155,7 @@ pub fn mean_own_change(picture: [&Picture; 2], truth: [&Picture; 2]) -> f64 {
 const PATCH_PX: usize = 16;
 
 /// The largest [`mean_change`] of a patch of 16 × 16 pixels; patches at the right and lower edge may be smaller.
-pub fn largest_patch_change(a: &Picture, b: &Picture) -> f64 {
+pub fn largest_patch_change(a: &EyePicture, b: &EyePicture) -> f64 {
     let width = a.size_px[0] as usize;
     let num_patches = width.div_ceil(PATCH_PX);
     let mut largest = 0.0;

@@ -1,17 +1,17 @@
 //! Tests of each figure of a picture, with what it must not see.
 
 use super::metrics::*;
-use super::picture::Picture;
+use super::picture::EyePicture;
 use base::space::{Eye, Fov, Pose};
 
 const SIZE_PX: [u32; 2] = [40, 36];
 
 /// A slope in each channel, at depth 10.
-pub fn slope() -> Picture {
+pub fn slope() -> EyePicture {
     let [width, height] = SIZE_PX;
     let color = |i: u32| [(40 + 3 * (i % width)) as u8, (60 + 2 * (i / width)) as u8, 128];
     let num_pixels = width * height;
-    Picture {
+    EyePicture {
         size_px: SIZE_PX,
         rgb: (0..num_pixels).map(color).collect(),
         depth: vec![10.0; num_pixels as usize],
@@ -19,7 +19,7 @@ pub fn slope() -> Picture {
 }
 
 /// Moves every value of every pixel up or down by `by`.
-fn noisy(picture: &Picture, by: u8) -> Picture {
+fn noisy(picture: &EyePicture, by: u8) -> EyePicture {
     let mut random = 1u64;
     let mut noisy = picture.clone();
     for value in noisy.rgb.as_flattened_mut() {
@@ -104,7 +104,7 @@ fn ssim_falls_with_noise_and_structure_but_hardly_with_brightness() {
 /// Two flat pictures have no variance: what remains is the luminance term, known in closed form.
 #[test]
 fn ssim_of_flat_pictures_is_known() {
-    let flat = |value: u8| Picture { rgb: vec![[value; 3]; 40 * 36], ..slope() };
+    let flat = |value: u8| EyePicture { rgb: vec![[value; 3]; 40 * 36], ..slope() };
     let (a, b, c1) = (100.0, 150.0, 2.55f64.powi(2));
     let want = (2.0 * a * b + c1) / (a * a + b * b + c1);
     assert!((ssim(&flat(100), &flat(150)) - want).abs() < 1e-9);
@@ -149,7 +149,7 @@ fn edges_and_sky_are_no_holes() {
     picture.depth[at(25, 28)] = f32::INFINITY;
     let holes = Holes::of(&picture, &truth);
     assert_eq!((holes.empty, holes.behind), (1, 1));
-    let sky = Picture { depth: vec![f32::INFINITY; truth.depth.len()], ..truth.clone() };
+    let sky = EyePicture { depth: vec![f32::INFINITY; truth.depth.len()], ..truth.clone() };
     assert!(Holes::of(&picture, &sky).share().is_nan());
 }
 
@@ -160,7 +160,7 @@ fn own_change_is_what_the_truth_does_not_do() {
     assert_eq!(mean_own_change([&a, &b], [&a, &a]), 4.0);
     assert_eq!(mean_own_change([&a, &a], [&a, &b]), 4.0, "standing still where the truth moves is wrong too");
     assert_eq!(mean_own_change([&b, &a], [&a, &b]), 8.0);
-    let nothing = Picture { depth: vec![f32::INFINITY; a.depth.len()], ..a.clone() };
+    let nothing = EyePicture { depth: vec![f32::INFINITY; a.depth.len()], ..a.clone() };
     assert!(mean_own_change([&a, &b], [&a, &nothing]).is_nan());
 }
 

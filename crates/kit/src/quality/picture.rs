@@ -4,7 +4,7 @@ use base::space::{Eye, Pose, View};
 
 /// What an eye sees. Pixels row by row, the top left first.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct EyePicture {
     /// Width, height.
     pub size_px: [u32; 2],
     /// Colors, sRGB as stored.
@@ -13,7 +13,7 @@ pub struct Picture {
     pub depth: Vec<f32>,
 }
 
-impl Picture {
+impl EyePicture {
     /// A picture whose depths nobody asks for, from colors as images hold them.
     pub fn of_colors(size_px: [u32; 2], colors: impl IntoIterator<Item = u32>) -> Self {
         let rgb = |color: u32| {

@@ -26,7 +26,7 @@ const ROOM_SHARE: usize = 4;
 
 /// Where the scan comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Source {
+pub enum ScanSource {
     /// A made-up scan.
     Synth(SynthKind),
     /// A real room.
@@ -34,22 +34,22 @@ pub enum Source {
 }
 
 /// All sources.
-pub const SOURCES: [Source; 4] = [
-    Source::Synth(SynthKind::Terrestrial),
-    Source::Synth(SynthKind::Aerial),
-    Source::Synth(SynthKind::Photogrammetry),
-    Source::Room,
+pub const SOURCES: [ScanSource; 4] = [
+    ScanSource::Synth(SynthKind::Terrestrial),
+    ScanSource::Synth(SynthKind::Aerial),
+    ScanSource::Synth(SynthKind::Photogrammetry),
+    ScanSource::Room,
 ];
 
 /// A scan as the contestants draw it.
-pub struct Scene {
+pub struct DrawnScan {
     /// All points, in Morton order.
     pub cloud: Cloud,
     /// The same points as an octree.
     pub octree: Octree,
 }
 
-impl Scene {
+impl DrawnScan {
     /// # Errors
     /// If the scan is empty.
     pub fn new(scan: Scan) -> Result<Self> {
@@ -58,7 +58,7 @@ impl Scene {
     }
 }
 
-impl Source {
+impl ScanSource {
     /// Name in lower case.
     pub fn name(self) -> &'static str {
         match self {

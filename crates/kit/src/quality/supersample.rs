@@ -1,7 +1,7 @@
 //! A picture with 4 × 4 samples a pixel: drawn as 4 × 4 pictures of its own size, each a part of the field of view
 //! (so that it fits wherever the picture itself does), then averaged.
 
-use super::picture::{Picture, only_eye};
+use super::picture::{EyePicture, only_eye};
 use base::space::{Eye, Fov, View};
 
 /// Samples of a pixel along each axis, and parts of the field of view along each axis.
@@ -24,7 +24,7 @@ pub fn part(view: &View, [column, row]: [u32; 2]) -> View {
 }
 
 /// Puts together what the parts' pictures show; `parts` row by row.
-pub fn filtered(parts: &[Picture], background: [u8; 3]) -> Picture {
+pub fn filtered(parts: &[EyePicture], background: [u8; 3]) -> EyePicture {
     let factor = FACTOR as usize;
     let size_px = parts[0].size_px;
     let [width, height] = size_px.map(|s| s as usize);
@@ -38,7 +38,7 @@ pub fn filtered(parts: &[Picture], background: [u8; 3]) -> Picture {
         average(samples.map(|s| (part.rgb[s], part.depth[s])), background)
     };
     let (rgb, depth) = (0..width * height).map(pixel).unzip();
-    Picture { size_px, rgb, depth }
+    EyePicture { size_px, rgb, depth }
 }
 
 /// Two samples are of one surface if the farther is at most this many times the nearer, as in high-quality shading.

@@ -1,6 +1,6 @@
 //! Tests of parts of a view, and of the pixels that they become.
 
-use super::picture::{Picture, only_eye};
+use super::picture::{EyePicture, only_eye};
 use super::supersample::*;
 use base::space::{Eye, Fov, Pose, View};
 use glam::{DVec3, DVec4};
@@ -48,7 +48,7 @@ fn parts_are_the_whole_enlarged() {
 
 #[test]
 fn every_sample_reaches_its_pixel() {
-    let empty = Picture { size_px: SIZE_PX, rgb: vec![[9; 3]; 16 * 24], depth: vec![NONE; 16 * 24] };
+    let empty = EyePicture { size_px: SIZE_PX, rgb: vec![[9; 3]; 16 * 24], depth: vec![NONE; 16 * 24] };
     let background = filtered(&vec![empty.clone(); 16], [1, 2, 3]);
     assert!(background.rgb.iter().all(|rgb| *rgb == [1, 2, 3]) && background.depth[0] == NONE);
     for (x, y) in [(0, 0), (15, 23), (5, 6), (4, 17)] {

@@ -16,7 +16,7 @@ pub struct RowGroup<'a> {
 }
 
 /// The frames that a row is made of.
-pub struct Timed {
+pub struct TimedFrames {
     pub name: String,
     pub load: FrameCounts,
     pub samples: Vec<FrameMs>,
@@ -43,7 +43,7 @@ pub fn gpu_ms(values: impl Iterator<Item = f64>) -> GpuMs {
 }
 
 /// A row whose samples are of whole frames.
-pub fn row_of_frames(of: RowGroup, viewpoint: &str, timed: &Timed) -> BenchRow {
+pub fn row_of_frames(of: RowGroup, viewpoint: &str, timed: &TimedFrames) -> BenchRow {
     let median = |value: fn(&FrameMs) -> f64| Sorted::new(timed.samples.iter().map(value)).median();
     let ms = gpu_ms(timed.samples.iter().map(|sample| sample.gpu_ms));
     let cpu_ms = median(|sample| sample.cpu_ms);
@@ -58,7 +58,7 @@ pub fn row_of_frames(of: RowGroup, viewpoint: &str, timed: &Timed) -> BenchRow {
 }
 
 /// A row whose median is that of some part of the frame.
-pub fn row(of: RowGroup, viewpoint: &str, timed: &Timed, gpu_ms: GpuMs) -> BenchRow {
+pub fn row(of: RowGroup, viewpoint: &str, timed: &TimedFrames, gpu_ms: GpuMs) -> BenchRow {
     let RowGroup { table, order, subject } = of;
     // Places of a user's scan are like the courtyard's.
     let model = if subject.model == Model::Scan { Model::Courtyard } else { subject.model };

@@ -2,7 +2,7 @@
 
 use super::Table;
 use super::contestant::{Compute, Counter, FrameCounts, FrameMs, Hardware};
-use super::rows::{RowGroup, Timed, gpu_ms, hardware_load, row, row_of_frames};
+use super::rows::{RowGroup, TimedFrames, gpu_ms, hardware_load, row, row_of_frames};
 use super::subject::{Camera, Model, Subject};
 use super::way::{CloudForm, Way};
 use crate::report::BenchRow;
@@ -73,7 +73,7 @@ pub struct Bench<'a> {
 }
 
 /// The ways that a table compares, each with its renderer and the one that counts.
-struct Contestants {
+struct TableContestants {
     size_px: [u32; 2],
     ways: Vec<(Way, Compute, Counter)>,
     /// Counter of a method in which every point in the picture asks for its pixel, as hardware points do.
@@ -261,7 +261,7 @@ impl Bench<'_> {
     }
 
     /// Makes contestants of the ways that are wanted and that this GPU can draw.
-    fn contestants(&self, mut ways: Vec<Way>, paper_px: [u32; 2]) -> Result<Contestants> {
+    fn contestants(&self, mut ways: Vec<Way>, paper_px: [u32; 2]) -> Result<TableContestants> {
         let size_px = self.size_px.unwrap_or(paper_px);
         let is_wanted =
             |way: &Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
@@ -272,7 +272,7 @@ impl Bench<'_> {
             Ok((way, compute, Counter::new(self.gpu, &[size_px], options, technique)?))
         };
         let asks = Way::paper_2021(Method::AtomicMin);
-        Ok(Contestants {
+        Ok(TableContestants {
             size_px,
             ways: ways.into_iter().map(contestant).collect::<Result<_>>()?,
             asked: Counter::new(self.gpu, &[size_px], asks.options(), asks.technique())?,
@@ -302,7 +302,7 @@ impl Bench<'_> {
         &self,
         of: RowGroup,
         order: Order,
-        contestants: &mut Contestants,
+        contestants: &mut TableContestants,
         places: &[Camera],
     ) -> Result<Vec<BenchRow>> {
         let cloud = of.subject.flat(order, self.task)?;
@@ -315,7 +315,7 @@ impl Bench<'_> {
     fn rows(
         &self,
         of: RowGroup,
-        contestants: &mut Contestants,
+        contestants: &mut TableContestants,
         hardware: &mut Hardware,
         clouds: &mut Clouds,
         places: &[Camera],
@@ -324,14 +324,14 @@ impl Bench<'_> {
         for place in places {
             let view = place.mono(contestants.size_px);
             let asked = contestants.asked.load(&mut clouds.flat, &view)?;
-            let mut all = vec![Timed {
+            let mut all = vec![TimedFrames {
                 name: Way::POINT_LIST.name.into(),
                 load: hardware_load(of.subject, asked),
                 samples: Vec::new(),
             }];
             for (way, _, counter) in &mut contestants.ways {
                 let load = counter.load(clouds.of(way), &view)?;
-                all.push(Timed { name: way.name.into(), load, samples: Vec::new() });
+                all.push(TimedFrames { name: way.name.into(), load, samples: Vec::new() });
             }
             for turn in 0..WARM_UP + self.num_runs {
                 ensure!(!self.task.cancel_token().is_cancelled(), "interrupted");
@@ -399,7 +399,7 @@ impl Bench<'_> {
         }
         let viewpoint = format!("{} {}x{}", place.name, size_px[0], size_px[1]);
         let part = |name: &str, samples: &[FrameMs], load: FrameCounts, value: &dyn Fn(&FrameMs) -> f64| {
-            let timed = Timed { name: name.into(), load, samples: vec![] };
+            let timed = TimedFrames { name: name.into(), load, samples: vec![] };
             let ms = gpu_ms(samples.iter().map(value));
             let row = row(RowGroup { table: "vr", order: "octree", subject }, &viewpoint, &timed, ms);
             // The bytes read are those of the whole frame.

@@ -3,9 +3,9 @@
 use super::points::radius;
 use super::sizes::nearest_depth;
 use render::layout::{
-    ALL_PLANES, Batch, CELLS, CHILD_ABSENT, COARSE_PLANES, CULL_SLACK, DRAWN_WHOLE, EyeUniform,
-    FINE_THRESHOLD_PX, HEAD_CELL_LIMIT, HEAD_CELL_STEP, MAX_EXTRA_SLICES, MIDDLE_PLANES, NO_CHILD, NODE_ROOT,
-    NUM_SLICES_SHIFT, Node, OWN_BITS, OWN_FILL_RADIUS, OWN_NONE, OWN_PER_WORD, OWN_SHIFT, POINTS_COVER,
+    ALL_PLANES, CELLS, CHILD_ABSENT, COARSE_PLANES, CULL_SLACK, DRAWN_WHOLE, EyeUniform, FINE_THRESHOLD_PX,
+    GpuBatch, GpuNode, HEAD_CELL_LIMIT, HEAD_CELL_STEP, MAX_EXTRA_SLICES, MIDDLE_PLANES, NO_CHILD, NODE_ROOT,
+    NUM_SLICES_SHIFT, OWN_BITS, OWN_FILL_RADIUS, OWN_NONE, OWN_PER_WORD, OWN_SHIFT, POINTS_COVER,
     POINTS_PER_LOAD, PRECISION_THRESHOLD_PX, SAMPLES_COVER, SLICE_SHIFT, STATE_PARTS, STATE_SHIFT,
     VISIBLE_BY_EYE, VISIBLE_FILL, VISIBLE_WIDE, ViewUniform, VisibleBatch, WIDE_SLICE_PIXELS, WORKGROUP_SIZE,
 };
@@ -18,11 +18,11 @@ pub(super) const HALF_CELLS: f32 = 0.5 * CELLS;
 pub fn cull(
     view: &ViewUniform,
     num_eyes: usize,
-    batches: &[Batch],
-    nodes: &[Node],
+    batches: &[GpuBatch],
+    nodes: &[GpuNode],
     states: &[u32],
 ) -> Vec<VisibleBatch> {
-    let one = |batch: &Batch| {
+    let one = |batch: &GpuBatch| {
         let node = &nodes[batch.node as usize];
         let drawn = states[batch.node as usize];
         if drawn == 0 {
@@ -68,7 +68,7 @@ pub fn num_nodes(visible: &[VisibleBatch], node_of: impl Fn(u32) -> u32) -> u32 
 
 /// State of the child in each octant, in [`OWN_BITS`] bits: [`OWN_NONE`] where there is no child, 0 where it is not
 /// there yet.
-fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
+fn own_colors(node: &GpuNode, states: &[u32]) -> [u32; 2] {
     let mut own = [0; 2];
     for (octant, &child) in (0..).zip(&node.children) {
         let drawn = match child {
@@ -83,7 +83,7 @@ fn own_colors(node: &Node, states: &[u32]) -> [u32; 2] {
 
 /// Distance between a node's drawn samples, as a share of its edge. It is larger where the root is drawn with a part of
 /// them.
-fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
+fn spacing_drawn(node: &GpuNode, drawn: u32) -> f32 {
     if node.flags & NODE_ROOT == 0 || drawn == DRAWN_WHOLE {
         return node.sample_spacing;
     }
@@ -94,8 +94,8 @@ fn spacing_drawn(node: &Node, drawn: u32) -> f32 {
 fn cull_batch(
     view: &ViewUniform,
     num_eyes: usize,
-    batch: &Batch,
-    node: &Node,
+    batch: &GpuBatch,
+    node: &GpuNode,
     drawn: u32,
 ) -> Option<(VisibleBatch, u32)> {
     let axes = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
@@ -232,7 +232,7 @@ fn widest_open_px(
     })
 }
 
-/// Unpacks the eight f16 of [`Node::spacing`].
+/// Unpacks the eight f16 of [`GpuNode::spacing`].
 #[must_use]
 pub fn shares(spacing: [u32; 4]) -> [f32; 8] {
     std::array::from_fn(|octant| {

@@ -2,18 +2,18 @@
 
 use super::sizes::nearest_depth;
 use render::layout::{
-    CUBE_RADIUS, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, HYSTERESIS, LOD_FADE, LOD_SMOOTH,
-    NODE_RESIDENT, NODE_ROOT, NODE_WHOLE, Node, STATE_LOW, STATE_PARTS, STATE_SHIFT, ViewUniform,
+    CUBE_RADIUS, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END, GpuNode, HYSTERESIS, LOD_FADE, LOD_SMOOTH,
+    NODE_RESIDENT, NODE_ROOT, NODE_WHOLE, STATE_LOW, STATE_PARTS, STATE_SHIFT, ViewUniform,
 };
 
 /// Updates each node's state; `states` are those of the frame before, all 0 in a cloud's first frame.
-pub fn lod(view: &ViewUniform, num_eyes: usize, nodes: &[Node], states: &mut [u32]) {
+pub fn lod(view: &ViewUniform, num_eyes: usize, nodes: &[GpuNode], states: &mut [u32]) {
     for (node, state) in nodes.iter().zip(states) {
         *state = node_state(view, num_eyes, node, *state);
     }
 }
 
-fn node_state(view: &ViewUniform, num_eyes: usize, node: &Node, before: u32) -> u32 {
+fn node_state(view: &ViewUniform, num_eyes: usize, node: &GpuNode, before: u32) -> u32 {
     if node.flags & NODE_RESIDENT == 0 {
         return 0;
     }

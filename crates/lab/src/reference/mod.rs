@@ -22,7 +22,7 @@ use cloud::octree::Octree;
 use cloud::spt::SequentialCloud;
 use render::DrawOptions;
 use render::layout::{
-    Batch, DRAWN_WHOLE, EMPTY_DEPTH, ID_ODD, ID_SHIFT, Node, Pixel, ViewUniform, VisibleBatch, guarded,
+    DRAWN_WHOLE, EMPTY_DEPTH, GpuBatch, GpuNode, ID_ODD, ID_SHIFT, Pixel, ViewUniform, VisibleBatch, guarded,
     without_guard,
 };
 use render::options::{Dilate, Quality};
@@ -34,9 +34,9 @@ pub struct ReferenceCloud<'a> {
     cloud: &'a Cloud,
     filtered_colors: &'a [u32],
     /// The cloud's nodes; none in a point tree.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GpuNode>,
     /// The cloud's batches; none in a point tree.
-    pub batches: Vec<Batch>,
+    pub batches: Vec<GpuBatch>,
     /// A point tree, in place of nodes and batches, and the pixels that its discs may be wrong by.
     tree: Option<(Tree<'a>, f32)>,
 }
@@ -45,9 +45,9 @@ impl<'a> ReferenceCloud<'a> {
     /// A flat cloud: one node, always drawn whole.
     #[must_use]
     pub fn flat(cloud: &'a Cloud) -> Self {
-        let batch = |b: &cloud::Batch| Batch::new(&cloud.split, b, 0, b.first_point);
+        let batch = |b: &cloud::Batch| GpuBatch::new(&cloud.split, b, 0, b.first_point);
         let batches = cloud.batches.iter().map(batch).collect();
-        let nodes = vec![Node::FLAT];
+        let nodes = vec![GpuNode::FLAT];
         Self { cloud, filtered_colors: &cloud.colors, nodes, batches, tree: None }
     }
 
@@ -56,12 +56,12 @@ impl<'a> ReferenceCloud<'a> {
     pub fn layered(octree: &'a Octree) -> Self {
         let cloud = &octree.cloud;
         let nodes = (0..octree.nodes.len())
-            .map(|number| Node::new(&octree.cloud.split, &octree.nodes, number))
+            .map(|number| GpuNode::new(&octree.cloud.split, &octree.nodes, number))
             .collect();
         let batches = octree.nodes.iter().enumerate().flat_map(|(number, node)| {
             cloud.batches[node.batches.start as usize..node.batches.end as usize]
                 .iter()
-                .map(move |b| Batch::new(&cloud.split, b, number as u32, b.first_point))
+                .map(move |b| GpuBatch::new(&cloud.split, b, number as u32, b.first_point))
         });
         let batches = batches.collect();
         Self { cloud, filtered_colors: &octree.filtered_colors, nodes, batches, tree: None }
@@ -91,7 +91,7 @@ impl<'a> ReferenceCloud<'a> {
 
 /// Results of a frame. Pixels have an entry per eye and are those of the image, without its guard band.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Frame {
+pub struct ReferenceFrame {
     /// Batches drawn.
     pub visible: Vec<VisibleBatch>,
     /// Number of nodes that the batches drawn belong to.
@@ -112,7 +112,7 @@ pub struct Frame {
     pub images: Vec<Vec<u32>>,
 }
 
-impl Frame {
+impl ReferenceFrame {
     /// Points in the batches drawn.
     #[must_use]
     pub fn points_read(&self) -> u64 {
@@ -123,7 +123,12 @@ impl Frame {
 
 /// Draws `scene` as the GPU does; `states` are its nodes' states of the frame before, `None` in the first frame.
 #[must_use]
-pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states: Option<&[u32]>) -> Frame {
+pub fn frame(
+    scene: &ReferenceCloud,
+    view: &View,
+    options: &DrawOptions,
+    states: Option<&[u32]>,
+) -> ReferenceFrame {
     let uniform = ViewUniform::new(view, &scene.cloud.split, &options.detail);
     let num_eyes = view.eyes.len();
     let tree = scene.tree.as_ref().map(|(tree, error_px)| {
@@ -153,7 +158,7 @@ pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states:
         points::points(&uniform, num_eyes, &visible, [hi, mid, lo], tree.as_ref(), fill, put);
     };
     let sizes_px: Vec<[u32; 2]> = view.eyes.iter().map(|eye| guarded(eye.size_px)).collect();
-    let mut frame = Frame::default();
+    let mut frame = ReferenceFrame::default();
     match options.quality {
         Quality::Closest => {
             frame.keys = sizes_px.iter().map(|&size_px| clear::pixels(size_px, clear::EMPTY)).collect();
@@ -177,7 +182,7 @@ pub fn frame(scene: &ReferenceCloud, view: &View, options: &DrawOptions, states:
     frame.pixels = frame.surface.iter().enumerate().map(dilated).collect();
     let image = |pixels: &Vec<Pixel>| resolve::image(pixels, options.background_word());
     frame.images = frame.pixels.iter().map(image).collect();
-    Frame {
+    ReferenceFrame {
         visible_nodes,
         visible,
         states,

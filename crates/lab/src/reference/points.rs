@@ -3,7 +3,7 @@
 use super::cull::shares;
 use super::rings::ring;
 use super::tree::triangles::{Mixture, triangles};
-use super::tree::{Disc, Tree};
+use super::tree::{ChosenDisc, Tree};
 use crate::technique::tree::VISIBLE_TRIANGLES;
 use render::layout::{
     CELLS, COARSE_CENTER, COARSE_PLANES, COARSE_SHIFT, DRAWN_WHOLE, EyeUniform, FADE_BEGIN, FADE_END,
@@ -63,7 +63,7 @@ pub fn points(
                 & OWN_NONE;
             let is_filtered = own != OWN_NONE && rank >> OWN_SHIFT >= own;
             let id = index << ID_SHIFT | if is_filtered { ID_ODD } else { 0 };
-            let disc = tree.map(|tree| (tree, Disc::of(tree, index)));
+            let disc = tree.map(|tree| (tree, ChosenDisc::of(tree, index)));
             let edge = CELLS * batch.cell[0].max(batch.cell[1].max(batch.cell[2]));
             let step = batch.spacing_step;
             let powers = [1.0, step, step * step, step * step * step];

@@ -17,12 +17,12 @@ pub struct Comparison {
     /// Figures of each log.
     pub summaries: [Summary; 2],
     /// GPU time of the frame, then of each stage that either log has.
-    pub differences: Vec<Difference>,
+    pub differences: Vec<TimeDifference>,
 }
 
 /// GPU milliseconds of the frame, or of one stage, in two logs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
+pub struct TimeDifference {
     /// `GPU`, or the name of a stage.
     pub name: String,
     /// Medians of A and B; `None` where a log has no such time.
@@ -33,7 +33,7 @@ pub struct Difference {
     pub ratio: Option<Interval>,
 }
 
-impl Difference {
+impl TimeDifference {
     fn of(name: &str, times_ms: [Vec<f64>; 2], medians_ms: [Option<f64>; 2]) -> Self {
         let intervals = compare_medians(&times_ms[0], &times_ms[1]);
         let (difference_ms, ratio) =
@@ -74,7 +74,7 @@ impl Comparison {
         };
         let difference = |name: &str, stage: Option<&str>| {
             let times = logs.map(|log| times_ms(log, stage));
-            Difference::of(name, times, [0, 1].map(|which| median(which, stage)))
+            TimeDifference::of(name, times, [0, 1].map(|which| median(which, stage)))
         };
         let stages = in_order(logs.iter().flat_map(|log| &log.stages)).into_iter();
         let frame = std::iter::once(difference("GPU", None));
@@ -136,7 +136,7 @@ impl Comparison {
     fn differences_table(&self) -> TextTable {
         let mut table = TextTable::new(["median ms", "A", "B", "B - A", "95 %", "B / A", "95 %", ""]);
         for difference in &self.differences {
-            let Difference { name, medians_ms: [a, b], difference_ms, ratio } = difference;
+            let TimeDifference { name, medians_ms: [a, b], difference_ms, ratio } = difference;
             let both = a.zip(*b);
             let interval = |interval: &Option<Interval>| {
                 interval.map_or_else(|| "-".into(), |[low, high]| format!("{low:+.3} to {high:+.3}"))

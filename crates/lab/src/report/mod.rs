@@ -32,7 +32,7 @@ pub use bench_markdown::bench_markdown;
 pub use bench_page::bench_page;
 pub use bench_results::{BenchError, BenchResults, BenchRow, BytesRead, GpuMs, PaperMs, PaperSays};
 pub use bootstrap::Interval;
-pub use compare::{Comparison, Difference};
+pub use compare::{Comparison, TimeDifference};
 pub use summary::Summary;
 pub(crate) use table::in_order;
 pub use walk_page::walk_page;

@@ -11,6 +11,8 @@ use render::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
 use render::shaders::{ShaderOfSet, parts};
 use render::technique::{ClearedTarget, Nearest, Recording};
 use render::{Access, Parts, Targets};
+use std::mem::offset_of;
+use wgpu::util::{BufferInitDescriptor, DeviceExt, DrawIndirectArgs};
 
 /// The pass that draws points.
 pub const POINT_LIST: ShaderOfSet<BatchSet> =
@@ -34,16 +36,13 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 /// Clear value of an image of points: no id, and the depth of an empty pixel, [`render::layout::EMPTY_DEPTH`].
 const EMPTY: wgpu::Color = wgpu::Color { r: u32::MAX as f64, g: u32::MAX as f64, b: 0.0, a: 0.0 };
 
-/// Arguments of an indirect draw: vertices, instances, first vertex, first instance.
-type DrawArguments = [u32; 4];
-
 /// The pipelines of both eyes, and what they draw into.
 #[derive(Debug)]
 pub(super) struct PointList {
     eyes: [(wgpu::RenderPipeline, Bindings<BatchSet>); 2],
     shade: Stage<((ChunkSet, EyeSet), PointImageSet)>,
     images: Option<PointImages>,
-    /// [`DrawArguments`] of each chunk.
+    /// [`DrawIndirectArgs`] of each chunk.
     draws: Option<wgpu::Buffer>,
     /// Bind groups of the draws, per eye and chunk.
     draw_groups: Vec<Vec<wgpu::BindGroup>>,
@@ -115,10 +114,11 @@ impl Nearest for PointList {
     fn record_depth(&self, encoder: &mut wgpu::CommandEncoder, recording: &Recording<'_>) {
         let (Some(images), Some(draws)) = (&self.images, &self.draws) else { return };
         // Each chunk has as many instances as `cull` counted batches.
-        for number in 0..recording.num_chunks() as u64 {
-            let instances = number * size_of::<DrawArguments>() as u64 + 4;
-            let counted = number * u64::from(COUNTERS_STRIDE);
-            encoder.copy_buffer_to_buffer(recording.counters, counted, draws, instances, 4);
+        for number in 0..recording.num_chunks() {
+            let instances =
+                number * size_of::<DrawIndirectArgs>() + offset_of!(DrawIndirectArgs, instance_count);
+            let counted = number as u64 * u64::from(COUNTERS_STRIDE);
+            encoder.copy_buffer_to_buffer(recording.counters, counted, draws, instances as u64, 4);
         }
         for (eye, groups) in self.draw_groups.iter().enumerate() {
             let [width, height] = guarded(recording.targets.drawn_px[eye]);
@@ -128,7 +128,7 @@ impl Nearest for PointList {
             pass.set_pipeline(&self.eyes[eye].0);
             for (number, group) in groups.iter().enumerate() {
                 pass.set_bind_group(0, group, &[]);
-                pass.draw_indirect(draws, (number * size_of::<DrawArguments>()) as u64);
+                pass.draw_indirect(draws, (number * size_of::<DrawIndirectArgs>()) as u64);
             }
         }
     }
@@ -188,9 +188,9 @@ impl PointImages {
 
 /// Makes the draw arguments of each chunk, with no instance yet.
 fn draws(gpu: &Gpu, num_chunks: usize) -> wgpu::Buffer {
-    use wgpu::util::DeviceExt;
-    let arguments: Vec<DrawArguments> = vec![[BATCH_POINTS, 0, 0, 0]; num_chunks.max(1)];
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    let of_chunk = DrawIndirectArgs { vertex_count: BATCH_POINTS, ..Default::default() };
+    let arguments = vec![of_chunk; num_chunks.max(1)];
+    gpu.device.create_buffer_init(&BufferInitDescriptor {
         label: Some("draws"),
         contents: bytemuck::cast_slice(&arguments),
         usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,

@@ -62,12 +62,12 @@ impl Run {
     }
 }
 
-/// A batch of discs or triangles on the GPU: fields of [`layout::Batch`], its run, and the tolerances that it is drawn
+/// A batch of discs or triangles on the GPU: fields of [`layout::GpuBatch`], its run, and the tolerances that it is drawn
 /// at.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct DiscBatch {
-    /// Box minimum, coarse part, as [`layout::Batch::min_hi`].
+    /// Box minimum, coarse part, as [`layout::GpuBatch::min_hi`].
     pub min_hi: [f32; 3],
     /// First point in the chunk's planes.
     pub first_point: u32,
@@ -92,8 +92,8 @@ impl DiscBatch {
     pub fn new(tree: &SequentialCloud, number: usize, first_point: u32) -> Self {
         let run = tree.runs.partition_point(|run| run.batches.end as usize <= number) as u32;
         let [from, until] = tree.intervals[number].map(u32::from);
-        let layout::Batch { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, .. } =
-            layout::Batch::new(&tree.cloud.split, &tree.cloud.batches[number], run, first_point);
+        let layout::GpuBatch { min_hi, first_point, min_lo, num_points, cell, node, steps_per_unit, .. } =
+            layout::GpuBatch::new(&tree.cloud.split, &tree.cloud.batches[number], run, first_point);
         let interval = from | until << cloud::format::UNTIL_SHIFT;
         Self { min_hi, first_point, min_lo, num_points, cell, run: node, steps_per_unit, interval }
     }

@@ -15,6 +15,9 @@ impl Random {
     }
 }
 
+/// A scene by name, and what draws positions in it.
+pub(super) type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
+
 /// A position on a floor, four walls and a ceiling, 1 by 1 by 0.5.
 pub(super) fn room(random: &mut Random) -> DVec3 {
     let [u, v] = [random.next() - 0.5, random.next() - 0.5];

@@ -1,12 +1,10 @@
 //! Strays on few rays from scenes of every kind, and scans without strays that reach far in one direction.
 
 use super::super::cluster::find;
-use super::super::random::{Random, aerial, room};
+use super::super::random::{Random, SceneMaker, aerial, room};
 use base::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
-
-type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
 
 /// A position on flat ground, seen from one place above it with as many points at each degree of elevation.
 fn terrestrial(random: &mut Random) -> DVec3 {
@@ -19,7 +17,7 @@ const SCENES: [SceneMaker; 3] = [("room", room), ("aerial", aerial), ("terrestri
 
 /// Where the points of a ray lie, as parts of its length.
 #[derive(Clone, Copy, Debug)]
-enum Spread {
+enum RaySpread {
     Even,
     /// Fewer points further away.
     Thinning,
@@ -29,9 +27,10 @@ enum Spread {
     Beyond,
 }
 
-const SPREADS: [Spread; 4] = [Spread::Even, Spread::Thinning, Spread::Logarithmic, Spread::Beyond];
+const SPREADS: [RaySpread; 4] =
+    [RaySpread::Even, RaySpread::Thinning, RaySpread::Logarithmic, RaySpread::Beyond];
 
-impl Spread {
+impl RaySpread {
     fn at(self, random: &mut Random) -> f64 {
         let part = random.next();
         match self {
@@ -50,7 +49,7 @@ fn found(
     num: usize,
     share: f64,
     rays: &[DVec3],
-    spread: Spread,
+    spread: RaySpread,
     length: f64,
 ) -> (Bounds, Bounds) {
     let random = &mut Random(num as u64 + rays.len() as u64);

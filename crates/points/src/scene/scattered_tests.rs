@@ -2,7 +2,7 @@
 //! strays.
 
 use super::super::cluster::find;
-use super::super::random::{Random, aerial, room};
+use super::super::random::{Random, SceneMaker, aerial, room};
 use base::space::Bounds;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -64,8 +64,6 @@ fn two_buildings(random: &mut Random) -> DVec3 {
     let at = if random.next() < 0.9 { 0.0 } else { 0.93 };
     0.07 * room(random) + DVec3::X * at
 }
-
-type SceneMaker = (&'static str, fn(&mut Random) -> DVec3);
 
 /// Scenes that are equally dense all over, or nearly so.
 const COMPACT: [SceneMaker; 5] =

@@ -1,17 +1,17 @@
 //! Bits of the structs' `flags`.
 
 #[cfg(doc)]
-use super::{Node, ViewUniform, VisibleBatch};
+use super::{GpuNode, ViewUniform, VisibleBatch};
 
 /// [`ViewUniform::flags`]: points of a node appear one by one.
 pub const LOD_FADE: u32 = 1;
 /// [`ViewUniform::flags`]: thresholds grow smoothly from ring to ring.
 pub const LOD_SMOOTH: u32 = 2;
-/// [`Node::flags`]: drawn whole, always.
+/// [`GpuNode::flags`]: drawn whole, always.
 pub const NODE_WHOLE: u32 = 1;
-/// [`Node::flags`]: drawn always, though with fewer points when it is small.
+/// [`GpuNode::flags`]: drawn always, though with fewer points when it is small.
 pub const NODE_ROOT: u32 = 2;
-/// [`Node::flags`]: its points are on the GPU. A node without this is not drawn.
+/// [`GpuNode::flags`]: its points are on the GPU. A node without this is not drawn.
 pub const NODE_RESIDENT: u32 = 4;
 /// [`VisibleBatch::flags`]: planes to read, [`COARSE_PLANES`] to [`ALL_PLANES`].
 pub const VISIBLE_PLANES: u32 = 3;

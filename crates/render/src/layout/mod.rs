@@ -116,7 +116,7 @@ pub const DILATE_FALLOFF_BITS: u32 = 2;
 /// from the cloud's extent, so the difference of two `hi` is exact in f32, and `lo` is the small rest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Batch {
+pub struct GpuBatch {
     /// Box minimum, coarse part, world axes, relative to the cloud origin.
     pub min_hi: [f32; 3],
     /// First point in the chunk's planes; a multiple of [`POINTS_PER_LOAD`].
@@ -135,7 +135,7 @@ pub struct Batch {
     pub reserved: u32,
 }
 
-impl Batch {
+impl GpuBatch {
     /// The GPU's form of a batch of node number `node` whose points begin at `first_point` of its chunk.
     #[must_use]
     pub fn new(split: &Split, batch: &cloud::Batch, node: u32, first_point: u32) -> Self {
@@ -150,8 +150,8 @@ impl Batch {
 /// A node of the octree on the GPU. A flat cloud is one node that is always drawn whole.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Node {
-    /// Smallest corner of its cube, coarse part, as [`Batch::min_hi`].
+pub struct GpuNode {
+    /// Smallest corner of its cube, coarse part, as [`GpuBatch::min_hi`].
     pub min_hi: [f32; 3],
     /// Edge of its cube, world units.
     pub edge: f32,
@@ -179,7 +179,7 @@ pub const NO_CHILD: u32 = u32::MAX;
 /// In a node's list of children: the child is not on the GPU.
 pub const CHILD_ABSENT: u32 = u32::MAX - 1;
 
-impl Node {
+impl GpuNode {
     /// The one node of a flat cloud.
     pub const FLAT: Self = Self {
         min_hi: [0.0; 3],
@@ -293,16 +293,16 @@ pub struct VisibleBatch {
     /// [`VISIBLE_WIDE`]; from [`SLICE_SHIFT`] on which slice of the batch, and from
     /// [`NUM_SLICES_SHIFT`] on how many it has, less one.
     pub flags: u32,
-    /// [`Node::spacing`].
+    /// [`GpuNode::spacing`].
     pub spacing: [u32; 4],
     /// State of the child in each octant in [`OWN_BITS`], [`OWN_NONE`] where there is none: a point whose child is
     /// drawn has its own color, else the filtered one, point by point as the child fades in.
     pub own: [u32; 2],
     /// State of the node, not 0; see [`DRAWN_WHOLE`].
     pub drawn: u32,
-    /// [`Node::spacing_step`].
+    /// [`GpuNode::spacing_step`].
     pub spacing_step: f32,
-    /// [`Node::sample_spacing`]; for the root, that of the samples that are drawn.
+    /// [`GpuNode::sample_spacing`]; for the root, that of the samples that are drawn.
     pub sample_spacing: f32,
     /// Always 0.
     pub reserved: u32,

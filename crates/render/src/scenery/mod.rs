@@ -4,7 +4,7 @@
 
 mod shapes;
 
-pub use shapes::{Corner, MOST_CORNERS, Shapes};
+pub use shapes::{MOST_CORNERS, ShapeCorner, Shapes};
 
 use crate::bindings::{OfScenery, ScenerySet};
 use crate::gpu::drawing::Drawing;
@@ -16,9 +16,8 @@ use crate::shaders;
 use crate::targets::Targets;
 use base::space::{Eye, Pose};
 use glam::{DMat3, DMat4, DVec3, DVec4};
+use wgpu::util::DrawIndirectArgs;
 
-/// Arguments of an indirect draw: vertices, instances, first vertex, first instance.
-type DrawArguments = [u32; 4];
 /// Places are told to the GPU within this many meters of the grid's origin: a whole number of its widest cells.
 const GRID_PERIOD_M: f64 = 1000.0;
 
@@ -54,11 +53,11 @@ pub struct SceneryView<'a> {
 #[derive(Debug)]
 pub(super) struct Scenery {
     surround: Option<Surround>,
-    over_all: [Pass; 2],
-    shape: Pass,
+    over_all: [SceneryPass; 2],
+    shape: SceneryPass,
     uniforms: [wgpu::Buffer; 2],
     corners: wgpu::Buffer,
-    /// [`DrawArguments`] of the surround, the shapes and the vignette.
+    /// [`DrawIndirectArgs`] of the surround, the shapes and the vignette.
     draws: wgpu::Buffer,
     card_sampler: wgpu::Sampler,
     card: wgpu::TextureView,
@@ -69,7 +68,7 @@ pub(super) struct Scenery {
 
 /// A pipeline, and what it binds.
 #[derive(Debug)]
-struct Pass {
+struct SceneryPass {
     pipeline: wgpu::RenderPipeline,
     bindings: Bindings<ScenerySet>,
 }
@@ -78,21 +77,21 @@ impl Scenery {
     pub fn new(gpu: &Gpu, setup: &Setup, surround: Option<Surround>) -> Self {
         let wgsl = shaders::SCENERY.source(Variant::eyes(2));
         let pass = |entries, buffers: &[Option<wgpu::VertexBufferLayout>]| {
-            Pass::new(gpu, setup, &wgsl, entries, buffers)
+            SceneryPass::new(gpu, setup, &wgsl, entries, buffers)
         };
         let usage = |other| wgpu::BufferUsages::COPY_DST | other;
         let uniform =
             |_| gpu.buffer("scenery", size_of::<SceneryUniform>() as u64, usage(wgpu::BufferUsages::UNIFORM));
-        let num_bytes = (MOST_CORNERS * size_of::<Corner>()) as u64;
+        let num_bytes = (MOST_CORNERS * size_of::<ShapeCorner>()) as u64;
         Self {
             surround,
             over_all: [pass(["whole", "surround"], &[]), pass(["whole", "vignette"], &[])],
-            shape: pass(["corner", "shape"], &[Some(Corner::layout())]),
+            shape: pass(["corner", "shape"], &[Some(ShapeCorner::layout())]),
             uniforms: [0, 1].map(uniform),
             corners: gpu.buffer("corners", num_bytes, usage(wgpu::BufferUsages::VERTEX)),
             draws: gpu.buffer(
                 "draws",
-                3 * size_of::<DrawArguments>() as u64,
+                3 * size_of::<DrawIndirectArgs>() as u64,
                 usage(wgpu::BufferUsages::INDIRECT),
             ),
             card_sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -132,7 +131,7 @@ impl Scenery {
     }
 
     /// The passes, in the order in which they draw.
-    fn passes(&self) -> [&Pass; 3] {
+    fn passes(&self) -> [&SceneryPass; 3] {
         [&self.over_all[0], &self.shape, &self.over_all[1]]
     }
 
@@ -149,10 +148,13 @@ impl Scenery {
         if !corners.is_empty() {
             queue.write_buffer(&self.corners, 0, bytemuck::cast_slice(corners));
         }
-        let draw = |num: usize| [num as u32, 1, 0, 0];
+        let draw = |num: usize| DrawIndirectArgs {
+            vertex_count: num as u32,
+            instance_count: 1,
+            ..Default::default()
+        };
         let over_all = |is_drawn: bool| draw(if is_drawn { 3 } else { 0 });
-        let draws: [DrawArguments; 3] =
-            [over_all(self.surround.is_some()), draw(corners.len()), over_all(view.vignette > 0.0)];
+        let draws = [over_all(self.surround.is_some()), draw(corners.len()), over_all(view.vignette > 0.0)];
         queue.write_buffer(&self.draws, 0, bytemuck::cast_slice(&draws));
     }
 
@@ -162,12 +164,12 @@ impl Scenery {
         for (number, (drawn, group)) in self.passes().iter().zip(&self.groups[eye]).enumerate() {
             pass.set_pipeline(&drawn.pipeline);
             pass.set_bind_group(0, group, &[]);
-            pass.draw_indirect(&self.draws, (number * size_of::<DrawArguments>()) as u64);
+            pass.draw_indirect(&self.draws, (number * size_of::<DrawIndirectArgs>()) as u64);
         }
     }
 }
 
-impl Pass {
+impl SceneryPass {
     fn new(
         gpu: &Gpu,
         setup: &Setup,

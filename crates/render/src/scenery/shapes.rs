@@ -18,7 +18,7 @@ const TUBE_SIDES: usize = 8;
 /// A corner of a triangle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Corner {
+pub struct ShapeCorner {
     /// Place in the stage, meters.
     pub p_in_stage: [f32; 3],
     /// Place on the card, from its top left corner to (1, 1). If the first is below 0, the triangle shows its own color,
@@ -28,7 +28,7 @@ pub struct Corner {
     pub color: [f32; 4],
 }
 
-impl Corner {
+impl ShapeCorner {
     pub(super) fn layout() -> wgpu::VertexBufferLayout<'static> {
         const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
             wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32x4];
@@ -43,7 +43,7 @@ impl Corner {
 /// A frame's shapes. Later ones cover earlier ones.
 #[derive(Debug)]
 pub struct Shapes {
-    corners: Vec<Corner>,
+    corners: Vec<ShapeCorner>,
     /// How strongly what is laid next covers points that it lies behind.
     behind: f32,
 }
@@ -57,7 +57,7 @@ impl Default for Shapes {
 impl Shapes {
     /// All corners, three a triangle.
     #[must_use]
-    pub fn corners(&self) -> &[Corner] {
+    pub fn corners(&self) -> &[ShapeCorner] {
         &self.corners
     }
 
@@ -80,7 +80,7 @@ impl Shapes {
     /// A triangle of one color.
     pub fn triangle(&mut self, places: [DVec3; 3], color: [f32; 4]) {
         let on_card = self.own_color();
-        self.push(places.map(|p| Corner { p_in_stage: p.as_vec3().to_array(), on_card, color }));
+        self.push(places.map(|p| ShapeCorner { p_in_stage: p.as_vec3().to_array(), on_card, color }));
     }
 
     /// A quadrangle of one color, its corners in turn.
@@ -94,7 +94,7 @@ impl Shapes {
         let corner = |x: f32, y: f32| {
             let p = DVec3::new((f64::from(x) - 0.5) * width, (0.5 - f64::from(y)) * height, 0.0);
             let p_in_stage = stage_from_card.matrix().transform_point3(p).as_vec3().to_array();
-            Corner { p_in_stage, on_card: [x, y], color: [1.0; 4] }
+            ShapeCorner { p_in_stage, on_card: [x, y], color: [1.0; 4] }
         };
         let [a, b, c, d] = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0), corner(1.0, 0.0)];
         self.push([a, b, c]);
@@ -109,7 +109,7 @@ impl Shapes {
         let on_card = self.own_color();
         let corner = |end: usize, side: f64| {
             let p_in_stage = (ends[end] + side * aside).as_vec3().to_array();
-            Corner { p_in_stage, on_card, color: colors[end] }
+            ShapeCorner { p_in_stage, on_card, color: colors[end] }
         };
         let [a, b, c, d] = [corner(0, -1.0), corner(0, 1.0), corner(1, 1.0), corner(1, -1.0)];
         self.push([a, b, c]);
@@ -150,7 +150,7 @@ impl Shapes {
         }
     }
 
-    fn push(&mut self, corners: [Corner; 3]) {
+    fn push(&mut self, corners: [ShapeCorner; 3]) {
         if self.corners.len() + corners.len() <= MOST_CORNERS {
             self.corners.extend(corners);
         }

@@ -10,7 +10,7 @@ use points::{Grid, Scan, ScanBuilder};
 const STEP_M: f64 = 1e-4;
 
 /// A scan in the making, in meters from an origin.
-pub struct Made {
+pub struct MadeScan {
     origin: DVec3,
     units_per_m: f64,
     points_m: Vec<[f64; 3]>,
@@ -28,7 +28,7 @@ pub fn grid(low: [f64; 3], high: [f64; 3], apart: f64) -> Vec<[f64; 3]> {
     (0..num(2)).flat_map(plane).collect()
 }
 
-impl Made {
+impl MadeScan {
     pub fn new(origin: DVec3, units_per_m: f64) -> Self {
         Self { origin, units_per_m, points_m: Vec::new(), random: Rng::new(7, 0), noise_m: 0.004 }
     }

@@ -15,7 +15,7 @@ mod tests;
 
 use glam::{DVec2, DVec3};
 use std::sync::{Arc, OnceLock};
-use surface::{NEAR, Surface, WIDE, Window};
+use surface::{ColumnWindow, NEAR, Surface, WIDE};
 
 /// Layers as thick as a column's edge is long.
 const LAYERS_PER_EDGE: f64 = 4.0;
@@ -165,7 +165,7 @@ impl Floors {
         let p = p_in_world - self.origin;
         let (at, [low, high]) = (p.truncate(), [p.z - down, p.z + up]);
         let away = |floor: &Floor| (floor.height - p.z).abs();
-        let nearest = |window: &'static Window| {
+        let nearest = |window: &'static ColumnWindow| {
             self.standing(at, window, low, high).min_by(|a, b| away(a).total_cmp(&away(b)))
         };
         let floor = nearest(&NEAR).or_else(|| nearest(&WIDE).filter(|floor| self.is_bridged(at, floor)));
@@ -176,7 +176,7 @@ impl Floors {
     #[must_use]
     pub fn is_solid(&self, p_in_world: DVec3) -> bool {
         let p = p_in_world - self.origin;
-        let (half, window) = (SOLID_REACH * self.edge, Window { reach: 1, stride: 1 });
+        let (half, window) = (SOLID_REACH * self.edge, ColumnWindow { reach: 1, stride: 1 });
         let (mut num, mut filled) = (0.0, 0u128);
         self.visit(p.truncate(), &window, p.z - half, p.z + half, |seen| {
             num += seen.num;
@@ -199,7 +199,7 @@ impl Floors {
     fn standing(
         &self,
         at: DVec2,
-        window: &'static Window,
+        window: &'static ColumnWindow,
         low: f64,
         high: f64,
     ) -> impl Iterator<Item = Floor> {
@@ -224,7 +224,7 @@ impl Floors {
         let rise = floor.grade.length() * 3.0 * self.edge;
         let range = [floor.height + low - rise, floor.height + high + rise];
         let mut in_the_way = 0.0;
-        self.visit(at, &Window { reach: 1, stride: 1 }, range[0], range[1], |seen| {
+        self.visit(at, &ColumnWindow { reach: 1, stride: 1 }, range[0], range[1], |seen| {
             let above = seen.z - floor.height - floor.grade.dot(seen.d);
             in_the_way += if (low..high).contains(&above) { seen.num } else { 0.0 };
         });
@@ -236,7 +236,7 @@ impl Floors {
         let layer = self.edge / LAYERS_PER_EDGE;
         let (mut floor_points, mut on_it) = (0.0, 0.0);
         let [low, high] = [floor.height - 2.5 * layer, floor.height + STEP_M * self.units_per_m];
-        self.visit(at, &Window { reach: 0, stride: 1 }, low, high, |seen| {
+        self.visit(at, &ColumnWindow { reach: 0, stride: 1 }, low, high, |seen| {
             let above = seen.z - floor.height - floor.grade.dot(seen.d);
             *(if above > 2.5 * layer { &mut on_it } else { &mut floor_points }) += seen.num;
         });

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 /// Columns around a place that are looked at.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
+pub(super) struct ColumnWindow {
     /// Columns to each side.
     pub reach: i64,
     /// Each so many columns.
@@ -14,11 +14,11 @@ pub(super) struct Window {
 }
 
 /// Columns that tell a floor's height.
-pub(super) const NEAR: Window = Window { reach: 2, stride: 1 };
+pub(super) const NEAR: ColumnWindow = ColumnWindow { reach: 2, stride: 1 };
 /// Columns that tell whether a floor has a hole.
-pub(super) const WIDE: Window = Window { reach: 8, stride: 2 };
+pub(super) const WIDE: ColumnWindow = ColumnWindow { reach: 8, stride: 2 };
 /// Columns in which layers are sought.
-const CORE: Window = Window { reach: 1, stride: 1 };
+const CORE: ColumnWindow = ColumnWindow { reach: 1, stride: 1 };
 /// Least number of the 25 columns of [`NEAR`] that a floor has points in: a step of a staircase is as deep.
 const MOST_MISSING: u32 = 14;
 /// Least number of the 81 columns of [`WIDE`] that a floor with a hole has points in.
@@ -40,7 +40,7 @@ const KEPT_SLOPE: f64 = 0.02;
 
 /// A cell as seen from a place.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct SeenCell {
     /// Mean of its points across, from the place.
     pub d: DVec2,
     /// Mean height of its points.
@@ -62,7 +62,7 @@ pub(super) struct Surface {
     pub below: f64,
 }
 
-impl Window {
+impl ColumnWindow {
     fn width(&self) -> i64 {
         2 * self.reach / self.stride + 1
     }
@@ -81,7 +81,7 @@ impl Floors {
     }
 
     /// Calls `see` with each column of the window that has points, and its number in the window.
-    fn each_column(&self, at: DVec2, window: &Window, mut see: impl FnMut(usize, usize)) {
+    fn each_column(&self, at: DVec2, window: &ColumnWindow, mut see: impl FnMut(usize, usize)) {
         let [x, y] = (at / self.edge).floor().to_array();
         // Places far outside have no columns.
         if !(x.abs() < 1e9 && y.abs() < 1e9) {
@@ -112,7 +112,14 @@ impl Floors {
     }
 
     /// Calls `see` with each cell of the window whose mean height is between two heights.
-    pub(super) fn visit(&self, at: DVec2, window: &Window, low: f64, high: f64, mut see: impl FnMut(Seen)) {
+    pub(super) fn visit(
+        &self,
+        at: DVec2,
+        window: &ColumnWindow,
+        low: f64,
+        high: f64,
+        mut see: impl FnMut(SeenCell),
+    ) {
         let layer = self.layer();
         let lowest = (low / layer).floor();
         let y0 = (at.y / self.edge).floor() - window.reach as f64;
@@ -130,21 +137,27 @@ impl Floors {
                 if z >= low {
                     let inside = DVec2::new(f64::from(cell.x), f64::from(cell.y));
                     let d = (DVec2::new(f64::from(x), y) + (inside + 0.5) / 256.0) * self.edge - at;
-                    see(Seen { d, z, num: f64::from(cell.num), slot });
+                    see(SeenCell { d, z, num: f64::from(cell.num), slot });
                 }
             }
         });
     }
 
     /// Points in the densest two layers of each column of the window, together.
-    pub(super) fn peaks(&self, at: DVec2, window: &Window) -> f64 {
+    pub(super) fn peaks(&self, at: DVec2, window: &ColumnWindow) -> f64 {
         let mut sum = 0.0;
         self.each_column(at, window, |_, number| sum += f64::from(self.columns[number].peak));
         sum
     }
 
     /// The highest surface at a place between two heights.
-    pub(super) fn surface(&self, at: DVec2, window: &'static Window, low: f64, high: f64) -> Option<Surface> {
+    pub(super) fn surface(
+        &self,
+        at: DVec2,
+        window: &'static ColumnWindow,
+        low: f64,
+        high: f64,
+    ) -> Option<Surface> {
         let is_near = window.stride == 1;
         let core = if is_near { &CORE } else { window };
         let least = SURFACE_SHARE * self.peaks(at, core);
@@ -181,12 +194,12 @@ impl Floors {
     }
 
     /// The surface through most of the cells near a height, if it is one at this place.
-    fn plane(&self, at: DVec2, window: &Window, z: f64) -> Option<Surface> {
+    fn plane(&self, at: DVec2, window: &ColumnWindow, z: f64) -> Option<Surface> {
         let (layer, is_near) = (self.layer(), window.stride == 1);
         let cone = if is_near { 0.9 } else { 0.3 };
         let slack = 2.5 * layer;
         let most = slack + cone * (window.reach as f64 + 1.5) * self.edge;
-        let (mut spots, mut num_spots) = ([Seen::default(); MOST_SPOTS], 0);
+        let (mut spots, mut num_spots) = ([SeenCell::default(); MOST_SPOTS], 0);
         self.visit(at, window, z - most, z + most, |seen| {
             if (seen.z - z).abs() <= slack + cone * seen.d.length() && num_spots < MOST_SPOTS {
                 spots[num_spots] = seen;
@@ -226,7 +239,7 @@ impl Floors {
     /// True if the middle column has something at about a height, up to a step away.
     fn has_other(&self, at: DVec2, height: f64) -> bool {
         let (step, mut has) = (STEP_M * self.units_per_m, false);
-        self.visit(at, &Window { reach: 0, stride: 1 }, height - step, height + step, |_| has = true);
+        self.visit(at, &ColumnWindow { reach: 0, stride: 1 }, height - step, height + step, |_| has = true);
         has
     }
 }
@@ -239,13 +252,13 @@ fn hypotheses(with_slopes: bool) -> impl Iterator<Item = DVec2> {
 }
 
 /// Height of a cell above a plane: its height at the place, and its rises.
-fn residual(seen: &Seen, plane: DVec3) -> f64 {
+fn residual(seen: &SeenCell, plane: DVec3) -> f64 {
     seen.z - plane.dot(DVec3::new(1.0, seen.d.x, seen.d.y))
 }
 
 /// The plane of a slope at the height that its cells have on average, and how many of them agree with it.
 fn anchored(
-    spots: &[Seen],
+    spots: &[SeenCell],
     grade: DVec2,
     z: f64,
     slack: f64,
@@ -261,7 +274,7 @@ fn anchored(
         }
     }
     let plane = DVec3::new(z + if weight > 0.0 { sum / weight } else { 0.0 }, grade.x, grade.y);
-    let agreeing = |seen: &Seen| {
+    let agreeing = |seen: &SeenCell| {
         let away = residual(seen, plane) / (layer + 0.12 * seen.d.length());
         seen.num.min(64.0) * kernel(seen.d) * (1.0 - away * away).max(0.0)
     };
@@ -270,7 +283,7 @@ fn anchored(
 
 /// The plane of least squares through the cells within a distance of a plane; the further away, the less they count.
 fn refined(
-    spots: &[Seen],
+    spots: &[SeenCell],
     plane: DVec3,
     tolerance: f64,
     spread: f64,
@@ -305,7 +318,7 @@ fn filled_core(filled: u128) -> u32 {
 }
 
 /// True if filled columns are on all sides of the middle one.
-fn surrounds(filled: u128, window: &Window) -> bool {
+fn surrounds(filled: u128, window: &ColumnWindow) -> bool {
     let (width, half) = (window.width(), window.reach / window.stride);
     let quadrant = |right: bool, ahead: bool| {
         let is_in = |at: i64, far: bool| if far { at > half } else { at < half };

@@ -2,7 +2,7 @@
 //! zero; and of a real room.
 
 use super::super::arc::{self, Ground};
-use super::made_up::{Made, grid};
+use super::made_up::{MadeScan, grid};
 use super::*;
 use base::task::{CancelToken, Progress};
 
@@ -11,7 +11,7 @@ const UTM: DVec3 = DVec3::new(500_123.4, 4_000_567.8, 312.3);
 const UNITS: [f64; 3] = [1.0, 1.0 / 0.3048, 1000.0];
 
 /// Height of the floor nearest to a height, above the origin; all in meters.
-fn height_m(floors: &Floors, made: &Made, p_m: [f64; 3], units_per_m: f64) -> Option<f64> {
+fn height_m(floors: &Floors, made: &MadeScan, p_m: [f64; 3], units_per_m: f64) -> Option<f64> {
     let (p, zero) = (made.p(p_m), made.p([0.0; 3]).z);
     let floor = floors.nearest(p, 0.5 * units_per_m, 0.5 * units_per_m);
     floor.map(|floor| (floor.height - zero) / units_per_m)
@@ -21,7 +21,7 @@ fn height_m(floors: &Floors, made: &Made, p_m: [f64; 3], units_per_m: f64) -> Op
 fn level_floors_are_exact_to_millimeters_in_all_units() {
     for units_per_m in UNITS {
         for (apart, noise_m) in [(0.01, 0.004), (0.03, 0.01), (0.08, 0.002)] {
-            let mut made = Made::new(UTM * units_per_m, units_per_m);
+            let mut made = MadeScan::new(UTM * units_per_m, units_per_m);
             made.noise_m = noise_m;
             made.level([0.0, 0.0], [4.0, 3.0], 0.123, apart);
             made.walls([0.0, 0.0], [4.0, 3.0], [0.123, 2.5], apart);
@@ -39,7 +39,7 @@ fn slopes_are_floors_up_to_forty_degrees() {
     for (degrees, is_floor) in [(5f64, true), (20.0, true), (35.0, true), (50.0, false), (70.0, false)] {
         for direction in [0.0f64, 0.6, 2.1] {
             let grade = DVec2::from_angle(direction) * degrees.to_radians().tan();
-            let mut made = Made::new(UTM, 1.0);
+            let mut made = MadeScan::new(UTM, 1.0);
             let plane = |x: f64, y: f64| grade.dot(DVec2::new(x - 2.0, y - 2.0));
             made.surface([0.0, 0.0], [4.0, 4.0], 0.02, plane);
             let floors = made.floors();
@@ -63,7 +63,7 @@ fn slopes_are_floors_up_to_forty_degrees() {
 
 #[test]
 fn each_story_has_its_floor_and_ceilings_are_none() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     for story in 0..3 {
         let z = 3.0 * f64::from(story);
         made.level([0.0, 0.0], [5.0, 4.0], z, 0.03);
@@ -97,7 +97,7 @@ fn each_story_has_its_floor_and_ceilings_are_none() {
 #[test]
 fn steps_of_stairs_are_floors_at_their_own_heights() {
     for units_per_m in UNITS {
-        let mut made = Made::new(UTM * units_per_m, units_per_m);
+        let mut made = MadeScan::new(UTM * units_per_m, units_per_m);
         made.level([0.0, 0.0], [2.0, 2.0], 0.0, 0.02);
         made.stairs([2.0, 0.0], 2.0, 12, 0.18, 0.27, 0.02);
         let floors = made.floors();
@@ -113,14 +113,14 @@ fn steps_of_stairs_are_floors_at_their_own_heights() {
 
 #[test]
 fn holes_in_the_scan_are_bridged_and_those_in_the_floor_are_not() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     let is_hole = |x: f64, y: f64| (x - 2.0).hypot(y - 2.0) < 0.5;
     for [x, y, _] in grid([0.0, 0.0, 0.0], [4.0, 4.0, 0.0], 0.03) {
         if !is_hole(x, y) {
             made.add([x, y, 3.0]);
         }
     }
-    let at_hole = |made: &Made| {
+    let at_hole = |made: &MadeScan| {
         let floors = made.floors();
         height_m(&floors, made, [2.0, 2.0, 3.1], 1.0)
     };
@@ -139,7 +139,7 @@ fn holes_in_the_scan_are_bridged_and_those_in_the_floor_are_not() {
 #[test]
 fn strays_are_neither_floors_nor_walls() {
     for (apart, share) in [(0.02, 0.01), (0.02, 0.03), (0.06, 0.02)] {
-        let mut made = Made::new(UTM, 1.0);
+        let mut made = MadeScan::new(UTM, 1.0);
         made.level([0.0, 0.0], [6.0, 6.0], 0.0, apart);
         let num = (share * (6.0f64 / apart).powi(2)) as usize;
         for _ in 0..num {
@@ -163,7 +163,7 @@ fn strays_are_neither_floors_nor_walls() {
 #[test]
 fn walls_and_ceilings_are_solid_however_thinly_they_are_scanned() {
     for wall_apart in [0.02, 0.05, 0.08] {
-        let mut made = Made::new(UTM, 1.0);
+        let mut made = MadeScan::new(UTM, 1.0);
         made.level([0.0, 0.0], [4.0, 4.0], 0.0, 0.015);
         made.wall([0.0, 2.0], [4.0, 2.0], [0.0, 2.5], wall_apart);
         made.level([0.0, 0.0], [4.0, 4.0], 2.5, wall_apart);
@@ -178,7 +178,7 @@ fn walls_and_ceilings_are_solid_however_thinly_they_are_scanned() {
 /// An airborne scan has a few points a square meter, and trees.
 #[test]
 fn thin_scans_have_floors_too() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     made.noise_m = 0.03;
     let height = |x: f64, y: f64| 0.15 * x + 3.0 * (0.05 * y).sin();
     made.surface([0.0, 0.0], [100.0, 100.0], 0.6, height);
@@ -192,7 +192,7 @@ fn thin_scans_have_floors_too() {
 
 #[test]
 fn low_ceilings_and_tables_leave_no_room() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     made.level([0.0, 0.0], [4.0, 4.0], 0.0, 0.02);
     made.level([1.0, 1.0], [2.0, 3.0], 0.75, 0.02);
     let floors = made.floors();
@@ -203,7 +203,7 @@ fn low_ceilings_and_tables_leave_no_room() {
 
 #[test]
 fn the_memory_has_a_limit_and_the_order_does_not_matter() {
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     made.level([0.0, 0.0], [8.0, 8.0], 0.0, 0.02);
     made.walls([0.0, 0.0], [8.0, 8.0], [0.0, 3.0], 0.02);
     let scan = made.scan();
@@ -224,9 +224,9 @@ fn the_memory_has_a_limit_and_the_order_does_not_matter() {
 fn nothing_and_an_end_that_is_asked_for_are_no_trouble() {
     let none = Floors::none(1.0);
     assert!(none.is_empty() && none.below(DVec3::ZERO, 10.0).is_none() && !none.is_solid(DVec3::ZERO));
-    let empty = Made::new(UTM, 1.0).floors();
+    let empty = MadeScan::new(UTM, 1.0).floors();
     assert!(empty.is_empty() && empty.nearest(UTM, 1.0, 1.0).is_none());
-    let mut made = Made::new(UTM, 1.0);
+    let mut made = MadeScan::new(UTM, 1.0);
     made.add([0.0; 3]);
     let one = made.floors();
     assert!(one.nearest(UTM, 1.0, 1.0).is_none() && one.below(DVec3::INFINITY, 1.0).is_none());

@@ -44,14 +44,14 @@ impl<'a> Tree<'a> {
 
 /// A disc: CPU reference of `spt/discs.inc.wgsl`.
 #[derive(Clone, Copy)]
-pub(super) struct Disc {
+pub(super) struct ChosenDisc {
     /// The first step of tolerance that the disc is drawn at, and the first beyond.
     interval: (u8, u8),
     /// Diameter in world units.
     pub diameter: f32,
 }
 
-impl Disc {
+impl ChosenDisc {
     pub fn of(tree: &Tree, point: u32) -> Self {
         let [from, until, diameter, _] = tree.shapes[point as usize].to_le_bytes();
         Self { interval: (from, until), diameter: tree.scale().length(diameter) }

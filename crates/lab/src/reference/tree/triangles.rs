@@ -27,7 +27,7 @@ impl Mixture {
 }
 
 /// A triangle as an eye sees it.
-struct Triangle {
+struct EyeTriangle {
     x: [f32; 3],
     y: [f32; 3],
     w: [f32; 3],
@@ -52,7 +52,7 @@ pub(in crate::reference) fn triangles(
             if batch.flags & VISIBLE_BY_EYE << eye == 0 {
                 continue;
             }
-            let Some(triangle) = Triangle::of((view, eye), batch, planes, (tree, word)) else { continue };
+            let Some(triangle) = EyeTriangle::of((view, eye), batch, planes, (tree, word)) else { continue };
             for v in triangle.first[1]..=triangle.last[1] {
                 for u in triangle.first[0]..=triangle.last[0] {
                     let Some((w, shares)) = triangle.in_pixel(view.near, [u, v]) else { continue };
@@ -88,7 +88,7 @@ fn most(v: [f32; 3]) -> f32 {
     v[0].max(v[1].max(v[2]))
 }
 
-impl Triangle {
+impl EyeTriangle {
     /// The triangle of a word as an eye sees it; `None` if it is not drawn.
     fn of(
         (view, number): (&ViewUniform, usize),

@@ -1,6 +1,6 @@
 //! Columns and arches on all four sides, their roofs, the terrace in the north and the stair up to it.
 
-use super::{ARCADE_FLOOR, COLUMNS_X, COLUMNS_Y, HALF_X, HALF_Y, Shapes, TERRACE};
+use super::{ARCADE_FLOOR, COLUMNS_X, COLUMNS_Y, CourtyardParts, HALF_X, HALF_Y, TERRACE};
 use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use glam::DVec3;
@@ -21,7 +21,7 @@ const BAYS_Y: u32 = 5;
 const BEAM: Material = Material::Wood { grain: 0, tint: rgb(122, 90, 62) };
 
 /// Adds the arcade, its roofs, the terrace and the stair.
-pub fn add(parts: &mut Shapes) {
+pub fn add(parts: &mut CourtyardParts) {
     floor(parts);
     for side in [-1.0, 1.0] {
         row(0, side * COLUMNS_Y, COLUMNS_X, BAYS_X, parts);
@@ -38,7 +38,7 @@ pub fn add(parts: &mut Shapes) {
 }
 
 /// A paved floor on all sides, one step high.
-fn floor(parts: &mut Shapes) {
+fn floor(parts: &mut CourtyardParts) {
     let (x, y) = (COLUMNS_X - 0.5, COLUMNS_Y - 0.5);
     for s in [-1.0, 1.0] {
         parts.cuboid([s * x, -HALF_Y, 0.0], [s * (HALF_X + 0.5), HALF_Y, ARCADE_FLOOR], Material::Paving);
@@ -47,7 +47,7 @@ fn floor(parts: &mut Shapes) {
 }
 
 /// A row of columns along `axis` with arches between them.
-fn row(axis: usize, across: f64, half: f64, bays: u32, parts: &mut Shapes) {
+fn row(axis: usize, across: f64, half: f64, bays: u32, parts: &mut CourtyardParts) {
     let place = |along: f64, z: f64| match axis {
         0 => DVec3::new(along, across, z),
         _ => DVec3::new(across, along, z),
@@ -83,8 +83,8 @@ fn row(axis: usize, across: f64, half: f64, bays: u32, parts: &mut Shapes) {
 }
 
 /// A round column: plinth, base, shaft with entasis, capital, abacus.
-fn column(foot: DVec3, parts: &mut Shapes) {
-    let square = |half: f64, low: f64, high: f64, parts: &mut Shapes| {
+fn column(foot: DVec3, parts: &mut CourtyardParts) {
+    let square = |half: f64, low: f64, high: f64, parts: &mut CourtyardParts| {
         let r = DVec3::new(half, half, 0.0);
         let (min, max) = (foot - r + low * DVec3::Z, foot + r + high * DVec3::Z);
         parts.add(Shape::Cuboid { min, max }, Material::Stone);
@@ -107,7 +107,7 @@ fn column(foot: DVec3, parts: &mut Shapes) {
 }
 
 /// Boards and beams over the arcade.
-fn ceiling(parts: &mut Shapes) {
+fn ceiling(parts: &mut CourtyardParts) {
     let (low, high) = (PARAPET - 0.12, PARAPET - 0.04);
     let boards = Material::Wood { grain: 0, tint: rgb(148, 112, 78) };
     for s in [-1.0, 1.0] {
@@ -133,9 +133,9 @@ fn ceiling(parts: &mut Shapes) {
 }
 
 /// Lean-to roofs in the east, south and west; where two meet, the higher one shows.
-fn roofs(parts: &mut Shapes) {
+fn roofs(parts: &mut CourtyardParts) {
     let (eave, ridge, overhang) = (PARAPET + 0.05, PARAPET + 1.35, 0.45);
-    let roof = |corner: DVec3, u: DVec3, out: DVec3, deep: f64, parts: &mut Shapes| {
+    let roof = |corner: DVec3, u: DVec3, out: DVec3, deep: f64, parts: &mut CourtyardParts| {
         let v = deep * out + (ridge - eave) * DVec3::Z;
         parts.add(Shape::Sheet { corner, u, v, triangle: false }, Material::Roof { down: -out });
         let gutter = corner - 0.04 * out - 0.04 * DVec3::Z;
@@ -157,7 +157,7 @@ fn roofs(parts: &mut Shapes) {
 }
 
 /// Floor and balustrade of the terrace; the balustrade is open where the stair arrives.
-fn terrace(parts: &mut Shapes) {
+fn terrace(parts: &mut CourtyardParts) {
     let front = COLUMNS_Y - 0.35;
     parts.cuboid([-HALF_X, front, PARAPET], [HALF_X, HALF_Y, TERRACE], Material::Stone);
     let floor = Shape::Sheet {
@@ -194,7 +194,7 @@ const STAIR_TOP: f64 = -8.75;
 const STEPS: u32 = 27;
 
 /// A straight stair along the north arcade, rising to the west, with a landing on an arch.
-fn stair(parts: &mut Shapes) {
+fn stair(parts: &mut CourtyardParts) {
     let (south, north) = (COLUMNS_Y - 1.95, COLUMNS_Y - 0.3);
     let (rise, run) = (TERRACE / f64::from(STEPS), 0.30);
     let start = STAIR_TOP + run * f64::from(STEPS - 1);

@@ -1,6 +1,6 @@
 //! The garden under the open sky: fountain, lawns, the tree, hedges and pots.
 
-use super::{ARCADE_FLOOR, COLUMNS_X, HALF_X, HALF_Y, Shapes, TERRACE};
+use super::{ARCADE_FLOOR, COLUMNS_X, CourtyardParts, HALF_X, HALF_Y, TERRACE};
 use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use base::random::Rng;
@@ -10,7 +10,7 @@ use glam::DVec3;
 const TREE: DVec3 = DVec3::new(6.4, 3.6, 0.05);
 
 /// Adds the garden, the same every time.
-pub fn add(parts: &mut Shapes) {
+pub fn add(parts: &mut CourtyardParts) {
     fountain(parts);
     for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         lawn(x, y, parts);
@@ -21,7 +21,7 @@ pub fn add(parts: &mut Shapes) {
     climbers(&mut rng, parts);
 }
 
-fn fountain(parts: &mut Shapes) {
+fn fountain(parts: &mut CourtyardParts) {
     let ring = |z: f64, height: f64, inner: f64, outer: f64| Shape::Ring {
         base: DVec3::new(0.0, 0.0, z),
         height,
@@ -44,7 +44,7 @@ fn fountain(parts: &mut Shapes) {
 }
 
 /// A lawn with a stone rim and a low hedge in one quarter of the court.
-fn lawn(x: f64, y: f64, parts: &mut Shapes) {
+fn lawn(x: f64, y: f64, parts: &mut CourtyardParts) {
     let (near, far) = ([2.9, 2.5], [9.6, if y > 0.0 { 5.8 } else { 7.0 }]);
     let corner = |c: [f64; 2], z: f64| [x * c[0], y * c[1], z];
     parts.cuboid(corner(near, 0.0), corner(far, 0.10), Material::Stone);
@@ -71,7 +71,7 @@ fn lawn(x: f64, y: f64, parts: &mut Shapes) {
 }
 
 /// A broad tree: branches that fork, leaves round their ends.
-fn tree(rng: &mut Rng, parts: &mut Shapes) {
+fn tree(rng: &mut Rng, parts: &mut CourtyardParts) {
     let fork = TREE + DVec3::new(0.12, -0.08, 2.1);
     parts.stack(TREE, &[(0.16, 0.42, 0.29), (0.45, 0.29, 0.23)], Material::Bark);
     parts.bar(TREE + 0.5 * DVec3::Z, fork, 0.21, Material::Bark);
@@ -100,7 +100,7 @@ fn tree(rng: &mut Rng, parts: &mut Shapes) {
 }
 
 /// A cloud of leaves, thinner outwards.
-fn leaves(center: DVec3, radius: f64, count: u32, rng: &mut Rng, parts: &mut Shapes) {
+fn leaves(center: DVec3, radius: f64, count: u32, rng: &mut Rng, parts: &mut CourtyardParts) {
     let green = Material::Leaf { tint: rgb(104, 136, 58) };
     for _ in 0..count / 2 {
         let place = center + radius * rng.unit().sqrt() * rng.direction() * DVec3::new(1.0, 1.0, 0.8);
@@ -112,7 +112,7 @@ fn leaves(center: DVec3, radius: f64, count: u32, rng: &mut Rng, parts: &mut Sha
 }
 
 /// Clay pots with plants: beside the doors, on the terrace, round the fountain.
-fn pots(rng: &mut Rng, parts: &mut Shapes) {
+fn pots(rng: &mut Rng, parts: &mut CourtyardParts) {
     let court = [(-2.6, -2.2), (2.6, -2.2), (2.6, 2.2), (-2.6, 2.2)].map(|(x, y)| DVec3::new(x, y, 0.0));
     let arcade = [
         DVec3::new(HALF_X - 0.4, -1.75, ARCADE_FLOOR),
@@ -143,7 +143,7 @@ fn pots(rng: &mut Rng, parts: &mut Shapes) {
 const COLUMNS_Y_OUTSIDE: f64 = 7.9;
 
 /// Creepers on the west wall, above the roof, and hanging from the terrace.
-fn climbers(rng: &mut Rng, parts: &mut Shapes) {
+fn climbers(rng: &mut Rng, parts: &mut CourtyardParts) {
     let green = Material::Leaf { tint: rgb(78, 112, 48) };
     let violet = Material::Leaf { tint: rgb(150, 108, 170) };
     for _ in 0..2200 {

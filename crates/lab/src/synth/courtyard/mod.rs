@@ -44,7 +44,7 @@ impl Courtyard {
     pub fn get() -> &'static Self {
         static COURTYARD: OnceLock<Courtyard> = OnceLock::new();
         COURTYARD.get_or_init(|| {
-            let mut parts = Shapes::default();
+            let mut parts = CourtyardParts::default();
             walls::add(&mut parts);
             arcade::add(&mut parts);
             rooms::add(&mut parts);
@@ -69,14 +69,14 @@ impl Courtyard {
     }
 }
 
-/// Shapes and their materials.
+/// Shapes of the courtyard and their materials.
 #[derive(Default)]
-struct Shapes {
+struct CourtyardParts {
     shapes: Vec<Shape>,
     materials: Vec<Material>,
 }
 
-impl Shapes {
+impl CourtyardParts {
     fn add(&mut self, shape: Shape, material: Material) {
         self.shapes.push(shape);
         self.materials.push(material);

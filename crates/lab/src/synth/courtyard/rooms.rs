@@ -1,7 +1,7 @@
 //! A hall in the east and a chamber in the south, with their furniture.
 
 use super::walls::Wall;
-use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Shapes, WALL};
+use super::{ARCADE_FLOOR, CourtyardParts, HALF_X, HALF_Y, WALL};
 use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use glam::DVec3;
@@ -10,7 +10,7 @@ const OAK: DVec3 = rgb(152, 108, 70);
 const WALNUT: DVec3 = rgb(108, 74, 50);
 
 /// Adds both rooms, and the benches.
-pub fn add(parts: &mut Shapes) {
+pub fn add(parts: &mut CourtyardParts) {
     let hall = Room { min: [HALF_X + WALL, -5.2], max: [22.0, 5.2], ceiling: 4.1, tint: rgb(228, 216, 190) };
     hall.add(parts);
     hall_furniture(parts);
@@ -30,7 +30,7 @@ struct Room {
 }
 
 impl Room {
-    fn add(&self, parts: &mut Shapes) {
+    fn add(&self, parts: &mut CourtyardParts) {
         let ([x0, y0], [x1, y1], top) = (self.min, self.max, self.ceiling);
         parts.cuboid([x0, y0, -0.1], [x1, y1, ARCADE_FLOOR], Material::Checker);
         let plaster = Material::Plaster { tint: self.tint, foot: -10.0, top: 40.0 };
@@ -67,7 +67,7 @@ impl Room {
 }
 
 /// A board on four legs.
-fn table(min: [f64; 2], max: [f64; 2], height: f64, tint: DVec3, parts: &mut Shapes) {
+fn table(min: [f64; 2], max: [f64; 2], height: f64, tint: DVec3, parts: &mut CourtyardParts) {
     let top = ARCADE_FLOOR + height;
     let material = Material::Wood { grain: 1, tint };
     parts.cuboid([min[0], min[1], top - 0.05], [max[0], max[1], top], material);
@@ -80,7 +80,7 @@ fn table(min: [f64; 2], max: [f64; 2], height: f64, tint: DVec3, parts: &mut Sha
 }
 
 /// A chair whose back stands on the side of `back` (a step in x and y).
-fn chair(x: f64, y: f64, back: [f64; 2], parts: &mut Shapes) {
+fn chair(x: f64, y: f64, back: [f64; 2], parts: &mut CourtyardParts) {
     table([x - 0.22, y - 0.22], [x + 0.22, y + 0.22], 0.46, OAK, parts);
     let (bx, by) = (x + 0.20 * back[0], y + 0.20 * back[1]);
     let (wx, wy) = (0.02 + 0.2 * back[1].abs(), 0.02 + 0.2 * back[0].abs());
@@ -97,13 +97,13 @@ fn chair(x: f64, y: f64, back: [f64; 2], parts: &mut Shapes) {
 }
 
 /// A jug or bowl turned on a wheel.
-fn jug(foot: DVec3, size: f64, material: Material, parts: &mut Shapes) {
+fn jug(foot: DVec3, size: f64, material: Material, parts: &mut CourtyardParts) {
     let pieces = [(0.10, 0.07, 0.12), (0.12, 0.12, 0.11), (0.08, 0.11, 0.05), (0.06, 0.05, 0.07)];
     parts.stack(foot, &pieces.map(|(h, a, b)| (size * h, size * a, size * b)), material);
 }
 
 /// Shelves with books, their backs to a wall at x = `wall`.
-fn bookcase(wall: f64, from: f64, to: f64, parts: &mut Shapes) {
+fn bookcase(wall: f64, from: f64, to: f64, parts: &mut CourtyardParts) {
     let (front, foot, top) = (wall - 0.36, ARCADE_FLOOR, ARCADE_FLOOR + 2.3);
     let wood = Material::Wood { grain: 1, tint: WALNUT };
     for y in [from, to - 0.04] {
@@ -140,7 +140,7 @@ fn bookcase(wall: f64, from: f64, to: f64, parts: &mut Shapes) {
     }
 }
 
-fn hall_furniture(parts: &mut Shapes) {
+fn hall_furniture(parts: &mut CourtyardParts) {
     let floor = ARCADE_FLOOR;
     table([18.2, -1.9], [19.3, 1.5], 0.76, OAK, parts);
     for y in [-1.3, -0.2, 0.9] {
@@ -207,7 +207,7 @@ fn hall_furniture(parts: &mut Shapes) {
     }
 }
 
-fn chamber_furniture(parts: &mut Shapes) {
+fn chamber_furniture(parts: &mut CourtyardParts) {
     let floor = ARCADE_FLOOR;
     let (oak, linen) = (Material::Wood { grain: 0, tint: OAK }, Material::Cloth { tint: rgb(214, 206, 188) });
     // A bed with its head to the back wall.
@@ -242,7 +242,7 @@ fn chamber_furniture(parts: &mut Shapes) {
 }
 
 /// Stone benches and potted plants' stands under the arcade.
-fn benches(parts: &mut Shapes) {
+fn benches(parts: &mut CourtyardParts) {
     let seat = ARCADE_FLOOR + 0.45;
     for y in [-7.4, -2.6, 2.6, 7.4] {
         parts.cuboid([-HALF_X, y - 0.9, seat - 0.1], [-HALF_X + 0.42, y + 0.9, seat], Material::Stone);

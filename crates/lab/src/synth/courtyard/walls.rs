@@ -1,6 +1,6 @@
 //! The four walls with doors and windows, the roofs' edges and the tower behind.
 
-use super::{ARCADE_FLOOR, HALF_X, HALF_Y, Shapes, TERRACE, WALL};
+use super::{ARCADE_FLOOR, CourtyardParts, HALF_X, HALF_Y, TERRACE, WALL};
 use crate::synth::material::{Material, rgb};
 use crate::synth::shape::Shape;
 use glam::DVec3;
@@ -41,7 +41,7 @@ pub struct Opening {
 
 impl Wall {
     /// Adds the wall with openings, in order along the wall.
-    pub fn add(&self, openings: &[Opening], parts: &mut Shapes) {
+    pub fn add(&self, openings: &[Opening], parts: &mut CourtyardParts) {
         let [foot, top] = self.heights;
         let mut start = self.ends[0];
         for opening in openings {
@@ -64,7 +64,7 @@ impl Wall {
         self.piece(start, self.ends[1], foot, top, parts);
     }
 
-    fn piece(&self, from: f64, to: f64, low: f64, high: f64, parts: &mut Shapes) {
+    fn piece(&self, from: f64, to: f64, low: f64, high: f64, parts: &mut CourtyardParts) {
         if from < to && low < high {
             let (min, max) = self.corners(from, to, low, high);
             parts.add(Shape::Cuboid { min, max }, self.material);
@@ -83,7 +83,7 @@ impl Wall {
 }
 
 /// Walls of the court, with all that hangs on them.
-pub fn add(parts: &mut Shapes) {
+pub fn add(parts: &mut CourtyardParts) {
     let yellow = rgb(222, 190, 138);
     let rose = rgb(212, 164, 132);
     for side in [Side::East, Side::West, Side::South, Side::North] {
@@ -193,7 +193,7 @@ impl Side {
 }
 
 /// A pane set back in the wall, bars before it, open shutters, a sill.
-fn glaze(wall: &Wall, outward: DVec3, window: &Opening, parts: &mut Shapes) {
+fn glaze(wall: &Wall, outward: DVec3, window: &Opening, parts: &mut CourtyardParts) {
     let [low, high] = window.heights;
     let (from, to) = (window.middle - 0.5 * window.width, window.middle + 0.5 * window.width);
     let mut panel = |from: f64, to: f64, low: f64, high: f64, depth: [f64; 2], material| {
@@ -225,7 +225,7 @@ fn glaze(wall: &Wall, outward: DVec3, window: &Opening, parts: &mut Shapes) {
 }
 
 /// A closed wooden door set back in its opening, on a stone threshold.
-fn shut(wall: &Wall, outward: DVec3, door: &Opening, parts: &mut Shapes) {
+fn shut(wall: &Wall, outward: DVec3, door: &Opening, parts: &mut CourtyardParts) {
     let sign = outward.x + outward.y;
     let (from, to) = (door.middle - 0.5 * door.width, door.middle + 0.5 * door.width);
     let boards = Wall { faces: [wall.faces[0] + sign * 0.22, wall.faces[0] + sign * 0.28], ..*wall };
@@ -240,7 +240,7 @@ fn shut(wall: &Wall, outward: DVec3, door: &Opening, parts: &mut Shapes) {
 }
 
 /// Cornice, rafters and the roof above a wall.
-fn eaves(side: &Side, parts: &mut Shapes) {
+fn eaves(side: &Side, parts: &mut CourtyardParts) {
     let out = side.outward();
     let along = DVec3::new(out.y.abs(), out.x.abs(), 0.0);
     let half = if out.x != 0.0 { HALF_X } else { HALF_Y };
@@ -264,7 +264,7 @@ fn eaves(side: &Side, parts: &mut Shapes) {
 }
 
 /// A bell tower behind the north wall.
-fn tower(parts: &mut Shapes) {
+fn tower(parts: &mut CourtyardParts) {
     let (west, east, south, north) = (-13.4, -8.6, 13.6, 18.4);
     let (shaft, belfry) = (13.2, 17.0);
     parts.cuboid([west, south, 0.0], [east, north, shaft], Material::Brick);

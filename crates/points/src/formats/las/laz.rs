@@ -1,6 +1,6 @@
 //! Reads compressed points: chunks in parallel, handed over in file order. A broken chunk loses only itself.
 
-use super::Outcome;
+use super::PointsRead;
 use super::chunks::{self, Chunks, LazChunk, TABLE_POSITION_BYTES};
 use super::codec::{self, Codec, Wanted};
 use super::extra::Extra;
@@ -93,7 +93,7 @@ impl Laz {
         wanted: &Wanted,
         take: &mut Take,
         progress: &Progress,
-    ) -> Result<Outcome, ScanError> {
+    ) -> Result<PointsRead, ScanError> {
         let offset = header.points_offset;
         let reading = Reading { source, announced: header.announced_points, wanted, progress };
         let chunk_points = match self.chunking {
@@ -131,9 +131,9 @@ impl Laz {
         reading: &Reading,
         take: &mut Take,
         chunks: &[LazChunk],
-    ) -> Result<Outcome, ScanError> {
+    ) -> Result<PointsRead, ScanError> {
         let mut handover =
-            Handover { take, outcome: Outcome::default(), damaged: Vec::new(), num_chunks: 0, at: 0 };
+            Handover { take, outcome: PointsRead::default(), damaged: Vec::new(), num_chunks: 0, at: 0 };
         let mut decoded = Vec::new();
         for window in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
             let decode = || window.par_iter().map(|chunk| (*chunk, self.read_chunk(reading, chunk)));
@@ -171,9 +171,9 @@ impl Laz {
         take: &mut Take,
         offset: u64,
         chunk_points: Option<u32>,
-    ) -> Result<Outcome, ScanError> {
+    ) -> Result<PointsRead, ScanError> {
         let Reading { source, announced, wanted, progress } = *reading;
-        let mut outcome = Outcome::default();
+        let mut outcome = PointsRead::default();
         let mut reader = BufReader::with_capacity(1 << 20, source.reader(offset));
         let most = source.len().saturating_mul(1000);
         let announced = if announced == 0 { most } else { announced.min(most) };
@@ -236,7 +236,7 @@ type Decoded = Result<Block, String>;
 /// Chunks on their way to whoever wants them, in file order.
 struct Handover<'a, 'b> {
     take: &'a mut Take<'b>,
-    outcome: Outcome,
+    outcome: PointsRead,
     damaged: Vec<Damaged>,
     num_chunks: usize,
     /// Points of the chunks so far, including those of damaged chunks.
@@ -266,7 +266,7 @@ impl Handover<'_, '_> {
     }
 
     /// Returns what was read, with a sentence for each lost chunk, or an error if nothing is left.
-    fn finish(self, source: &Source) -> Result<Outcome, ScanError> {
+    fn finish(self, source: &Source) -> Result<PointsRead, ScanError> {
         let Self { mut outcome, damaged, num_chunks, .. } = self;
         if let (Some(first), 0) = (damaged.first(), outcome.num_points) {
             let reason = format!("{}; get the file again", first.sentence(num_chunks));

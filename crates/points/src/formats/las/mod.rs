@@ -82,7 +82,7 @@ struct LasFile {
 
 /// What was read of the points.
 #[derive(Debug, Default)]
-struct Outcome {
+struct PointsRead {
     num_points: u64,
     /// Sentences about what could not be read, whose subject is the file.
     losses: Vec<String>,
@@ -112,7 +112,7 @@ impl Dataset for LasFile {
                 ),
             });
         }
-        let Outcome { num_points, mut losses, mut warnings } = match packing {
+        let PointsRead { num_points, mut losses, mut warnings } = match packing {
             Packing::Raw => raw::read(source, las, &layout.extractor(want), want, take, progress)?,
             Packing::Laz(laz) => laz.read(source, las, &Laz::wanted(las, layout, want), take, progress)?,
         };

@@ -1,6 +1,6 @@
 //! Reads uncompressed points: parts of a block, in parallel, parsed straight into their place.
 
-use super::Outcome;
+use super::PointsRead;
 use super::header::LasHeader;
 use super::record::Extractor;
 use crate::block::Block;
@@ -29,11 +29,11 @@ pub(super) fn read(
     want: &Projection,
     take: &mut Take,
     progress: &Progress,
-) -> Result<Outcome, ScanError> {
+) -> Result<PointsRead, ScanError> {
     let announced = num_points(source, header);
     let memory = || ScanError::Memory { path: source.path().to_owned(), num_points: announced };
     let records = Records { source, header, extractor, progress };
-    let mut outcome = Outcome::default();
+    let mut outcome = PointsRead::default();
     while outcome.num_points < announced {
         let left = announced - outcome.num_points;
         // The file is long enough for these points, which vouches for the memory.
