@@ -112,3 +112,24 @@ fn the_readme_starts_with_the_two_commands() {
         assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(script).is_file(), "{script}");
     }
 }
+
+/// Terms of a table that come before the term above them in the alphabet.
+fn misplaced_terms(text: &str) -> Vec<String> {
+    let term =
+        |line: &str| Some(line.strip_prefix("| **")?.split(" | ").next()?.replace('*', "").to_lowercase());
+    let terms: Vec<String> = text.lines().filter_map(term).collect();
+    assert!(!terms.is_empty(), "the terms were not found");
+    terms.windows(2).filter(|pair| pair[0] > pair[1]).map(|pair| pair[1].clone()).collect()
+}
+
+#[test]
+fn terms_are_in_the_order_of_the_alphabet() {
+    let misplaced = misplaced_terms(include_str!("../../../docs/TERMS.md"));
+    assert!(misplaced.is_empty(), "{misplaced:#?}");
+    let table =
+        "# Terms\n\n| term | meaning |\n|---|---|\n| **node** (of a tree) | b |\n| **node block** | a |\n";
+    assert_eq!(
+        misplaced_terms(&format!("{table}| **LOD** | c |\n| **local frame** | d |")),
+        ["lod", "local frame"]
+    );
+}
