@@ -1,7 +1,7 @@
 //! Resolves the settings once, to what each room is told. No room below sees [`Config`].
 
-use crate::config::{Config, NearClip, Setting, choices};
-use crate::desktop::{Label, Selector, Widgets, WindowOptions};
+use crate::config::{Config, NearClip, Setting, ValueKind};
+use crate::desktop::{Widget, Widgets, WindowOptions};
 use crate::draw::DrawPlan;
 use crate::nodes::{CloudOptions, LodMethod};
 use crate::walk::WalkOptions;
@@ -9,6 +9,7 @@ use crate::walk::governor::GovernorOptions;
 use crate::walk::headsets::{HeadsetOptions, Wish};
 use crate::walk::locomotion::LocomotionOptions;
 use crate::walk::simulated::SimulatedOptions;
+use crate::walk::state::SpeedFactor;
 use base::space::Fov;
 use lab::technique::{DISCS_REACH_PX, LabTechnique};
 use points::ReadOptions;
@@ -16,7 +17,6 @@ use render::layout::{ALL_PLANES, Detail};
 use render::options::{Dilate, Precision};
 use render::scenery::Surround;
 use render::{Access, DrawOptions, NO_REACH_PX, RINGS_REACH_PX};
-use serde::Deserialize;
 use xr::XrOptions;
 
 /// What the settings come to, a part for each room.
@@ -111,6 +111,10 @@ impl Plan {
                 },
                 governor: GovernorOptions { enabled: governor.enabled, budget: governor.budget as f32 },
                 overlay: window.overlay,
+                speed: SpeedFactor {
+                    at_start: locomotion.speed_factor as f32,
+                    range: range("locomotion.speed_factor").map(|limit| limit as f32),
+                },
                 surround: surround.show.then_some(Surround {
                     sky: surround.sky,
                     horizon: surround.horizon,
@@ -170,31 +174,22 @@ fn technique(config: &Config) -> LabTechnique {
     }
 }
 
-/// The panel's widgets for the settings that a walk can change.
+/// A widget for every setting, as the panel would show it.
 fn widgets() -> Widgets {
-    let Label { title, help } = label("locomotion.speed");
-    Widgets {
-        mirror: selector("window.mirror"),
-        overlay: selector("window.overlay"),
-        speed: Label { title, help: format!("A factor on {help}") },
-    }
+    let widget = |setting: &Setting| Widget {
+        title: Widget::title_of(setting.name),
+        help: format!("{}: {}", setting.key, setting.help()),
+        names: if let ValueKind::Choice(names) = setting.kind() { names } else { &[] },
+        range: setting.range,
+        unit: setting.unit,
+    };
+    Setting::all().map(|setting| (setting.key, widget(setting))).collect()
 }
 
-fn selector<'de, T: Deserialize<'de>>(key: &str) -> Selector<T> {
-    let values = choices().into_iter().map(|(name, value)| (title(name), value)).collect();
-    Selector { label: label(key), values }
-}
-
-fn label(key: &str) -> Label {
-    // A key that is not in the table is a mistake of this file, which every test of a plan shows.
-    let setting = Setting::find(key).expect("a setting");
-    Label { title: title(setting.name), help: format!("{key}: {}", setting.help()) }
-}
-
-/// Formats a name as a title: "mirror" as "Mirror".
-fn title(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+/// The limits of a setting that a walk changes.
+fn range(key: &str) -> [f64; 2] {
+    // A setting without limits is a mistake of this file, which every test of a plan shows.
+    Setting::find(key).and_then(|setting| setting.range).expect("limits")
 }
 
 #[cfg(test)]
@@ -260,25 +255,41 @@ mod tests {
     /// Logs, tables and the names of screenshots write what a user writes.
     #[test]
     fn rooms_name_their_choices_as_settings_do() {
-        assert!(choices::<Overlay>().iter().all(|(name, overlay)| *name == overlay.name()));
-        assert!(choices::<Quality>().iter().all(|(name, quality)| *name == quality.name()));
-        let methods = choices::<Method>();
-        assert!(methods.iter().all(|(name, method)| *name == method.name()));
-        assert!(methods.iter().map(|(_, method)| *method).eq(Method::ALL));
+        let kinds = [ValueKind::of::<Overlay>(), ValueKind::of::<Quality>(), ValueKind::of::<Method>()];
+        let overlays = Overlay::ALL.map(|overlay| (toml::Value::try_from(overlay), overlay.name()));
+        let qualities =
+            [Quality::Closest, Quality::Hqs].map(|quality| (toml::Value::try_from(quality), quality.name()));
+        let methods = Method::ALL.map(|method| (toml::Value::try_from(method), method.name()));
+        for (kind, choices) in kinds.into_iter().zip([&overlays[..], &qualities, &methods]) {
+            let ValueKind::Choice(names) = kind else { panic!("{kind:?}") };
+            assert!(choices.iter().all(|(value, name)| value.as_ref().unwrap().as_str() == Some(name)));
+            assert!(choices.iter().map(|(_, name)| name).eq(names));
+        }
     }
 
+    /// Tests of the panel draw its rows with a sample of widgets, so its keys are those of settings.
     #[test]
     fn the_panel_offers_what_the_settings_take() {
         let widgets = Plan::default().window.widgets;
-        let overlays: Vec<Overlay> = widgets.overlay.values.iter().map(|(_, overlay)| *overlay).collect();
-        assert_eq!(overlays, Overlay::ALL);
-        let titles: Vec<&str> = widgets.mirror.values.iter().map(|(title, _)| title.as_str()).collect();
-        assert_eq!(titles, ["Left", "Right", "Both"]);
-        let Label { title, help } = widgets.speed;
-        assert_eq!(title, "Speed");
-        assert!(
-            help.starts_with("A factor on locomotion.speed: ") && help.ends_with("meters a second."),
-            "{help}"
-        );
+        let sample = WindowOptions::sample().widgets;
+        assert!(sample.contains_key("locomotion.speed_factor"));
+        for (key, made_up) in sample {
+            let widget = widgets.get(key).unwrap_or_else(|| panic!("{key} is no setting"));
+            assert_eq!(Widget { help: made_up.help.clone(), ..widget.clone() }, made_up, "{key}");
+            assert!(
+                widget.help.starts_with(&format!("{key}: ")) && widget.help.ends_with('.'),
+                "{}",
+                widget.help
+            );
+        }
+        assert_eq!(widgets.len(), Setting::all().count());
+    }
+
+    #[test]
+    fn the_walk_keeps_to_the_limits_of_the_settings() {
+        let speed = plan(|config| config.locomotion.speed_factor = 2.0).walk.speed;
+        assert_eq!(speed, SpeedFactor { at_start: 2.0, ..SpeedFactor::default() });
+        let widgets = Plan::default().window.widgets;
+        assert_eq!(widgets["locomotion.speed_factor"].range, Some(speed.range.map(f64::from)));
     }
 }

@@ -1,5 +1,6 @@
 //! Values on the command line: points, sizes, colors, numbers in a range; and what is said of scans.
 
+use crate::config::Setting;
 use glam::DVec3;
 use std::str::FromStr;
 
@@ -14,6 +15,13 @@ pub(super) fn scans_help() -> String {
 /// Help text for a file that is measured with.
 pub(super) fn scan_help() -> String {
     format!("A {} file to measure with [default: made-up ones]", points::format_names("or"))
+}
+
+/// Help text for an option that stands for a setting: what the setting means, and that its value is the default.
+pub(super) fn setting_help(key: &str) -> String {
+    // A key that is not in the table is a mistake of the option, which every test of the command line shows.
+    let setting = Setting::find(key).expect("a setting");
+    format!("{} [default: {key}]", setting.help())
 }
 
 /// Parses three parts between commas.

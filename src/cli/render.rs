@@ -1,7 +1,7 @@
 //! Arguments of `scanwalk render`.
 
 use super::parse;
-use crate::config::Config;
+use crate::config::{Config, SimulatedConfig};
 use crate::nodes::LodMethod;
 use clap::{Args, ValueEnum};
 use cloud::Order;
@@ -49,36 +49,36 @@ pub struct RenderArgs {
     #[arg(long)]
     pub stereo: bool,
     /// Distance of the eyes for --stereo, in meters
-    #[arg(long, value_name = "M", default_value = "0.063", value_parser = parse::eye_distance)]
+    #[arg(long, value_name = "M", default_value_t = SimulatedConfig::default().eye_distance_m, value_parser = parse::eye_distance)]
     pub ipd: f64,
     /// Settings that belong together; may be repeated. plain: every point, one a pixel; quality, balanced,
     /// performance: as the headset would draw; valve-index, meta-quest-3, bigscreen-beyond-2: headsets to simulate
     #[arg(long, value_name = "NAME", default_value = PLAIN)]
     pub preset: Vec<String>,
-    /// How points get into pixels, by the papers' names; nearly all draw the same picture (`scanwalk settings --laboratory`) [default: the preset's]
-    #[arg(long, value_name = "NAME")]
+    /// How points get into pixels.
+    #[arg(long, value_name = "NAME", help = parse::setting_help("frame.method"))]
     pub method: Option<Method>,
-    /// Order of the points in memory; of equal depths the smaller number is drawn [default: the preset's]
-    #[arg(long, value_name = "NAME")]
+    /// Order of the points in memory.
+    #[arg(long, value_name = "NAME", help = parse::setting_help("cloud.order"))]
     pub order: Option<Order>,
-    /// closest: the nearest point's color; hqs: the blend of the nearest points [default: the preset's]
-    #[arg(long, value_name = "HOW")]
+    /// What a pixel shows of the points in it.
+    #[arg(long, value_name = "HOW", help = parse::setting_help("frame.quality"))]
     pub quality: Option<Quality>,
     /// Level of detail: the nodes of an octree that matter, or the discs of a sequential point tree; on: octree
-    /// [default: the preset's]
+    /// [default: lod.enabled and lod.method]
     #[arg(long, value_name = "HOW")]
     pub lod: Option<Lod>,
-    /// Fill the gaps between points: rings, by kernels that grow outwards [default: the preset's]
-    #[arg(long, value_name = "HOW")]
+    /// How gaps between points are filled.
+    #[arg(long, value_name = "HOW", help = parse::setting_help("frame.dilate"))]
     pub dilate: Option<Dilate>,
-    /// Coordinate bits that are read: auto by the projected size, or full [default: frame.precision]
-    #[arg(long, value_name = "HOW")]
+    /// Coordinate bits that are read.
+    #[arg(long, value_name = "HOW", help = parse::setting_help("frame.precision"))]
     pub precision: Option<Precision>,
     /// Also write each pixel's distance, as a NumPy array; - for stdout
     #[arg(long, value_name = "OUT.npy")]
     pub depth: Option<PathBuf>,
-    /// Color where no point is [default: frame.background: 0,0,0]
-    #[arg(long, value_name = "R,G,B", value_parser = parse::color)]
+    /// Color where no point is.
+    #[arg(long, value_name = "R,G,B", value_parser = parse::color, help = parse::setting_help("frame.background"))]
     pub background: Option<[u8; 3]>,
     /// Also write counts and times, as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]

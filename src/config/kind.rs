@@ -1,7 +1,6 @@
 //! The kind of value that a setting takes: its type tells, by what it asks serde for.
 
-use serde::de::value::{Error as Refusal, StrDeserializer};
-use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Visitor};
 use serde::{Deserialize, forward_to_deserialize_any};
 use std::fmt::{self, Display};
 
@@ -53,17 +52,6 @@ impl Display for ValueKind {
             Self::Other(words) => f.write_str(&words.replace('`', "\"")),
         }
     }
-}
-
-/// The choices of `T` by their names, in its own order; none if it is not chosen by name.
-#[must_use]
-pub fn choices<'de, T: Deserialize<'de>>() -> Vec<(&'static str, T)> {
-    let ValueKind::Choice(names) = ValueKind::of::<T>() else { return Vec::new() };
-    let value = |name: &'static str| {
-        let name_as_value: StrDeserializer<'static, Refusal> = name.into_deserializer();
-        Some((name, T::deserialize(name_as_value).ok()?))
-    };
-    names.iter().copied().filter_map(value).collect()
 }
 
 /// Stands in for a value: a type that reads it gets nothing, but tells what it wants.
@@ -174,11 +162,5 @@ mod tests {
         assert_eq!(ValueKind::of::<Up>().to_string(), "one of \"auto\", \"z\", \"y\", \"-y\"");
         let unit = ValueKind::of::<Unit>().to_string();
         assert!(unit.starts_with("\"auto\", \"m\"") && unit.ends_with("or a number of meters"), "{unit}");
-    }
-
-    #[test]
-    fn choices_are_those_of_the_type() {
-        assert_eq!(choices::<Quality>(), [("closest", Quality::Closest), ("hqs", Quality::Hqs)]);
-        assert_eq!(choices::<bool>(), []);
     }
 }

@@ -15,7 +15,7 @@ mod setting;
 mod table;
 
 pub use assign::Location;
-pub use kind::{ValueKind, choices};
+pub use kind::ValueKind;
 pub use load::{ConfigError, load};
 pub use near::NearClip;
 pub use page::{FILES, file, page};

@@ -172,6 +172,8 @@ settings! {
     locomotion: LocomotionConfig {
         /// Speed at full stick or key; 0: chosen from the scan's size.
         speed: f64 = 0.0, from 0 to 1e6, in "meters a second";
+        /// How many times as fast as that the user moves at first; wheel, keys and panel change it within its limits.
+        speed_factor: f64 = 1.0, from 0.015625 to 64, in "times";
         /// Factor while the fast key is held.
         fast: f64 = 4.0, from 1 to 1000;
         /// How sticks and keys move at first: "walk" (on the floor, wherever the head looks), "fly" (where the head looks),

@@ -54,10 +54,11 @@ mod plot;
 mod screen;
 mod server;
 mod style;
+mod widget;
 mod window;
 
 pub use mirror::{DrawnUniform, MIRROR, Mirrored, OfMirrored};
-pub use options::{Label, MirroredEyes, Selector, Widgets, WindowOptions};
+pub use options::{MirroredEyes, Widget, Widgets, WindowOptions};
 pub use server::{Server, is_named, server};
 
 use crate::walk::link::ViewerEnd;

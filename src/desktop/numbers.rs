@@ -27,12 +27,16 @@ pub(super) fn millis(millis: f32) -> String {
     }
 }
 
-/// A factor on the speed: "×0.25", "×1", "×16".
-pub(super) fn factor(factor: f32) -> String {
-    let digits = usize::from(factor < 9.95) + usize::from(factor < 0.995);
-    let text = format!("{factor:.digits$}");
+/// A number with its unit in words: "0.25", "30 degrees"; of times "×16".
+pub(super) fn with_unit(number: f64, unit: &str) -> String {
+    let digits = usize::from(number.abs() < 9.95) + usize::from(number.abs() < 0.995);
+    let text = format!("{number:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    format!("×{text}")
+    match unit {
+        "" => text.to_owned(),
+        "times" => format!("×{text}"),
+        unit => format!("{text} {unit}"),
+    }
 }
 
 fn scaled(mut value: f64, step: f64, units: &[&str]) -> String {
@@ -108,10 +112,11 @@ mod tests {
     }
 
     #[test]
-    fn factors_lose_their_zeros() {
-        for (value, text) in [(1.0, "×1"), (1.25, "×1.2"), (0.25, "×0.25"), (16.0, "×16"), (10.0, "×10")]
+    fn numbers_lose_their_zeros() {
+        for (number, text) in [(1.0, "×1"), (1.25, "×1.2"), (0.25, "×0.25"), (16.0, "×16"), (10.0, "×10")]
         {
-            assert_eq!(factor(value), text);
+            assert_eq!(with_unit(number, "times"), text);
         }
+        assert_eq!([with_unit(-30.0, "degrees"), with_unit(0.5, "")], ["-30 degrees", "0.5"]);
     }
 }

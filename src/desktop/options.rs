@@ -1,7 +1,7 @@
 //! What the window is told at start: how large it is, what it shows, and what the panel lets the user choose.
 
-use render::options::Overlay;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// How the window begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,65 +12,54 @@ pub struct WindowOptions {
     pub panel: bool,
     /// Which eye is mirrored.
     pub mirror: MirroredEyes,
-    /// What the panel changes.
+    /// What the panel can offer.
     pub widgets: Widgets,
 }
 
-/// The settings that the panel changes while a walk goes on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Widgets {
-    /// Which eye is mirrored.
-    pub mirror: Selector<MirroredEyes>,
-    /// What is drawn over the mirror.
-    pub overlay: Selector<Overlay>,
-    /// How fast the user moves.
-    pub speed: Label,
-}
+/// A widget for each setting, by its key. The panel offers those that a walk can change.
+pub type Widgets = BTreeMap<&'static str, Widget>;
 
-/// What a widget is called, and what it does.
+/// A setting as the panel shows it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Label {
+pub struct Widget {
     /// Text before the widget: "Mirror".
     pub title: String,
     /// Text for a user who points at the widget.
     pub help: String,
+    /// Names of all values; none if the setting is not chosen by name.
+    pub names: &'static [&'static str],
+    /// The least and the greatest number.
+    pub range: Option<[f64; 2]>,
+    /// Unit of its numbers in words.
+    pub unit: &'static str,
 }
 
-/// A widget that takes one of several values.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Selector<T> {
-    /// Name and meaning of the widget.
-    pub label: Label,
-    /// All values with their titles: "Left".
-    pub values: Vec<(String, T)>,
+impl Widget {
+    /// A name as people read it: "speed_factor" as "Speed factor".
+    #[must_use]
+    pub fn title_of(name: &str) -> String {
+        let words = name.replace('_', " ");
+        let mut letters = words.chars();
+        letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+    }
 }
 
 #[cfg(test)]
 impl WindowOptions {
-    /// A window whose panel is shown and offers all that there is.
-    pub(super) fn sample() -> Self {
-        let label = |title: &str| Label { title: title.into(), help: String::new() };
-        let mirrors =
-            [("Left", MirroredEyes::Left), ("Right", MirroredEyes::Right), ("Both", MirroredEyes::Both)];
-        let widgets = Widgets {
-            mirror: Selector {
-                label: label("Mirror"),
-                values: mirrors.map(|(title, eyes)| (title.into(), eyes)).into(),
-            },
-            overlay: Selector {
-                label: label("Overlay"),
-                values: Overlay::ALL.map(|overlay| (overlay.name().into(), overlay)).into(),
-            },
-            speed: label("Speed"),
+    /// A window whose panel is shown and offers all that there is. A test of `src/resolve.rs` compares its widgets with
+    /// the settings.
+    pub(crate) fn sample() -> Self {
+        let widget = |title: &str, names, range, unit| {
+            let (title, help) = (title.into(), format!("What {title} means"));
+            Widget { title, help, names, range, unit }
         };
-        Self { size: [640, 480], panel: true, mirror: MirroredEyes::Left, widgets }
-    }
-}
-
-impl<T: PartialEq> Selector<T> {
-    /// The title of a value.
-    pub(super) fn title(&self, of: &T) -> &str {
-        self.values.iter().find(|(_, value)| value == of).map_or("", |(title, _)| title)
+        let overlays = &["none", "rings", "nodes", "overdraw", "depth", "precision"];
+        let widgets = [
+            ("window.mirror", widget("Mirror", &["left", "right", "both"], None, "")),
+            ("window.overlay", widget("Overlay", overlays, None, "")),
+            ("locomotion.speed_factor", widget("Speed factor", &[], Some([1.0 / 64.0, 64.0]), "times")),
+        ];
+        Self { size: [640, 480], panel: true, mirror: MirroredEyes::Left, widgets: widgets.into() }
     }
 }
 

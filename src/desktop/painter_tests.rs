@@ -5,7 +5,7 @@ use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
 use super::{MirroredEyes, WindowOptions, card, help, keys, notice, panel, style};
 use crate::walk::link::{HeadsetState, LoadState, MirrorImages};
-use crate::walk::state::AppState;
+use crate::walk::state::{AppState, SpeedFactor};
 use base::task::Done;
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -146,7 +146,7 @@ fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String 
     let headset =
         HeadsetState { device: "Some GPU".into(), runtime: "Monado 25".into(), ..HeadsetState::default() };
     let now = Instant::now();
-    let state = AppState::new(overlay);
+    let state = AppState::new(overlay, SpeedFactor::default());
     let options = WindowOptions::sample();
     let contents = panel::Contents {
         history,

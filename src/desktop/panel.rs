@@ -3,10 +3,10 @@
 use super::controls::WindowState;
 use super::history::{History, TimeSummary};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
-use super::{Label, Widgets, numbers, plot};
+use super::{Widgets, numbers, plot, widget};
 use crate::walk::link::{HeadsetState, LoadState};
-use crate::walk::state::{Action, SPEED_LIMIT, Snapshot};
-use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use crate::walk::state::{Action, Snapshot};
+use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Ui, vec2};
 use render::options::{Overlay, Quality};
 use std::time::Instant;
 use timing::{FrameRow, STAGES};
@@ -164,34 +164,20 @@ fn points(ui: &mut Ui, row: Option<&FrameRow>) {
     }
 }
 
-/// Draws the choices: mirror, overlay, speed, help.
+/// Draws the choices: settings that a walk can change, a line each, and help.
 fn choices(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<Action> {
     let Contents { widgets, state, .. } = contents;
-    let (mut speed, mut overlay) = (state.speed(), state.overlay);
+    // The user changes at most one thing from one picture to the next.
+    let mut action = None;
     Grid::new("choices").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
-        label(ui, &widgets.mirror.label);
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 2.0;
-            for (title, mirror) in &widgets.mirror.values {
-                ui.selectable_value(&mut view.mirror, *mirror, title);
-            }
+        let mut act = |asked| action = Some(asked);
+        widget::row(ui, widgets, "window.mirror", view.mirror, |mirror| view.mirror = mirror);
+        widget::row(ui, widgets, "window.overlay", state.overlay, |overlay| act(Action::SetOverlay(overlay)));
+        widget::row(ui, widgets, "locomotion.speed_factor", state.speed(), |speed| {
+            act(Action::SetSpeed(speed))
         });
-        ui.end_row();
-        label(ui, &widgets.overlay.label);
-        let shown = widgets.overlay.title(&overlay);
-        egui::ComboBox::from_id_salt("overlay").selected_text(shown).show_ui(ui, |ui| {
-            for (title, choice) in &widgets.overlay.values {
-                ui.selectable_value(&mut overlay, *choice, title);
-            }
-        });
-        ui.end_row();
-        label(ui, &widgets.speed);
-        ui.spacing_mut().slider_width = 122.0;
-        let slider = Slider::new(&mut speed, 1.0 / SPEED_LIMIT..=SPEED_LIMIT).logarithmic(true);
-        ui.add(slider.custom_formatter(|speed, _| numbers::factor(speed as f32)));
-        ui.end_row();
     });
-    let meaning = overlay_meaning(overlay, contents.history.newest());
+    let meaning = overlay_meaning(state.overlay, contents.history.newest());
     if !meaning.is_empty() {
         ui.label(caption(meaning));
         ui.label(caption("The GPU's times above are without it."));
@@ -204,14 +190,7 @@ fn choices(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<A
             view.panel = false;
         }
     });
-    // The user changes at most one thing from one picture to the next.
-    let chosen = (overlay != state.overlay).then_some(Action::SetOverlay(overlay));
-    chosen.or_else(|| (speed != state.speed()).then_some(Action::SetSpeed(speed)))
-}
-
-/// Draws the label that stands before a widget.
-fn label(ui: &mut Ui, label: &Label) {
-    ui.label(RichText::new(&label.title).color(FAINT)).on_hover_text(&label.help);
+    action
 }
 
 /// Tells what an overlay's colors mean. `row` is the newest frame's.

@@ -2,7 +2,7 @@
 //! rows that nobody takes are dropped, actions queue up, the mirror's textures change hands only at start
 //! and when their size changes.
 
-use super::state::{Action, AppState, Snapshot};
+use super::state::{Action, AppState, Snapshot, SpeedFactor};
 use base::task::{Count, Done};
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -102,7 +102,7 @@ pub struct CardEnd {
 pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (row_sender, rows) = sync_channel(512);
     let (actions, action_receiver) = channel();
-    let (load, snapshot) = (LoadState::default(), AppState::new(Overlay::None));
+    let (load, snapshot) = (LoadState::default(), AppState::new(Overlay::None, SpeedFactor::default()));
     let headset = HeadsetState::default();
     let rest = Mutex::new(Rest {
         gpu: None,

@@ -5,7 +5,7 @@ use super::governor::GovernorOptions;
 use super::headsets::{CannotGoOn, Headsets};
 use super::link::WalkEnd;
 use super::locomotion::LocomotionOptions;
-use super::state::Action;
+use super::state::{Action, SpeedFactor};
 use super::walker::Walker;
 use crate::draw::{CannotDraw, DrawPlan};
 use base::space::View;
@@ -29,6 +29,8 @@ pub struct WalkOptions {
     pub governor: GovernorOptions,
     /// What is drawn over the mirror at start.
     pub overlay: Overlay,
+    /// How fast the user moves at start, and may move.
+    pub speed: SpeedFactor,
     /// What is seen where the scan has nothing; `None`: the background of the draw options.
     pub surround: Option<Surround>,
 }

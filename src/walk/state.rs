@@ -6,8 +6,22 @@ use render::options::Overlay;
 
 /// Factor on the speed for one step of the wheel.
 pub const SPEED_STEP: f32 = 1.25;
-/// The speed stays within this factor of where it began, up and down.
-pub const SPEED_LIMIT: f32 = 64.0;
+
+/// How many times as fast as the speed that a scan or the user chose one moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedFactor {
+    /// The factor at start.
+    pub at_start: f32,
+    /// The least and the greatest factor.
+    pub range: [f32; 2],
+}
+
+impl Default for SpeedFactor {
+    /// What the default settings say.
+    fn default() -> Self {
+        Self { at_start: 1.0, range: [1.0 / 64.0, 64.0] }
+    }
+}
 
 /// What the user asks of the walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +40,7 @@ pub enum Action {
     },
     /// Faster (> 0) or slower (< 0) from now on, by this many steps of [`SPEED_STEP`].
     Faster(f32),
-    /// This many times as fast as at first, from now on.
+    /// This many times as fast as the speed that a scan or the user chose, from now on.
     SetSpeed(f32),
     /// Turn by this many snap steps; right is positive.
     Snap(i32),
@@ -75,6 +89,7 @@ pub struct AppState {
     /// Overlay that is drawn over the mirror.
     pub overlay: Overlay,
     speed: f32,
+    speed_range: [f32; 2],
 }
 
 /// The state as it was at some moment, for those who show it.
@@ -83,11 +98,12 @@ pub type Snapshot = AppState;
 impl AppState {
     /// The state at start.
     #[must_use]
-    pub fn new(overlay: Overlay) -> Self {
-        Self { overlay, speed: 1.0 }
+    pub fn new(overlay: Overlay, speed: SpeedFactor) -> Self {
+        let SpeedFactor { at_start, range } = speed;
+        Self { overlay, speed: at_start, speed_range: range }
     }
 
-    /// Speed as a factor on where it began.
+    /// Speed as a factor on the one that a scan or the user chose.
     #[must_use]
     pub fn speed(&self) -> f32 {
         self.speed
@@ -108,7 +124,8 @@ impl AppState {
     }
 
     fn set_speed(&mut self, speed: f32) {
-        let speed = speed.clamp(1.0 / SPEED_LIMIT, SPEED_LIMIT);
+        let [least, most] = self.speed_range;
+        let speed = speed.clamp(least, most);
         // Repeated steps are wrong in the last bits: ×1 is to read as ×1 again.
         self.speed = if (speed - 1.0).abs() < 1e-3 { 1.0 } else { speed };
     }
@@ -120,23 +137,23 @@ mod tests {
 
     #[test]
     fn the_speed_changes_within_limits_and_comes_back_to_one() {
-        let mut state = AppState::new(Overlay::None);
+        let mut state = AppState::new(Overlay::None, SpeedFactor { at_start: 1.0, range: [0.5, 4.0] });
         assert!(state.apply(Action::Faster(1.0)));
         assert_eq!(state.speed(), SPEED_STEP);
         state.apply(Action::Faster(2.0));
         state.apply(Action::Faster(-3.0));
         assert_eq!(state.speed(), 1.0);
         state.apply(Action::Faster(1e9));
-        assert_eq!(state.speed(), SPEED_LIMIT);
+        assert_eq!(state.speed(), 4.0);
         assert!(!state.apply(Action::Faster(1.0)), "already at the limit");
         assert!(!state.apply(Action::Faster(f32::NAN)) && !state.apply(Action::SetSpeed(f32::INFINITY)));
-        assert!(state.apply(Action::SetSpeed(0.5)));
+        assert!(state.apply(Action::SetSpeed(0.1)));
         assert_eq!(state.speed(), 0.5);
     }
 
     #[test]
     fn overlays_go_round() {
-        let mut state = AppState::new(Overlay::None);
+        let mut state = AppState::new(Overlay::None, SpeedFactor::default());
         for overlay in Overlay::ALL.into_iter().cycle().skip(1).take(Overlay::ALL.len()) {
             assert!(state.apply(Action::NextOverlay));
             assert_eq!(state.overlay, overlay);

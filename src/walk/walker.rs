@@ -33,7 +33,7 @@ pub(super) struct Walker {
 
 impl Walker {
     pub fn new(walk: &Walk) -> Self {
-        let state = AppState::new(walk.options.overlay);
+        let state = AppState::new(walk.options.overlay, walk.options.speed);
         walk.link.publish(state);
         Self {
             state,

@@ -8,7 +8,7 @@ use render::options::Overlay;
 use scanwalk::desktop::{Display, WindowOptions};
 use scanwalk::resolve::Plan;
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
-use scanwalk::walk::state::AppState;
+use scanwalk::walk::state::{AppState, SpeedFactor};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use timing::{CallTimes, FrameRow, Phase};
@@ -43,7 +43,7 @@ pub fn play(role: &str) {
         let (mut gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
         move || {
             let begin = Instant::now();
-            let mut state = AppState::new(Overlay::None);
+            let mut state = AppState::new(Overlay::None, SpeedFactor::default());
             prepare(&role, &walk);
             let mut images = (role != "broken" && role != "loading").then(|| images_on(&gpu));
             if let Some(images) = &images {

@@ -84,6 +84,35 @@ fn every_command_explains_its_options() {
     }
 }
 
+/// What an option says of its setting is what the setting says, in one paragraph.
+#[test]
+fn help_says_of_settings_what_the_table_says() {
+    let output = String::from_utf8(output(&["render", "--help"]).stdout).unwrap();
+    let help = output.split_whitespace().collect::<Vec<_>>().join(" ");
+    let says = |option: &str, words: &str| {
+        let behind =
+            help.split_once(&format!(" --{option} <")).and_then(|(_, behind)| behind.split_once("> "));
+        behind.is_some_and(|(_, text)| text.starts_with(words))
+    };
+    for (option, key) in [
+        ("method", "frame.method"),
+        ("order", "cloud.order"),
+        ("quality", "frame.quality"),
+        ("dilate", "frame.dilate"),
+        ("precision", "frame.precision"),
+        ("background", "frame.background"),
+    ] {
+        let meaning = scanwalk::config::Setting::find(key).unwrap().help();
+        assert!(says(option, &format!("{meaning} [default: {key}]")), "--{option} in\n{output}");
+    }
+    let eye_distance_m = scanwalk::config::Config::default().simulated.eye_distance_m;
+    assert!(says(
+        "ipd",
+        &format!("Distance of the eyes for --stereo, in meters [default: {eye_distance_m}]")
+    ));
+    assert!(!says("size", "Distance of the eyes"));
+}
+
 #[test]
 fn help_names_every_preset() {
     for command in ["view", "render"] {
