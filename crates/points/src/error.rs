@@ -162,6 +162,12 @@ impl ScanError {
         }
     }
 
+    /// A folder that is no scan.
+    pub(crate) fn folder(path: &Path) -> Self {
+        let advice = "name the files in it (for example FOLDER/*.laz)";
+        Self::NotAFile { path: path.to_owned(), kind: "a folder", advice }
+    }
+
     /// An I/O failure at a byte.
     pub(crate) fn io(path: &Path, offset: Option<u64>, error: io::Error) -> Self {
         Self::Io { path: path.to_owned(), offset, error }

@@ -35,8 +35,7 @@ impl Source {
             found => found.map_err(fail)?,
         };
         if metadata.is_dir() {
-            let advice = "name the files in it (for example FOLDER/*.laz)";
-            return Err(ScanError::NotAFile { path: path.to_owned(), kind: "a folder", advice });
+            return Err(ScanError::folder(path));
         }
         if !metadata.is_file() {
             let advice = "save it as a file first";

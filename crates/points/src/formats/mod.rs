@@ -15,11 +15,22 @@ pub(crate) trait Format: Sync {
     /// Its names, as people write them: one for each kind of file, whose ending is the name too.
     fn names(&self) -> &'static [&'static str];
 
-    /// True if a file that starts with `head` (up to [`HEAD_BYTES`]) is of this format.
-    fn probe(&self, head: &[u8]) -> bool;
+    /// True if it is of this format. A format that is known by its content looks at nothing else.
+    fn probe(&self, candidate: &Candidate) -> bool;
 
-    /// Reads and checks the header.
-    fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError>;
+    /// Opens the file or folder, reads and checks its header.
+    fn open(&self, path: &Path) -> Result<Box<dyn Dataset>, ScanError>;
+}
+
+/// What a user named, as far as it is seen before anybody knows its format.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate<'a> {
+    /// Where it is, and what it is called.
+    pub path: &'a Path,
+    /// True for a folder, which may be a scan of many files.
+    pub is_folder: bool,
+    /// A file's first bytes, up to [`HEAD_BYTES`]; none of a folder.
+    pub head: &'a [u8],
 }
 
 /// An opened file.
@@ -55,11 +66,17 @@ const HEAD_BYTES: u64 = 512;
 /// # Errors
 /// It cannot be opened, is of no format that can be read, or has no readable header.
 pub fn open(path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
-    let source = Source::open(path)?;
-    let head = source.bytes(0, HEAD_BYTES)?;
-    match FORMATS.iter().find(|format| format.probe(&head)) {
-        Some(format) => format.open(source),
-        None => Err(sniff::not_a_scan(path, &head)),
+    open_as(&FORMATS, path)
+}
+
+/// Opens a file or a folder of one of these formats.
+fn open_as(formats: &[&dyn Format], path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+    let is_folder = path.is_dir();
+    let head = if is_folder { Vec::new() } else { Source::open(path)?.bytes(0, HEAD_BYTES)? };
+    let candidate = Candidate { path, is_folder, head: &head };
+    match formats.iter().find(|format| format.probe(&candidate)) {
+        Some(format) => format.open(path),
+        None => Err(sniff::not_a_scan(&candidate)),
     }
 }
 
@@ -75,5 +92,51 @@ pub fn format_names(before_last: &str) -> String {
     match names.split_last() {
         Some((last, others)) if !others.is_empty() => format!("{} {before_last} {last}", others.join(", ")),
         _ => names.concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A made-up format whose files and folders have names that end in `.named`, whatever is in them.
+    struct Named;
+
+    impl Format for Named {
+        fn names(&self) -> &'static [&'static str] {
+            &["NAMED"]
+        }
+
+        fn probe(&self, candidate: &Candidate) -> bool {
+            let has_content = candidate.is_folder == candidate.head.is_empty();
+            has_content && candidate.path.extension().is_some_and(|ending| ending == "named")
+        }
+
+        fn open(&self, path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+            Err(ScanError::NoPoints { path: path.to_owned(), reason: "it is made up".into() })
+        }
+    }
+
+    #[test]
+    fn a_format_may_be_known_by_its_name_and_may_be_a_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = |formats: &[&dyn Format], name: &str| {
+            open_as(formats, &folder.path().join(name)).err().expect("no points").to_string()
+        };
+        std::fs::write(folder.path().join("a.named"), "1 2 3").unwrap();
+        std::fs::write(folder.path().join("a.txt"), "1 2 3").unwrap();
+        std::fs::write(folder.path().join("las.named"), "LASF").unwrap();
+        std::fs::create_dir(folder.path().join("tiles.named")).unwrap();
+        std::fs::create_dir(folder.path().join("tiles")).unwrap();
+        let all: [&dyn Format; 3] = [&las::Las, &ply::Ply, &Named];
+        for name in ["a.named", "tiles.named"] {
+            assert!(error(&all, name).contains("it is made up"), "{name}");
+        }
+        // The formats before it decide by the content.
+        assert!(error(&all, "las.named").contains("header"), "{}", error(&all, "las.named"));
+        assert!(error(&all, "a.txt").contains("rows of numbers"));
+        assert!(error(&all, "tiles").contains("is a folder"));
+        assert!(error(&FORMATS, "a.named").contains("rows of numbers"));
+        assert!(error(&FORMATS, "tiles.named").contains("is a folder"));
     }
 }

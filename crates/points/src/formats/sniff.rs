@@ -1,8 +1,7 @@
 //! Says in words what a file of no readable format looks like, so that the message helps.
 
-use super::format_names;
+use super::{Candidate, format_names};
 use crate::ScanError;
-use std::path::Path;
 
 /// Advice for a file of a kind that other programs convert; [`NAMES`] stands for the names of all readable formats.
 const CONVERT: &str = "this is not supported yet, convert it to FORMATS";
@@ -65,8 +64,12 @@ const ENDINGS: &[(&str, &[u8], &str, &str)] = &[
 /// The byte at which a tar archive says that it is one, and the bytes there.
 const TAR: (usize, &[u8]) = (257, b"ustar");
 
-/// The error for a file that starts with `head` and has no reader.
-pub(crate) fn not_a_scan(path: &Path, head: &[u8]) -> ScanError {
+/// The error for a file or a folder that has no reader.
+pub(crate) fn not_a_scan(candidate: &Candidate) -> ScanError {
+    let Candidate { path, is_folder, head } = *candidate;
+    if is_folder {
+        return ScanError::folder(path);
+    }
     let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
     let by_ending = ENDINGS.iter().find(|(known, start, ..)| {
         ending.as_deref() == Some(*known) && !head.is_empty() && head.starts_with(start)
@@ -167,6 +170,7 @@ fn is_text(head: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     #[test]
     fn says_what_it_sees_and_what_to_do() {
@@ -197,8 +201,11 @@ mod tests {
             (b"# converted\n\n~V\nVERS. 3.0\n~A\n1 2 3\n", "well log", "of a laser scanner"),
             (b"\x8f\x00\x01\x02", "8f 00 01 02", "convert"),
         ];
+        let said = |name: &str, head: &[u8]| {
+            not_a_scan(&Candidate { path: Path::new(name), is_folder: false, head }).to_string()
+        };
         for (head, expected, advice) in cases {
-            let message = not_a_scan(Path::new("a.las"), head).to_string();
+            let message = said("a.las", head);
             let says = message.contains(expected) && message.contains(advice);
             assert!(message.starts_with("a.las: ") && says, "{message}");
         }
@@ -209,7 +216,7 @@ mod tests {
             ("a.usdz", b"\x1f\x8b\x08", "gzip", "unpack it"),
             ("a.splat", b"", "empty", "again"),
         ] {
-            let message = not_a_scan(Path::new(name), head).to_string();
+            let message = said(name, head);
             assert!(message.contains(expected) && message.contains(advice), "{message}");
         }
     }

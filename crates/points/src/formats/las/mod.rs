@@ -9,7 +9,7 @@ mod raw;
 mod record;
 mod vlr;
 
-use super::{Dataset, Format, Take};
+use super::{Candidate, Dataset, Format, Take};
 use crate::block::Trailer;
 use crate::crs::{self, Crs};
 use crate::source::Source;
@@ -20,6 +20,7 @@ use extra::Extra;
 use header::LasHeader;
 use laz::Laz;
 use record::Layout;
+use std::path::Path;
 use vlr::{Vlr, VlrKind};
 
 /// The format LAS, with LAZ.
@@ -30,11 +31,12 @@ impl Format for Las {
         &["LAS", "LAZ"]
     }
 
-    fn probe(&self, head: &[u8]) -> bool {
-        head.starts_with(b"LASF")
+    fn probe(&self, candidate: &Candidate) -> bool {
+        candidate.head.starts_with(b"LASF")
     }
 
-    fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError> {
+    fn open(&self, path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+        let source = Source::open(path)?;
         let las = LasHeader::read(&source)?;
         let vlrs = vlr::read_all(&source, &las)?;
         let extra = vlr::extra(&vlrs);

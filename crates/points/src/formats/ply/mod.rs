@@ -22,7 +22,7 @@ mod text;
 mod value;
 mod window;
 
-use super::{Dataset, Format, Take};
+use super::{Candidate, Dataset, Format, Take};
 use crate::block::Trailer;
 use crate::column::Type;
 use crate::source::Source;
@@ -34,6 +34,7 @@ use header::{BYTE_ORDER_MARK, Encoding, PlyHeader};
 use point::{Meaning, SplatBox};
 use reader::{Color, Intensity, Kept, Opacity, Purpose, RowReader};
 use rows::{LeftOut, Rows};
+use std::path::Path;
 use survey::{Found, SplatBoxes, Survey};
 use window::TextWindow;
 
@@ -45,13 +46,15 @@ impl Format for Ply {
         &["PLY"]
     }
 
-    fn probe(&self, head: &[u8]) -> bool {
+    fn probe(&self, candidate: &Candidate) -> bool {
+        let head = candidate.head;
         let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head).trim_ascii_start();
         let is_ply = text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"ply"));
         is_ply && text.get(3).is_none_or(u8::is_ascii_whitespace)
     }
 
-    fn open(&self, source: Source) -> Result<Box<dyn Dataset>, ScanError> {
+    fn open(&self, path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+        let source = Source::open(path)?;
         let ply = PlyHeader::read(&source)?;
         let mut choices = vec![readers(&source, &ply, 0)?];
         let no_points = || ScanError::NoPoints {
@@ -449,11 +452,14 @@ mod tests {
 
     #[test]
     fn the_first_word_tells_the_format() {
+        let is_ply = |head: &str| {
+            Ply.probe(&Candidate { path: Path::new("a"), is_folder: false, head: head.as_bytes() })
+        };
         for yes in ["ply", "ply\n", "ply \r\nformat", "ply\rformat", "PLY\n", "\u{feff}ply\n", "\nPly\n"] {
-            assert!(Ply.probe(yes.as_bytes()), "{yes:?}");
+            assert!(is_ply(yes), "{yes:?}");
         }
         for no in ["", "pl", "plywood\n", "PLYWOOD", "#ply\n"] {
-            assert!(!Ply.probe(no.as_bytes()), "{no:?}");
+            assert!(!is_ply(no), "{no:?}");
         }
     }
 }
