@@ -1,7 +1,7 @@
 //! Collects a file's blocks into columns in memory: the attributes that the walk wants, without deleted points.
 
 use crate::block::Block;
-use crate::column::Column;
+use crate::column::{Column, Type};
 use crate::stats::Stats;
 use crate::{Attribute, Grid, Marks, Points, Projection};
 use std::collections::TryReserveError;
@@ -15,6 +15,22 @@ pub(super) fn wanted() -> Projection {
         Attribute::Noise,
         Attribute::Withheld,
     ])
+}
+
+/// Why a block cannot be collected.
+#[derive(Debug)]
+pub(super) enum CannotCollect {
+    /// There is no memory for its points.
+    Memory,
+    /// It has a column that nobody takes: of an attribute that was not asked for, or of another type than all files have
+    /// that attribute in.
+    Column(Attribute, Type),
+}
+
+impl From<TryReserveError> for CannotCollect {
+    fn from(_: TryReserveError) -> Self {
+        Self::Memory
+    }
 }
 
 /// The points of a file so far.
@@ -36,8 +52,8 @@ impl Collected {
     /// is, and pages of its spare capacity are never touched.
     ///
     /// # Errors
-    /// There is no memory.
-    pub fn add(&mut self, block: Block, show_withheld: bool) -> Result<(), TryReserveError> {
+    /// There is no memory, or the block has a column that nobody takes.
+    pub fn add(&mut self, block: Block, show_withheld: bool) -> Result<(), CannotCollect> {
         let Block { grid, xyz, columns, mut stats } = block;
         let (mut points, mut withheld) = (Points { xyz, ..Points::default() }, Marks::default());
         for (attribute, column) in columns {
@@ -47,7 +63,7 @@ impl Collected {
                 (Attribute::Normal, Column::F32x3(normals)) => points.normals = normals,
                 (Attribute::Noise, Column::Bool(noise)) => points.noise = noise,
                 (Attribute::Withheld, Column::Bool(marks)) => withheld = marks,
-                (attribute, column) => debug_assert!(false, "{attribute:?} as {:?}", column.kind()),
+                (attribute, column) => return Err(CannotCollect::Column(attribute, column.kind())),
             }
         }
         points.num_withheld = withheld.count() as u64;
@@ -144,6 +160,17 @@ mod tests {
         let noise = (0..xs.len()).filter(|&at| points.noise.get(at)).map(|at| xs[at]).collect();
         let range = [stats.intensity_min, stats.intensity_max];
         (xs, noise, points.num_withheld, [stats.xyz_min[0], stats.xyz_max[0]], range)
+    }
+
+    #[test]
+    fn columns_that_nobody_takes_are_refused() {
+        let refused = |attribute: Attribute, column: Column| {
+            let block = Block { columns: vec![(attribute.clone(), column)], ..block(0, &[], &[]) };
+            let error = Collected::new().add(block, false).unwrap_err();
+            matches!(error, CannotCollect::Column(of, _) if of == attribute)
+        };
+        assert!(refused(Attribute::Intensity, Column::F32(vec![0.5; 4])));
+        assert!(refused(Attribute::GpsTime, Column::F64(vec![0.5; 4])));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What can go wrong with a file; every message names the file, the place in it, and what to do.
 
-use crate::format_names;
+use crate::{Attribute, Type, format_names};
 use base::task::Cancelled;
 use base::words::advice;
 use std::io;
@@ -116,6 +116,20 @@ pub enum ScanError {
         path: PathBuf,
         /// Its largest coordinate.
         farthest: f64,
+    },
+    /// The reader of the file's format hands over a column that nobody takes.
+    #[error(
+        "{path}: its reader hands over {attribute:?} as {kind:?}, which is a fault of scanwalk: report it, or write the \
+         file anew with another program",
+        path = path.display()
+    )]
+    Column {
+        /// The file.
+        path: PathBuf,
+        /// The column's attribute.
+        attribute: Attribute,
+        /// The column's type.
+        kind: Type,
     },
     /// The points are compressed in a way that cannot be undone here.
     #[error("{path}: its compressed points cannot be read: {reason}", path = path.display())]

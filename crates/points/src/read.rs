@@ -1,7 +1,7 @@
 //! Reads several files of any format into one [`Scan`].
 
 use super::block::Trailer;
-use super::collect::{self, Collected};
+use super::collect::{self, CannotCollect, Collected};
 use super::color::{self, ColorChoice};
 use super::inputs::{self, Inputs};
 use super::{
@@ -109,9 +109,11 @@ fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<ReadF
     let dataset = open(path)?;
     let mut collected = Collected::new();
     let mut take = |block| {
-        let num_points = collected.points.xyz.len() as u64;
-        let memory = |_| ScanError::Memory { path: path.to_owned(), num_points };
-        collected.add(block, options.show_withheld).map_err(memory)
+        let (path, num_points) = (path.to_owned(), collected.points.xyz.len() as u64);
+        collected.add(block, options.show_withheld).map_err(|error| match error {
+            CannotCollect::Memory => ScanError::Memory { path, num_points },
+            CannotCollect::Column(attribute, kind) => ScanError::Column { path, attribute, kind },
+        })
     };
     let trailer = dataset.read(&collect::wanted(), &mut take, progress)?;
     collected.shrink();
