@@ -1,16 +1,17 @@
 //! The table of holes: scene × headset × preset × smooth × step of the governor.
 
-use crate::headset::{left_eye, plan};
 use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::octree::build_octree;
 use kit::quality::holes::{self, Drawer, EyeFrame, INSIDE, OUTLINE_PX, RINGS_DEG, sphere, unreduced};
-use kit::quality::scene::{SOURCES, ScanSource};
+use kit::quality::scene::ScanSource;
 use lab::synth::{SynthKind, Viewpoint};
 use points::Scan;
 use render::gpu::Gpu;
 use render::{CloudBuffers, DrawOptions};
+use scanwalk::config;
+use scanwalk::resolve::Plan;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -63,14 +64,13 @@ impl HolesArgs {
         csv: &mut dyn Write,
         pictures: Option<&PathBuf>,
     ) -> Result<()> {
+        let sources = ScanSource::named(&[ScanSource::Synth(SynthKind::Terrestrial), ScanSource::Room], scan)?;
         let mut kept = RowsKept { csv, pictures };
         kept.header()?;
         if "sphere".contains(scan) {
             self.scene(gpu, ("sphere", false), &sphere(points), &[INSIDE], &mut kept)?;
         }
-        let sources = [ScanSource::Synth(SynthKind::Terrestrial), ScanSource::Room];
-        debug_assert!(sources.iter().all(|source| SOURCES.contains(source)));
-        for source in sources.into_iter().filter(|source| source.name().contains(scan) && source.is_here()) {
+        for source in sources {
             let scan = source.dense_scan(points)?;
             self.scene(gpu, (source.name(), true), &scan, &source.places(), &mut kept)?;
         }
@@ -92,8 +92,11 @@ impl HolesArgs {
         for place in places {
             for headset in HEADSETS.into_iter().filter(|headset| headset.contains(&self.headset)) {
                 for preset in PRESETS.into_iter().filter(|preset| preset.contains(&self.preset)) {
-                    let plan = plan(&[preset, headset], &self.sets)?;
-                    let view = left_eye(&plan, place, self.share);
+                    let presets = [preset, headset].map(str::to_owned);
+                    let plan = Plan::of(&config::load(&presets, None, &self.sets)?);
+                    let share = self.share * plan.headset.resolution_scale;
+                    let size_px = (plan.simulated.size_px, share);
+                    let view = holes::left_eye(place, plan.simulated.left_fov, size_px, plan.draw.near);
                     let buffers = cloud.take().context("no cloud to draw")?;
                     let mut drawer = Drawer::new(
                         gpu,

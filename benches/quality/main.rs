@@ -4,7 +4,6 @@
 //! Pictures do not depend on how fast they are drawn, so figures of a software driver are as good as any.
 
 mod contestant;
-mod headset;
 mod holes_table;
 
 use anyhow::{Context, Result};
@@ -90,7 +89,7 @@ fn main() -> Result<()> {
         QualityTable::csv_header(csv)?;
     }
     writeln!(out, "{}, {}; {} × {} pixels", gpu.name(), gpu.driver(), size_px[0], size_px[1])?;
-    for source in SOURCES.into_iter().filter(|s| s.name().contains(&args.scan) && s.is_here()) {
+    for source in Source::named(&SOURCES, &args.scan)? {
         for table in measure(&gpu, source, size_px, &args).with_context(|| source.name())? {
             table.print(&mut out)?;
             if let Some(csv) = &mut csv {

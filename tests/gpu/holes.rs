@@ -3,20 +3,19 @@
 //! frame of all points fills. This is a small form of the benchmark's table (`docs/bench/holes`): fewer pixels, or
 //! fewer headsets with each preset.
 
-#[path = "../../benches/quality/headset.rs"]
-mod headset;
-
+use base::space::View;
 use base::task::Progress;
 use cloud::octree::Octree;
 use glam::DVec3;
-use headset::{left_eye, plan};
 use kit::frames::{gpu, octree_of};
 use kit::quality::holes::{
-    self, Drawer, EyeFrame, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, RingHoles, sphere, unreduced,
+    self, Drawer, EyeFrame, EMPTY_RGB, RingHoles, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
 };
 use kit::quality::scene::ScanSource;
 use lab::synth::{SynthKind, Viewpoint};
 use render::CloudBuffers;
+use scanwalk::config;
+use scanwalk::resolve::Plan;
 use std::sync::OnceLock;
 
 const SHARE: f64 = 0.2;
@@ -37,6 +36,19 @@ fn octree() -> &'static Octree {
     OCTREE.get_or_init(|| octree_of(&sphere(POINTS)))
 }
 
+/// The plan of the settings of these presets, then of `set`.
+fn plan(presets: &[&str], set: Option<&str>) -> Plan {
+    let owned = |texts: &[&str]| texts.iter().map(|&text| text.to_owned()).collect::<Vec<_>>();
+    let sets = set.map_or_else(Vec::new, |set| owned(&[set]));
+    Plan::of(&config::load(&owned(presets), None, &sets).expect("settings"))
+}
+
+/// The simulated headset's left eye at a place, with `share` of the width and height that it would have.
+fn left_eye(plan: &Plan, place: &Viewpoint, share: f64) -> View {
+    let size_px = (plan.simulated.size_px, share * plan.headset.resolution_scale);
+    holes::left_eye(place, plan.simulated.left_fov, size_px, plan.draw.near)
+}
+
 /// Holes of each ring, from the middle of the sphere, with each of the settings and rungs of the governor.
 fn rings(presets: &[&str], frames: &[(&str, f32)]) -> Vec<[Judged; RINGS_DEG.len()]> {
     let holes = holes_from(octree(), &INSIDE, (SHARE, false), presets, frames);
@@ -52,7 +64,7 @@ fn holes_from(
     presets: &[&str],
     frames: &[(&str, f32)],
 ) -> Vec<RingHoles> {
-    let of = |set: &str| plan(presets, &[set.to_owned()]).expect("settings");
+    let of = |set: &str| plan(presets, Some(set));
     let first = of(frames[0].0);
     let view = left_eye(&first, place, share);
     let cloud = CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden()).expect("upload");
@@ -61,7 +73,7 @@ fn holes_from(
         Drawer::new(&gpu(), cloud, atomics, first.draw.options, size_px).expect("room on the GPU");
     let mut draw = |options, lod_scale| drawer.draw(options, &view, lod_scale).expect("a frame");
     // The frame of all points is drawn with the preset itself, whatever is set besides.
-    let whole = is_open.then(|| draw(unreduced(plan(presets, &[]).expect("settings").draw.options), 1.0));
+    let whole = is_open.then(|| draw(unreduced(plan(presets, None).draw.options), 1.0));
     let of_frame = |&(set, lod_scale): &(&str, f32)| {
         let drawn = draw(of(set).draw.options, lod_scale);
         holes::holes(&view, &drawn, whole.as_ref(), OUTLINE_PX)
@@ -149,7 +161,7 @@ fn thresholds_set_by_hand_open_no_holes() {
 /// An empty pixel counts in the ring that it lies in, unless it is also empty without level of detail.
 #[test]
 fn a_hole_is_counted_in_its_ring() {
-    let plan = plan(&["balanced", "valve-index"], &[]).expect("settings");
+    let plan = plan(&["balanced", "valve-index"], None);
     let view = left_eye(&plan, &Viewpoint { name: "origin", eye: DVec3::ZERO, target: DVec3::Y }, 0.02);
     let [width, height] = view.eyes[0].size_px;
     let whole = EyeFrame {
@@ -159,7 +171,7 @@ fn a_hole_is_counted_in_its_ring() {
     };
     let with_hole = |at: usize| {
         let mut drawn = whole.clone();
-        drawn.rgb[at] = plan.draw.options.background;
+        drawn.rgb[at] = EMPTY_RGB;
         drawn
     };
     let center = (height / 2 * width + width / 2) as usize;

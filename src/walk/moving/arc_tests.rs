@@ -3,7 +3,6 @@
 use super::super::floors::made_up::{MadeScan, grid};
 use super::*;
 use glam::DVec2;
-use std::time::Instant;
 
 const UTM: DVec3 = DVec3::new(5e5, 4e6, 300.0);
 
@@ -139,18 +138,13 @@ fn rays_point_at_floors_and_at_the_feet_of_walls() {
     assert_eq!(pointed([11.0, 3.0, 4.0], toward(90.0, 70.0)), None, "the sky");
 }
 
-/// A frame has 11 ms, of which an arc may take a part only.
 #[test]
-fn an_arc_takes_next_to_no_time_and_is_the_same_each_time() {
+fn an_arc_is_the_same_each_time() {
     let made = house(1.0);
     let floors = made.floors();
     let hand = made.p([4.0, 3.0, 4.2]);
-    let began = Instant::now();
     let all = || -> Vec<TeleportArc> {
         (0..100).map(|turn| thrown(&floors, hand, toward(3.6 * f64::from(turn), 20.0), 1.0)).collect()
     };
-    let first = all();
-    // An unoptimized build takes several times as long as what users get.
-    assert!(began.elapsed().as_secs_f64() < 100.0 * 0.05, "{:?} for 100 arcs", began.elapsed());
-    assert!(first == all());
+    assert!(all() == all());
 }

@@ -116,12 +116,12 @@ impl Drawer {
         self.renderer.take_cloud()
     }
 
-    /// Draws one frame, with thresholds multiplied as the governor does.
+    /// Draws one frame, with thresholds multiplied as the governor does, in which empty pixels have a color of their own.
     ///
     /// # Errors
     /// If the device is lost.
     pub fn draw(&mut self, options: DrawOptions, view: &View, lod_scale: f32) -> Result<EyeFrame> {
-        self.renderer.set_options(options)?;
+        self.renderer.set_options(DrawOptions { background: EMPTY_RGB, ..options })?;
         self.renderer.set_lod_scale(lod_scale);
         let color = &self.image.create_view(&wgpu::TextureViewDescriptor::default());
         self.frame += 1;

@@ -2,7 +2,7 @@
 
 use crate::real_scans::{self, ROOM};
 use crate::{made_up, reading};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
@@ -23,6 +23,9 @@ const ROOM_PLACES: [Viewpoint; 1] =
 /// The contestants get one point in this many of the real scan. It has no denser scan beside it, so it is the truth
 /// itself.
 const ROOM_SHARE: usize = 4;
+
+/// What is wrong where the real room is not.
+const NO_FOLDER: &str = "SCANWALK_TEST_DATA names no folder of real scans";
 
 /// Where the scan comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,13 +82,20 @@ impl ScanSource {
         }
     }
 
-    /// True if the scan is here; else prints a line that says that the real scan is not.
-    pub fn is_here(self) -> bool {
-        let here = self != Self::Room || real_scans::named_folder().is_some();
-        if !here {
-            eprintln!("skipped: a real room, for SCANWALK_TEST_DATA names no folder of scans");
-        }
-        here
+    /// Those of these sources whose name contains `part`.
+    ///
+    /// # Errors
+    /// If a real scan among them is not here: none is left out in silence.
+    pub fn named(sources: &[Self], part: &str) -> Result<Vec<Self>> {
+        Self::named_among(sources, part, real_scans::named_folder().is_some())
+    }
+
+    fn named_among(sources: &[Self], part: &str, has_real_scans: bool) -> Result<Vec<Self>> {
+        let named = sources.iter().copied().filter(|source| source.name().contains(part));
+        let named: Vec<Self> = named.collect();
+        let is_lacking = named.contains(&Self::Room) && !has_real_scans;
+        ensure!(!is_lacking, "{NO_FOLDER}; set it, or choose other scans by their names with --scan");
+        Ok(named)
     }
 
     /// The scan that the contestants get, of `points` points if it is made up.
@@ -132,7 +142,7 @@ pub fn view(place: &Viewpoint, size_px: [u32; 2]) -> View {
 }
 
 fn room() -> Result<Scan> {
-    let folder = real_scans::named_folder().context("SCANWALK_TEST_DATA names no folder of scans")?;
+    let folder = real_scans::named_folder().context(NO_FOLDER)?;
     Ok(reading::file(&folder.join(ROOM))?)
 }
 
@@ -147,4 +157,18 @@ fn thinned(mut scan: Scan) -> Scan {
         thin(&mut file.points.intensity);
     }
     scan
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_real_scan_that_is_not_here_is_an_error() {
+        let named = |part, has_real_scans| Source::named_among(&SOURCES, part, has_real_scans);
+        assert_eq!(named("", true).unwrap(), SOURCES);
+        assert_eq!(named("aerial", false).unwrap(), [Source::Synth(SynthKind::Aerial)]);
+        let error = named("", false).unwrap_err().to_string();
+        assert!(error.contains("SCANWALK_TEST_DATA") && error.contains("--scan"), "{error}");
+    }
 }
