@@ -8,9 +8,7 @@ use crate::walk::moving::floors::{Floors, FloorsCell};
 use crate::walk::start::{start, units_per_m};
 use base::task::{CancelToken, Progress, Task};
 use base::words;
-use cloud::spt::build_spt;
-use cloud::{self, BuildError};
-use lab::technique::tree;
+use cloud::BuildError;
 use points::{self, ReadOptions, Scan, ScanError, Scene};
 use render::{CloudBuffers, UploadError};
 use std::path::PathBuf;
@@ -105,54 +103,33 @@ impl Loader {
         Task::in_terminal(stop).observed(move |count| watching.set_doing(Some(Arc::clone(count))))
     }
 
-    /// Sends a scan to the GPU, in the form that the settings ask for; returns its bytes there.
+    /// Sends a scan to the GPU, in the form that the settings ask for, or without level of detail where it gets no octree;
+    /// returns its bytes there.
     fn send(&self, scan: &Scan, filling: &Filling) -> Result<u64, LoadError> {
         let task = self.task(&filling.stop);
-        match self.options.lod {
-            None => return self.flat(scan, filling, &task),
-            Some(LodMethod::Spt) => return self.sequential(scan, filling, &task),
-            Some(LodMethod::Octree) => {}
-        }
-        match self.layered(scan, filling, &task) {
-            Ok(bytes) => Ok(bytes),
-            Err(error) => {
+        match self.send_as(&self.options, scan, filling, &task) {
+            Err(error) if self.options.lod == Some(LodMethod::Octree) => {
                 stay_flat(error, &self.link)?;
-                self.flat(scan, filling, &task)
+                let flat = CloudOptions { lod: None, ..self.options.clone() };
+                self.send_as(&flat, scan, filling, &task)
             }
+            sent => sent,
         }
     }
 
-    /// Sends a cloud without level of detail, of which every point is always drawn.
-    fn flat(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
-        let num_points = scan.num_points() as u64;
-        let sorting = task.begin("sorting", "points", num_points);
-        let cloud = cloud::build(scan, self.options.order, &sorting)?;
-        drop(sorting);
-        let sending = task.begin("sending to the GPU", "bytes", 16 * num_points);
-        let buffers = CloudBuffers::upload(&filling.gpu, &cloud, self.options.chunk_limit, &sending)?;
-        Ok(self.show(filling, buffers, &cloud.scene, scan))
-    }
-
-    /// Builds the octree of a scan and sends its nodes to the GPU as they come. The walk begins with the root.
-    fn layered(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
+    /// Sends a scan to the GPU in this form. The walk begins as soon as something of it can be drawn.
+    fn send_as(
+        &self,
+        options: &CloudOptions,
+        scan: &Scan,
+        filling: &Filling,
+        task: &Task,
+    ) -> Result<u64, LoadError> {
         let mut bytes = 0;
-        nodes::send(&filling.gpu, scan, self.options.chunk_limit, task, |cloud, hierarchy| {
-            bytes = self.show(filling, cloud, &hierarchy.scene, scan);
+        nodes::send(&filling.gpu, scan, options, task, |cloud, scene| {
+            bytes = self.show(filling, cloud, scene, scan);
         })
         .map(|()| bytes)
-    }
-
-    /// Builds the sequential point tree of a scan and sends it to the GPU.
-    fn sequential(&self, scan: &Scan, filling: &Filling, task: &Task) -> Result<u64, LoadError> {
-        // Points are counted twice, discs once.
-        let building = task.begin("building the point tree", nodes::PASSES, 7 * scan.num_points() as u64 / 2);
-        let spt = build_spt(scan, self.options.cull_backfaces, &building)?;
-        drop(building);
-        // The bytes are those of three planes, colors and shapes.
-        let num_bytes = 5 * size_of_val(&spt.cloud.planes[0][..]) as u64;
-        let sending = task.begin("sending to the GPU", "bytes", num_bytes);
-        let buffers = tree::upload(&filling.gpu, &spt, self.options.chunk_limit, &sending)?;
-        Ok(self.show(filling, buffers, &spt.cloud.scene, scan))
     }
 
     /// Hands a cloud to the walk; returns its bytes.
@@ -306,7 +283,8 @@ mod tests {
         let (scans, read, stop) = (vec![], ReadOptions::default(), CancelToken::default());
         let loader = Loader { scans, read, options, link, stop, floors: FloorsCell::default() };
         let first = std::thread::scope(|scope| {
-            let loading = scope.spawn(|| loader.layered(&scan, &filling, &task).expect("a cloud"));
+            let loading =
+                scope.spawn(|| loader.send_as(&loader.options, &scan, &filling, &task).expect("a cloud"));
             let Loaded { cloud, .. } = loaded.recv().expect("a cloud");
             let first = cloud.num_resident();
             loading.join().unwrap();

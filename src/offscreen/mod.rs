@@ -6,7 +6,7 @@ mod options;
 pub use options::{PictureError, PictureFov, PictureOptions};
 
 use crate::draw::DrawPlan;
-use crate::nodes::{self, CloudOptions, LodMethod};
+use crate::nodes::{self, CloudOptions};
 use crate::overview::{self, Lens};
 use crate::picture_files::{RgbImage, write_npy, write_png, write_with};
 use crate::resolve::Plan;
@@ -14,9 +14,7 @@ use base::output::{Output, OutputFile};
 use base::percentile::Sorted;
 use base::space::{Eye, Pose, View};
 use base::task::{Cancelled, Task};
-use cloud::spt::build_spt;
 use glam::DVec3;
-use lab::technique::tree;
 use options::NO_DIRECTION;
 use points::{self, Scan, Scene};
 use render::gpu::Gpu;
@@ -91,29 +89,12 @@ fn upload(
     options: &CloudOptions,
     task: &Task,
 ) -> Result<(CloudBuffers, Scene), PictureError> {
-    let num_points = scan.num_points() as u64;
-    let chunk_limit = options.chunk_limit;
-    let sending = || task.begin("sending", "bytes", 16 * num_points);
-    if options.lod == Some(LodMethod::Spt) {
-        // Points are counted twice, discs once.
-        let building = task.begin("building the point tree", "points", 7 * num_points / 2);
-        let spt = build_spt(&scan, options.cull_backfaces, &building)?;
-        drop((scan, building));
-        let buffers = tree::upload(gpu, &spt, chunk_limit, &sending())?;
-        return Ok((buffers, spt.cloud.scene));
-    }
-    if options.lod == Some(LodMethod::Octree) {
-        let mut sent = None;
-        nodes::send::<PictureError>(gpu, &scan, chunk_limit, task, |cloud, hierarchy| {
-            sent = Some((cloud, hierarchy.scene.clone()));
-        })?;
-        // A hierarchy has a root, and it has come.
-        return Ok(sent.expect("a root"));
-    }
-    let sorting = task.begin("batching", "points", num_points);
-    let cloud = cloud::build(&scan, options.order, &sorting)?;
-    drop((scan, sorting));
-    Ok((CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending())?, cloud.scene))
+    let mut sent = None;
+    nodes::send::<PictureError>(gpu, scan, options, task, |cloud, scene| {
+        sent = Some((cloud, scene.clone()))
+    })?;
+    // What was sent has come.
+    Ok(sent.expect("a cloud"))
 }
 
 /// Returns the eyes of the picture; `near` is in world units.

@@ -17,7 +17,7 @@ use lab::technique::{LabTechnique, tree};
 use points::{Grid, Scan, ScanBuilder};
 use render::DrawOptions;
 use render::layout::{ALL_PLANES, CullCounters, Detail, EMPTY_DEPTH, Pixel, VisibleBatch, without_guard};
-use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets};
+use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets, UploadError};
 use std::sync::{Arc, OnceLock};
 
 /// The GPU, opened once a test program.
@@ -138,10 +138,9 @@ impl Canvas {
         options: DrawOptions,
         chunk_limit: u64,
     ) -> Self {
-        let mut canvas = Self::on(gpu(), &sizes(view), options, gpu().atomics(), technique);
-        let buffers = CloudBuffers::upload(&canvas.gpu, cloud, chunk_limit, &Progress::hidden());
-        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-        canvas
+        Self::showing(technique, view, options, gpu().atomics(), |gpu, progress| {
+            CloudBuffers::upload(gpu, cloud, chunk_limit, progress)
+        })
     }
 
     /// A canvas for a view, with a layered cloud.
@@ -164,10 +163,9 @@ impl Canvas {
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
-        let mut canvas = Self::on(gpu(), &sizes(view), options, atomics, technique);
-        let buffers = CloudBuffers::upload_layered(&canvas.gpu, octree, chunk_limit, &Progress::hidden());
-        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-        canvas
+        Self::showing(technique, view, options, atomics, |gpu, progress| {
+            CloudBuffers::upload_layered(gpu, octree, chunk_limit, progress)
+        })
     }
 
     /// A canvas for a view, with a layered cloud, by any technique, which counts; with the bins of its counts.
@@ -212,9 +210,22 @@ impl Canvas {
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
+        Self::showing(technique, view, options, atomics, |gpu, progress| {
+            tree::upload(gpu, spt, chunk_limit, progress)
+        })
+    }
+
+    /// A canvas for a view, with the cloud that `upload` sends.
+    fn showing(
+        technique: LabTechnique,
+        view: &View,
+        options: DrawOptions,
+        atomics: Atomics,
+        upload: impl FnOnce(&Gpu, &Progress) -> Result<CloudBuffers, UploadError>,
+    ) -> Self {
         let mut canvas = Self::on(gpu(), &sizes(view), options, atomics, technique);
-        let buffers = tree::upload(&canvas.gpu, spt, chunk_limit, &Progress::hidden());
-        canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
+        let buffers = upload(&canvas.gpu, &Progress::hidden()).expect("upload");
+        canvas.renderer.set_cloud(buffers).expect("room");
         canvas
     }
 

@@ -3,6 +3,7 @@
 
 mod calls;
 mod circles;
+mod dependencies;
 mod documents;
 mod messages;
 mod rooms;

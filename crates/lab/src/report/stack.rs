@@ -9,7 +9,8 @@ use super::timeline::{SIDES, time_axis};
 use timing::{FrameLogFile, STAGES};
 
 const HEIGHT: f64 = 200.0;
-const NUM_COLORS: usize = 8;
+/// Colors that `page.css` has: one for each of our stages, and one for those of other versions.
+const NUM_COLORS: usize = STAGES.len() + 1;
 
 /// Class that gives a stage its color. Each of our stages has one of its own, whatever version wrote the log.
 fn class(stage: &str, at: usize) -> String {
@@ -55,4 +56,19 @@ fn between(plot: &Plot, below: &[f64], above: &[f64]) -> Path {
     }
     path.close();
     path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stage_has_a_color_of_its_own() {
+        let style = include_str!("page.css");
+        let has = |number: usize| style.contains(&format!("svg .s{number}, "));
+        assert!((0..NUM_COLORS).all(has) && !has(NUM_COLORS));
+        let ours: Vec<String> = STAGES.iter().map(|stage| class(stage, 0)).collect();
+        assert_eq!(ours.last(), Some(&format!("s{}", STAGES.len() - 1)));
+        assert!(!ours.contains(&class("a stage of another version", 0)));
+    }
 }
