@@ -31,6 +31,13 @@ impl Ending {
         self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 
+    /// Takes back a reason that stopped nobody: what failed is tried again in another way.
+    pub fn forgive(&self) {
+        if !self.stop.is_cancelled() {
+            *self.reason.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        }
+    }
+
     /// True once there is a reason.
     #[must_use]
     pub fn has_failed(&self) -> bool {
@@ -88,10 +95,14 @@ mod tests {
         let stop = CancelToken::default();
         let ending = Ending::new(&stop);
         assert!(!ending.has_failed());
+        ending.fail_later(Failure::Usage("no file".into()));
+        ending.forgive();
+        assert!(!ending.has_failed(), "another was opened");
         ending.fail_later(Failure::Usage("no scan".into()));
         assert!(ending.has_failed() && !stop.is_cancelled());
         ending.fail(Failure::Usage("and then no display".into()));
         assert!(stop.is_cancelled());
+        ending.forgive();
         assert_eq!(ending.take_result().unwrap_err().to_string(), "no scan");
     }
 

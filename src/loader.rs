@@ -2,16 +2,16 @@
 //! whose nodes are drawn as they come, the root first.
 
 use crate::nodes::{self, CloudOptions, LodMethod};
-use crate::walk::filling::{Filling, Loaded};
-use crate::walk::link::WalkEnd;
+use crate::walk::filling::{Filling, Loaded, ScanRequest};
+use crate::walk::kind::ScanKind;
+use crate::walk::link::{LoadState, WalkEnd};
 use crate::walk::moving::floors::{Floors, FloorsCell};
-use crate::walk::start::{start, units_per_m};
+use crate::walk::start::{StartsCell, start};
 use base::task::{CancelToken, Progress, Task};
 use base::words;
 use cloud::BuildError;
-use points::{self, ReadOptions, Scan, ScanError, Scene};
+use points::{self, Scan, ScanError, Scene};
 use render::{CloudBuffers, UploadError};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
@@ -21,39 +21,82 @@ const GPU_MEMORY: &str = "GPU memory";
 /// What the loader goes by, and whom it tells.
 #[derive(Debug)]
 pub struct Loader {
-    /// Files, which are one scan.
-    pub scans: Vec<PathBuf>,
-    /// How they are read.
-    pub read: ReadOptions,
     /// How a scan is kept on the GPU.
     pub options: CloudOptions,
     /// Whom the window hears of loading from.
     pub link: WalkEnd,
     /// Set when the walk ends.
     pub stop: CancelToken,
-    /// Where one can walk, made of the scan once it can be seen.
-    pub floors: FloorsCell,
+}
+
+/// A scan that was read, and what has been found out about it.
+struct LoadedScan {
+    request: Arc<ScanRequest>,
+    scan: Scan,
+    /// Where one would stand if the scan were of another kind.
+    starts: StartsCell,
+    /// Where one can walk.
+    floors: FloorsCell,
 }
 
 impl Loader {
-    /// Reads the files, and brings their points to each GPU of `fillings`, until the walk ends.
-    ///
-    /// # Errors
-    /// See [`LoadError`].
-    pub fn run(&self, fillings: &Receiver<Filling>) -> Result<(), LoadError> {
-        let result = self.serve(fillings);
-        // No work goes on any more, however loading ended.
-        self.link.set_doing(None);
-        if let Err(error) = &result
-            && !error.is_cancelled()
-        {
-            self.link.update_load(|load| load.error = Some(error.to_string()));
+    /// Reads scans, and brings their points to each GPU of `fillings`, until the walk ends. `another` is called as
+    /// another scan begins, `failed` with the reason why a scan cannot be shown.
+    pub fn run(&self, fillings: &Receiver<Filling>, another: impl Fn(), failed: impl Fn(LoadError)) {
+        let mut kept: Option<LoadedScan> = None;
+        // A GPU that was lost meanwhile: the walk takes it for filled when this goes, so it goes when another comes.
+        let mut unfilled: Option<Filling> = None;
+        while let Ok(first) = fillings.recv() {
+            drop(unfilled.take());
+            // Only the newest counts.
+            let filling = fillings.try_iter().last().unwrap_or(first);
+            if kept.as_ref().is_none_or(|kept| !Arc::ptr_eq(&kept.request, &filling.scan)) {
+                another();
+                // The memory of the one before goes before this one takes as much.
+                kept = None;
+            }
+            let filled = self.fill(&filling, &mut kept);
+            // No work goes on any more, however loading ended.
+            self.link.set_doing(None);
+            match filled {
+                Ok(()) => {}
+                // Whoever asked for the end has the reason.
+                Err(error) if error.is_cancelled() && self.stop.is_cancelled() => return,
+                // The walk is about to have another GPU, or wants another scan.
+                Err(error) if error.is_lost() || error.is_cancelled() => unfilled = Some(filling),
+                Err(error) => {
+                    self.link.update_load(|load| load.error = Some(error.to_string()));
+                    failed(error);
+                }
+            }
         }
-        result
     }
 
-    fn serve(&self, fillings: &Receiver<Filling>) -> Result<(), LoadError> {
-        let scan = points::read(&self.scans, &self.read, self.task(&self.stop))?;
+    /// Brings the scan that is wanted to a GPU, and finds out about it what takes time. The walk goes on meanwhile.
+    fn fill(&self, filling: &Filling, kept: &mut Option<LoadedScan>) -> Result<(), LoadError> {
+        let kept = match kept {
+            Some(kept) => kept,
+            none => none.insert(self.read(filling)?),
+        };
+        let bytes = self.send(kept, filling)?;
+        self.link.update_load(|load| {
+            let size = format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64);
+            load.facts.retain(|(name, _)| name != GPU_MEMORY);
+            load.facts.push((GPU_MEMORY.into(), size));
+        });
+        self.link.set_doing(None);
+        kept.find_starts();
+        kept.find_floors(&filling.unwanted);
+        Ok(())
+    }
+
+    /// Reads a scan.
+    fn read(&self, filling: &Filling) -> Result<LoadedScan, LoadError> {
+        let request = Arc::clone(&filling.scan);
+        self.link.update_load(|load| {
+            *load = LoadState { scan: Some(Arc::clone(&request)), ..LoadState::default() }
+        });
+        let scan = points::read(&request.files, &request.read, self.task(&filling.unwanted))?;
         for warning in &scan.warnings {
             eprintln!("scanwalk: warning: {warning}");
         }
@@ -61,40 +104,7 @@ impl Loader {
             load.facts = scan_facts(&scan);
             load.warnings.clone_from(&scan.warnings);
         });
-        // A GPU that was lost meanwhile: the walk takes it for filled when this goes, so it goes when another comes.
-        let mut unfilled: Option<Filling> = None;
-        while let Ok(first) = fillings.recv() {
-            drop(unfilled.take());
-            // Only the newest GPU counts.
-            let filling = fillings.try_iter().last().unwrap_or(first);
-            match self.send(&scan, &filling) {
-                Ok(bytes) => self.link.update_load(|load| {
-                    let size = format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64);
-                    load.facts.retain(|(name, _)| name != GPU_MEMORY);
-                    load.facts.push((GPU_MEMORY.into(), size));
-                }),
-                // The walk is about to have another GPU.
-                Err(error) if error.is_lost() || (error.is_cancelled() && !self.stop.is_cancelled()) => {
-                    unfilled = Some(filling);
-                }
-                Err(error) => return Err(error),
-            }
-            self.link.set_doing(None);
-            self.find_floors(&scan);
-        }
-        Ok(())
-    }
-
-    /// Makes the floors, if nobody has. The walk goes on meanwhile.
-    fn find_floors(&self, scan: &Scan) {
-        if self.floors.get().is_some() {
-            return;
-        }
-        let units_per_m = units_per_m(&scan.scene, scan.unit_m.unwrap_or(1.0));
-        // Whoever asked for an end has no use for floors.
-        if let Ok(floors) = Floors::of(scan, units_per_m, &Progress::silent(&self.stop)) {
-            let _ = self.floors.set(floors);
-        }
+        Ok(LoadedScan { request, scan, starts: StartsCell::default(), floors: FloorsCell::default() })
     }
 
     /// Work that the terminal and the window show.
@@ -105,13 +115,13 @@ impl Loader {
 
     /// Sends a scan to the GPU, in the form that the settings ask for, or without level of detail where it gets no octree;
     /// returns its bytes there.
-    fn send(&self, scan: &Scan, filling: &Filling) -> Result<u64, LoadError> {
+    fn send(&self, kept: &LoadedScan, filling: &Filling) -> Result<u64, LoadError> {
         let task = self.task(&filling.stop);
-        match self.send_as(&self.options, scan, filling, &task) {
+        match self.send_as(&self.options, kept, filling, &task) {
             Err(error) if self.options.lod == Some(LodMethod::Octree) => {
                 stay_flat(error, &self.link)?;
                 let flat = CloudOptions { lod: None, ..self.options.clone() };
-                self.send_as(&flat, scan, filling, &task)
+                self.send_as(&flat, kept, filling, &task)
             }
             sent => sent,
         }
@@ -121,29 +131,58 @@ impl Loader {
     fn send_as(
         &self,
         options: &CloudOptions,
-        scan: &Scan,
+        kept: &LoadedScan,
         filling: &Filling,
         task: &Task,
     ) -> Result<u64, LoadError> {
         let mut bytes = 0;
-        nodes::send(&filling.gpu, scan, options, task, |cloud, scene| {
-            bytes = self.show(filling, cloud, scene, scan);
+        nodes::send(&filling.gpu, &kept.scan, options, task, |cloud, scene| {
+            bytes = self.show(filling, cloud, scene, kept);
         })
         .map(|()| bytes)
     }
 
     /// Hands a cloud to the walk; returns its bytes.
-    fn show(&self, filling: &Filling, cloud: CloudBuffers, scene: &Scene, scan: &Scan) -> u64 {
-        let unit_m = scan.unit_m.unwrap_or(1.0);
-        let start = start(scene, unit_m);
-        if start.magnified > 1.0 {
-            let (size, times) = (scene.bounds.edge() * unit_m, start.magnified);
+    fn show(&self, filling: &Filling, cloud: CloudBuffers, scene: &Scene, kept: &LoadedScan) -> u64 {
+        let unit_m = kept.unit_m();
+        let start = start(scene, unit_m, kept.request.kind);
+        if start.standpoint.scale > 1.0 {
+            let (size, times) = (scene.bounds.edge() * unit_m, start.standpoint.scale);
             eprintln!("scanwalk: the scan is {size:.1e} m long: it is shown {times:.0} times as large");
         }
         let bytes = cloud.bytes;
         // The walk may have ended meanwhile: then nobody waits for the cloud.
-        let _ = filling.loaded.send(Loaded { cloud, start, floors: Arc::clone(&self.floors) });
+        let _ = filling.loaded.send(Loaded {
+            cloud,
+            start,
+            starts: Arc::clone(&kept.starts),
+            floors: Arc::clone(&kept.floors),
+        });
         bytes
+    }
+}
+
+impl LoadedScan {
+    /// Meters of a world unit.
+    fn unit_m(&self) -> f64 {
+        self.scan.unit_m.unwrap_or(1.0)
+    }
+
+    /// Finds the starts, if nobody has.
+    fn find_starts(&self) {
+        self.starts
+            .get_or_init(|| ScanKind::ALL.map(|kind| start(&self.scan.scene, self.unit_m(), Some(kind))));
+    }
+
+    /// Makes the floors, if nobody has.
+    fn find_floors(&self, unwanted: &CancelToken) {
+        if self.floors.get().is_some() {
+            return;
+        }
+        // Whoever asked for an end has no use for floors.
+        if let Ok(floors) = Floors::of(&self.scan, 1.0 / self.unit_m(), &Progress::silent(unwanted)) {
+            let _ = self.floors.set(floors);
+        }
     }
 }
 
@@ -199,6 +238,7 @@ fn scan_facts(scan: &points::Scan) -> Vec<(String, String)> {
     let size = scan.bounds_in_file().size();
     let mut facts = vec![("points".to_string(), words::grouped(scan.num_points()))];
     facts.push(("size".into(), format!("{:.2} × {:.2} × {:.2}", size.x, size.y, size.z)));
+    facts.extend(points::info::placing_words(scan).map(|(name, words)| (name.to_string(), words)));
     if let Some(file) = scan.files.first() {
         facts.push(("format".into(), file.format.clone()));
     }
@@ -218,6 +258,7 @@ mod tests {
     use crate::walk::link;
     use base::task::Cancelled;
     use cloud::Order;
+    use points::ReadOptions;
     use render::gpu::Gpu;
 
     /// The panel says what keeps a scan from getting its octree, and the walk goes on.
@@ -265,7 +306,8 @@ mod tests {
         let made = points::ScanBuilder::new(points::Grid::default(), xyz).rgb(rgb);
         let scan = made.color(points::ColorSource::default()).scan();
         let (link, _actions, _viewer) = link::link();
-        let (mut filler, fillings) = Filler::new(&CancelToken::default());
+        let request = Arc::new(ScanRequest { files: vec![], read: ReadOptions::default(), kind: None });
+        let (mut filler, fillings) = Filler::new(Arc::clone(&request), &CancelToken::default());
         let loaded = filler.fill(&gpu);
         let filling = fillings.recv().unwrap();
         let options = CloudOptions {
@@ -280,11 +322,11 @@ mod tests {
         let seen = Arc::clone(&counts);
         let task = Task::new(&CancelToken::default())
             .observed(move |count| seen.lock().unwrap().push(Arc::clone(count)));
-        let (scans, read, stop) = (vec![], ReadOptions::default(), CancelToken::default());
-        let loader = Loader { scans, read, options, link, stop, floors: FloorsCell::default() };
+        let loader = Loader { options, link, stop: CancelToken::default() };
+        let kept = LoadedScan { request, scan, starts: StartsCell::default(), floors: FloorsCell::default() };
         let first = std::thread::scope(|scope| {
             let loading =
-                scope.spawn(|| loader.send_as(&loader.options, &scan, &filling, &task).expect("a cloud"));
+                scope.spawn(|| loader.send_as(&loader.options, &kept, &filling, &task).expect("a cloud"));
             let Loaded { cloud, .. } = loaded.recv().expect("a cloud");
             let first = cloud.num_resident();
             loading.join().unwrap();

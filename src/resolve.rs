@@ -7,6 +7,7 @@ use crate::nodes::{CloudOptions, LodMethod};
 use crate::walk::WalkOptions;
 use crate::walk::governor::GovernorOptions;
 use crate::walk::headsets::{HeadsetOptions, Wish};
+use crate::walk::kind::ScanKind;
 use crate::walk::locomotion::LocomotionOptions;
 use crate::walk::simulated::SimulatedOptions;
 use crate::walk::state::SpeedFactor;
@@ -34,6 +35,8 @@ pub struct Plan {
     pub headset: XrOptions,
     /// What the simulated headset is like.
     pub simulated: SimulatedOptions,
+    /// What the user says that a scan is of.
+    pub kind: Option<ScanKind>,
     /// What a walk goes by.
     pub walk: WalkOptions,
     /// How the window begins.
@@ -96,6 +99,7 @@ impl Plan {
                 refresh_hz: simulated.refresh_hz,
                 eye_height_m: simulated.eye_height_m,
             },
+            kind: locomotion.seen_as.kind(),
             walk: WalkOptions {
                 locomotion: LocomotionOptions {
                     speed_m_per_s: (locomotion.speed > 0.0).then_some(locomotion.speed),

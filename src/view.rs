@@ -10,10 +10,9 @@ use crate::failure::Failure;
 use crate::loader::Loader;
 use crate::resolve::Plan;
 use crate::walk::Walk;
-use crate::walk::filling::Filler;
+use crate::walk::filling::{Filler, ScanRequest};
 use crate::walk::headsets::{Headsets, SoughtHeadsets, Wish};
 use crate::walk::link;
-use crate::walk::moving::floors::FloorsCell;
 use base::output::Output;
 use base::task::CancelToken;
 use base::words::counted;
@@ -86,7 +85,8 @@ pub fn run(
         return Ok(());
     }
     let (link, actions, viewer) = link::link();
-    let (filler, fillings) = Filler::new(stop);
+    let request = ScanRequest { files: options.scans.clone(), read: plan.read.clone(), kind: plan.kind };
+    let (filler, fillings) = Filler::new(Arc::new(request), stop);
     let mut headsets = SoughtHeadsets::open(plan.headsets(options.headset), link.clone(), filler)?;
     let (gpu, headset) = headsets.current();
     let facts = facts(options, plan, &gpu, headset);
@@ -94,14 +94,7 @@ pub fn run(
     let ending = Arc::new(Ending::new(stop));
 
     // The threads borrow nothing, for they may have to be left behind.
-    let loader = Loader {
-        scans: options.scans.clone(),
-        read: plan.read.clone(),
-        options: plan.cloud.clone(),
-        link: link.clone(),
-        stop: stop.clone(),
-        floors: FloorsCell::default(),
-    };
+    let loader = Loader { options: plan.cloud.clone(), link: link.clone(), stop: stop.clone() };
     // A window stays until the user has read the error and closes it, unless nobody may be there. Who wears a headset
     // without a window reads it for some seconds, for a script may wait for the end.
     let error_stays = match &display {
@@ -110,11 +103,19 @@ pub fn run(
         None if headset.is_simulated() => Duration::ZERO,
         None => ERROR_STAYS,
     };
-    let loader = thread(&ending, move |ending| match loader.run(&fillings) {
-        Err(error) if !error.is_cancelled() && !error_stays.is_zero() => ending.fail_later(error.into()),
-        Err(error) if !error.is_cancelled() => ending.fail(error.into()),
-        // Whoever asked for the end has the reason.
-        _ => {}
+    let loader = thread(&ending, move |ending| {
+        // What failed before is of no account once another scan is wanted.
+        loader.run(
+            &fillings,
+            || ending.forgive(),
+            |error| {
+                if error_stays.is_zero() {
+                    ending.fail(error.into());
+                } else {
+                    ending.fail_later(error.into());
+                }
+            },
+        );
     });
     let card_end = link.card_end();
     let walk = Walk {
@@ -139,10 +140,10 @@ pub fn run(
         }
         summary
     });
-    let (scan, card_stop) = (names(options), stop.clone());
-    let card = thread(&ending, move |_| desktop::card::paint(&card_end, &scan, &card_stop));
+    let card_stop = stop.clone();
+    let card = thread(&ending, move |_| desktop::card::paint(&card_end, &card_stop));
     if let Some(display) = display {
-        match display.run(viewer, names(options), plan.window.clone(), stop.clone()) {
+        match display.run(viewer, plan.window.clone(), stop.clone()) {
             Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
             Err(error) => ending.fail(error.into()),
             Ok(()) => {}
@@ -236,12 +237,6 @@ fn facts(options: &ViewOptions, plan: &Plan, gpu: &Gpu, headset: &dyn Headset) -
         resolution: if left == right { size(left) } else { format!("{} {}", size(left), size(right)) },
         config_digest: plan.digest.clone(),
     }
-}
-
-/// Names of the files, for the window's title.
-fn names(options: &ViewOptions) -> String {
-    let names = options.scans.iter().filter_map(|p| Some(p.file_name()?.display().to_string()));
-    names.collect::<Vec<_>>().join(" ")
 }
 
 fn finish_log(log: Option<&FrameLog>, options: &ViewOptions) {

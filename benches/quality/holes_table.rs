@@ -64,7 +64,8 @@ impl HolesArgs {
         csv: &mut dyn Write,
         pictures: Option<&PathBuf>,
     ) -> Result<()> {
-        let sources = ScanSource::named(&[ScanSource::Synth(SynthKind::Terrestrial), ScanSource::Room], scan)?;
+        let sources =
+            ScanSource::named(&[ScanSource::Synth(SynthKind::Terrestrial), ScanSource::Room], scan)?;
         let mut kept = RowsKept { csv, pictures };
         kept.header()?;
         if "sphere".contains(scan) {

@@ -89,7 +89,7 @@ fn main() -> Result<()> {
         QualityTable::csv_header(csv)?;
     }
     writeln!(out, "{}, {}; {} × {} pixels", gpu.name(), gpu.driver(), size_px[0], size_px[1])?;
-    for source in Source::named(&SOURCES, &args.scan)? {
+    for source in ScanSource::named(&SOURCES, &args.scan)? {
         for table in measure(&gpu, source, size_px, &args).with_context(|| source.name())? {
             table.print(&mut out)?;
             if let Some(csv) = &mut csv {

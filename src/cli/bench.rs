@@ -61,8 +61,11 @@ pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Ta
 
 /// Returns the eye of somebody who sees all of a scene, and the eye at a walk's start.
 fn eyes(scene: &Scene, unit_m: f64) -> [DVec3; 2] {
-    let start = start(scene, unit_m);
-    [start.overview.0, start.floor_in_world].map(|floor| floor + DVec3::Z * EYE_HEIGHT_M * start.units_per_m)
+    let start = start(scene, unit_m, None);
+    [start.overview, start.standpoint].map(|at| {
+        let units_per_m = start.units_per_m / at.scale;
+        at.floor_in_world + DVec3::Z * EYE_HEIGHT_M * units_per_m
+    })
 }
 
 /// Prints a row a line. Names hold neither commas nor quotes, except those of the papers' GPUs and scans.

@@ -5,6 +5,7 @@ use super::near::NearClip;
 use super::setting::{Audience, Section, Setting, settings};
 use crate::desktop::MirroredEyes;
 use crate::nodes::LodMethod;
+use crate::walk::kind::SeenAs;
 use crate::walk::moving::{Hand, Stride, Turn};
 use cloud::Order;
 use lab::technique::{EarlyZLoad, Method};
@@ -174,6 +175,10 @@ settings! {
         speed: f64 = 0.0, from 0 to 1e6, in "meters a second";
         /// How many times as fast as that the user moves at first; wheel, keys and panel change it within its limits.
         speed_factor: f64 = 1.0, from 0.015625 to 64, in "times";
+        /// What the scan is of, which decides where and how large one begins to see it: "interior" (standing inside), "outdoors"
+        /// (standing on the ground), "landscape" (as a model before oneself), "object" (from outside), or "auto" (its size,
+        /// its floor and its walls tell).
+        seen_as: SeenAs = SeenAs::Auto;
         /// Factor while the fast key is held.
         fast: f64 = 4.0, from 1 to 1000;
         /// How sticks and keys move at first: "walk" (on the floor, wherever the head looks), "fly" (where the head looks),

@@ -19,8 +19,8 @@ const PIXELS_PER_POINT: f32 = 3.0;
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// Paints the card of a walk through `scan` (the files' names) until `stop` is requested.
-pub fn paint(walk: &CardEnd, scan: &str, stop: &CancelToken) {
+/// Paints the card of a walk until `stop` is requested.
+pub fn paint(walk: &CardEnd, stop: &CancelToken) {
     let mut easel: Option<Easel> = None;
     while !stop.is_cancelled() {
         if let Some(gpu) = walk.gpu().filter(|gpu| gpu.lost().is_none()) {
@@ -31,7 +31,7 @@ pub fn paint(walk: &CardEnd, scan: &str, stop: &CancelToken) {
             };
             let load = walk.load();
             if easel.said.as_ref() != Some(&load)
-                && let Some(card) = easel.paint(scan, &load)
+                && let Some(card) = easel.paint(&load.names(), &load)
             {
                 walk.set_card(&gpu, card);
                 easel.said = Some(load);

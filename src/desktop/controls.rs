@@ -3,7 +3,7 @@
 
 use super::keys::{self, KeyAction, WindowInput};
 use super::{MirroredEyes, WindowOptions};
-use crate::walk::state::Action;
+use crate::walk::action::Action;
 use std::time::{Duration, Instant};
 use winit::keyboard::KeyCode;
 
@@ -149,7 +149,8 @@ impl Controls {
             }
         }
         let action = Action::Move { direction: moving.map(|m| m.clamp(-1.0, 1.0)), fast };
-        (action != std::mem::replace(&mut self.sent, action)).then_some(action)
+        let before = std::mem::replace(&mut self.sent, action.clone());
+        (action != before).then_some(action)
     }
 }
 

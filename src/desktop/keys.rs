@@ -2,7 +2,7 @@
 //!
 //! Keys are physical positions, so that W, A, S, D form their cross on every keyboard layout.
 
-use crate::walk::state::Action;
+use crate::walk::action::Action;
 use winit::keyboard::KeyCode;
 
 /// Something that a hand can do.
@@ -17,7 +17,7 @@ pub(super) enum WindowInput {
 }
 
 /// What an input does.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum KeyAction {
     /// Moves while held, along right (0), up (1) or forward (2), by −1 or 1.
     Move(usize, f32),
@@ -42,7 +42,7 @@ pub(super) enum KeyAction {
 }
 
 /// A line of the table.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct KeyBinding {
     /// Inputs, each of which does it.
     pub inputs: &'static [WindowInput],
@@ -96,7 +96,12 @@ pub(super) const BINDINGS: &[KeyBinding] = {
 
 /// Returns what `input` does, if anything.
 pub(super) fn action(input: WindowInput) -> Option<KeyAction> {
-    BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action)
+    BINDINGS.iter().find(|binding| binding.inputs.contains(&input)).map(|binding| binding.action.clone())
+}
+
+/// Returns the binding that sends `action`, if one does.
+pub(super) fn binding_of(action: &Action) -> Option<&'static KeyBinding> {
+    BINDINGS.iter().find(|binding| matches!(&binding.action, KeyAction::Send(sent) if sent == action))
 }
 
 impl KeyBinding {

@@ -16,7 +16,7 @@
 //! A program uses it on its main thread and once a process, both of which winit demands:
 //!
 //! ```no_run
-//! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::state::Action>) {}
+//! # fn walk(_: scanwalk::walk::link::WalkEnd, _: std::sync::mpsc::Receiver<scanwalk::walk::action::Action>) {}
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use base::task::CancelToken;
 //! use render::gpu::Gpu;
@@ -49,10 +49,13 @@ mod painter;
 #[cfg(test)]
 mod painter_tests;
 mod panel;
+mod parts;
 mod placement;
 mod plot;
+mod reading;
 mod screen;
 mod server;
+mod stance;
 mod style;
 mod widget;
 mod window;
@@ -123,8 +126,8 @@ impl Display {
         server::event_loop(stop).map(Self)
     }
 
-    /// Shows the window until it is closed or `stop` is requested, on the main thread; `scan` names the files shown. Closing it sends
-    /// [`Action::Quit`](crate::walk::state::Action::Quit) and requests `stop`; a failure does not, for a walk may go
+    /// Shows the window until it is closed or `stop` is requested, on the main thread. Closing it sends
+    /// [`Action::Quit`](crate::walk::action::Action::Quit) and requests `stop`; a failure does not, for a walk may go
     /// on without a window.
     ///
     /// # Errors
@@ -132,11 +135,10 @@ impl Display {
     pub fn run(
         self,
         viewer: ViewerEnd,
-        scan: String,
         options: WindowOptions,
         stop: CancelToken,
     ) -> Result<(), DesktopError> {
-        let mut app = window::App::new(viewer, scan, options, stop);
+        let mut app = window::App::new(viewer, options, stop);
         self.0
             .run_app(&mut app)
             .map_err(|error| DesktopError::EventLoop { reason: server::event_loop_words(&error) })?;

@@ -2,8 +2,8 @@
 
 use super::numbers;
 use super::style::{self, BAD, FAINT, GOOD, WARN};
+use crate::walk::action::Action;
 use crate::walk::link::LoadState;
-use crate::walk::state::Action;
 use base::task::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};

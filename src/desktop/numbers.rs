@@ -39,6 +39,17 @@ pub(super) fn with_unit(number: f64, unit: &str) -> String {
     }
 }
 
+/// A size of the scan, 1 being as large as life: "as large as life", "1 : 250", "20.0 : 1".
+pub(super) fn scale(scale: f64) -> String {
+    if scale == 1.0 {
+        "as large as life".to_string()
+    } else if scale < 1.0 {
+        format!("1 : {}", three_digits(1.0 / scale))
+    } else {
+        format!("{} : 1", three_digits(scale))
+    }
+}
+
 fn scaled(mut value: f64, step: f64, units: &[&str]) -> String {
     let mut unit = 0;
     // 999.5 and more would be written as 1000 of the smaller unit.
@@ -58,6 +69,11 @@ fn three_digits(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn scales_are_ratios() {
+        assert_eq!([1.0, 0.004, 20.0].map(scale), ["as large as life", "1 : 250", "20.0 : 1"]);
+    }
 
     #[test]
     fn counts_keep_three_digits() {

@@ -57,6 +57,12 @@ impl WindowOptions {
         let widgets = [
             ("window.mirror", widget("Mirror", &["left", "right", "both"], None, "")),
             ("window.overlay", widget("Overlay", overlays, None, "")),
+            ("cloud.up", widget("Up", &["auto", "z", "y", "-y"], None, "")),
+            ("cloud.unit", widget("Unit", &[], Some([1e-9, 1e9]), "meters")),
+            (
+                "locomotion.seen_as",
+                widget("Seen as", &["auto", "interior", "outdoors", "landscape", "object"], None, ""),
+            ),
             ("locomotion.speed_factor", widget("Speed factor", &[], Some([1.0 / 64.0, 64.0]), "times")),
         ];
         Self { size: [640, 480], panel: true, mirror: MirroredEyes::Left, widgets: widgets.into() }

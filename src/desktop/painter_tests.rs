@@ -4,8 +4,10 @@ use super::controls::{Controls, WindowState};
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
 use super::{MirroredEyes, WindowOptions, card, help, keys, notice, panel, style};
+use crate::walk::action::Stance;
+use crate::walk::kind::ScanKind;
 use crate::walk::link::{HeadsetState, LoadState, MirrorImages};
-use crate::walk::state::{AppState, SpeedFactor};
+use crate::walk::state::{AppState, Snapshot, SpeedFactor};
 use base::task::Done;
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -143,10 +145,13 @@ fn the_card_in_the_headset_says_how_far_loading_is_and_why_it_failed() {
 }
 
 fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String {
+    words_in(history, load, AppState::new(overlay, SpeedFactor::default()).snapshot())
+}
+
+fn words_in(history: &History, load: &LoadState, state: Snapshot) -> String {
     let headset =
         HeadsetState { device: "Some GPU".into(), runtime: "Monado 25".into(), ..HeadsetState::default() };
     let now = Instant::now();
-    let state = AppState::new(overlay, SpeedFactor::default());
     let options = WindowOptions::sample();
     let contents = panel::Contents {
         history,
@@ -158,7 +163,7 @@ fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String 
         now,
     };
     let mut view = WindowState::new(&options);
-    painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), None))
+    painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), []))
 }
 
 #[test]
@@ -221,6 +226,28 @@ fn the_panel_bears_having_nothing_to_tell() {
     );
     let words = panel_words(&silent, &LoadState::default(), Overlay::None);
     assert!(words.contains("This GPU tells no times"), "{words}");
+}
+
+#[test]
+fn the_panel_tells_how_the_user_is_in_the_scan() {
+    let words_with = |stance| {
+        let state = Snapshot { stance, ..AppState::new(Overlay::None, SpeedFactor::default()).snapshot() };
+        words_in(&History::default(), &LoadState::default(), state)
+    };
+    let stance =
+        Stance { kind: ScanKind::Interior, is_walking: true, scale: 1.0, raised_m: 0.0, num_places: 0 };
+    let words = words_with(Some(stance));
+    for expected in ["an interior", "walk on floors", "as large as life", "Fly", "Model", "Keep place"] {
+        assert!(words.contains(expected), "{expected}: {words}");
+    }
+    assert!(!words.contains("Raised") && !words.contains("Next place"), "{words}");
+    let model =
+        Stance { kind: ScanKind::Landscape, is_walking: false, scale: 0.01, raised_m: -0.25, num_places: 3 };
+    let words = words_with(Some(model));
+    for expected in ["a landscape", "fly", "1 : 100", "-0.25 m", "3", "Walk", "Life size", "Next place"] {
+        assert!(words.contains(expected), "{expected}: {words}");
+    }
+    assert!(!words_with(None).contains("Moving"), "nothing of a scan has come");
 }
 
 #[test]

@@ -2,10 +2,12 @@
 
 use super::controls::WindowState;
 use super::history::{History, TimeSummary};
+use super::parts::{fact, fold, section};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
-use super::{Widgets, numbers, plot, widget};
+use super::{Widgets, numbers, plot, reading, stance, widget};
+use crate::walk::action::Action;
 use crate::walk::link::{HeadsetState, LoadState};
-use crate::walk::state::{Action, Snapshot};
+use crate::walk::state::Snapshot;
 use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Ui, vec2};
 use render::options::{Overlay, Quality};
 use std::time::Instant;
@@ -26,7 +28,7 @@ pub(super) struct Contents<'a> {
     pub headset: &'a HeadsetState,
     /// What the user can choose.
     pub widgets: &'a Widgets,
-    /// The application's state.
+    /// What there is to show of the application's state.
     pub state: Snapshot,
     /// Pixels of an eye's image.
     pub eye_px: Option<[u32; 2]>,
@@ -34,12 +36,12 @@ pub(super) struct Contents<'a> {
     pub now: Instant,
 }
 
-/// Draws the panel if the view wants it; returns the action that the user asked for in it.
-pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<Action> {
+/// Draws the panel if the view wants it; returns the actions that the user asked for in it.
+pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Vec<Action> {
     if !view.panel {
-        return None;
+        return Vec::new();
     }
-    let mut action = None;
+    let mut asked = Vec::new();
     let height = ui.ctx().content_rect().height() - 2.0 * MARGIN - 26.0;
     let area = Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]);
     area.show(ui.ctx(), |ui| {
@@ -54,19 +56,20 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> 
                 section(ui);
                 points(ui, contents.history.newest());
                 section(ui);
-                action = choices(ui, contents, view);
-                scan(ui, contents.load);
+                asked.extend(choices(ui, contents, view));
+                asked.extend(
+                    contents
+                        .state
+                        .stance
+                        .as_ref()
+                        .and_then(|stance| stance::show(ui, stance, contents.widgets)),
+                );
+                asked.extend(scan(ui, contents.load, contents.widgets));
                 machine(ui, contents);
             });
         });
     });
-    action
-}
-
-fn section(ui: &mut Ui) {
-    ui.add_space(3.0);
-    ui.separator();
-    ui.add_space(1.0);
+    asked
 }
 
 /// Draws frame rate, plot, stages, GPU and CPU times.
@@ -173,7 +176,7 @@ fn choices(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<A
         let mut act = |asked| action = Some(asked);
         widget::row(ui, widgets, "window.mirror", view.mirror, |mirror| view.mirror = mirror);
         widget::row(ui, widgets, "window.overlay", state.overlay, |overlay| act(Action::SetOverlay(overlay)));
-        widget::row(ui, widgets, "locomotion.speed_factor", state.speed(), |speed| {
+        widget::row(ui, widgets, "locomotion.speed_factor", state.speed, |speed| {
             act(Action::SetSpeed(speed))
         });
     });
@@ -207,13 +210,15 @@ fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
     }
 }
 
-/// Tells what the readers found.
-fn scan(ui: &mut Ui, load: &LoadState) {
-    if !load.facts.is_empty() {
+/// Tells what the readers found; returns the action that the user asked for.
+fn scan(ui: &mut Ui, load: &LoadState, widgets: &Widgets) -> Option<Action> {
+    let mut action = None;
+    if !load.facts.is_empty() || load.error.is_some() {
         fold(ui, "Scan", true, |ui| {
             for (name, value) in &load.facts {
                 fact(ui, name, value);
             }
+            action = reading::show(ui, load, widgets);
         });
     }
     if !load.warnings.is_empty() {
@@ -224,6 +229,7 @@ fn scan(ui: &mut Ui, load: &LoadState) {
             }
         });
     }
+    action
 }
 
 /// Tells what the walk runs on.
@@ -234,26 +240,6 @@ fn machine(ui: &mut Ui, contents: &Contents) {
         if let Some([width, height]) = contents.eye_px {
             fact(ui, "An eye", &format!("{width} × {height} px"));
         }
-    });
-}
-
-fn fold(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
-    section(ui);
-    // The count in a title may change, so the section is known by the title's first word.
-    let name = title.split(' ').next().unwrap_or(title).to_string();
-    egui::CollapsingHeader::new(caption(title))
-        .id_salt(name)
-        .default_open(open)
-        .show_unindented(ui, contents);
-}
-
-/// Draws a name and its value on one line. A long value is cut; pointing at it shows the whole.
-fn fact(ui: &mut Ui, name: &str, value: &str) {
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(name).color(FAINT));
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.add(egui::Label::new(value).truncate()).on_hover_text(value);
-        });
     });
 }
 

@@ -6,10 +6,13 @@ use super::history::History;
 use super::painter::{EguiPicture, Painter};
 use super::screen::WindowSurface;
 use super::{DesktopError, QUEUE_PATIENCE, WindowOptions, help, notice, panel, server, style};
+use crate::walk::action::Action;
+use crate::walk::filling::ScanRequest;
 use crate::walk::link::{HeadsetState, LoadState, ViewerEnd};
-use crate::walk::state::{Action, Snapshot};
+use crate::walk::state::Snapshot;
 use base::task::CancelToken;
 use render::gpu::Gpu;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
@@ -31,8 +34,6 @@ const PX_PER_LINE: f32 = 40.0;
 /// The window's program.
 pub(super) struct App {
     viewer: ViewerEnd,
-    /// Names of the files shown.
-    scan: String,
     options: WindowOptions,
     stop: CancelToken,
     controls: Controls,
@@ -43,6 +44,8 @@ pub(super) struct App {
     state: Snapshot,
     shown: Option<OpenWindow>,
     failure: Option<DesktopError>,
+    /// Files that were dropped on the window since the last look at it.
+    dropped: Vec<PathBuf>,
     next_tick: Instant,
 }
 
@@ -110,12 +113,11 @@ impl OpenWindow {
 
 impl App {
     /// A window that is not open yet: winit says when to open it.
-    pub(super) fn new(viewer: ViewerEnd, scan: String, options: WindowOptions, stop: CancelToken) -> Self {
+    pub(super) fn new(viewer: ViewerEnd, options: WindowOptions, stop: CancelToken) -> Self {
         let controls = Controls::new(WindowState::new(&options));
         let (load, headset, state) = (viewer.load(), viewer.headset(), viewer.snapshot());
         Self {
             viewer,
-            scan,
             options,
             stop,
             controls,
@@ -125,6 +127,7 @@ impl App {
             state,
             shown: None,
             failure: None,
+            dropped: Vec::new(),
             next_tick: Instant::now(),
         }
     }
@@ -134,14 +137,18 @@ impl App {
         self.failure.map_or(Ok(()), Err)
     }
 
-    fn open(&self, events: &ActiveEventLoop) -> Result<OpenWindow, DesktopError> {
-        let [width, height] = self.options.size.map(|edge| edge.max(1));
-        let title = match self.scan.as_str() {
+    /// The window's title.
+    fn title(&self) -> String {
+        match self.load.names().as_str() {
             "" => "scanwalk".to_string(),
             scan => format!("{scan} – scanwalk"),
-        };
+        }
+    }
+
+    fn open(&self, events: &ActiveEventLoop) -> Result<OpenWindow, DesktopError> {
+        let [width, height] = self.options.size.map(|edge| edge.max(1));
         let attributes = Window::default_attributes()
-            .with_title(title)
+            .with_title(self.title())
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(160, 120));
         let window = Arc::new(events.create_window(attributes).map_err(refused)?);
@@ -187,14 +194,27 @@ impl App {
         };
         let (load, headset, state) = (self.viewer.load(), self.viewer.headset(), self.viewer.snapshot());
         if load != self.load || headset != self.headset || state != self.state {
+            let is_another = load.scan != self.load.scan;
             (self.load, self.headset, self.state) = (load, headset, state);
             news = true;
+            if let Some(shown) = self.shown.as_ref().filter(|_| is_another) {
+                shown.window.set_title(&self.title());
+            }
         }
         if let Some(shown) = &mut self.shown {
             shown.stale |= news;
         }
         // A failure to load ends the walk, yet the user is to read why.
         !ended || self.load.error.is_some()
+    }
+
+    /// Opens the files that were dropped together, as one scan.
+    fn open_dropped(&mut self) {
+        let files = std::mem::take(&mut self.dropped);
+        if let Some(before) = self.load.scan.as_ref().filter(|_| !files.is_empty()) {
+            let request = ScanRequest { files, kind: None, ..ScanRequest::clone(before) };
+            self.send(Some(Action::Open(Arc::new(request))));
+        }
     }
 
     fn keyboard(&mut self, event: &KeyEvent, synthetic: bool) {
@@ -272,11 +292,11 @@ impl App {
         };
         let dragging = self.controls.dragging();
         let view = &mut self.controls.view;
-        let mut action = None;
+        let mut asked = Vec::new();
         let mut output = context.run_ui(input, |ui| {
-            action = panel::show(ui, &contents, view).or(action);
+            asked.extend(panel::show(ui, &contents, view));
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
-            action = notice::waiting(ui, self.headset.waiting_because.as_deref()).or(action);
+            asked.extend(notice::waiting(ui, self.headset.waiting_because.as_deref()));
             notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
         });
@@ -294,7 +314,7 @@ impl App {
         if let Some(commands) = canvas.painter.record(&canvas.gpu, &target, size_px, mirror, ui) {
             canvas.screen.present(commands, picture);
         }
-        self.send(action);
+        asked.into_iter().for_each(|action| self.send(Some(action)));
         Ok(())
     }
 }
@@ -339,6 +359,9 @@ impl ApplicationHandler for App {
                 if let WindowEvent::Occluded(occluded) = other {
                     shown.occluded = *occluded;
                 }
+                if let WindowEvent::DroppedFile(path) = other {
+                    self.dropped.push(path.clone());
+                }
                 let response = shown.canvas.egui.on_window_event(&shown.window, other);
                 let resized =
                     matches!(other, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
@@ -360,6 +383,7 @@ impl ApplicationHandler for App {
             if self.stop.is_cancelled() {
                 return events.exit();
             }
+            self.open_dropped();
             if let Some(shown) = &self.shown {
                 let due = shown.drawn_at.is_none_or(|at| now.saturating_duration_since(at) > IDLE_REDRAW);
                 if (shown.stale || due) && !shown.occluded {

@@ -130,6 +130,12 @@ impl Frames {
         Ok(Step::Went)
     }
 
+    /// Lets go of the scan, for another is wanted.
+    pub fn leave_scan(&mut self) {
+        self.renderer.take_cloud();
+        self.has_begun = false;
+    }
+
     /// Takes the scan if it has become ready.
     fn take_loaded(&mut self, walk: &Walk, walker: &mut Walker) -> Result<(), WalkError> {
         let began = Instant::now();
@@ -159,8 +165,9 @@ impl Frames {
         let seconds = walker.rows.since_display_s(display.predicted_ns);
         let input = headset.input();
         self.hands = SeenHands { controllers: input, joints: headset.hands() };
-        if let Some(locomotion) = &mut walker.locomotion {
-            locomotion.advance(seconds, walker.state.speed(), &input, &walker.stage_from_head);
+        let speed = walker.state.speed();
+        if let Some(locomotion) = &mut walker.state.locomotion {
+            locomotion.advance(seconds, speed, &input, &walker.stage_from_head);
             for (hand, event) in locomotion.guides().events.into_iter().enumerate() {
                 if let Some(event) = event {
                     let (strength, seconds) = event.tick();
@@ -256,7 +263,7 @@ impl Frames {
             visible_batches: 0,
             calls: CallTimes::default(),
             session: headset.session(),
-            place: walker.locomotion.as_ref().filter(|_| walker.cloud.is_some()).map(Locomotion::place),
+            place: walker.state.locomotion.as_ref().filter(|_| walker.cloud.is_some()).map(Locomotion::place),
         }
     }
 
@@ -270,7 +277,7 @@ impl Frames {
         may_pitch: bool,
     ) -> Option<Pose> {
         let queue = self.gpu.queue.lock();
-        let Some(locomotion) = walker.locomotion.as_mut().filter(|_| walker.cloud.is_some()) else {
+        let Some(locomotion) = walker.state.locomotion.as_mut().filter(|_| walker.cloud.is_some()) else {
             let stand = Stand {
                 eyes,
                 drawn_px: self.drawn_px,

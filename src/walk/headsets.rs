@@ -10,7 +10,7 @@
 //! A [`Seeker`] looks for a headset from a thread of its own, since a runtime may take its time to answer. All else
 //! happens on the frame thread, between two frames.
 
-use super::filling::{Filler, Loaded};
+use super::filling::{Filler, Loaded, ScanRequest};
 use super::link::WalkEnd;
 use super::simulated::{SimulatedHeadset, SimulatedOptions};
 use render::gpu::{Gpu, GpuError};
@@ -42,8 +42,10 @@ pub enum Wish {
 pub trait Headsets {
     /// The headset that there is, and the GPU that its images live on.
     fn current(&mut self) -> (Arc<Gpu>, &mut dyn Headset);
-    /// The scan on its way to the current GPU: once for each GPU.
+    /// The scan on its way to the current GPU: once for each GPU, and for each scan that was opened.
     fn take_filling(&mut self) -> Option<Receiver<Loaded>>;
+    /// Has another scan brought to the current GPU.
+    fn open_scan(&mut self, scan: Arc<ScanRequest>);
     /// True if another headset has come; the walk leaves the current one for it. It waits for nobody.
     fn has_another(&mut self) -> bool;
     /// Looks for a headset at once, if one is looked for. It waits for nobody.
@@ -249,6 +251,13 @@ impl Headsets for SoughtHeadsets {
 
     fn take_filling(&mut self) -> Option<Receiver<Loaded>> {
         self.filling.take()
+    }
+
+    fn open_scan(&mut self, scan: Arc<ScanRequest>) {
+        self.filler.want(scan);
+        if let Some(current) = &self.current {
+            self.filling = Some(self.filler.fill(current.gpu()));
+        }
     }
 
     fn has_another(&mut self) -> bool {

@@ -2,7 +2,9 @@
 //! rows that nobody takes are dropped, actions queue up, the mirror's textures change hands only at start
 //! and when their size changes.
 
-use super::state::{Action, AppState, Snapshot, SpeedFactor};
+use super::action::Action;
+use super::filling::ScanRequest;
+use super::state::{AppState, Snapshot, SpeedFactor};
 use base::task::{Count, Done};
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -22,6 +24,16 @@ pub struct LoadState {
     pub facts: Vec<(String, String)>,
     /// Warnings of the readers.
     pub warnings: Vec<String>,
+    /// The scan that is loading, or has been loaded.
+    pub scan: Option<Arc<ScanRequest>>,
+}
+
+impl LoadState {
+    /// Names of the scan's files.
+    #[must_use]
+    pub fn names(&self) -> String {
+        self.scan.as_ref().map(|scan| scan.names()).unwrap_or_default()
+    }
 }
 
 /// Which headset the walk has, for the window.
@@ -102,7 +114,8 @@ pub struct CardEnd {
 pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (row_sender, rows) = sync_channel(512);
     let (actions, action_receiver) = channel();
-    let (load, snapshot) = (LoadState::default(), AppState::new(Overlay::None, SpeedFactor::default()));
+    let (load, snapshot) =
+        (LoadState::default(), AppState::new(Overlay::None, SpeedFactor::default()).snapshot());
     let headset = HeadsetState::default();
     let rest = Mutex::new(Rest {
         gpu: None,
@@ -157,9 +170,10 @@ impl WalkEnd {
         self.shared.rest().mirror = Some(images);
     }
 
-    /// Publishes the state, which has changed.
-    pub fn publish(&self, snapshot: Snapshot) {
-        self.shared.rest().snapshot = snapshot;
+    /// Publishes what has changed of the state, unless somebody would have to be waited for; true if it is done.
+    #[must_use]
+    pub fn try_publish(&self, snapshot: Snapshot) -> bool {
+        self.shared.0.try_lock().map(|mut rest| rest.snapshot = snapshot).is_ok()
     }
 
     /// Tells the user something, once.
@@ -257,7 +271,7 @@ mod tests {
     use base::task::{CancelToken, Task};
 
     #[test]
-    fn the_frame_thread_waits_for_nobody_to_learn_of_the_card() {
+    fn the_frame_thread_waits_for_nobody() {
         let (walk, _actions, viewer) = link();
         assert_eq!(walk.try_card(), Some(None));
         let loader = walk.clone();
@@ -266,7 +280,12 @@ mod tests {
         let reading = task.begin("reading", "points", 4);
         reading.add(1);
         assert_eq!(viewer.load().doing.map(|done| done.fraction()), Some(0.25));
-        let _looking = viewer.shared.rest();
+        let snapshot = Snapshot { overlay: Overlay::Nodes, ..viewer.snapshot() };
+        let looking = viewer.shared.rest();
         assert_eq!(walk.try_card(), None);
+        assert!(!walk.try_publish(snapshot));
+        drop(looking);
+        assert!(walk.try_publish(snapshot));
+        assert_eq!(viewer.snapshot(), snapshot);
     }
 }

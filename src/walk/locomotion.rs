@@ -1,6 +1,8 @@
 //! Getting about: what sticks, hands, keys and mouse do to the stage's place in the world, frame by frame. Pure arithmetic in
 //! f64; the parts are in `moving`.
 
+use super::action::{Action, Stance};
+use super::kind::ScanKind;
 use super::moving::arc::{self, Ground, Landing};
 use super::moving::feet::Feet;
 use super::moving::floors::{Floors, FloorsCell};
@@ -11,7 +13,6 @@ use super::moving::options::Stride;
 use super::moving::place::{StagePlace, Standpoint};
 use super::moving::visits::Visits;
 use super::moving::{Vignette, model};
-use super::state::Action;
 use base::space::Pose;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
@@ -20,7 +21,7 @@ use xr::ControllerInput;
 
 pub use super::moving::options::LocomotionOptions;
 pub use super::moving::place::head_of;
-pub use super::start::Start;
+pub use super::start::{Start, StartsCell};
 
 /// Longest time that a frame moves the user for, seconds: a hitch of the program must not throw them through a wall.
 const LONGEST_FRAME_S: f64 = 0.1;
@@ -40,8 +41,10 @@ const POINTED_M: f64 = 30.0;
 pub struct Locomotion {
     options: LocomotionOptions,
     start: Start,
+    /// The starts of other kinds that the scan may be taken for.
+    starts: StartsCell,
     place: StagePlace,
-    /// Pitch of the view. It stays 0 for real headsets: a head pitches itself.
+    /// Pitch of the view, which counts only where [`Self::may_pitch`] is true.
     pitch: f64,
     may_pitch: bool,
     /// The head in the stage, as last located; turns are about it.
@@ -64,24 +67,28 @@ pub struct Locomotion {
 }
 
 impl Locomotion {
-    /// A viewer who stands at the start. Until `floors` are there, one flies.
+    /// A viewer who begins at the start, with their head above it wherever in the stage it is. Until `floors` are there, one
+    /// flies; until `starts` are, the scan is taken for what it is at first.
     #[must_use]
-    pub fn new(options: LocomotionOptions, start: Start, floors: FloorsCell) -> Self {
-        let is_walking = match options.stride {
-            Stride::Auto => start.is_inside,
-            Stride::Walk => true,
-            Stride::Fly => false,
-        };
-        Self {
+    pub fn new(
+        options: LocomotionOptions,
+        start: Start,
+        starts: StartsCell,
+        floors: FloorsCell,
+        stage_from_head: &Pose,
+    ) -> Self {
+        let Standpoint { floor_in_world, yaw, .. } = start.standpoint;
+        let mut user = Self {
             options,
             start,
-            place: StagePlace::new(start.floor_in_world, start.yaw, start.units_per_m),
+            starts,
+            place: StagePlace::new(floor_in_world, yaw, start.units_per_m),
             pitch: 0.0,
             may_pitch: false,
-            stage_from_head: Pose::IDENTITY,
+            stage_from_head: *stage_from_head,
             stage_from_aim: [None; 2],
             held: ([0.0; 3], false),
-            is_walking,
+            is_walking: false,
             raised_m: 0.0,
             floors,
             gestures: Gestures::new(options.moving_hand.index(), options.turn),
@@ -91,23 +98,14 @@ impl Locomotion {
             visits: Visits::default(),
             before_model: None,
             guides: Guides::default(),
-        }
-    }
-
-    /// The same viewer, with their head above the start wherever in the stage it is.
-    #[must_use]
-    pub fn with_head(mut self, stage_from_head: &Pose) -> Self {
-        self.stage_from_head = *stage_from_head;
-        self.reset();
-        self
+        };
+        user.begin();
+        user
     }
 
     /// Sets whether the mouse may look up and down, which is for simulated headsets only: a head pitches itself.
     pub fn set_may_pitch(&mut self, may_pitch: bool) {
         self.may_pitch = may_pitch;
-        if !may_pitch {
-            self.pitch = 0.0;
-        }
     }
 
     /// Meters a second, of the user's, at full deflection, until the user changes it.
@@ -130,7 +128,7 @@ impl Locomotion {
     /// The floor on which the walk began, in the stage: upright, and turned as the world is.
     #[must_use]
     pub fn stage_from_start(&self) -> Pose {
-        self.place.stage_from_level(self.start.floor_in_world)
+        self.place.stage_from_level(self.start.standpoint.floor_in_world)
     }
 
     /// Where the stage stands.
@@ -145,10 +143,12 @@ impl Locomotion {
         &self.guides
     }
 
-    /// True if sticks and keys walk on the floor, false if they fly.
+    /// What surfaces show of how the user is in the scan.
     #[must_use]
-    pub fn is_walking(&self) -> bool {
-        self.is_walking
+    pub fn stance(&self) -> Stance {
+        let Self { is_walking, raised_m, .. } = *self;
+        let (kind, scale, num_places) = (self.start.kind, self.place.scale, self.visits.num());
+        Stance { kind, is_walking, scale, raised_m, num_places }
     }
 
     /// Where the user would stand who points along a ray in the world: that of a hand, or of a pixel of the mirror. They keep
@@ -176,9 +176,9 @@ impl Locomotion {
             Action::Snap(steps) => self.turn(-f64::from(steps) * self.options.snap_rad),
             Action::Reset => self.reset(),
             Action::WholeView => {
-                let (floor_in_world, yaw) = self.start.overview;
                 self.pitch = 0.0;
-                self.go(&Standpoint { floor_in_world, yaw, scale: 1.0 });
+                let overview = self.start.overview;
+                self.go(&overview);
             }
             Action::TeleportTo { floor_in_world, yaw } => {
                 self.go(&Standpoint { floor_in_world, yaw, scale: self.place.scale });
@@ -186,6 +186,14 @@ impl Locomotion {
             Action::ToggleWalking => {
                 self.is_walking = !self.is_walking;
                 self.feet.forget();
+            }
+            Action::TakeFor(kind) => {
+                let found =
+                    self.starts.get().and_then(|starts| starts.iter().find(|start| start.kind == kind));
+                if let Some(start) = found {
+                    self.start = *start;
+                    self.begin();
+                }
             }
             Action::ShowModel => self.show_model(),
             Action::LifeSize => self.life_size(),
@@ -197,14 +205,15 @@ impl Locomotion {
                 let eye_m = self.stage_from_head.position.y;
                 self.raise(if self.raised_m == 0.0 { STANDING_EYE_M - eye_m } else { 0.0 });
             }
-            // The state applies these, or the walk.
+            // These are the state's, or the walk's.
             Action::Faster(_) | Action::SetSpeed(_) | Action::SetOverlay(_) | Action::NextOverlay => {}
-            Action::LookForHeadset | Action::Screenshot | Action::Quit => {}
+            Action::LookForHeadset | Action::Open(_) | Action::Screenshot | Action::Quit => {}
         }
     }
 
     /// Moves by what hands and keys do for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the
-    /// head as last located: forward is the direction in which it looks.
+    /// head as last located: forward is the direction in which it looks. What a hand asks for once is the same [`Action`] that a
+    /// key sends; sticks and hands that hold the world move on with each frame.
     pub fn advance(
         &mut self,
         seconds: f64,
@@ -221,7 +230,7 @@ impl Locomotion {
         self.hold(controllers, &intents);
         self.aim(&intents, landing);
         for (hand, &steps) in intents.snaps.iter().enumerate().filter(|(_, steps)| **steps != 0) {
-            self.turn(-f64::from(steps) * self.options.snap_rad);
+            self.apply(Action::Snap(steps));
             self.guides.events[hand] = Some(Event::Snap);
         }
         self.turn(-intents.turn * self.options.turn_rad_per_s * seconds);
@@ -230,7 +239,7 @@ impl Locomotion {
         self.vignette.advance(moved * f64::from(self.options.vignette), seconds);
         self.guides.vignette = self.vignette.now() as f32;
         if intents.reset {
-            self.reset();
+            self.apply(Action::Reset);
         }
     }
 
@@ -261,7 +270,7 @@ impl Locomotion {
         let yaw = self.facing() + aim.twist;
         if let Some(hand) = intents.go {
             if let Some(Landing { floor_in_world, .. }) = landing {
-                self.go(&Standpoint { floor_in_world, yaw, scale: self.place.scale });
+                self.apply(Action::TeleportTo { floor_in_world, yaw });
                 self.guides.events[hand] = Some(Event::Arrival);
             }
             return;
@@ -337,10 +346,24 @@ impl Locomotion {
         self.feet.forget();
     }
 
+    /// Begins at the start, walking or flying as one begins there.
+    fn begin(&mut self) {
+        self.is_walking = match self.options.stride {
+            Stride::Auto => self.start.walks,
+            Stride::Walk => true,
+            Stride::Fly => false,
+        };
+        self.reset();
+    }
+
     fn reset(&mut self) {
-        let Start { floor_in_world, yaw, .. } = self.start;
         self.pitch = 0.0;
-        self.go(&Standpoint { floor_in_world, yaw, scale: 1.0 });
+        self.before_model = None;
+        let standpoint = self.start.standpoint;
+        self.go(&standpoint);
+        if self.start.kind == ScanKind::Landscape {
+            self.show_model();
+        }
     }
 
     fn visit(&mut self, steps: i64) {
@@ -354,6 +377,8 @@ impl Locomotion {
             self.before_model = Some(self.standpoint());
         }
         model::show(&mut self.place, &self.start.bounds, &self.stage_from_head);
+        // A head that cannot bow is helped to look at it.
+        self.pitch = model::pitch(&self.place, &self.start.bounds, &self.stage_from_head);
         self.feet.forget();
     }
 
@@ -384,7 +409,8 @@ impl Locomotion {
     #[must_use]
     pub fn world_from_head(&self, stage_from_head: &Pose) -> Pose {
         let Pose { position, orientation } = self.place.pose_in_world(stage_from_head);
-        Pose { position, orientation: (orientation * DQuat::from_rotation_x(self.pitch)).normalize() }
+        let pitch = if self.may_pitch { self.pitch } else { 0.0 };
+        Pose { position, orientation: (orientation * DQuat::from_rotation_x(pitch)).normalize() }
     }
 }
 

@@ -13,14 +13,13 @@ const UTM: DVec3 = DVec3::new(5e5, 4e6, 100.0);
 
 fn start() -> Start {
     Start {
-        floor_in_world: UTM,
-        yaw: 0.0,
+        kind: ScanKind::Outdoors,
+        standpoint: Standpoint { floor_in_world: UTM, yaw: 0.0, scale: 1.0 },
+        walks: false,
         units_per_m: 1.0,
-        magnified: 1.0,
         extent_m: 20.0,
-        overview: (UTM + DVec3::new(0.0, -50.0, 20.0), 0.0),
+        overview: Standpoint { floor_in_world: UTM + DVec3::new(0.0, -50.0, 20.0), yaw: 0.0, scale: 1.0 },
         bounds: Bounds { min: UTM - DVec3::new(10.0, 10.0, 0.0), max: UTM + DVec3::new(10.0, 10.0, 3.0) },
-        is_inside: false,
     }
 }
 
@@ -34,7 +33,7 @@ fn eyes() -> [StageEye; 2] {
 }
 
 fn with(options: LocomotionOptions, start: Start, floors: FloorsCell) -> Locomotion {
-    let mut walk = Locomotion::new(options, start, floors);
+    let mut walk = Locomotion::new(options, start, StartsCell::default(), floors, &head_of(&eyes()));
     walk.set_may_pitch(true);
     walk
 }
@@ -55,7 +54,7 @@ fn room() -> FloorsCell {
 }
 
 fn inside() -> Start {
-    Start { is_inside: true, ..start() }
+    Start { kind: ScanKind::Interior, walks: true, ..start() }
 }
 
 fn seen(walk: &Locomotion, eyes: &[StageEye; 2]) -> View {
@@ -122,7 +121,7 @@ fn the_left_stick_flies_where_the_head_looks() {
 #[test]
 fn one_walks_inside_on_the_floor_and_over_steps() {
     let mut walk = with(LocomotionOptions::default(), inside(), room());
-    assert!(walk.is_walking());
+    assert!(walk.stance().is_walking);
     // The head looks down and forward, off the stage's middle.
     let looks_down = Pose { position: DVec3::new(0.4, 1.6, 0.3), orientation: DQuat::from_rotation_x(-0.9) };
     pass(&mut walk, 1.0, &stick(0, [0.0, 0.7]), &looks_down);
@@ -172,11 +171,16 @@ fn the_way_back_leads_the_head_to_the_start_from_anywhere() {
     pass(&mut walk, 0.5, &reset, &head);
     let stands = walk.standpoint();
     assert!((stands.floor_in_world - UTM).length() < 1e-6 && stands.yaw.abs() < 1e-9);
-    let begun =
-        Locomotion::new(LocomotionOptions::default(), start(), FloorsCell::default()).with_head(&head);
+    let begun = Locomotion::new(
+        LocomotionOptions::default(),
+        start(),
+        StartsCell::default(),
+        FloorsCell::default(),
+        &head,
+    );
     assert!((begun.world_from_head(&head).position - UTM - DVec3::Z * 1.6).length() < 1e-6);
     walk.apply(Action::WholeView);
-    assert!((walk.standpoint().floor_in_world - start().overview.0).length() < 1e-6);
+    assert!((walk.standpoint().floor_in_world - start().overview.floor_in_world).length() < 1e-6);
 }
 
 #[test]

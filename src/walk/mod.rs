@@ -3,10 +3,12 @@
 //! The loop reads as the frame's contents list; what differs between an OpenXR runtime and the simulated
 //! headset stands behind [`xr::Headset`].
 
+pub mod action;
 pub mod filling;
 mod frames;
 pub mod governor;
 pub mod headsets;
+pub mod kind;
 pub mod link;
 pub mod locomotion;
 mod marks;

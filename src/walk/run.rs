@@ -1,11 +1,12 @@
 //! The frame thread's loop.
 
+use super::action::Action;
 use super::frames::{Frames, Step};
 use super::governor::GovernorOptions;
 use super::headsets::{CannotGoOn, Headsets};
 use super::link::WalkEnd;
 use super::locomotion::LocomotionOptions;
-use super::state::{Action, SpeedFactor};
+use super::state::SpeedFactor;
 use super::walker::Walker;
 use crate::draw::{CannotDraw, DrawPlan};
 use base::space::View;
@@ -138,6 +139,14 @@ impl Walk {
             }
             if std::mem::take(&mut walker.looks_for_headset) {
                 headsets.look_now();
+            }
+            if let Some(scan) = walker.wanted.take() {
+                headsets.open_scan(scan);
+                walker.leave_scan();
+                frames.leave_scan();
+                if let Some(loaded) = headsets.take_filling() {
+                    walker.await_scan(loaded);
+                }
             }
             if walker.state.overlay != overlay {
                 frames.overlay_changed();

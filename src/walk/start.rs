@@ -1,5 +1,7 @@
-//! Where a walk begins: inside a place, before an object, above a landscape's edge.
+//! Where a walk begins: inside a place, before an object, or with a landscape as a model.
 
+use super::kind::ScanKind;
+use super::moving::Standpoint;
 use super::part::part;
 use super::surroundings::{Standing, standing};
 use super::tube;
@@ -7,18 +9,19 @@ use crate::overview::{self, Lens};
 use base::space::{Bounds, Fov, Pose};
 use glam::DVec3;
 use points::Scene;
+use std::sync::{Arc, OnceLock};
 
 /// Least spread of a landscape in meters, which is twice the width of the middle half of its points along the longer
-/// axis. A landscape is looked at from its edge, from above.
-const LANDSCAPE_M: f64 = 250.0;
+/// axis.
+const LANDSCAPE_M: f64 = 300.0;
 /// Least length that a long thin scene is cut to, meters, to be looked at.
 const PART_M: f64 = 40.0;
 /// Least length that a long thin scene is cut to, meters, to find a place in it.
 const NEAR_PART_M: f64 = 20.0;
-/// Length in meters below which nobody sees much of a scene, so that it is shown larger, as by a magnifying glass.
-const SMALLEST_M: f64 = 0.02;
-/// Length in meters at which a scene shorter than [`SMALLEST_M`] is shown.
-const SHOWN_M: f64 = 0.3;
+/// Length in meters up to which an object is so small that it is shown larger.
+const SMALL_M: f64 = 0.1;
+/// Length in meters at which an object no longer than [`SMALL_M`] is shown.
+const SHOWN_M: f64 = 1.0;
 /// Rough height of the eye above the floor, meters.
 const EYE_M: f64 = 1.6;
 /// Least distance at which one stands before an object, meters.
@@ -29,70 +32,118 @@ const SEEN_DEG: f64 = 60.0;
 /// Where a walk begins, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// The floor below the viewer.
-    pub floor_in_world: DVec3,
-    /// Direction of view about the world's vertical, radians; 0 looks along +y (north), positive to the left.
-    pub yaw: f64,
-    /// World units a meter.
+    /// What the scan is taken for. A landscape is brought before the viewer as a model, once they stand at
+    /// [`Self::standpoint`].
+    pub kind: ScanKind,
+    /// Where the viewer stands, where they look, and how large the scan is shown.
+    pub standpoint: Standpoint,
+    /// True if sticks and keys walk there unless the user says otherwise: walls are all around.
+    pub walks: bool,
+    /// World units a meter where the scan is shown as large as life.
     pub units_per_m: f64,
-    /// Factor by which the scan is shown larger than it is, as by a magnifying glass.
-    pub magnified: f64,
     /// Longest horizontal extent of the scan in meters: it sets the default speed.
     pub extent_m: f64,
-    /// Place and yaw from which the whole scan is seen.
-    pub overview: (DVec3, f64),
+    /// The standpoint from which the whole scan is seen.
+    pub overview: Standpoint,
     /// Box of the scene.
     pub bounds: Bounds,
-    /// True if the place has walls all around: one walks there.
-    pub is_inside: bool,
 }
 
-/// World units a meter of the user's in a scene whose world unit is `unit_m` meters, where it is shown as large as life.
-#[must_use]
-pub fn units_per_m(scene: &Scene, unit_m: f64) -> f64 {
-    if scene.is_a_point() { 1.0 / unit_m } else { scale(&scene.bounds, unit_m).0 }
-}
+/// The starts of each kind, in the order of [`ScanKind::ALL`], once they are known.
+pub type StartsCell = Arc<OnceLock<[Start; 4]>>;
 
-/// The starting place for a scene whose world unit is `unit_m` meters.
+/// The starting place in a scene whose world unit is `unit_m` meters, if it is of this kind; `None`: of the kind that its
+/// size, its floor and its walls tell.
 #[must_use]
-pub fn start(scene: &Scene, unit_m: f64) -> Start {
+pub fn start(scene: &Scene, unit_m: f64, kind: Option<ScanKind>) -> Start {
+    let units_per_m = 1.0 / unit_m;
     let bounds = scene.bounds;
-    let (units_per_m, magnified) =
-        if scene.is_a_point() { (1.0 / unit_m, 1.0) } else { scale(&bounds, unit_m) };
     let extent = bounds.size().truncate().max_element().max(bounds.size().z * 0.25);
-    let extent_m = extent / units_per_m;
-    let overview = above_the_edge(&bounds, extent, units_per_m);
-    let (floor_in_world, yaw, is_inside) = place(scene, units_per_m).unwrap_or((overview, 0.0, false));
-    let overview = (overview, 0.0);
-    Start { floor_in_world, yaw, units_per_m, magnified, extent_m, overview, bounds, is_inside }
+    let overview = level(above_the_edge(&bounds, extent, units_per_m));
+    let (kind, at) = match kind {
+        Some(kind) => (kind, of_kind(scene, units_per_m, kind)),
+        None => told(scene, units_per_m),
+    };
+    let Beginning { standpoint, walks } = at.unwrap_or(Beginning { standpoint: overview, walks: false });
+    Start { kind, standpoint, walks, units_per_m, extent_m: extent / units_per_m, overview, bounds }
 }
 
-/// The floor, the yaw, and whether walls are all around; `None` for a landscape. They are found from a part of a scene that is long and thin.
-fn place(scene: &Scene, units_per_m: f64) -> Option<(DVec3, f64, bool)> {
-    if let Some((floor_in_world, ahead)) = tube::floor(scene, units_per_m) {
-        return Some((floor_in_world, (-ahead.x).atan2(ahead.y), true));
+/// Where one stands, and whether one walks from there.
+#[derive(Clone, Copy)]
+struct Beginning {
+    standpoint: Standpoint,
+    walks: bool,
+}
+
+impl Beginning {
+    /// Where one flies from.
+    fn flying(standpoint: Standpoint) -> Self {
+        Self { standpoint, walks: false }
+    }
+
+    /// A place with walls all around, or an open place, where one looks to where most of the scene is.
+    fn standing(scene: &Scene, at: Standing, units_per_m: f64) -> Self {
+        let yaw = if at.enclosed { 0.0 } else { toward(scene, at.floor_in_world, units_per_m) };
+        Self { standpoint: Standpoint { yaw, ..level(at.floor_in_world) }, walks: at.enclosed }
+    }
+}
+
+/// What a scene is of, and where one begins in it; `None` for the standpoint that sees all of it.
+fn told(scene: &Scene, units_per_m: f64) -> (ScanKind, Option<Beginning>) {
+    if let Some(inside) = in_tube(scene, units_per_m) {
+        return (ScanKind::Interior, Some(inside));
     }
     let near = part(scene, NEAR_PART_M * units_per_m);
-    let far = part(scene, PART_M * units_per_m);
     if spread(&near) / units_per_m > LANDSCAPE_M {
-        let size = near.bounds.size();
-        let is_part = near.samples.len() < scene.samples.len();
-        return is_part.then(|| (above_the_edge(&near.bounds, size.max_element(), units_per_m), 0.0, false));
+        return (ScanKind::Landscape, edge_of_part(scene, &near, units_per_m));
     }
-    Some(match standing(&near, units_per_m) {
-        Some(Standing { floor_in_world, enclosed: true }) => (floor_in_world, 0.0, true),
-        Some(Standing { floor_in_world, .. }) => {
-            (floor_in_world, toward(&near, floor_in_world, units_per_m), false)
+    match standing(&near, units_per_m, None) {
+        Some(at) => {
+            let kind = if at.in_room { ScanKind::Interior } else { ScanKind::Outdoors };
+            (kind, Some(Beginning::standing(&near, at, units_per_m)))
         }
-        None => (before(&far, units_per_m), 0.0, false),
+        None => (ScanKind::Object, Some(before(scene, units_per_m))),
+    }
+}
+
+/// Where one begins in a scene that is of this kind; `None` for the standpoint that sees all of it.
+fn of_kind(scene: &Scene, units_per_m: f64, kind: ScanKind) -> Option<Beginning> {
+    let near = part(scene, NEAR_PART_M * units_per_m);
+    let at = |enclosed| standing(&near, units_per_m, enclosed);
+    let begin = |at| Beginning::standing(&near, at, units_per_m);
+    Some(match kind {
+        ScanKind::Interior => {
+            in_tube(scene, units_per_m).or_else(|| at(Some(true)).map(begin)).unwrap_or_else(|| {
+                let middle = near.bounds.center().with_z(near.bounds.min.z);
+                Beginning { standpoint: level(middle), walks: true }
+            })
+        }
+        ScanKind::Outdoors => {
+            let outside = at(None).filter(|at| !at.in_room).or_else(|| at(Some(false)));
+            outside.map_or_else(|| before(scene, units_per_m), begin)
+        }
+        ScanKind::Landscape => return edge_of_part(scene, &near, units_per_m),
+        ScanKind::Object => before(scene, units_per_m),
     })
 }
 
-/// World units a meter of the viewer's, and the factor by which the scene is shown larger.
-fn scale(bounds: &Bounds, unit_m: f64) -> (f64, f64) {
-    let edge_m = bounds.edge() * unit_m;
-    let magnified = if edge_m > 0.0 && edge_m < SMALLEST_M { SHOWN_M / edge_m } else { 1.0 };
-    (1.0 / (unit_m * magnified), magnified)
+/// A standpoint that looks north, where the scan is as large as life.
+fn level(floor_in_world: DVec3) -> Standpoint {
+    Standpoint { floor_in_world, yaw: 0.0, scale: 1.0 }
+}
+
+/// The inside of a tunnel that is as round as a tube.
+fn in_tube(scene: &Scene, units_per_m: f64) -> Option<Beginning> {
+    let (floor_in_world, ahead) = tube::floor(scene, units_per_m)?;
+    let standpoint = Standpoint { yaw: (-ahead.x).atan2(ahead.y), ..level(floor_in_world) };
+    Some(Beginning { standpoint, walks: true })
+}
+
+/// The standpoint above the edge of the part that a long and thin scene was cut to; `None` if it was not cut.
+fn edge_of_part(scene: &Scene, near: &Scene, units_per_m: f64) -> Option<Beginning> {
+    let is_part = near.samples.len() < scene.samples.len();
+    let extent = near.bounds.size().max_element();
+    is_part.then(|| Beginning::flying(level(above_the_edge(&near.bounds, extent, units_per_m))))
 }
 
 /// A place south of a scene and a little above it, so far back that a view of 60 degrees holds the scene.
@@ -102,17 +153,22 @@ fn above_the_edge(bounds: &Bounds, extent: f64, units_per_m: f64) -> DVec3 {
     DVec3::new(center.x, center.y - back, center.z + 0.15 * back - 1.7 * units_per_m)
 }
 
-/// The floor south of an object, so far away that it is seen whole. The eye is at the object's middle if it is small,
-/// otherwise above the ground that it stands on.
-fn before(scene: &Scene, units_per_m: f64) -> DVec3 {
-    let bounds = scene.bounds;
+/// The standpoint south of an object, so far away that it is seen whole. The eye is at the object's middle if it is small,
+/// otherwise above the ground that it stands on. Objects that are no longer than [`SMALL_M`] are shown larger.
+fn before(scene: &Scene, units_per_m: f64) -> Beginning {
+    let edge_m = scene.bounds.edge() / units_per_m;
+    let scale = if edge_m > 0.0 && edge_m <= SMALL_M { SHOWN_M / edge_m } else { 1.0 };
+    let units_per_m = units_per_m / scale;
+    let far = part(scene, PART_M * units_per_m);
+    let bounds = far.bounds;
     let eye_height = (0.5 * bounds.size().z).min(EYE_M * units_per_m);
     let target = bounds.center().with_z(bounds.min.z + eye_height);
     let north = Pose::look_at(DVec3::ZERO, DVec3::Y, DVec3::Z).orientation;
     let lens = Lens { sideways: 0.0, fov: Fov::symmetric(SEEN_DEG.to_radians(), 1.0) };
-    let eye = overview::place(scene, north, &[lens], Some(target));
+    let eye = overview::place(&far, north, &[lens], Some(target));
     let nearest = bounds.min.y - BEFORE_M * units_per_m;
-    eye.with_y(eye.y.min(nearest)) - DVec3::Z * EYE_M * units_per_m
+    let floor_in_world = eye.with_y(eye.y.min(nearest)) - DVec3::Z * EYE_M * units_per_m;
+    Beginning::flying(Standpoint { scale, ..level(floor_in_world) })
 }
 
 /// Width of most of the scene, world units: a few points far away do not make a landscape.

@@ -1,7 +1,8 @@
 //! Where walks begin in scenes of every kind and size, near zero and far from it.
 
 use super::*;
-use crate::walk::locomotion::{Locomotion, LocomotionOptions, head_of};
+use crate::walk::action::Action;
+use crate::walk::locomotion::{Locomotion, LocomotionOptions, StartsCell, head_of};
 use crate::walk::moving::floors::FloorsCell;
 use crate::walk::simulated::{SimulatedHeadset, SimulatedOptions};
 use glam::DVec4;
@@ -42,6 +43,11 @@ fn egg(width: f64, height: f64) -> Vec<DVec3> {
     square(8000).map(at).collect()
 }
 
+/// The start that a scene tells itself.
+fn begin(scene: &Scene, unit_m: f64) -> Start {
+    start(scene, unit_m, None)
+}
+
 /// A headset that sees 90 degrees in both directions.
 const HEADSET: SimulatedOptions = SimulatedOptions {
     size_px: [100, 100],
@@ -54,7 +60,9 @@ const HEADSET: SimulatedOptions = SimulatedOptions {
 /// Part of the scene that both eyes of the simulated headset see at the start.
 fn seen(scene: &Scene, start: Start) -> f64 {
     let eyes = SimulatedHeadset::eyes(&HEADSET);
-    let walk = Locomotion::new(LocomotionOptions::default(), start, FloorsCell::default());
+    let (options, head) = (LocomotionOptions::default(), head_of(&eyes));
+    let mut walk = Locomotion::new(options, start, StartsCell::default(), FloorsCell::default(), &head);
+    walk.set_may_pitch(true);
     let view = walk.stage().view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
     let is_seen = |p: DVec3| {
         view.eyes.iter().all(|eye| {
@@ -74,9 +82,12 @@ fn an_object_is_seen_whole_from_outside() {
     for (width, height) in [(0.05, 0.04), (0.3, 0.2), (1.0, 2.0), (2.0, 0.5), (6.0, 9.0)] {
         for origin in [DVec3::ZERO, UTM] {
             let scene = scene(origin, egg(width, height));
-            let start = start(&scene, 1.0);
-            assert!(start.floor_in_world.y < scene.bounds.min.y - 0.39, "{width} {height}: {start:?}");
-            assert_eq!((start.magnified, start.yaw), (1.0, 0.0));
+            let start = begin(&scene, 1.0);
+            let times = if width <= SMALL_M { SHOWN_M / width } else { 1.0 };
+            let Standpoint { yaw, scale, .. } = start.standpoint;
+            assert!((scale - times).abs() < 0.01 * times && yaw == 0.0, "{start:?}");
+            let away = scene.bounds.min.y - start.standpoint.floor_in_world.y;
+            assert!(start.kind == ScanKind::Object && away * scale > 0.39, "{width} {height}: {start:?}");
             assert!(seen(&scene, start) > 0.99, "{width} x {height}: {}", seen(&scene, start));
         }
     }
@@ -84,24 +95,25 @@ fn an_object_is_seen_whole_from_outside() {
     // walls is known.
     let around = floor(5.0, 5.0).into_iter().filter(|p| p.length() > 0.9);
     let statue = scene(UTM, egg(2.0, 3.0).into_iter().chain(around));
-    assert!(start(&statue, 1.0).floor_in_world.y < statue.bounds.min.y);
+    assert!(begin(&statue, 1.0).standpoint.floor_in_world.y < statue.bounds.min.y);
     let lid = floor(20.0, 12.0).into_iter().map(|p| p + DVec3::Z * 8.0);
     let block = scene(UTM, walls(20.0, 12.0, 8.0).into_iter().chain(lid));
-    assert!(start(&block, 1.0).floor_in_world.y < block.bounds.min.y);
+    assert!(begin(&block, 1.0).standpoint.floor_in_world.y < block.bounds.min.y);
 }
 
 #[test]
-fn tiny_things_are_magnified_and_single_points_seen() {
-    for edge in [5e-3, 5e-5, 1e-7] {
+fn small_things_are_shown_a_meter_long_and_single_points_seen() {
+    for (unit_m, edge) in [(1.0, 0.1), (1.0, 5e-3), (1.0, 5e-5), (1.0, 1e-7), (1e-3, 50.0)] {
         let scene = scene(DVec3::ZERO, egg(edge, 0.8 * edge));
-        let start = start(&scene, 1.0);
-        assert!((start.magnified * edge - SHOWN_M).abs() < 0.01 && seen(&scene, start) == 1.0, "{start:?}");
+        let start = begin(&scene, unit_m);
+        let shown_m = start.standpoint.scale * scene.bounds.edge() * unit_m;
+        assert!((shown_m - SHOWN_M).abs() < 1e-9 && seen(&scene, start) == 1.0, "{start:?}");
     }
-    // A scan whose unit is known to be a millimeter is not magnified if it is 50 mm long.
-    assert_eq!(start(&scene(DVec3::ZERO, egg(50.0, 50.0)), 1e-3).magnified, 1.0);
+    // A scan whose unit is known to be a millimeter is as large as life if it is 500 mm long.
+    assert_eq!(begin(&scene(DVec3::ZERO, egg(500.0, 500.0)), 1e-3).standpoint.scale, 1.0);
     for num in [1, 500] {
         let scene = scene(UTM, vec![DVec3::ZERO; num]);
-        assert_eq!(seen(&scene, start(&scene, 1.0)), 1.0);
+        assert_eq!(seen(&scene, begin(&scene, 1.0)), 1.0);
     }
 }
 
@@ -121,11 +133,12 @@ fn points_in_the_air_of_a_room_put_nobody_out_of_it() {
                 DVec3::new((u - 0.5) * x, (v - 0.5) * y, w * height)
             });
             let scene = scene(UTM, room.iter().copied().chain(in_air));
-            let Start { floor_in_world, .. } = start(&scene, 1.0);
+            let Start { kind, standpoint: Standpoint { floor_in_world, .. }, .. } = begin(&scene, 1.0);
             let what = format!("{x} x {y}, {share} in the air: {}", floor_in_world - UTM);
             let inside = scene.bounds.grown(-0.5);
             assert!(inside.contains(floor_in_world + DVec3::Z), "{what}");
             assert!((floor_in_world.z - UTM.z).abs() < 0.2, "{what}");
+            assert_eq!(kind, ScanKind::Interior, "{what}");
         }
     }
 }
@@ -139,7 +152,10 @@ fn a_room_is_seen_from_its_floor() {
             let above = above.filter(|_| ceiling);
             let points = floor(x, y).into_iter().chain(walls(x, y, height)).chain(above);
             let scene = scene(UTM, points.chain(table().filter(|_| x > 3.0)));
-            let Start { floor_in_world, .. } = start(&scene, 1.0);
+            let Start { kind, standpoint: Standpoint { floor_in_world, .. }, walks, .. } = begin(&scene, 1.0);
+            // Wide walls without a ceiling are those of a yard.
+            let room = if ceiling || x < 10.0 { ScanKind::Interior } else { ScanKind::Outdoors };
+            assert_eq!((kind, walks), (room, true), "{x} x {y} x {height}");
             let inside = scene.bounds.grown(-0.5);
             let what = format!("{x} x {y} x {height}: {}", floor_in_world - UTM);
             assert!(inside.contains(floor_in_world.with_z(inside.center().z)), "{what}");
@@ -151,7 +167,7 @@ fn a_room_is_seen_from_its_floor() {
     }
     // A room in feet is treated alike.
     let feet = scene(UTM, floor(13.0, 20.0).into_iter().chain(walls(13.0, 20.0, 8.5)));
-    let Start { floor_in_world, .. } = start(&feet, 0.3048);
+    let Standpoint { floor_in_world, .. } = begin(&feet, 0.3048).standpoint;
     assert!((floor_in_world - UTM).length() < 1.5, "{floor_in_world}");
 }
 
@@ -160,7 +176,7 @@ fn open_ground_is_stood_on_facing_what_there_is() {
     // Nobody scans the ground below a statue.
     let ground = floor(40.0, 30.0).into_iter().filter(|p| p.length() > 1.4).chain(egg(3.0, 5.0));
     let scene = scene(UTM, ground);
-    let Start { floor_in_world, yaw, .. } = start(&scene, 1.0);
+    let Standpoint { floor_in_world, yaw, .. } = begin(&scene, 1.0).standpoint;
     let to_middle = (UTM - floor_in_world).truncate();
     assert!((1.5..6.0).contains(&to_middle.length()), "{to_middle}");
     assert!((floor_in_world.z - UTM.z).abs() < 0.01);
@@ -169,19 +185,60 @@ fn open_ground_is_stood_on_facing_what_there_is() {
 }
 
 #[test]
-fn a_landscape_is_seen_from_above_its_edge() {
+fn a_landscape_is_a_model_on_a_table_and_is_come_down_to() {
     let hills = square(20_000)
         .map(|[u, v]| DVec3::new(1500.0 * u, 1000.0 * v, 40.0 * ((9.0 * u).sin() + (7.0 * v).cos())));
     let scene = scene(UTM, hills);
-    let start = start(&scene, 1.0);
-    assert_eq!((start.floor_in_world, start.yaw), start.overview);
-    let eye = start.floor_in_world.z + 1.7;
-    assert!(start.floor_in_world.y < scene.bounds.min.y && eye > scene.bounds.max.z, "{start:?}");
-    assert!(seen(&scene, start) > 0.99);
+    let start = begin(&scene, 1.0);
+    assert_eq!((start.kind, start.standpoint), (ScanKind::Landscape, start.overview));
+    assert!(seen(&scene, start) > 0.97, "{}", seen(&scene, start));
+    let head = head_of(&SimulatedHeadset::eyes(&HEADSET));
+    let (starts, floors) = (StartsCell::default(), FloorsCell::default());
+    let mut walk = Locomotion::new(LocomotionOptions::default(), start, starts, floors, &head);
+    let width_m = scene.bounds.size().x / walk.stage().units_per_m();
+    assert!((width_m - 2.0).abs() < 1e-9, "{width_m}");
+    // Without floors to point at one comes down to where the whole is seen from.
+    walk.apply(Action::LifeSize);
+    assert_eq!(walk.stance().scale, 1.0);
+    let eye = walk.world_from_head(&head).position;
+    assert!(eye.y < scene.bounds.min.y && eye.z > scene.bounds.max.z, "{eye}");
     // A room with a view far through its windows is no landscape.
     let far = square(300).map(|[u, v]| DVec3::new(400.0 * (u - 0.5), 5.0 + 300.0 * v, 4.0 * v));
     let room = floor(8.0, 8.0).into_iter().chain(walls(8.0, 8.0, 3.0)).chain(far);
-    assert!((super::start(&self::scene(UTM, room), 1.0).floor_in_world - UTM).length() < 4.0);
+    let start = begin(&self::scene(UTM, room), 1.0);
+    assert_eq!(start.kind, ScanKind::Interior);
+    assert!((start.standpoint.floor_in_world - UTM).length() < 4.0);
+}
+
+#[test]
+fn the_user_may_take_a_scan_for_another_kind() {
+    let yard = floor(40.0, 30.0).into_iter().filter(|p| p.length() > 1.4).chain(egg(3.0, 5.0));
+    let room = floor(6.0, 4.0).into_iter().chain(walls(6.0, 4.0, 2.7));
+    for scene in [scene(UTM, yard), scene(UTM, room), scene(UTM, egg(0.05, 0.05))] {
+        let starts = ScanKind::ALL.map(|kind| start(&scene, 1.0, Some(kind)));
+        assert_eq!(starts.map(|start| start.kind), ScanKind::ALL);
+        // What the scene tells is what the kind that it tells says.
+        let told = begin(&scene, 1.0);
+        let same = starts.into_iter().find(|start| start.kind == told.kind).expect("each kind");
+        assert_eq!(same.standpoint, told.standpoint);
+        let (cell, floors) = (StartsCell::default(), FloorsCell::default());
+        let head = head_of(&SimulatedHeadset::eyes(&HEADSET));
+        let options = LocomotionOptions::default();
+        let mut walk = Locomotion::new(options, told, Arc::clone(&cell), floors, &head);
+        let before = *walk.stage();
+        walk.apply(Action::TakeFor(ScanKind::Landscape));
+        assert_eq!(*walk.stage(), before, "nobody knows yet where to stand");
+        cell.set(starts).expect("an empty cell");
+        for kind in ScanKind::ALL {
+            walk.apply(Action::TakeFor(kind));
+            assert_eq!(walk.stance().kind, kind);
+            assert!(walk.stance().is_walking || kind != ScanKind::Interior);
+        }
+        walk.apply(Action::TakeFor(told.kind));
+        let (now, units_per_m) = (*walk.stage(), before.units_per_m());
+        assert!((now.floor_in_world - before.floor_in_world).length() < 1e-6 * units_per_m, "{now:?}");
+        assert_eq!((now.yaw, now.scale), (before.yaw, before.scale));
+    }
 }
 
 /// The surfaces of a corridor of 5 by 3 along `at`, which gives a place and the direction there.
@@ -213,25 +270,32 @@ fn what_is_long_and_thin_is_walked_or_seen_from_near_by() {
         let corridors = [0.0, 0.5, 0.785, 1.57].map(|turn| corridor(num, straight(turn)));
         for points in corridors.into_iter().chain([corridor(num, bend)]) {
             let scene = scene(UTM, points);
-            let start = start(&scene, 1.0);
-            let eye = start.floor_in_world + DVec3::Z * 1.7;
+            let start = begin(&scene, 1.0);
+            let eye = start.standpoint.floor_in_world + DVec3::Z * 1.7;
             let nearest = scene.samples.iter().map(|p| p.distance(eye)).fold(f64::INFINITY, f64::min);
-            assert!(nearest < 100.0, "{num}: {nearest} away, at {}", start.floor_in_world - UTM);
-            assert!((start.floor_in_world.z - UTM.z).abs() < 3.0, "{}", start.floor_in_world - UTM);
+            assert!(nearest < 100.0, "{num}: {nearest} away, at {}", start.standpoint.floor_in_world - UTM);
+            assert!(
+                (start.standpoint.floor_in_world.z - UTM.z).abs() < 3.0,
+                "{}",
+                start.standpoint.floor_in_world - UTM
+            );
         }
     }
     // A strip of an aerial scan is still a landscape, but it is not seen from as far away as it is long.
     let strip = square(60_000).map(|[u, v]| DVec3::new(15_000.0 * u, 400.0 * v, 20.0 * (9.0 * u).sin()));
     let strip = scene(UTM, strip);
-    let start = start(&strip, 1.0);
-    let away = strip.bounds.min.y - start.floor_in_world.y;
-    assert!((200.0..4_000.0).contains(&away) && start.floor_in_world.z > UTM.z, "{away}: {start:?}");
+    let start = begin(&strip, 1.0);
+    let away = strip.bounds.min.y - start.standpoint.floor_in_world.y;
+    assert!(
+        (200.0..4_000.0).contains(&away) && start.standpoint.floor_in_world.z > UTM.z,
+        "{away}: {start:?}"
+    );
     // Neither two buildings nor a wall are cut.
     let apart = |i: usize| DVec3::X * if i.is_multiple_of(2) { 0.0 } else { 300.0 };
     let two = walls(20.0, 20.0, 8.0).into_iter().enumerate().map(|(i, p)| p + apart(i));
     let wall = square(9000).map(|[u, v]| DVec3::new(30.0 * u, 0.0, 6.0 * v));
     for whole in [scene(UTM, two), scene(UTM, wall)] {
-        assert!(seen(&whole, super::start(&whole, 1.0)) > 0.99);
+        assert!(seen(&whole, begin(&whole, 1.0)) > 0.99);
     }
 }
 
@@ -251,7 +315,7 @@ fn a_hollow_tower_in_the_open_is_seen_from_outside() {
                 DVec3::new(24.0 * (u - 0.5), 24.0 * (v - 0.5), 19.0 * (7.0 * u + v).fract() - 8.0)
             });
             let scene = scene(UTM, places.iter().copied().chain(strays));
-            let Start { floor_in_world, yaw, .. } = start(&scene, 1.0);
+            let Standpoint { floor_in_world, yaw, .. } = begin(&scene, 1.0).standpoint;
             let to_tower = (UTM - floor_in_world).truncate();
             let what = format!("{radius} {num}: {}", floor_in_world - UTM);
             assert!((radius + 1.5..12.0).contains(&to_tower.length()), "{what}");
@@ -281,7 +345,7 @@ fn a_round_tunnel_begins_inside_and_what_is_round_otherwise_is_none() {
             let rails = square(400).map(|[u, _]| (ahead * length * (u - 0.5)).extend(0.15 * radius));
             let strays = square(40).map(|[u, v]| DVec3::new(2.0 * radius * u, 0.0, 3.0 * radius * v));
             let scene = scene(UTM, tube(radius, length, turn).into_iter().chain(rails).chain(strays));
-            let Start { floor_in_world, yaw, .. } = start(&scene, 1.0);
+            let Standpoint { floor_in_world, yaw, .. } = begin(&scene, 1.0).standpoint;
             let at = floor_in_world - UTM;
             let what = format!("{radius} {length} {turn}: {at}");
             assert!(

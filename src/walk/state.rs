@@ -1,7 +1,8 @@
-//! The application's state that more than one surface shows: owned and changed by the frame thread alone. Surfaces (the
-//! window, later a panel in the headset) send [`Action`]s and get [`Snapshot`]s.
+//! The application's state: owned and changed by the frame thread alone. Surfaces (the window, hands, a panel in the headset)
+//! send [`Action`]s and get [`Snapshot`]s.
 
-use glam::DVec3;
+use super::action::{Action, Stance};
+use super::locomotion::Locomotion;
 use render::options::Overlay;
 
 /// Factor on the speed for one step of the wheel.
@@ -23,84 +24,34 @@ impl Default for SpeedFactor {
     }
 }
 
-/// What the user asks of the walk.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
-    /// Keys now held: right, up, forward, each −1 to 1, in the viewer's own directions; and the fast key.
-    Move {
-        /// Right, up, forward.
-        direction: [f32; 3],
-        /// Fast key held.
-        fast: bool,
-    },
-    /// Mouse moved while looking: pixels right, pixels down.
-    Look {
-        /// Pixels right, pixels down.
-        delta_px: [f32; 2],
-    },
-    /// Faster (> 0) or slower (< 0) from now on, by this many steps of [`SPEED_STEP`].
-    Faster(f32),
-    /// This many times as fast as the speed that a scan or the user chose, from now on.
-    SetSpeed(f32),
-    /// Turn by this many snap steps; right is positive.
-    Snap(i32),
-    /// Go back to the starting place.
-    Reset,
-    /// Move back until the whole scan is in view.
-    WholeView,
-    /// Walk on floors if one flew, fly if one walked.
-    ToggleWalking,
-    /// Go to a floor, the head above it.
-    TeleportTo {
-        /// Place on the floor, world space.
-        floor_in_world: DVec3,
-        /// Direction in which the head faces then, about the world's vertical, radians; 0 is north, positive to the left.
-        yaw: f64,
-    },
-    /// Show the whole scan as a model before the user.
-    ShowModel,
-    /// Show the scan as large as life, from where a hand or the head points.
-    LifeSize,
-    /// Keep the place where the user is.
-    SavePlace,
-    /// Go to the next place that was kept.
-    NextPlace,
-    /// Go to the place before.
-    PreviousPlace,
-    /// Raise the user by so many meters, or lower them (< 0).
-    Raise(f32),
-    /// Raise somebody who sits as if they stood, and back.
-    ToggleSeated,
-    /// Draw this over the mirror from now on.
-    SetOverlay(Overlay),
-    /// Draw the next overlay over the mirror from now on.
-    NextOverlay,
-    /// Look for a headset at once, if one is looked for at all.
-    LookForHeadset,
-    /// Save both eyes' images.
-    Screenshot,
-    /// End the walk.
-    Quit,
-}
-
 /// The application's state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct AppState {
     /// Overlay that is drawn over the mirror.
     pub overlay: Overlay,
     speed: f32,
     speed_range: [f32; 2],
+    /// Where the user is and how they get about; `None` until something of the scan has come.
+    pub locomotion: Option<Locomotion>,
 }
 
-/// The state as it was at some moment, for those who show it.
-pub type Snapshot = AppState;
+/// What surfaces show of the state, as it was at some moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Overlay that is drawn over the mirror.
+    pub overlay: Overlay,
+    /// Speed as a factor on where it began.
+    pub speed: f32,
+    /// How the user is in the scan; `None` until something of it has come.
+    pub stance: Option<Stance>,
+}
 
 impl AppState {
     /// The state at start.
     #[must_use]
     pub fn new(overlay: Overlay, speed: SpeedFactor) -> Self {
         let SpeedFactor { at_start, range } = speed;
-        Self { overlay, speed: at_start, speed_range: range }
+        Self { overlay, speed: at_start, speed_range: range, locomotion: None }
     }
 
     /// Speed as a factor on the one that a scan or the user chose.
@@ -109,18 +60,26 @@ impl AppState {
         self.speed
     }
 
-    /// Applies an action that changes the state; returns true if it did. Actions that move the viewer or end the walk
-    /// are for others.
-    pub fn apply(&mut self, action: Action) -> bool {
-        let before = *self;
+    /// What surfaces show.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let stance = self.locomotion.as_ref().map(Locomotion::stance);
+        Snapshot { overlay: self.overlay, speed: self.speed, stance }
+    }
+
+    /// Applies an action. Those that end the walk, save images, open a scan or look for a headset are for the walk.
+    pub fn apply(&mut self, action: Action) {
         match action {
             Action::Faster(steps) if steps.is_finite() => self.set_speed(self.speed * SPEED_STEP.powf(steps)),
             Action::SetSpeed(speed) if speed.is_finite() => self.set_speed(speed),
             Action::SetOverlay(overlay) => self.overlay = overlay,
             Action::NextOverlay => self.overlay = self.overlay.next(),
-            _ => {}
+            action => {
+                if let Some(locomotion) = &mut self.locomotion {
+                    locomotion.apply(action);
+                }
+            }
         }
-        *self != before
     }
 
     fn set_speed(&mut self, speed: f32) {
@@ -138,27 +97,29 @@ mod tests {
     #[test]
     fn the_speed_changes_within_limits_and_comes_back_to_one() {
         let mut state = AppState::new(Overlay::None, SpeedFactor { at_start: 1.0, range: [0.5, 4.0] });
-        assert!(state.apply(Action::Faster(1.0)));
-        assert_eq!(state.speed(), SPEED_STEP);
-        state.apply(Action::Faster(2.0));
-        state.apply(Action::Faster(-3.0));
-        assert_eq!(state.speed(), 1.0);
-        state.apply(Action::Faster(1e9));
-        assert_eq!(state.speed(), 4.0);
-        assert!(!state.apply(Action::Faster(1.0)), "already at the limit");
-        assert!(!state.apply(Action::Faster(f32::NAN)) && !state.apply(Action::SetSpeed(f32::INFINITY)));
-        assert!(state.apply(Action::SetSpeed(0.1)));
-        assert_eq!(state.speed(), 0.5);
+        let mut speed_after = |action| {
+            state.apply(action);
+            state.snapshot().speed
+        };
+        assert_eq!(speed_after(Action::Faster(1.0)), SPEED_STEP);
+        speed_after(Action::Faster(2.0));
+        assert_eq!(speed_after(Action::Faster(-3.0)), 1.0);
+        assert_eq!(speed_after(Action::Faster(1e9)), 4.0);
+        assert_eq!(speed_after(Action::Faster(1.0)), 4.0);
+        assert_eq!(speed_after(Action::Faster(f32::NAN)), 4.0);
+        assert_eq!(speed_after(Action::SetSpeed(f32::INFINITY)), 4.0);
+        assert_eq!(speed_after(Action::SetSpeed(0.1)), 0.5);
     }
 
     #[test]
     fn overlays_go_round() {
         let mut state = AppState::new(Overlay::None, SpeedFactor::default());
         for overlay in Overlay::ALL.into_iter().cycle().skip(1).take(Overlay::ALL.len()) {
-            assert!(state.apply(Action::NextOverlay));
-            assert_eq!(state.overlay, overlay);
+            state.apply(Action::NextOverlay);
+            assert_eq!(state.snapshot().overlay, overlay);
         }
-        assert!(!state.apply(Action::SetOverlay(Overlay::None)), "it is so already");
-        assert!(!state.apply(Action::Reset));
+        let before = state.snapshot();
+        state.apply(Action::Reset);
+        assert_eq!(state.snapshot(), before, "there is nobody to reset yet");
     }
 }

@@ -44,6 +44,15 @@ const TABLE_M: [f64; 2] = [1.0, 0.3];
 const SMALL_ROOM_M: f64 = 2.5;
 /// Distance, meters, in which a place outside has nothing in a body's way, if there is such a place.
 const CLEARANCE_M: f64 = 3.0;
+/// Walls nearer than this, meters, are those of a room, whether or not its ceiling was scanned.
+const ROOM_M: f64 = 6.0;
+/// Least height of a ceiling above the floor, meters.
+const CEILING_M: f64 = 1.9;
+/// Distance within which a ceiling is looked for, meters.
+const CEILING_REACH_M: f64 = 5.0;
+/// A ceiling covers the first share of the floor, whatever its form, or the second share within [`FLOOR_LEVEL_M`] of one
+/// height. Trees do neither.
+const CEILING_SHARES: [f64; 2] = [0.9, 0.6];
 /// Least length of a scene that has an open place, meters.
 const OPEN_M: f64 = 12.0;
 /// Distance within which the ground of an open place is looked at, meters.
@@ -64,27 +73,33 @@ pub(super) struct Standing {
     pub floor_in_world: DVec3,
     /// True if walls are all around.
     pub enclosed: bool,
+    /// True if it is a room: it has a ceiling, or its walls are near.
+    pub in_room: bool,
 }
 
-/// The place nearest to the scene's middle where one can stand; `None` if the scene is an object.
-pub(super) fn standing(scene: &Scene, units_per_m: f64) -> Option<Standing> {
+/// The place nearest to the scene's middle where one can stand; `None` if the scene is an object. `enclosed` asks for a
+/// place with walls all around, or for one without, where the user says what the scene is.
+pub(super) fn standing(scene: &Scene, units_per_m: f64, enclosed: Option<bool>) -> Option<Standing> {
     COARSER
         .into_iter()
-        .find_map(|coarser| standing_in(&FloorPlan::new(scene, units_per_m, coarser)?, units_per_m))
+        .find_map(|coarser| standing_in(&FloorPlan::new(scene, units_per_m, coarser)?, units_per_m, enclosed))
 }
 
-fn standing_in(plan: &FloorPlan, units_per_m: f64) -> Option<Standing> {
+fn standing_in(plan: &FloorPlan, units_per_m: f64, enclosed: Option<bool>) -> Option<Standing> {
     let free: Vec<(DVec2, f64)> = plan.free_places();
     let room = free.iter().find_map(|&(at, floor)| Some((at, floor, plan.walls(at, floor)?)));
     let outside = |reach| (reach < SMALL_ROOM_M).then(|| plan.open_place(&free, true)).flatten();
-    let (at, floor, enclosed) = match room {
-        Some((at, floor, reach)) => {
-            outside(reach).map_or((at, floor, true), |(at, floor)| (at, floor, false))
+    let (at, floor, reach) = match (room, enclosed) {
+        (Some((at, floor, reach)), Some(true)) => (at, floor, Some(reach)),
+        (Some((at, floor, reach)), None) => {
+            outside(reach).map_or((at, floor, Some(reach)), |(at, floor)| (at, floor, None))
         }
-        None => plan.open_place(&free, false).map(|(at, floor)| (at, floor, false))?,
+        (None, Some(true)) => return None,
+        _ => plan.open_place(&free, false).map(|(at, floor)| (at, floor, None))?,
     };
     let floor_in_world = plan.origin + at.extend(floor) * units_per_m;
-    Some(Standing { floor_in_world, enclosed })
+    let in_room = reach.is_some_and(|reach| reach < ROOM_M || plan.has_ceiling(at, floor, reach));
+    Some(Standing { floor_in_world, enclosed: reach.is_some(), in_room })
 }
 
 /// A scene from above: its points by the cells of a floor plan of where most of it is. Lengths are in meters from the
@@ -225,6 +240,24 @@ impl FloorPlan {
         let floors: Vec<f64> = self.within(at, reach).filter_map(|cell| self.floor(cell)).collect();
         let as_high = floors.iter().filter(|height| (**height - floor).abs() < level);
         as_high.count() as f64 / floors.len().max(1) as f64
+    }
+
+    /// True if there is a ceiling above the floor around a place.
+    fn has_ceiling(&self, at: DVec2, floor: f64, reach: f64) -> bool {
+        let (mut num_cells, mut lowest) = (0, Vec::new());
+        for [x, y] in self.within(at, reach.min(CEILING_REACH_M)) {
+            let heights = &self.heights[x + y * self.num_cells[0]];
+            num_cells += 1;
+            lowest.extend(heights.iter().copied().find(|&height| height > floor + CEILING_M));
+        }
+        if lowest.is_empty() {
+            return false;
+        }
+        let middle = lowest.len() / 2;
+        let height = *lowest.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let num_level = lowest.iter().filter(|lowest| (**lowest - height).abs() < FLOOR_LEVEL_M).count();
+        let [of_any_form, of_one_height] = CEILING_SHARES.map(|share| share * f64::from(num_cells));
+        lowest.len() as f64 >= of_any_form || num_level as f64 >= of_one_height
     }
 
     /// The open place nearest to the middle, with a view if there is one; `outside` excludes places with walls all

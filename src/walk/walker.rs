@@ -1,13 +1,15 @@
 //! The walk as it goes on from one headset to the next: state, place, rows, and the scan as far as it has come.
 
-use super::filling::Loaded;
+use super::action::Action;
+use super::filling::{Loaded, ScanRequest};
 use super::locomotion::Locomotion;
 use super::rows::{PendingRows, pass_on};
 use super::run::{Walk, WalkSummary};
 use super::screenshot::Screenshots;
-use super::state::{Action, AppState};
+use super::state::{AppState, Snapshot};
 use base::space::{Pose, View};
 use render::CloudBuffers;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 use timing::Phase;
@@ -16,8 +18,8 @@ use xr::End;
 /// What a walk keeps when its headset, or its GPU, is replaced.
 pub(super) struct Walker {
     pub state: AppState,
-    /// `None` until something of the scan has come.
-    pub locomotion: Option<Locomotion>,
+    /// What surfaces have got of the state.
+    published: Option<Snapshot>,
     pub screenshots: Screenshots,
     pub rows: PendingRows,
     /// The scan on the current GPU, as far as it has come.
@@ -27,23 +29,24 @@ pub(super) struct Walker {
     in_vain_since: Option<Instant>,
     /// True if the user wants a headset looked for at once.
     pub looks_for_headset: bool,
+    /// The scan that the user wants opened.
+    pub wanted: Option<Arc<ScanRequest>>,
     pub stage_from_head: Pose,
     pub last_view: Option<View>,
 }
 
 impl Walker {
     pub fn new(walk: &Walk) -> Self {
-        let state = AppState::new(walk.options.overlay, walk.options.speed);
-        walk.link.publish(state);
         Self {
-            state,
-            locomotion: None,
+            state: AppState::new(walk.options.overlay, walk.options.speed),
+            published: None,
             screenshots: Screenshots::default(),
             rows: PendingRows::new(),
             cloud: None,
             loaded: None,
             in_vain_since: None,
             looks_for_headset: false,
+            wanted: None,
             stage_from_head: Pose::IDENTITY,
             last_view: None,
         }
@@ -54,17 +57,23 @@ impl Walker {
         (self.cloud, self.loaded) = (None, Some(loaded));
     }
 
+    /// Lets go of the scan, for another is wanted.
+    pub fn leave_scan(&mut self) {
+        (self.cloud, self.loaded, self.in_vain_since) = (None, None, None);
+        (self.state.locomotion, self.last_view) = (None, None);
+    }
+
     /// Takes the scan if it has become ready, or another form of it; true if there is one. The viewer stays where they
     /// are if they have been in it before.
     pub fn take_loaded(&mut self, walk: &Walk) -> bool {
         let mut has_come = false;
         while let Some(loaded) = &self.loaded {
             match loaded.try_recv() {
-                Ok(Loaded { cloud, start, floors }) => {
+                Ok(Loaded { cloud, start, starts, floors }) => {
                     self.cloud = Some(cloud);
                     let head = &self.stage_from_head;
-                    self.locomotion.get_or_insert_with(|| {
-                        Locomotion::new(walk.options.locomotion, start, floors).with_head(head)
+                    self.state.locomotion.get_or_insert_with(|| {
+                        Locomotion::new(walk.options.locomotion, start, starts, floors, head)
                     });
                     has_come = true;
                 }
@@ -95,24 +104,24 @@ impl Walker {
         }
     }
 
-    /// Applies the actions that were asked for; returns true if one of them ends the walk.
+    /// Applies the actions that were asked for, and publishes what has changed since; returns true if one of them ends the
+    /// walk.
     pub fn take_actions(&mut self, walk: &Walk) -> bool {
-        let before = self.state;
         while let Ok(action) = walk.actions.try_recv() {
             match action {
                 Action::Quit => return true,
                 Action::Screenshot => self.screenshots.ask(),
                 Action::LookForHeadset => self.looks_for_headset = true,
-                action => {
-                    self.state.apply(action);
-                    if let Some(locomotion) = &mut self.locomotion {
-                        locomotion.apply(action);
-                    }
-                }
+                Action::Open(scan) => self.wanted = Some(scan),
+                action => self.state.apply(action),
             }
         }
-        if self.state != before {
-            walk.link.publish(self.state);
+        let now = Some(self.state.snapshot());
+        // What a surface keeps from being published is published with the next frame.
+        if let Some(snapshot) = now.filter(|_| now != self.published)
+            && walk.link.try_publish(snapshot)
+        {
+            self.published = now;
         }
         false
     }

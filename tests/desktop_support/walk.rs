@@ -3,10 +3,12 @@
 
 use super::fault;
 use base::task::{CancelToken, Task};
+use points::ReadOptions;
 use render::gpu::Gpu;
 use render::options::Overlay;
 use scanwalk::desktop::{Display, WindowOptions};
 use scanwalk::resolve::Plan;
+use scanwalk::walk::filling::ScanRequest;
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
 use scanwalk::walk::state::{AppState, SpeedFactor};
 use std::sync::Arc;
@@ -37,6 +39,8 @@ pub fn play(role: &str) {
     }
     let (walk, actions, viewer) = link::link();
     walk.set_gpu(&gpu);
+    let scan = ScanRequest { files: vec!["hall.laz".into()], read: ReadOptions::default(), kind: None };
+    walk.update_load(|load| load.scan = Some(Arc::new(scan)));
     walk.update_headset(|headset| headset.runtime = "simulated".into());
     let stop = CancelToken::default();
     let frames = std::thread::spawn({
@@ -52,10 +56,10 @@ pub fn play(role: &str) {
             for frame in 0.. {
                 for action in actions.try_iter() {
                     println!("command {action:?}");
-                    if state.apply(action) {
-                        walk.publish(state);
-                    }
+                    state.apply(action);
                 }
+                // What the window keeps from being published is published with the next frame.
+                let _ = walk.try_publish(state.snapshot());
                 if stop.is_cancelled() || (role == "vanish" && frame == 45) {
                     return;
                 }
@@ -81,8 +85,7 @@ pub fn play(role: &str) {
         }
     });
     let options = WindowOptions { size: [960, 640], ..Plan::default().window };
-    let outcome = Display::open(&stop)
-        .and_then(|display| display.run(viewer, "hall.laz".into(), options, stop.clone()));
+    let outcome = Display::open(&stop).and_then(|display| display.run(viewer, options, stop.clone()));
     // An error of the window ends the stand-in too.
     let stopped = stop.is_cancelled();
     stop.cancel();

@@ -11,5 +11,6 @@ mod scan_broken;
 mod scan_formats;
 mod scan_real;
 mod scene;
+mod starts;
 mod synth;
 mod up;

@@ -13,14 +13,15 @@ use render::gpu::{Gpu, readback};
 use render::options::Quality;
 use render::{CloudBuffers, CloudUpload, EyeImage};
 use scanwalk::resolve::Plan;
-use scanwalk::walk::filling::Loaded;
+use scanwalk::walk::action::Action;
+use scanwalk::walk::filling::{Loaded, ScanRequest};
 use scanwalk::walk::governor::GovernorOptions;
 use scanwalk::walk::headsets::{CannotGoOn, Headsets};
 use scanwalk::walk::link::WalkEnd;
 use scanwalk::walk::locomotion::Start;
+use scanwalk::walk::moving::Standpoint;
 use scanwalk::walk::simulated::{SimulatedHeadset, SimulatedOptions};
 use scanwalk::walk::start::start;
-use scanwalk::walk::state::Action;
 use scanwalk::walk::{Walk, WalkOptions, link};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
@@ -222,6 +223,7 @@ impl<H: Headset> Headsets for Only<H> {
     fn has_another(&mut self) -> bool {
         false
     }
+    fn open_scan(&mut self, _: Arc<ScanRequest>) {}
     fn look_now(&mut self) {}
     fn replace(&mut self, _: Option<&End>) -> Result<bool, CannotGoOn> {
         Ok(false)
@@ -250,10 +252,11 @@ fn endless((actions, link): (Receiver<Action>, WalkEnd), stop: &CancelToken) -> 
 /// The rows and the pictures of a walk that shows nothing, then the root, then the octree.
 fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<SeenFrame>) {
     let (hierarchy, runs) = runs(scan);
-    let outside = start(&hierarchy.scene, 1.0);
+    let outside = start(&hierarchy.scene, 1.0, None);
     // The place is so near that the points fill the view.
     let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
-    let start = Start { floor_in_world: place, ..outside };
+    let standpoint = Standpoint { floor_in_world: place, ..outside.standpoint };
+    let start = Start { standpoint, ..outside };
     let (frame_link, actions, viewer) = link::link();
     let (loaded_sender, loaded) = channel();
     // The channel has no room: a frame ends when the test has taken it.
@@ -272,7 +275,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<SeenFrame>) {
         let mut upload = CloudUpload::layered(&device, &hierarchy, 0, &silent).expect("room");
         upload.write_blocks(&hierarchy, &runs[0]).expect("the root");
         loaded_sender
-            .send(Loaded { cloud: upload.buffers(), start, floors: Arc::default() })
+            .send(Loaded { cloud: upload.buffers(), start, starts: Arc::default(), floors: Arc::default() })
             .expect("the walk goes on");
         see(12);
         for run in &runs[1..] {

@@ -9,7 +9,7 @@ use cloud::octree::Octree;
 use glam::DVec3;
 use kit::frames::{gpu, octree_of};
 use kit::quality::holes::{
-    self, Drawer, EyeFrame, EMPTY_RGB, RingHoles, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, sphere, unreduced,
+    self, Drawer, EMPTY_RGB, EyeFrame, INSIDE, Judged, OUTLINE_PX, RINGS_DEG, RingHoles, sphere, unreduced,
 };
 use kit::quality::scene::ScanSource;
 use lab::synth::{SynthKind, Viewpoint};

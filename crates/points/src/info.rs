@@ -62,6 +62,13 @@ pub fn text(paths: &[PathBuf], json: bool, options: &ReadOptions, task: &Task) -
     Ok(serde_json::to_string_pretty(&describe(&scan, &headers)).expect("JSON") + "\n")
 }
 
+/// How a scan's coordinates were understood, name and words for people: the unit, the axis that points up.
+#[must_use]
+pub fn placing_words(scan: &Scan) -> [(&'static str, String); 2] {
+    let unit = unit_words(scan, vertical_unit_m(scan));
+    [("unit", unit), ("up", up(scan).map_or("away from the earth", UpAxis::name).into())]
+}
+
 fn describe(scan: &Scan, headers: &[Header]) -> Description {
     let file = |file: &ScanFile| FileDescription {
         path: file.path.display().to_string(),
@@ -161,8 +168,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     let triangles = (described.triangles > 0).then(|| grouped(described.triangles));
     lines.push(("triangles", triangles.unwrap_or_default()));
     lines.push(("system", described.crs.unwrap_or_else(|| "not stated".into())));
-    lines.push(("unit", unit_words(scan, described.vertical_unit_m)));
-    lines.push(("up", described.up.unwrap_or("away from the earth").into()));
+    lines.extend(placing_words(scan));
     let software = distinct(headers.iter().filter_map(|header| header.software.clone()));
     let created = distinct(headers.iter().filter_map(|header| header.created.clone()));
     lines.push(("written by", software.join("; ")));

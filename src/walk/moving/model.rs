@@ -45,6 +45,13 @@ pub fn show(place: &mut StagePlace, bounds: &Bounds, stage_from_head: &Pose) {
     place.bring(at.with_y(TABLE_M), bottom);
 }
 
+/// The pitch at which a head that faces the model looks at its middle, radians.
+#[must_use]
+pub fn pitch(place: &StagePlace, bounds: &Bounds, stage_from_head: &Pose) -> f64 {
+    let to = place.p_in_stage(bounds.center()) - stage_from_head.position;
+    to.y.atan2(to.x.hypot(to.z))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -21,6 +21,12 @@ impl Visits {
         Self { num_stations: stations.len(), places: stations, at: None }
     }
 
+    /// Number of places.
+    #[must_use]
+    pub fn num(&self) -> usize {
+        self.places.len()
+    }
+
     /// Keeps a place of the user's.
     pub fn save(&mut self, place: Standpoint) {
         if self.places.len() - self.num_stations >= MOST {

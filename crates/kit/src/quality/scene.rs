@@ -165,9 +165,9 @@ mod tests {
 
     #[test]
     fn a_real_scan_that_is_not_here_is_an_error() {
-        let named = |part, has_real_scans| Source::named_among(&SOURCES, part, has_real_scans);
+        let named = |part, has_real_scans| ScanSource::named_among(&SOURCES, part, has_real_scans);
         assert_eq!(named("", true).unwrap(), SOURCES);
-        assert_eq!(named("aerial", false).unwrap(), [Source::Synth(SynthKind::Aerial)]);
+        assert_eq!(named("aerial", false).unwrap(), [ScanSource::Synth(SynthKind::Aerial)]);
         let error = named("", false).unwrap_err().to_string();
         assert!(error.contains("SCANWALK_TEST_DATA") && error.contains("--scan"), "{error}");
     }

@@ -245,10 +245,10 @@ fn a_real_room_has_its_floor_where_its_points_are() {
     assert!(floors.bytes() < 64 << 20 && floors.edge() < 0.11);
     let file = &scan.files[0];
     let points: Vec<DVec3> = file.points.xyz.iter().map(|&xyz| file.grid.p_in_world(xyz)).collect();
-    let start = crate::walk::start::start(&scan.scene, 1.0);
-    assert!(start.is_inside);
+    let start = crate::walk::start::start(&scan.scene, 1.0, None);
+    assert_eq!(start.kind, crate::walk::kind::ScanKind::Interior);
     // Hands at the start point all around, and down at floors at several distances.
-    let hand = start.floor_in_world + DVec3::Z * 1.3;
+    let hand = start.standpoint.floor_in_world + DVec3::Z * 1.3;
     let mut errors = Vec::new();
     for turn in 0..40 {
         for pitch_deg in [-65f64, -45.0, -25.0, -5.0, 10.0, 25.0] {

@@ -1,0 +1,24 @@
+//! The part of the panel that tells how the scan was understood, and has it read in another way: files lie about their
+//! units, and models lie on their side.
+
+use super::Widgets;
+use super::parts::combo;
+use crate::walk::action::Action;
+use crate::walk::filling::ScanRequest;
+use crate::walk::link::LoadState;
+use egui::Ui;
+use points::{Unit, Up};
+use std::sync::Arc;
+
+/// Values of `cloud.up`.
+const UPS: [(&str, Up); 4] = [("auto", Up::Auto), ("z", Up::Z), ("y", Up::Y), ("-y", Up::MinusY)];
+
+/// Draws the choices; returns the action that the user asked for in them.
+pub(super) fn show(ui: &mut Ui, load: &LoadState, widgets: &Widgets) -> Option<Action> {
+    let request = load.scan.as_ref()?;
+    let mut read = request.read.clone();
+    combo(ui, widgets, "cloud.up", &mut read.up, &UPS);
+    combo(ui, widgets, "cloud.unit", &mut read.unit, &Unit::choices());
+    (read != request.read)
+        .then(|| Action::Open(Arc::new(ScanRequest { read, ..ScanRequest::clone(request) })))
+}

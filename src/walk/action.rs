@@ -1,0 +1,86 @@
+//! What surfaces (the window, hands, a panel in the headset) ask of the walk, and how they are told where the user is.
+
+use super::filling::ScanRequest;
+use super::kind::ScanKind;
+use glam::DVec3;
+use render::options::Overlay;
+use std::sync::Arc;
+
+/// What the user asks of the walk.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Keys now held: right, up, forward, each −1 to 1, in the viewer's own directions; and the fast key.
+    Move {
+        /// Right, up, forward.
+        direction: [f32; 3],
+        /// Fast key held.
+        fast: bool,
+    },
+    /// Mouse moved while looking: pixels right, pixels down.
+    Look {
+        /// Pixels right, pixels down.
+        delta_px: [f32; 2],
+    },
+    /// Faster (> 0) or slower (< 0) from now on, by this many steps of [`SPEED_STEP`].
+    Faster(f32),
+    /// This many times as fast as the speed that a scan or the user chose, from now on.
+    SetSpeed(f32),
+    /// Turn by this many snap steps; right is positive.
+    Snap(i32),
+    /// Go back to the starting place.
+    Reset,
+    /// Move back until the whole scan is in view.
+    WholeView,
+    /// Walk on floors if one flew, fly if one walked.
+    ToggleWalking,
+    /// Go to a floor, the head above it.
+    TeleportTo {
+        /// Place on the floor, world space.
+        floor_in_world: DVec3,
+        /// Direction in which the head faces then, about the world's vertical, radians; 0 is north, positive to the left.
+        yaw: f64,
+    },
+    /// Take the scan for one of this kind, and begin anew.
+    TakeFor(ScanKind),
+    /// Show the whole scan as a model before the user.
+    ShowModel,
+    /// Show the scan as large as life, from where a hand or the head points.
+    LifeSize,
+    /// Keep the place where the user is.
+    SavePlace,
+    /// Go to the next place that was kept.
+    NextPlace,
+    /// Go to the place before.
+    PreviousPlace,
+    /// Raise the user by so many meters, or lower them (< 0).
+    Raise(f32),
+    /// Raise somebody who sits as if they stood, and back.
+    ToggleSeated,
+    /// Draw this over the mirror from now on.
+    SetOverlay(Overlay),
+    /// Draw the next overlay over the mirror from now on.
+    NextOverlay,
+    /// Show another scan, or the same one read in another way.
+    Open(Arc<ScanRequest>),
+    /// Look for a headset at once, if one is looked for at all.
+    LookForHeadset,
+    /// Save both eyes' images.
+    Screenshot,
+    /// End the walk.
+    Quit,
+}
+
+/// How the user is in the scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stance {
+    /// What the scan is taken for.
+    pub kind: ScanKind,
+    /// True if sticks and keys walk on the floor, false if they fly.
+    pub is_walking: bool,
+    /// Size of the scan: 1 is as large as life.
+    pub scale: f64,
+    /// Meters by which the user is raised above the floor.
+    pub raised_m: f64,
+    /// Number of places that one can go back to.
+    pub num_places: usize,
+}
