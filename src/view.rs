@@ -1,7 +1,7 @@
 //! The main job: walk through a scan, in a headset, in a window, or with nobody looking.
 //!
 //! These are its threads: the loader reads the scan and sends it to the GPU, node by node ([`crate::loader`]); the frame
-//! thread draws ([`crate::walk`]); one paints the card ([`crate::desktop::card`]); the main thread runs the window, if there
+//! thread draws ([`crate::walk`]); one paints the card ([`crate::desktop::card`]), one the menu ([`crate::desktop::menu`]); the main thread runs the window, if there
 //! is one.
 
 use crate::desktop::{self, Display};
@@ -117,7 +117,7 @@ pub fn run(
             },
         );
     });
-    let card_end = link.card_end();
+    let paint_end = link.paint_end();
     let walk = Walk {
         draw: plan.draw,
         options: plan.walk,
@@ -140,8 +140,10 @@ pub fn run(
         }
         summary
     });
-    let card_stop = stop.clone();
-    let card = thread(&ending, move |_| desktop::card::paint(&card_end, &card_stop));
+    let (card_stop, menu_stop, menu_end) = (stop.clone(), stop.clone(), paint_end.clone());
+    let card = thread(&ending, move |_| desktop::card::paint(&paint_end, &card_stop));
+    let menu_actions = viewer.actions.clone();
+    let menu = thread(&ending, move |_| desktop::menu::paint(&menu_end, &menu_actions, &menu_stop));
     if let Some(display) = display {
         match display.run(viewer, plan.window.clone(), stop.clone()) {
             Err(error) if options.window == Wish::Auto => eprintln!("scanwalk: no window: {error}"),
@@ -153,6 +155,7 @@ pub fn run(
     let summary = leaving.join(frames).flatten();
     leaving.join(loader);
     leaving.join(card);
+    leaving.join(menu);
     // After a failure, a log without a frame of the scan is dropped, so that an older log stays.
     ending.take_result()?;
     finish_log(log.as_deref(), options);

@@ -96,9 +96,9 @@ const EXAMPLES: &str = "Examples:
 pub enum Lod {
     /// By an octree.
     On,
-    /// None: every point.
+    /// Without one: every point is drawn.
     Off,
-    /// By an octree.
+    /// By an octree, as `on` has it.
     Octree,
     /// By a sequential point tree.
     Spt,

@@ -45,29 +45,30 @@ const EXAMPLES: &str = "Examples:
   scanwalk view castle.laz --headset off --preset performance --preset valve-index
   scanwalk view castle.laz --window off --frames 600 --log frames.csv
 
-In the headset: left stick flies where you look, right stick turns, a press resets.
-In the window: drag to look, WASD to fly, shift to go faster, F1 for all keys.";
+In the headset: the left stick walks inside and flies elsewhere, the right stick turns and aims a teleport, grips hold the scan, the menu
+button opens a menu; docs/CONTROLLERS.md has all.
+In the window: drag to look, click to go there, WASD to move, shift to go faster, F1 for all keys.";
 
 /// Whether to use a headset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum HeadsetChoice {
-    /// If an OpenXR runtime with a headset answers.
+    /// The headset if an OpenXR runtime with one answers, else the simulated one.
     #[default]
     Auto,
-    /// Or fail.
+    /// The headset, or the walk fails.
     Require,
-    /// Never: the simulated one.
+    /// The simulated headset, whatever answers.
     Off,
 }
 
 /// Whether to open a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum WindowChoice {
-    /// If there is a display.
+    /// A window if there is a display.
     #[default]
     Auto,
-    /// Or fail.
+    /// A window, or the walk fails.
     On,
-    /// Never.
+    /// No window.
     Off,
 }

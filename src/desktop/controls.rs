@@ -10,6 +10,16 @@ use winit::keyboard::KeyCode;
 /// How long a first Esc waits for the second.
 const LEAVE_WINDOW: Duration = Duration::from_secs(2);
 
+/// What the panel tells of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum PanelTab {
+    /// The scan, what is seen of it, and how one moves.
+    #[default]
+    Scan,
+    /// How the frames go, and what they run on.
+    Timing,
+}
+
 /// What the window shows; the user changes it with keys and in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct WindowState {
@@ -17,6 +27,8 @@ pub(super) struct WindowState {
     pub mirror: MirroredEyes,
     /// True if the panel is shown.
     pub panel: bool,
+    /// What the panel tells of.
+    pub tab: PanelTab,
     /// True if the help is shown.
     pub help: bool,
     /// True if the user wants full screen.
@@ -31,7 +43,7 @@ impl WindowState {
     pub(super) fn new(options: &WindowOptions) -> Self {
         let WindowOptions { mirror, panel, .. } = *options;
         let (help, full_screen, leave) = (false, false, false);
-        Self { mirror, panel, help, full_screen, leave, leave_asked: None }
+        Self { mirror, panel, tab: PanelTab::default(), help, full_screen, leave, leave_asked: None }
     }
 
     /// True while a second Esc would quit.
@@ -60,15 +72,27 @@ pub(super) struct Controls {
     held: Vec<KeyCode>,
     sent: Action,
     drag_from_px: Option<[f64; 2]>,
+    /// Where a button went down, while the pointer has stayed there: letting go is a click.
+    click_px: Option<[f64; 2]>,
     pointer_px: [f64; 2],
 }
+
+/// Most that the pointer moves during a click, physical pixels.
+const CLICK_PX: f64 = 4.0;
 
 const AT_REST: Action = Action::Move { direction: [0.0; 3], fast: false };
 
 impl Controls {
     /// Controls with nothing held.
     pub(super) fn new(view: WindowState) -> Self {
-        Self { view, held: Vec::new(), sent: AT_REST, drag_from_px: None, pointer_px: [0.0; 2] }
+        Self {
+            view,
+            held: Vec::new(),
+            sent: AT_REST,
+            drag_from_px: None,
+            click_px: None,
+            pointer_px: [0.0; 2],
+        }
     }
 
     /// Takes in that a key went down (once, not its repeats) or up.
@@ -93,14 +117,17 @@ impl Controls {
             KeyAction::FullScreen => view.full_screen = !view.full_screen,
             KeyAction::Help => view.help = !view.help,
             KeyAction::Back => view.back(now),
-            KeyAction::Move(..) | KeyAction::Fast | KeyAction::Look => {}
+            KeyAction::Move(..) | KeyAction::Fast | KeyAction::Look | KeyAction::GoToSeen => {}
         }
         None
     }
 
-    /// Takes in that a mouse button went down on the picture (not on the panel), or up anywhere.
-    pub(super) fn button(&mut self, pressed: bool) {
+    /// Takes in that a mouse button went down on the picture (not on the panel), or up anywhere. True if it was a click.
+    pub(super) fn button(&mut self, pressed: bool) -> bool {
         self.drag_from_px = pressed.then_some(self.pointer_px);
+        let clicked = self.click_px.take().is_some() && !pressed;
+        self.click_px = self.drag_from_px;
+        clicked
     }
 
     /// Where the pointer is, physical pixels.
@@ -116,6 +143,8 @@ impl Controls {
     /// Takes in that the pointer is at `at_px`, physical pixels.
     pub(super) fn pointer(&mut self, at_px: [f64; 2]) -> Option<Action> {
         self.pointer_px = at_px;
+        let is_near = |from: &[f64; 2]| (at_px[0] - from[0]).hypot(at_px[1] - from[1]) <= CLICK_PX;
+        self.click_px = self.click_px.filter(is_near);
         let from_px = self.drag_from_px.as_mut().map(|from| std::mem::replace(from, at_px))?;
         let delta_px = [(at_px[0] - from_px[0]) as f32, (at_px[1] - from_px[1]) as f32];
         (keys::action(WindowInput::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
@@ -133,7 +162,7 @@ impl Controls {
     /// Lets go of everything: the window lost the keyboard and will not see the keys go up.
     pub(super) fn release_all(&mut self) -> Option<Action> {
         self.held.clear();
-        self.drag_from_px = None;
+        (self.drag_from_px, self.click_px) = (None, None);
         self.movement()
     }
 
@@ -210,6 +239,21 @@ mod tests {
         assert_eq!(c.pointer([14.0, 6.0]), Some(Action::Look { delta_px: [1.0, 0.0] }));
         c.button(false);
         assert_eq!(c.pointer([50.0, 50.0]), None);
+    }
+
+    #[test]
+    fn a_click_is_let_go_where_it_began() {
+        let mut c = controls();
+        c.pointer([10.0, 10.0]);
+        assert!(!c.button(true) && c.button(false), "a click");
+        assert!(!c.button(true));
+        c.pointer([12.0, 12.0]);
+        assert!(c.button(false), "a hand is never quite still");
+        assert!(!c.button(true));
+        c.pointer([60.0, 10.0]);
+        c.pointer([10.0, 10.0]);
+        assert!(!c.button(false), "a drag that comes back is none");
+        assert!(!c.button(false), "nothing went down");
     }
 
     #[test]

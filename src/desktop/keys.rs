@@ -12,6 +12,8 @@ pub(super) enum WindowInput {
     Key(KeyCode),
     /// Moving the mouse with a button held.
     Drag,
+    /// The left mouse button, pressed and let go at one place.
+    Click,
     /// The mouse wheel.
     Wheel,
 }
@@ -27,6 +29,8 @@ pub(super) enum KeyAction {
     Send(Action),
     /// Looks around.
     Look,
+    /// Goes to the floor that is seen there.
+    GoToSeen,
     /// Changes the speed by this many steps, faster (> 0) or slower (< 0); the wheel does so for each line.
     Speed(f32),
     /// Shows or hides the panel.
@@ -54,14 +58,15 @@ pub(super) struct KeyBinding {
 
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[KeyBinding] = {
-    use KeyAction::{Back, Fast, FullScreen, Help, Look, Move, NextMirror, Panel, Send, Speed};
+    use KeyAction::{Back, Fast, FullScreen, GoToSeen, Help, Look, Move, NextMirror, Panel, Send, Speed};
     use KeyCode as K;
-    use WindowInput::{Drag, Key, Wheel};
+    use WindowInput::{Click, Drag, Key, Wheel};
     const fn bind(inputs: &'static [WindowInput], action: KeyAction, does: &'static str) -> KeyBinding {
         KeyBinding { inputs, action, does }
     }
     &[
         bind(&[Drag], Look, "Look around"),
+        bind(&[Click], GoToSeen, "Go to where one clicks"),
         bind(&[Key(K::KeyW), Key(K::ArrowUp)], Move(2, 1.0), "Forward"),
         bind(&[Key(K::KeyS), Key(K::ArrowDown)], Move(2, -1.0), "Back"),
         bind(&[Key(K::KeyA)], Move(0, -1.0), "Left"),
@@ -117,6 +122,7 @@ impl WindowInput {
     fn label(&self) -> String {
         let name = match self {
             Self::Drag => "Mouse drag",
+            Self::Click => "Mouse click",
             Self::Wheel => "Mouse wheel",
             Self::Key(key) => match key {
                 KeyCode::ControlLeft | KeyCode::ControlRight => "Ctrl",

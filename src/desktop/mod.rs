@@ -26,7 +26,7 @@
 //! walk_end.set_gpu(&std::sync::Arc::new(Gpu::open(None)?));
 //! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end cancels `stop`
 //! match desktop::Display::open(&stop) {
-//!     Ok(display) => display.run(viewer, "hall.laz".into(), options, stop.clone())?,
+//!     Ok(display) => display.run(viewer, options, stop.clone())?,
 //!     Err(_) => {} // `--window auto`: the walk goes on without
 //! }
 //! frames.join().ok();
@@ -38,9 +38,11 @@
 
 pub mod card;
 mod controls;
+mod easel;
 mod help;
 mod history;
 mod keys;
+pub mod menu;
 mod mirror;
 mod notice;
 mod numbers;

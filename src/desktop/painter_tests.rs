@@ -1,12 +1,14 @@
 //! The painter on a GPU without a window, and the panel without either.
 
-use super::controls::{Controls, WindowState};
+use super::controls::{Controls, PanelTab, WindowState};
+use super::easel::PIXELS_PER_POINT;
 use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
-use super::{MirroredEyes, WindowOptions, card, help, keys, notice, panel, style};
-use crate::walk::action::Stance;
+use super::{MirroredEyes, WindowOptions, card, help, keys, menu, notice, panel, style};
+use crate::walk::action::{Action, Stance};
 use crate::walk::kind::ScanKind;
 use crate::walk::link::{HeadsetState, LoadState, MirrorImages};
+use crate::walk::moving::Turn;
 use crate::walk::state::{AppState, Snapshot, SpeedFactor};
 use base::task::Done;
 use render::gpu::Gpu;
@@ -128,6 +130,74 @@ fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
     words
 }
 
+/// What is chosen when a hand points at this word of the menu, presses and lets go.
+fn chosen(word: &str) -> Vec<Action> {
+    let stance = stance();
+    let state = AppState::new(Overlay::None, SpeedFactor::default()).snapshot();
+    let snapshot = Snapshot { stance: Some(stance), menu: Some(1), ..state };
+    let context = egui::Context::default();
+    style::apply(&context);
+    let size = egui::Vec2::from(menu::SIZE_PX.map(|px| px as f32 / PIXELS_PER_POINT));
+    let screen_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size));
+    let mut all = Vec::new();
+    let mut pass = |events: Vec<egui::Event>| {
+        let input = egui::RawInput { screen_rect, events, ..Default::default() };
+        let mut output = context.run_ui(input, |ui| all.extend(menu::contents(ui, &snapshot, &stance)));
+        output.textures_delta.clear();
+        output.shapes.iter().find_map(|clipped| match &clipped.shape {
+            egui::Shape::Text(text) if text.galley.text() == word => {
+                Some(text.visual_bounding_rect().center())
+            }
+            _ => None,
+        })
+    };
+    pass(Vec::new());
+    let pos = pass(Vec::new()).unwrap_or_else(|| panic!("no {word} in the menu"));
+    let button = |pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    for event in [egui::Event::PointerMoved(pos), button(true), button(false)] {
+        pass(vec![event]);
+    }
+    all
+}
+
+#[test]
+fn the_menu_sends_what_is_chosen_in_it() {
+    for (word, action) in [
+        ("Back to the start", Action::Reset),
+        ("As a model", Action::ShowModel),
+        ("Fly", Action::ToggleWalking),
+        ("Keep", Action::SavePlace),
+        ("Next", Action::NextPlace),
+        ("Faster", Action::Faster(2.0)),
+        ("Seated", Action::ToggleSeated),
+        ("Turns by steps", Action::SetTurn(Turn::Smooth)),
+        ("Dark edge: some", Action::SetVignette(1.0)),
+        ("Close", Action::ToggleMenu(1)),
+        ("Leave scanwalk", Action::Quit),
+    ] {
+        assert_eq!(chosen(word), [action], "{word}");
+    }
+}
+
+/// Somebody who walks in an interior.
+fn stance() -> Stance {
+    Stance {
+        kind: ScanKind::Interior,
+        said: None,
+        is_walking: true,
+        scale: 1.0,
+        raised_m: 0.0,
+        num_places: 0,
+        turn: Turn::Snap,
+        vignette: 0.5,
+    }
+}
+
 #[test]
 fn the_card_in_the_headset_says_how_far_loading_is_and_why_it_failed() {
     let reading = LoadState {
@@ -162,8 +232,35 @@ fn words_in(history: &History, load: &LoadState, state: Snapshot) -> String {
         eye_px: Some([1440, 1600]),
         now,
     };
+    let words = |tab| {
+        let mut view = WindowState::new(&options);
+        view.tab = tab;
+        painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), []))
+    };
+    // Either tab, one after the other.
+    words(PanelTab::Scan) + &words(PanelTab::Timing)
+}
+
+#[test]
+fn the_panel_opens_with_the_scan_and_timing_is_a_tab() {
+    let options = WindowOptions::sample();
+    let load = LoadState { facts: vec![("Points".into(), "52 391 020".into())], ..Default::default() };
+    let (history, headset) = (History::default(), HeadsetState::default());
+    let contents = panel::Contents {
+        history: &history,
+        load: &load,
+        headset: &headset,
+        widgets: &options.widgets,
+        state: AppState::new(Overlay::None, SpeedFactor::default()).snapshot(),
+        eye_px: None,
+        now: Instant::now(),
+    };
     let mut view = WindowState::new(&options);
-    painted(|ui| assert_eq!(panel::show(ui, &contents, &mut view), []))
+    let words = painted(|ui| _ = panel::show(ui, &contents, &mut view));
+    assert!(words.contains("52 391 020") && !words.contains("frames / s"), "{words}");
+    view.tab = PanelTab::Timing;
+    let words = painted(|ui| _ = panel::show(ui, &contents, &mut view));
+    assert!(!words.contains("52 391 020") && words.contains("frames / s"), "{words}");
 }
 
 #[test]
@@ -234,15 +331,13 @@ fn the_panel_tells_how_the_user_is_in_the_scan() {
         let state = Snapshot { stance, ..AppState::new(Overlay::None, SpeedFactor::default()).snapshot() };
         words_in(&History::default(), &LoadState::default(), state)
     };
-    let stance =
-        Stance { kind: ScanKind::Interior, is_walking: true, scale: 1.0, raised_m: 0.0, num_places: 0 };
-    let words = words_with(Some(stance));
+    let words = words_with(Some(stance()));
     for expected in ["an interior", "walk on floors", "as large as life", "Fly", "Model", "Keep place"] {
         assert!(words.contains(expected), "{expected}: {words}");
     }
     assert!(!words.contains("Raised") && !words.contains("Next place"), "{words}");
-    let model =
-        Stance { kind: ScanKind::Landscape, is_walking: false, scale: 0.01, raised_m: -0.25, num_places: 3 };
+    let (kind, scale) = (ScanKind::Landscape, 0.01);
+    let model = Stance { kind, is_walking: false, scale, raised_m: -0.25, num_places: 3, ..stance() };
     let words = words_with(Some(model));
     for expected in ["a landscape", "fly", "1 : 100", "-0.25 m", "3", "Walk", "Life size", "Next place"] {
         assert!(words.contains(expected), "{expected}: {words}");

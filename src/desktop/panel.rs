@@ -1,6 +1,6 @@
-//! The panel: how the frames go, what is seen, a few choices.
+//! The panel: the scan, how one moves, a few choices; and, on a tab of its own, how the frames go.
 
-use super::controls::WindowState;
+use super::controls::{PanelTab, WindowState};
 use super::history::{History, TimeSummary};
 use super::parts::{fact, fold, section};
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
@@ -52,24 +52,36 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> 
             let scroll = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
             scroll.auto_shrink([false, true]).show(ui, |ui| {
                 ui.set_max_width(WIDTH);
-                frames(ui, contents);
-                section(ui);
-                points(ui, contents.history.newest());
-                section(ui);
-                asked.extend(choices(ui, contents, view));
-                asked.extend(
-                    contents
-                        .state
-                        .stance
-                        .as_ref()
-                        .and_then(|stance| stance::show(ui, stance, contents.widgets)),
-                );
-                asked.extend(scan(ui, contents.load, contents.widgets));
-                machine(ui, contents);
+                tabs(ui, view);
+                match view.tab {
+                    PanelTab::Scan => {
+                        asked.extend(scan(ui, contents));
+                        let stance = contents.state.stance.as_ref();
+                        asked.extend(stance.and_then(|stance| stance::show(ui, stance, contents.widgets)));
+                        section(ui);
+                        asked.extend(choices(ui, contents, view));
+                    }
+                    PanelTab::Timing => {
+                        frames(ui, contents);
+                        section(ui);
+                        points(ui, contents.history.newest());
+                        machine(ui, contents);
+                    }
+                }
             });
         });
     });
     asked
+}
+
+/// Draws the tabs.
+fn tabs(ui: &mut Ui, view: &mut WindowState) {
+    ui.horizontal(|ui| {
+        for (title, tab) in [("Scan", PanelTab::Scan), ("Timing", PanelTab::Timing)] {
+            ui.selectable_value(&mut view.tab, tab, title);
+        }
+    });
+    section(ui);
 }
 
 /// Draws frame rate, plot, stages, GPU and CPU times.
@@ -211,14 +223,15 @@ fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
 }
 
 /// Tells what the readers found; returns the action that the user asked for.
-fn scan(ui: &mut Ui, load: &LoadState, widgets: &Widgets) -> Option<Action> {
+fn scan(ui: &mut Ui, contents: &Contents) -> Option<Action> {
+    let Contents { load, state, widgets, .. } = contents;
     let mut action = None;
     if !load.facts.is_empty() || load.error.is_some() {
         fold(ui, "Scan", true, |ui| {
             for (name, value) in &load.facts {
                 fact(ui, name, value);
             }
-            action = reading::show(ui, load, widgets);
+            action = reading::show(ui, load, state.stance.as_ref(), widgets);
         });
     }
     if !load.warnings.is_empty() {

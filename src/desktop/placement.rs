@@ -66,6 +66,19 @@ pub(super) fn panes(
     }
 }
 
+/// The eye whose image is seen at a place of the window, and where in the image that is: fractions of its width from the left
+/// and of its height from the top.
+pub(super) fn seen_at(panes: &[Pane], [x, y]: [f64; 2]) -> Option<(usize, [f64; 2])> {
+    let within = |rect: &PixelRect| {
+        let at = [
+            (x - f64::from(rect.x)) / f64::from(rect.width),
+            (y - f64::from(rect.y)) / f64::from(rect.height),
+        ];
+        at.iter().all(|at| (0.0..1.0).contains(at)).then_some(at)
+    };
+    panes.iter().find_map(|pane| within(&pane.clip).and_then(|_| Some((pane.eye, within(&pane.image)?))))
+}
+
 /// The image's rectangle around the middle of `area`, its shape kept. The corner lies on a whole pixel, so
 /// that an image of the area's own size is copied pixel by pixel.
 fn fitted(image_px: [u32; 2], area: PixelRect, fit: Fit) -> PixelRect {
@@ -93,6 +106,20 @@ mod tests {
         let all = panes(mirror, images, window, LONGEST);
         assert_eq!(all.len(), 1);
         all[0]
+    }
+
+    #[test]
+    fn a_place_of_the_window_is_one_of_an_image() {
+        let both = panes(MirroredEyes::Both, [EYE; 2], [2000, 1000], LONGEST);
+        // Each half has the whole image, 888.9 × 1000, in its middle.
+        let at = |x, y| seen_at(&both, [x, y]);
+        let (eye, [across, down]) = at(500.0, 250.0).expect("the left eye");
+        assert!(eye == 0 && (across - 0.5).abs() < 1e-3 && (down - 0.25).abs() < 1e-3);
+        assert_eq!(at(1500.0, 500.0).map(|(eye, _)| eye), Some(1));
+        assert_eq!([at(10.0, 500.0), at(990.0, 500.0), at(1500.0, 1000.0)], [None; 3], "bars, and below");
+        let left = panes(MirroredEyes::Left, [EYE; 2], [960, 540], LONGEST);
+        // The image covers the window, so its upper and lower quarters are cropped.
+        assert_eq!(seen_at(&left, [0.0, 0.0]), Some((0, [0.0, 0.25])));
     }
 
     #[test]

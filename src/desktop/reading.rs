@@ -3,7 +3,7 @@
 
 use super::Widgets;
 use super::parts::combo;
-use crate::walk::action::Action;
+use crate::walk::action::{Action, Stance};
 use crate::walk::filling::ScanRequest;
 use crate::walk::link::LoadState;
 use egui::Ui;
@@ -14,11 +14,18 @@ use std::sync::Arc;
 const UPS: [(&str, Up); 4] = [("auto", Up::Auto), ("z", Up::Z), ("y", Up::Y), ("-y", Up::MinusY)];
 
 /// Draws the choices; returns the action that the user asked for in them.
-pub(super) fn show(ui: &mut Ui, load: &LoadState, widgets: &Widgets) -> Option<Action> {
+pub(super) fn show(
+    ui: &mut Ui,
+    load: &LoadState,
+    stance: Option<&Stance>,
+    widgets: &Widgets,
+) -> Option<Action> {
     let request = load.scan.as_ref()?;
     let mut read = request.read.clone();
     combo(ui, widgets, "cloud.up", &mut read.up, &UPS);
     combo(ui, widgets, "cloud.unit", &mut read.unit, &Unit::choices());
-    (read != request.read)
-        .then(|| Action::Open(Arc::new(ScanRequest { read, ..ScanRequest::clone(request) })))
+    // What the user has said of the scan stays said.
+    let kind = stance.and_then(|stance| stance.said).or(request.kind);
+    let files = || request.files.clone();
+    (read != request.read).then(|| Action::Open(Arc::new(ScanRequest { files: files(), read, kind })))
 }

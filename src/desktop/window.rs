@@ -4,6 +4,7 @@
 use super::controls::{Controls, WindowState};
 use super::history::History;
 use super::painter::{EguiPicture, Painter};
+use super::placement::{panes, seen_at};
 use super::screen::WindowSurface;
 use super::{DesktopError, QUEUE_PATIENCE, WindowOptions, help, notice, panel, server, style};
 use crate::walk::action::Action;
@@ -228,16 +229,30 @@ impl App {
         self.send(action);
     }
 
+    /// The action that goes to what is seen where the pointer is.
+    fn go_to_clicked(&self) -> Option<Action> {
+        let gpu = &self.shown.as_ref()?.canvas.gpu;
+        let size = self.shown.as_ref()?.window.inner_size();
+        let images_px = self.viewer.mirror(gpu)?.drawn_px;
+        let longest_px = gpu.device.limits().max_texture_dimension_2d;
+        let panes = panes(self.controls.view.mirror, images_px, [size.width, size.height], longest_px);
+        let (eye, at) = seen_at(&panes, self.controls.pointer_px())?;
+        Some(Action::GoToSeen { eye, at })
+    }
+
     /// Handles mouse events and the rest; `ours` is true if the pointer is on the picture, not on the panel.
     fn other(&mut self, event: &WindowEvent, ours: bool) {
         let action = match *event {
             WindowEvent::Focused(false) => self.controls.release_all(),
-            WindowEvent::MouseInput { state, button: MouseButton::Left | MouseButton::Right, .. } => {
+            WindowEvent::MouseInput {
+                state,
+                button: button @ (MouseButton::Left | MouseButton::Right),
+                ..
+            } => {
                 let pressed = state == ElementState::Pressed;
-                if ours || !pressed {
-                    self.controls.button(pressed);
-                }
-                None
+                let clicked = (ours || !pressed) && self.controls.button(pressed);
+                // The other button looks around only.
+                (clicked && button == MouseButton::Left).then(|| self.go_to_clicked()).flatten()
             }
             WindowEvent::CursorMoved { position, .. } => self.controls.pointer([position.x, position.y]),
             WindowEvent::MouseWheel { delta, .. } if ours => self.controls.wheel(match delta {

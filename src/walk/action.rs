@@ -2,6 +2,7 @@
 
 use super::filling::ScanRequest;
 use super::kind::ScanKind;
+use super::moving::Turn;
 use glam::DVec3;
 use render::options::Overlay;
 use std::sync::Arc;
@@ -42,6 +43,13 @@ pub enum Action {
     },
     /// Take the scan for one of this kind, and begin anew.
     TakeFor(ScanKind),
+    /// Go to the floor that a place of an eye's image shows; a model becomes as large as life there.
+    GoToSeen {
+        /// Left 0, right 1.
+        eye: usize,
+        /// Fractions of the drawn image's width from the left, and of its height from the top.
+        at: [f64; 2],
+    },
     /// Show the whole scan as a model before the user.
     ShowModel,
     /// Show the scan as large as life, from where a hand or the head points.
@@ -50,7 +58,7 @@ pub enum Action {
     SavePlace,
     /// Go to the next place that was kept.
     NextPlace,
-    /// Go to the place before.
+    /// Go to the place that was kept before the one where the user went last.
     PreviousPlace,
     /// Raise the user by so many meters, or lower them (< 0).
     Raise(f32),
@@ -60,6 +68,12 @@ pub enum Action {
     SetOverlay(Overlay),
     /// Draw the next overlay over the mirror from now on.
     NextOverlay,
+    /// Open the menu by this hand, left 0 or right 1; close it if it is open.
+    ToggleMenu(usize),
+    /// Turn in this way from now on.
+    SetTurn(Turn),
+    /// Darken the edge of sight so far while a stick moves the user, 0 to 1.
+    SetVignette(f32),
     /// Show another scan, or the same one read in another way.
     Open(Arc<ScanRequest>),
     /// Look for a headset at once, if one is looked for at all.
@@ -75,6 +89,8 @@ pub enum Action {
 pub struct Stance {
     /// What the scan is taken for.
     pub kind: ScanKind,
+    /// What the user has said that it is of, if they have.
+    pub said: Option<ScanKind>,
     /// True if sticks and keys walk on the floor, false if they fly.
     pub is_walking: bool,
     /// Size of the scan: 1 is as large as life.
@@ -83,4 +99,8 @@ pub struct Stance {
     pub raised_m: f64,
     /// Number of places that one can go back to.
     pub num_places: usize,
+    /// How the stick turns.
+    pub turn: Turn,
+    /// How far the edge of sight is darkened while a stick moves the user, 0 to 1.
+    pub vignette: f32,
 }

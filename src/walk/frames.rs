@@ -1,8 +1,10 @@
 //! Frames for one headset: what lives on its GPU, and what a frame does.
 
+use super::action::Action;
 use super::governor::{Governor, Settings};
 use super::locomotion::{Locomotion, head_of};
 use super::masks::Masks;
+use super::menu::MenuOfWalk;
 use super::mirror::Mirror;
 use super::rows::pass_on;
 use super::run::{Walk, WalkError};
@@ -15,7 +17,7 @@ use render::{EyeImage, Renderer, Setup};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use timing::{CallTimes, FrameRow, Phase, STAGES, ms};
-use xr::{End, FrameState, Headset, StageEye};
+use xr::{End, FrameState, Headset, Panel, StageEye};
 
 /// How long the end of a walk waits for the GPU.
 const LAST_FRAMES_WAIT: Duration = Duration::from_secs(1);
@@ -44,6 +46,9 @@ pub(super) struct Frames {
     drawn_px: [[u32; 2]; 2],
     scenery: SceneryOfWalk,
     hands: SeenHands,
+    menu: MenuOfWalk,
+    /// The menu, if it is drawn into the eyes' images.
+    drawn_panel: Option<Panel>,
     /// True once the governor knows of all of the scan.
     has_begun: bool,
 }
@@ -97,6 +102,8 @@ impl Frames {
             drawn_px: sizes_px,
             scenery: SceneryOfWalk::default(),
             hands: SeenHands::default(),
+            menu: MenuOfWalk::default(),
+            drawn_panel: None,
             has_begun: false,
         })
     }
@@ -165,9 +172,12 @@ impl Frames {
         let seconds = walker.rows.since_display_s(display.predicted_ns);
         let input = headset.input();
         self.hands = SeenHands { controllers: input, joints: headset.hands() };
+        let head = &walker.stage_from_head;
+        let free = self.menu.advance(walker.state.menu, &self.hands, head, &walk.link);
         let speed = walker.state.speed();
+        let mut menu = None;
         if let Some(locomotion) = &mut walker.state.locomotion {
-            locomotion.advance(seconds, speed, &input, &walker.stage_from_head);
+            menu = locomotion.advance(seconds, speed, &free.controllers, head);
             for (hand, event) in locomotion.guides().events.into_iter().enumerate() {
                 if let Some(event) = event {
                     let (strength, seconds) = event.tick();
@@ -175,7 +185,16 @@ impl Frames {
                 }
             }
         }
+        if let Some(hand) = menu {
+            walker.state.apply(Action::ToggleMenu(hand));
+        }
         let settings = self.settle(walker.rows.frame, headset)?;
+        let panel = self.menu.panel(&walk.link);
+        // What the headset cannot show by itself is drawn into the eyes' images.
+        self.drawn_panel = panel.filter(|panel| !headset.show_panel(Some(panel)));
+        if self.drawn_panel.is_none() && !self.menu.is_open() {
+            headset.show_panel(None);
+        }
         let Some(images) = headset.acquire() else {
             headset.submit(None);
             return Ok(());
@@ -284,6 +303,8 @@ impl Frames {
                 near_m: walk.draw.near,
                 locomotion: None,
                 hands: &self.hands,
+                menu: None,
+                pointing: None,
             };
             self.scenery.show(&mut self.renderer, &queue, &walk.link, stand);
             return None;
@@ -301,6 +322,8 @@ impl Frames {
             near_m: walk.draw.near,
             locomotion: Some(locomotion),
             hands: &self.hands,
+            menu: self.drawn_panel.as_ref(),
+            pointing: self.menu.pointing,
         };
         self.scenery.show(&mut self.renderer, &queue, &walk.link, stand);
         walker.last_view = Some(view);

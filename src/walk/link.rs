@@ -4,6 +4,7 @@
 
 use super::action::Action;
 use super::filling::ScanRequest;
+use super::menu::MenuInput;
 use super::state::{AppState, Snapshot, SpeedFactor};
 use base::task::{Count, Done};
 use render::gpu::Gpu;
@@ -76,7 +77,7 @@ struct Rest {
     gpu: Option<Arc<Gpu>>,
     mirror: Option<MirrorImages>,
     headset: HeadsetState,
-    /// All but [`LoadState::doing`].
+    /// What loading has come to, except for [`LoadState::doing`], which stays empty.
     load: LoadState,
     /// The work that goes on.
     doing: Option<Arc<Count>>,
@@ -84,6 +85,10 @@ struct Rest {
     snapshot: Snapshot,
     /// The card that is seen in the headset, on `gpu`.
     card: Option<wgpu::Texture>,
+    /// The menu that is seen in the headset, on `gpu`.
+    menu: Option<wgpu::Texture>,
+    /// What hands do to the menu.
+    menu_input: MenuInput,
 }
 
 /// The frame thread's (and the loader's) end.
@@ -103,9 +108,9 @@ pub struct ViewerEnd {
     shared: Arc<Shared>,
 }
 
-/// The end of whoever paints the card that is seen in the headset.
+/// The end of whoever paints the card and the menu that are seen in the headset.
 #[derive(Clone, Debug)]
-pub struct CardEnd {
+pub struct PaintEnd {
     shared: Arc<Shared>,
 }
 
@@ -126,6 +131,8 @@ pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
         notice: None,
         snapshot,
         card: None,
+        menu: None,
+        menu_input: MenuInput::default(),
     });
     let shared = Arc::new(Shared(rest));
     let walk = WalkEnd { rows: row_sender, shared: Arc::clone(&shared) };
@@ -154,7 +161,8 @@ impl WalkEnd {
         let mut rest = self.shared.rest();
         let is_new = !rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu));
         if is_new {
-            (rest.gpu, rest.mirror, rest.card) = (Some(Arc::clone(gpu)), None, None);
+            (rest.gpu, rest.mirror) = (Some(Arc::clone(gpu)), None);
+            (rest.card, rest.menu) = (None, None);
             rest.headset.device = gpu.name();
         }
         is_new
@@ -192,10 +200,20 @@ impl WalkEnd {
         Some(self.shared.0.try_lock().ok()?.card.clone())
     }
 
-    /// The end of whoever paints the card.
+    /// The menu, if it is painted; `None` if it cannot be told without waiting.
+    pub(super) fn try_menu(&self) -> Option<Option<wgpu::Texture>> {
+        Some(self.shared.0.try_lock().ok()?.menu.clone())
+    }
+
+    /// Tells whoever paints the menu what hands do to it; false if somebody would have to be waited for.
+    pub(super) fn try_point(&self, input: MenuInput) -> bool {
+        self.shared.0.try_lock().map(|mut rest| rest.menu_input = input).is_ok()
+    }
+
+    /// The end of whoever paints what is seen in the headset.
     #[must_use]
-    pub fn card_end(&self) -> CardEnd {
-        CardEnd { shared: Arc::clone(&self.shared) }
+    pub fn paint_end(&self) -> PaintEnd {
+        PaintEnd { shared: Arc::clone(&self.shared) }
     }
 
     /// Changes what else the window says about loading; called by the loader's thread only.
@@ -204,7 +222,7 @@ impl WalkEnd {
     }
 }
 
-impl CardEnd {
+impl PaintEnd {
     /// The GPU to paint on, once there is one.
     #[must_use]
     pub fn gpu(&self) -> Option<Arc<Gpu>> {
@@ -217,16 +235,43 @@ impl CardEnd {
         self.shared.load()
     }
 
+    /// The state as it was when it last changed.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        self.shared.rest().snapshot
+    }
+
+    /// What hands do to the menu.
+    #[must_use]
+    pub fn menu_input(&self) -> MenuInput {
+        self.shared.rest().menu_input
+    }
+
     /// Has the headset show this card from now on, if the walk is still on this GPU.
     pub fn set_card(&self, gpu: &Arc<Gpu>, card: Option<wgpu::Texture>) {
+        self.on(gpu, |rest| rest.card = card);
+    }
+
+    /// Has the headset show this menu from now on, if the walk is still on this GPU.
+    pub fn set_menu(&self, gpu: &Arc<Gpu>, menu: Option<wgpu::Texture>) {
+        self.on(gpu, |rest| rest.menu = menu);
+    }
+
+    fn on(&self, gpu: &Arc<Gpu>, change: impl FnOnce(&mut Rest)) {
         let mut rest = self.shared.rest();
         if rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu)) {
-            rest.card = card;
+            change(&mut rest);
         }
     }
 }
 
 impl ViewerEnd {
+    /// The end of whoever paints what is seen in the headset.
+    #[must_use]
+    pub fn paint_end(&self) -> PaintEnd {
+        PaintEnd { shared: Arc::clone(&self.shared) }
+    }
+
     /// The GPU to draw on, once there is one.
     #[must_use]
     pub fn gpu(&self) -> Option<Arc<Gpu>> {

@@ -41,6 +41,8 @@ const POINTED_M: f64 = 30.0;
 pub struct Locomotion {
     options: LocomotionOptions,
     start: Start,
+    /// What the user has said since that the scan is of.
+    said: Option<ScanKind>,
     /// The starts of other kinds that the scan may be taken for.
     starts: StartsCell,
     place: StagePlace,
@@ -52,6 +54,8 @@ pub struct Locomotion {
     /// The hands' rays in the stage, as last known.
     stage_from_aim: [Option<Pose>; 2],
     held: ([f32; 3], bool),
+    /// Directions of keys that went down since the last frame: one that is up again by now still moves for a frame.
+    tapped: [f32; 3],
     is_walking: bool,
     /// Height of the stage's floor above that which the user stands on, meters.
     raised_m: f64,
@@ -81,6 +85,7 @@ impl Locomotion {
         let mut user = Self {
             options,
             start,
+            said: None,
             starts,
             place: StagePlace::new(floor_in_world, yaw, start.units_per_m),
             pitch: 0.0,
@@ -88,6 +93,7 @@ impl Locomotion {
             stage_from_head: *stage_from_head,
             stage_from_aim: [None; 2],
             held: ([0.0; 3], false),
+            tapped: [0.0; 3],
             is_walking: false,
             raised_m: 0.0,
             floors,
@@ -147,8 +153,16 @@ impl Locomotion {
     #[must_use]
     pub fn stance(&self) -> Stance {
         let Self { is_walking, raised_m, .. } = *self;
-        let (kind, scale, num_places) = (self.start.kind, self.place.scale, self.visits.num());
-        Stance { kind, is_walking, scale, raised_m, num_places }
+        Stance {
+            kind: self.start.kind,
+            said: self.said,
+            is_walking,
+            scale: self.place.scale,
+            raised_m,
+            num_places: self.visits.num(),
+            turn: self.gestures.turn(),
+            vignette: self.options.vignette,
+        }
     }
 
     /// Where the user would stand who points along a ray in the world: that of a hand, or of a pixel of the mirror. They keep
@@ -162,10 +176,28 @@ impl Locomotion {
         Some(Landing { floor_in_world: floor, yaw: self.facing() })
     }
 
+    /// Goes to the floor that a ray in the world points at; a model becomes as large as life there. False if it points at no
+    /// floor.
+    pub fn go_where_pointed(&mut self, from_in_world: DVec3, along_in_world: DVec3) -> bool {
+        let Some(Landing { floor_in_world, yaw }) = self.pointed_at(from_in_world, along_in_world) else {
+            return false;
+        };
+        let scale = if self.place.scale < LEAST_WALKED { 1.0 } else { self.place.scale };
+        self.go(&Standpoint { floor_in_world, yaw, scale });
+        true
+    }
+
     /// Applies what moves the viewer.
     pub fn apply(&mut self, action: Action) {
         match action {
-            Action::Move { direction, fast } => self.held = (direction, fast),
+            Action::Move { direction, fast } => {
+                self.held = (direction, fast);
+                for (tapped, along) in
+                    self.tapped.iter_mut().zip(direction).filter(|(_, along)| *along != 0.0)
+                {
+                    *tapped = along;
+                }
+            }
             Action::Look { delta_px } => {
                 let radians = self.options.look_rad_per_px;
                 self.turn(-f64::from(delta_px[0]) * radians);
@@ -191,10 +223,12 @@ impl Locomotion {
                 let found =
                     self.starts.get().and_then(|starts| starts.iter().find(|start| start.kind == kind));
                 if let Some(start) = found {
-                    self.start = *start;
+                    (self.start, self.said) = (*start, Some(kind));
                     self.begin();
                 }
             }
+            Action::SetTurn(turn) => self.gestures.set_turn(turn),
+            Action::SetVignette(part) => self.options.vignette = part.clamp(0.0, 1.0),
             Action::ShowModel => self.show_model(),
             Action::LifeSize => self.life_size(),
             Action::SavePlace => self.visits.save(self.standpoint()),
@@ -207,20 +241,23 @@ impl Locomotion {
             }
             // These are the state's, or the walk's.
             Action::Faster(_) | Action::SetSpeed(_) | Action::SetOverlay(_) | Action::NextOverlay => {}
-            Action::LookForHeadset | Action::Open(_) | Action::Screenshot | Action::Quit => {}
+            Action::ToggleMenu(_) => {}
+            Action::GoToSeen { .. } | Action::LookForHeadset | Action::Open(_) => {}
+            Action::Screenshot | Action::Quit => {}
         }
     }
 
     /// Moves by what hands and keys do for `seconds`, `faster` times as fast as [`Self::speed`]. `stage_from_head` is the
     /// head as last located: forward is the direction in which it looks. What a hand asks for once is the same [`Action`] that a
-    /// key sends; sticks and hands that hold the world move on with each frame.
+    /// key sends; sticks and hands that hold the world move on with each frame. Returns the hand whose menu button has gone
+    /// down.
     pub fn advance(
         &mut self,
         seconds: f64,
         faster: f32,
         controllers: &ControllerInput,
         stage_from_head: &Pose,
-    ) {
+    ) -> Option<usize> {
         self.stage_from_head = *stage_from_head;
         self.stage_from_aim = controllers.hands.map(|hand| hand.stage_from_aim);
         let seconds = seconds.clamp(0.0, LONGEST_FRAME_S);
@@ -241,6 +278,7 @@ impl Locomotion {
         if intents.reset {
             self.apply(Action::Reset);
         }
+        intents.menu
     }
 
     /// Moves the world with the hands that hold it.
@@ -292,7 +330,10 @@ impl Locomotion {
     fn stride(&mut self, seconds: f64, faster: f32, stick: DVec2) {
         let units_per_m = self.place.units_per_m();
         let step = self.speed() * f64::from(faster) * units_per_m * seconds;
-        let [right, up, forward] = self.held.0.map(f64::from);
+        let tapped = std::mem::take(&mut self.tapped);
+        let keys = [0, 1, 2].map(|axis: usize| [self.held.0[axis], tapped[axis]]);
+        let [right, up, forward] =
+            keys.map(|[held, tapped]| f64::from(if held == 0.0 { tapped } else { held }));
         let fast = if self.held.1 { self.options.fast } else { 1.0 };
         let across = DVec2::new(right, forward) * fast + stick;
         let rise = DVec3::Z * up * fast;

@@ -377,3 +377,39 @@ fn the_same_input_leads_to_the_same_place() {
     };
     assert_eq!(went(), went());
 }
+
+#[test]
+fn a_short_press_moves_however_slow_the_frames_are() {
+    let mut walk = walk();
+    let [go, rest] = [1.0, 0.0].map(|forward| Action::Move { direction: [0.0, 0.0, forward], fast: false });
+    // The key goes down and up between two frames.
+    walk.apply(go);
+    walk.apply(rest);
+    pass(&mut walk, FRAME_S, &ControllerInput::default(), &head(0.0, 0.0, 0.0));
+    let moved = walk.place.floor_in_world - UTM;
+    assert!((moved - DVec3::Y * FRAME_S * walk.speed()).length() < 1e-9, "{moved}");
+    pass(&mut walk, 1.0, &ControllerInput::default(), &head(0.0, 0.0, 0.0));
+    assert_eq!(walk.place.floor_in_world - UTM, moved, "once");
+}
+
+#[test]
+fn a_click_on_the_floor_leads_there_to_the_centimeter() {
+    let mut walk = with(LocomotionOptions::default(), inside(), room());
+    let view = seen(&walk, &eyes());
+    let eye = &view.eyes[0];
+    // A place on the floor, five meters ahead and two to the right, by its pixel.
+    let aimed = UTM + DVec3::new(2.0, 5.0, 0.0);
+    let rows = eye.pixel_from_head(view.head_in_world());
+    let q = (aimed - view.head_in_world()).extend(1.0);
+    let [x, y, w] = rows.map(|row| glam::DVec4::from_array(row).dot(q));
+    let [width, height] = eye.size_px.map(f64::from);
+    let at = [x / w / width, y / w / height];
+    assert!(walk.go_where_pointed(eye.world_from_view.position, eye.along_in_world(at)));
+    assert!((walk.feet_in_world() - aimed).length() < 0.01, "{}", walk.feet_in_world() - UTM);
+    assert!(!walk.go_where_pointed(aimed + DVec3::Z * 1.7, DVec3::Z), "the sky is no floor");
+    // A model becomes as large as life where it was clicked.
+    walk.apply(Action::ShowModel);
+    let from = aimed + DVec3::Z * 30.0;
+    assert!(walk.stance().scale < 0.5 && walk.go_where_pointed(from, DVec3::NEG_Z));
+    assert!(walk.stance().scale == 1.0 && (walk.feet_in_world() - aimed).length() < 0.01);
+}

@@ -13,6 +13,7 @@ pub mod link;
 pub mod locomotion;
 mod marks;
 mod masks;
+pub mod menu;
 mod mirror;
 pub mod moving;
 mod part;

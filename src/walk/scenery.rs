@@ -9,7 +9,7 @@ use glam::DVec3;
 use render::Renderer;
 use render::gpu::QueueGuard;
 use render::scenery::{SceneryView, Shapes};
-use xr::{ControllerInput, HandJoints, StageEye};
+use xr::{ControllerInput, HandInput, HandJoints, Panel, StageEye};
 
 /// Distance of the card before the viewer, meters.
 const AWAY_M: f64 = 2.0;
@@ -17,6 +17,11 @@ const AWAY_M: f64 = 2.0;
 const CARD_WIDTH_M: f64 = 1.1;
 /// The card comes before the viewer again when they have turned away from it by this angle, radians.
 const FOLLOW_RAD: f64 = 1.0;
+
+/// Width of the ray that points at the menu, meters.
+const POINTER_M: f64 = 0.003;
+/// Color of that ray, linear light and how much it covers.
+const POINTER: [f32; 4] = [0.3, 0.6, 1.0, 0.8];
 
 /// From where a frame is seen.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +36,10 @@ pub(super) struct Stand<'a> {
     pub locomotion: Option<&'a Locomotion>,
     /// Hands as last known.
     pub hands: &'a SeenHands,
+    /// The menu, if it is to be drawn.
+    pub menu: Option<&'a Panel>,
+    /// The hand that points at the menu, and where in the stage.
+    pub pointing: Option<(usize, DVec3)>,
 }
 
 /// Both hands of a frame.
@@ -46,7 +55,9 @@ pub(super) struct SeenHands {
 #[derive(Debug, Default)]
 pub(super) struct SceneryOfWalk {
     shapes: Shapes,
+    /// The picture that the renderer has: the card's, or the menu's.
     card: Option<wgpu::Texture>,
+    is_menu: bool,
     /// Chosen when the card is first shown, so that it stands still.
     stage_from_card: Option<Pose>,
 }
@@ -61,9 +72,14 @@ impl SceneryOfWalk {
             marks::lay(&mut self.shapes, locomotion.guides(), locomotion.stage(), head);
         }
         shapes_of_hands::lay(&mut self.shapes, stand.hands, head);
+        if let Some((hand, to)) = stand.pointing {
+            lay_pointer(&mut self.shapes, &stand.hands.controllers.hands[hand], to, head);
+        }
         // A scan is not hidden behind a card, though some of it may be still to come.
-        if stand.locomotion.is_none() {
-            self.lay_card(&stage_from_head);
+        match stand.menu {
+            Some(menu) if self.is_menu => self.shapes.card(&menu.stage_from_panel, menu.size_m),
+            None if stand.locomotion.is_none() && !self.is_menu => self.lay_card(&stage_from_head),
+            _ => {}
         }
         let eyes = [0, 1].map(|eye: usize| Eye {
             world_from_view: stand.eyes[eye].stage_from_view,
@@ -79,10 +95,14 @@ impl SceneryOfWalk {
             vignette: stand.locomotion.map_or(0.0, |locomotion| locomotion.guides().vignette),
         };
         renderer.set_scenery(queue, &view, &self.shapes);
-        // Another card is seen from the next frame on: this one's commands are recorded.
-        if let Some(card) = link.try_card().filter(|card| *card != self.card) {
+        // Another picture is seen from the next frame on: this one's commands are recorded.
+        let wanted = match stand.menu {
+            Some(menu) => Some(Some(menu.picture.clone())),
+            None => link.try_card(),
+        };
+        if let Some(card) = wanted.filter(|card| *card != self.card) {
             renderer.set_card(card.as_ref());
-            self.card = card;
+            (self.card, self.is_menu) = (card, stand.menu.is_some());
         }
     }
 
@@ -96,6 +116,13 @@ impl SceneryOfWalk {
         let stage_from_card = still.unwrap_or_else(|| before(stage_from_head));
         self.stage_from_card = Some(stage_from_card);
         self.shapes.card(&stage_from_card, [CARD_WIDTH_M, height_m]);
+    }
+}
+
+/// Lays out the ray of a hand that points at the menu.
+fn lay_pointer(shapes: &mut Shapes, hand: &HandInput, to: DVec3, head: DVec3) {
+    if let Some(aim) = hand.stage_from_aim {
+        shapes.band([aim.position, to], POINTER_M, head, [POINTER, POINTER]);
     }
 }
 

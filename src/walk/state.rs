@@ -29,6 +29,8 @@ impl Default for SpeedFactor {
 pub struct AppState {
     /// Overlay that is drawn over the mirror.
     pub overlay: Overlay,
+    /// The hand that has opened the menu, while it is open.
+    pub menu: Option<usize>,
     speed: f32,
     speed_range: [f32; 2],
     /// Where the user is and how they get about; `None` until something of the scan has come.
@@ -42,6 +44,8 @@ pub struct Snapshot {
     pub overlay: Overlay,
     /// Speed as a factor on where it began.
     pub speed: f32,
+    /// The hand that has opened the menu in the headset, while it is open.
+    pub menu: Option<usize>,
     /// How the user is in the scan; `None` until something of it has come.
     pub stance: Option<Stance>,
 }
@@ -51,7 +55,7 @@ impl AppState {
     #[must_use]
     pub fn new(overlay: Overlay, speed: SpeedFactor) -> Self {
         let SpeedFactor { at_start, range } = speed;
-        Self { overlay, speed: at_start, speed_range: range, locomotion: None }
+        Self { overlay, menu: None, speed: at_start, speed_range: range, locomotion: None }
     }
 
     /// Speed as a factor on the one that a scan or the user chose.
@@ -64,7 +68,7 @@ impl AppState {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let stance = self.locomotion.as_ref().map(Locomotion::stance);
-        Snapshot { overlay: self.overlay, speed: self.speed, stance }
+        Snapshot { overlay: self.overlay, speed: self.speed, menu: self.menu, stance }
     }
 
     /// Applies an action. Those that end the walk, save images, open a scan or look for a headset are for the walk.
@@ -74,6 +78,7 @@ impl AppState {
             Action::SetSpeed(speed) if speed.is_finite() => self.set_speed(speed),
             Action::SetOverlay(overlay) => self.overlay = overlay,
             Action::NextOverlay => self.overlay = self.overlay.next(),
+            Action::ToggleMenu(hand) => self.menu = if self.menu.is_none() { Some(hand) } else { None },
             action => {
                 if let Some(locomotion) = &mut self.locomotion {
                     locomotion.apply(action);
@@ -109,6 +114,16 @@ mod tests {
         assert_eq!(speed_after(Action::Faster(f32::NAN)), 4.0);
         assert_eq!(speed_after(Action::SetSpeed(f32::INFINITY)), 4.0);
         assert_eq!(speed_after(Action::SetSpeed(0.1)), 0.5);
+    }
+
+    #[test]
+    fn the_menu_opens_by_a_hand_and_closes_by_either() {
+        let mut state = AppState::new(Overlay::None, SpeedFactor::default());
+        let menus = [1, 0, 0].map(|hand| {
+            state.apply(Action::ToggleMenu(hand));
+            state.snapshot().menu
+        });
+        assert_eq!(menus, [Some(1), None, Some(0)]);
     }
 
     #[test]

@@ -113,6 +113,11 @@ impl Walker {
                 Action::Screenshot => self.screenshots.ask(),
                 Action::LookForHeadset => self.looks_for_headset = true,
                 Action::Open(scan) => self.wanted = Some(scan),
+                Action::GoToSeen { eye, at } => {
+                    if !self.go_to_seen(eye, at) {
+                        walk.link.set_notice("There is no floor to stand on there".into());
+                    }
+                }
                 action => self.state.apply(action),
             }
         }
@@ -124,6 +129,14 @@ impl Walker {
             self.published = now;
         }
         false
+    }
+
+    /// Goes to the floor that a place of an eye's last image shows; false if it shows none.
+    fn go_to_seen(&mut self, eye: usize, at: [f64; 2]) -> bool {
+        let eye = self.last_view.as_ref().and_then(|view| view.eyes.get(eye));
+        let ray = eye.map(|eye| (eye.world_from_view.position, eye.along_in_world(at)));
+        let (Some((from, along)), Some(locomotion)) = (ray, &mut self.state.locomotion) else { return false };
+        locomotion.go_where_pointed(from, along)
     }
 
     /// Passes on all rows, whether or not their times have come.

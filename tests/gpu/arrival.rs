@@ -53,7 +53,7 @@ fn allocations(gpu: &Gpu) -> Vec<(String, u64, u64)> {
     all
 }
 
-/// The look that headsets draw with.
+/// The draw options of headsets.
 fn options(quality: Quality) -> DrawOptions {
     DrawOptions { quality, ..Plan::default().draw.options }
 }

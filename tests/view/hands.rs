@@ -1,6 +1,9 @@
-//! Hands in the walk: they are seen, one of them aims an arc at the floor, and the user is where it landed.
+//! Hands in the walk: they are seen, one of them aims an arc at the floor, and the user is where it landed; the menu opens
+//! by one, and the other chooses in it.
 
 use crate::scene::ViewedScans;
+use base::space::Pose;
+use glam::DVec3;
 use kit::picture::Picture;
 use kit::rows::LogRows;
 use kit::wait::wait_for;
@@ -85,4 +88,70 @@ fn a_hand_aims_at_the_floor_and_the_user_is_there() {
     // One stands on the floor there, as high as before above it: the courtyard's floor is level to some centimeters.
     let rise = z.last().unwrap() - z[0];
     assert!(rise.abs() < 0.6, "{rise} m higher");
+}
+
+/// A hand somewhere, whose ray goes through a place.
+fn aimed(from: DVec3, at: DVec3) -> RemotePose {
+    let orientation = Pose::look_at(from, at, DVec3::Y).orientation.as_quat().to_array();
+    RemotePose { orientation, position: from.as_vec3().to_array() }
+}
+
+#[test]
+#[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
+fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
+    let lab = RuntimeSlot::enter();
+    let courtyard = ViewedScans::get().courtyard.to_str().expect("a UTF-8 path");
+    let args = ["view", courtyard, "--headset", "require", "--window", "off", "-v"];
+    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
+    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
+    let mut run = runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat());
+    let mut remote = run.remote();
+    // The right hand opens the menu; the left one waits aside, pointing away.
+    let right = DVec3::new(0.1, 1.25, -0.45);
+    let away = aimed(DVec3::new(-0.3, 1.1, -0.2), DVec3::new(-3.0, 0.5, -2.0));
+    let packet = |left: RemoteHand, menu: bool| Packet {
+        head: RemotePose::at([0.0, 1.6, 0.0]),
+        eyes: Some(eyes()),
+        left,
+        right: RemoteHand {
+            pose: RemotePose::at(right.as_vec3().to_array()),
+            b_pressed: menu,
+            ..RemoteHand::default()
+        },
+    };
+    let aside = RemoteHand { pose: away, ..RemoteHand::default() };
+    remote.send(&packet(aside, false));
+    run.wait_until_said("headset session: FOCUSED", 1);
+    let eye = || run.screen().columns(0, EYE_PX);
+    let is_bright = |[r, g, b]: &&[u8; 3]| *r > 90 || *g > 90 || *b > 90;
+    wait_for("the scan", 150.0, || {
+        (eye().pixels.iter().filter(is_bright).count() >= EYE_PX * 300).then_some(())
+    });
+    remote.send(&packet(aside, true));
+    // The menu is dark, and nothing else is as dark and as little colored over so much of the sight.
+    let is_menu = |[r, g, b]: &&[u8; 3]| *r < 45 && *g < 45 && *b < 50 && r.abs_diff(*g) < 8;
+    let num_dark = |picture: &Picture| picture.pixels.iter().filter(is_menu).count();
+    let before = num_dark(&eye());
+    let opened = wait_for("the menu", 60.0, || Some(eye()).filter(|eye| num_dark(eye) > before + 12_000));
+    opened.keep("hands-menu");
+    remote.send(&packet(aside, false));
+    // The last button, at the bottom right, leaves. The menu stands above the hand and faces the head.
+    let middle = right + DVec3::Y * 0.2;
+    let menu = Pose::look_at(middle, middle + (middle - DVec3::new(0.0, 1.6, 0.0)), DVec3::Y);
+    let button = middle + menu.orientation * DVec3::new(0.05, -0.152, 0.0);
+    let pose = aimed(DVec3::new(-0.15, 1.35, -0.1), button);
+    let pointing = RemoteHand { pose, ..RemoteHand::default() };
+    remote.send(&packet(pointing, false));
+    // The ray of a hand that points at the menu is blue all the way.
+    let is_ray = |[r, _, b]: &&[u8; 3]| i32::from(*b) - i32::from(*r) > 60 && *b > 150;
+    let num_ray = |picture: &Picture| picture.pixels.iter().filter(is_ray).count();
+    let seen = wait_for("the ray", 60.0, || Some(eye()).filter(|eye| num_ray(eye) > num_ray(&opened) + 100));
+    seen.keep("hands-menu-ray");
+    // The trigger is pulled for some frames, and let go.
+    remote.send(&packet(RemoteHand { trigger: 1.0, ..pointing }, false));
+    wait_for("the button to be pressed", 60.0, || Some(eye()).filter(|eye| eye.num_different(&seen) > 200));
+    remote.send(&packet(pointing, false));
+    let done = run.finish();
+    done.assert_ok();
+    assert!(done.vulkan_complaints().is_empty(), "{:?}", done.vulkan_complaints());
 }

@@ -6,7 +6,6 @@ use kit::rows::LogRows;
 use kit::wait::retry;
 use kit::xr::{Finished, Running, RuntimeSlot, TestRuntime};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 use std::time::Instant;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
@@ -218,31 +217,48 @@ fn nobody_waits_for_a_runtime_that_does_not_answer() {
     }
 }
 
-/// How long faults happen at random, seconds; the environment may say it (SCANWALK_FAULTS_S).
-const FAULTS_S: f64 = 40.0;
+/// How many faults happen at random; the environment may say it (SCANWALK_FAULTS).
+const NUM_FAULTS: usize = 8;
+/// Longest time that a fault and the way back from it take, seconds.
+const FAULT_S: usize = 20;
+
+/// The faults that the layer tells of, each by its name alone; it tells of bindings and the like in several words.
+fn fired(said: &str) -> Vec<&str> {
+    let told = said.lines().filter_map(|line| line.strip_prefix("faultlayer: "));
+    told.filter(|told| !told.contains(' ')).collect()
+}
 
 /// Whatever happens, in whatever order: the scan is walked at the end, and no frame is lost from the log.
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_scan_is_still_walked_after_faults_at_random() {
     let lab = RuntimeSlot::enter();
-    let asked = std::env::var("SCANWALK_FAULTS_S").ok().and_then(|seconds| seconds.parse().ok());
-    let faults_s: f64 = asked.unwrap_or(FAULTS_S);
+    let asked = std::env::var("SCANWALK_FAULTS").ok().and_then(|number| number.parse().ok());
+    let num_faults: usize = asked.unwrap_or(NUM_FAULTS);
     let log = log_file("walked", "random");
-    let runtime = lab.runtime().fault("random:7:25").timeout_s(faults_s as u32 + 60);
+    let limit_s = num_faults * FAULT_S + 60;
+    let runtime = lab.runtime().fault("random:7:25").timeout_s(limit_s as u32);
     let run = start(&runtime, "auto", &log);
     run.wait_until_said("headset session: FOCUSED", 1);
-    // How long it lasts is what is tested.
-    std::thread::sleep(Duration::from_secs_f64(faults_s));
+    let began = Instant::now();
+    let happened = retry(limit_s as f64, || {
+        let num = fired(&run.said()).len();
+        if num >= num_faults { Ok(()) } else { Err(num) }
+    });
+    assert_eq!(happened, Ok(()), "{}", run.said());
+    let faults_s = began.elapsed().as_secs_f64();
     let done = end(run);
     assert_place_is_kept(&log);
     let rows = LogRows::read(&log);
     let (phases, read) = (rows.column("phase"), rows.numbers("points_read"));
     let last = phases.iter().rposition(|phase| *phase == "walking").expect("frames of the walk");
     assert!(read[last] > 0.0 && last + 40 > phases.len(), "{last} of {}", phases.len());
-    let fired: Vec<&str> = done.stderr.lines().filter_map(|line| line.strip_prefix("faultlayer: ")).collect();
+    let fired = fired(&done.stderr);
     let taken = done.stderr.matches(TAKEN).count();
-    eprintln!("{} faults in {faults_s} s, the headset was taken again {taken} times: {fired:?}", fired.len());
-    assert!(fired.len() >= 4 && taken >= 1, "{}", done.stderr);
+    eprintln!(
+        "{} faults in {faults_s:.0} s, the headset was taken again {taken} times: {fired:?}",
+        fired.len()
+    );
+    assert!(taken >= 1, "{}", done.stderr);
     assert!(!done.stderr.contains("not waited for"), "{}", done.stderr);
 }

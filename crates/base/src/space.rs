@@ -224,6 +224,15 @@ impl Eye {
         [px, py, w]
     }
 
+    /// The direction in world space, of any length, in which the eye sees a place of its image: fractions of the image's width
+    /// from the left and of its height from the top.
+    #[must_use]
+    pub fn along_in_world(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let Fov { left, right, up, down } = self.fov;
+        let along_in_view = DVec3::new(left + x * (right - left), up + y * (down - up), -1.0);
+        self.world_from_view.orientation * along_in_view
+    }
+
     /// Clip coordinates of a place, for what the GPU's own pipeline draws: w is the linear depth, and z / w is near /
     /// w, as depth images have it.
     #[must_use]

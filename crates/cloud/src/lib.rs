@@ -29,7 +29,7 @@ pub enum Order {
     Morton,
     /// At random, always the same way.
     Shuffled,
-    /// By Morton code within groups of [`GROUP_POINTS`], which come at random.
+    /// By Morton code within groups of 128 points, which come at random.
     ShuffledMorton,
 }
 

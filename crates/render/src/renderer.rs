@@ -300,7 +300,7 @@ impl Renderer {
         self.drawn = DrawnPart::new(&self.gpu, &self.targets, &self.hidden, background);
     }
 
-    /// Makes every bind group anew; after a change of cloud, sizes or look.
+    /// Makes every bind group anew; after a change of the cloud, of sizes or of draw options.
     fn rebind(&mut self) {
         let parts = Parts {
             gpu: &self.gpu,

@@ -15,6 +15,18 @@ pub(super) struct FrameCalls {
     blend_mode: xr::EnvironmentBlendMode,
 }
 
+/// What a frame shows.
+pub(super) struct ShownLayers<'a> {
+    /// The eyes that the images were drawn for.
+    pub eyes: &'a Eyes,
+    /// The eyes' images.
+    pub images: &'a EyeSwapchains,
+    /// What depth images, if there are any, hold divided by w, meters.
+    pub near_m: f32,
+    /// A panel, if there is one.
+    pub panel: Option<xr::CompositionLayerQuad<'a, xr::Vulkan>>,
+}
+
 impl FrameCalls {
     pub fn new(
         waiter: xr::FrameWaiter,
@@ -39,17 +51,15 @@ impl FrameCalls {
         self.stream.end(display_time, self.blend_mode, &[])
     }
 
-    /// Ends the frame, which shows the images last released, drawn for `eyes` in `stage`; depth images, if there are
-    /// any, hold `near_m` ÷ w.
+    /// Ends the frame, which shows the images last released, and the panel before them.
     pub fn end(
         &mut self,
         _queue: &QueueGuard<'_>,
         display_time: xr::Time,
         stage: &xr::Space,
-        eyes: &Eyes,
-        images: &EyeSwapchains,
-        near_m: f32,
+        shown: &ShownLayers<'_>,
     ) -> xr::Result<()> {
+        let ShownLayers { eyes, images, near_m, ref panel } = *shown;
         let depth = [0, 1].map(|eye| Some(DepthInfo::new(images.depth_sub_image(eye)?, near_m)));
         let views: [_; 2] = std::array::from_fn(|eye| {
             let located = eyes.views()[eye];
@@ -63,7 +73,10 @@ impl FrameCalls {
             }
         });
         let layer = xr::CompositionLayerProjection::new().space(stage).views(&views);
-        self.stream.end(display_time, self.blend_mode, &[&layer])
+        match panel {
+            Some(panel) => self.stream.end(display_time, self.blend_mode, &[&layer, panel]),
+            None => self.stream.end(display_time, self.blend_mode, &[&layer]),
+        }
     }
 }
 

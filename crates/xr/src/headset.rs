@@ -119,6 +119,17 @@ pub struct EyeImages {
     pub depth: Option<[wgpu::Texture; 2]>,
 }
 
+/// A picture that is seen as a rectangle in the stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// The picture; another one each time that it changes. It can be copied from.
+    pub picture: wgpu::Texture,
+    /// Pose of its middle: x to its right, y up, z out of it towards the viewer.
+    pub stage_from_panel: Pose,
+    /// Width, height in meters.
+    pub size_m: [f64; 2],
+}
+
 /// A headset: the runtime's side of the frame loop. All calls come from the frame thread, in this order
 /// a frame: `wait`, `input`, `acquire`, (record), `locate`, `submit`.
 ///
@@ -162,6 +173,11 @@ pub trait Headset: Send {
     /// Shakes a controller, 0 left or 1 right, with `strength` between 0 and 1 for `seconds`. A hand without a motor feels
     /// nothing.
     fn vibrate(&mut self, _hand: usize, _strength: f32, _seconds: f32) {}
+    /// Shows a panel with the frames from now on, or none. False if the headset cannot: then it is to be drawn into the eyes'
+    /// images.
+    fn show_panel(&mut self, panel: Option<&Panel>) -> bool {
+        panel.is_none()
+    }
     /// The eyes' images to draw into, valid until `submit`; `None` if they cannot be had: then the frame is submitted
     /// without commands.
     fn acquire(&mut self) -> Option<EyeImages>;

@@ -19,6 +19,7 @@ mod input;
 mod lifecycle;
 mod mask;
 mod missing;
+mod panel;
 mod pose;
 mod refresh;
 mod runtime;
@@ -28,7 +29,7 @@ mod swapchain;
 pub use connection::Connection;
 pub use fault::{Cause, End};
 pub use headset::{
-    ControllerInput, EyeImages, FrameState, HandInput, HandJoints, Headset, Joint, StageEye, joint,
+    ControllerInput, EyeImages, FrameState, HandInput, HandJoints, Headset, Joint, Panel, StageEye, joint,
 };
 pub use missing::XrMissing;
 pub use openxr::SessionState;
@@ -179,6 +180,10 @@ impl Headset for XrHeadset {
 
     fn vibrate(&mut self, hand: usize, strength: f32, seconds: f32) {
         self.session_mut().vibrate(hand, strength, seconds);
+    }
+
+    fn show_panel(&mut self, panel: Option<&Panel>) -> bool {
+        self.session_mut().show_panel(panel)
     }
 
     fn acquire(&mut self) -> Option<EyeImages> {

@@ -19,9 +19,27 @@ pub(super) fn located(flags: xr::SpaceLocationFlags, pose: &xr::Posef) -> Option
     (is_rotation && position.is_finite()).then(|| Pose { position, orientation: orientation.normalize() })
 }
 
+/// A pose as OpenXR takes it.
+pub(super) fn to_runtime(pose: &Pose) -> xr::Posef {
+    let (p, q) = (pose.position.as_vec3(), pose.orientation.as_quat());
+    xr::Posef {
+        position: xr::Vector3f { x: p.x, y: p.y, z: p.z },
+        orientation: xr::Quaternionf { x: q.x, y: q.y, z: q.z, w: q.w },
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_pose_comes_back_as_it_went() {
+        let pose = Pose { position: DVec3::new(1.0, 2.0, 3.0), orientation: DQuat::from_rotation_y(0.5) };
+        let known = xr::SpaceLocationFlags::POSITION_VALID | xr::SpaceLocationFlags::ORIENTATION_VALID;
+        let back = located(known, &to_runtime(&pose)).expect("a pose");
+        assert!((back.position - pose.position).length() < 1e-6);
+        assert!(back.orientation.angle_between(pose.orientation) < 1e-6);
+    }
 
     #[test]
     fn a_pose_needs_place_and_direction() {

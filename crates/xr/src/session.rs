@@ -2,17 +2,18 @@
 
 use super::eyes::{EYE_HEIGHT_M, Eyes};
 use super::fault::{Cause, End, FailedCall};
-use super::frames::{FrameCalls, locate};
+use super::frames::{FrameCalls, ShownLayers, locate};
 use super::hands::HandTrackers;
 use super::input::{Input, Moment};
 use super::lifecycle::{Duty, Lifecycle};
 use super::mask::VisibilityMask;
 use super::missing::XrMissing;
+use super::panel::PanelLayer;
 use super::refresh;
 use super::runtime::{Runtime, STEREO, scaled_size};
 use super::swapchain::{Acquired, EyeSwapchains, ImageFormat};
 use crate::hidden_area::HiddenArea;
-use crate::{ControllerInput, EyeImages, FrameState, HandJoints, SessionState, StageEye, XrOptions};
+use crate::{ControllerInput, EyeImages, FrameState, HandJoints, Panel, SessionState, StageEye, XrOptions};
 use openxr as xr;
 use raw::device::RuntimeGpu;
 use raw::frame::Begun;
@@ -51,6 +52,7 @@ pub(super) struct XrSession {
     pub refresh_hz: f64,
     pub life: Lifecycle,
     mask: Option<VisibilityMask>,
+    panel: PanelLayer,
     /// The near plane that depth images are relative to, meters.
     near_m: f32,
     eyes: Eyes,
@@ -121,6 +123,7 @@ impl XrSession {
             refresh_hz,
             life: Lifecycle::new(),
             mask: (runtime.offers.visibility_mask && options.visibility_mask).then(VisibilityMask::default),
+            panel: PanelLayer::new(format),
             near_m: options.near_m as f32,
             eyes: Eyes::standing(),
             frame: None,
@@ -272,11 +275,19 @@ impl XrSession {
         }
     }
 
+    /// Shows a panel from now on, or none; false if it cannot be shown.
+    pub fn show_panel(&mut self, panel: Option<&Panel>) -> bool {
+        self.panel.want(panel, &self.session, &self.gpu)
+    }
+
     /// The images to draw into; `None` if they cannot be had in this frame.
     pub fn acquire(&mut self) -> Option<EyeImages> {
         self.frame.filter(|frame| frame.is_begun)?;
         let began = Instant::now();
         let acquired = self.images.acquire(&self.gpu.queue);
+        if let Err(FailedCall { call, result }) = self.panel.acquire(&self.gpu) {
+            self.life.survive::<()>(call, Err(result), Instant::now());
+        }
         let now = Instant::now();
         self.call_times = CallTimes { image_ms: ms(now - began), ..CallTimes::default() };
         match self.life.survive("xrAcquireSwapchainImage", acquired, now)? {
@@ -314,6 +325,9 @@ impl XrSession {
             let began = Instant::now();
             let released = self.images.release(&queue, closed);
             shows = self.life.survive("xrReleaseSwapchainImage", released, Instant::now()).is_some();
+            if let Err(FailedCall { call, result }) = self.panel.send(&self.gpu, &queue) {
+                self.life.survive::<()>(call, Err(result), Instant::now());
+            }
             self.call_times.release_ms = ms(began.elapsed());
         }
         if self.life.ended().is_some() {
@@ -321,7 +335,9 @@ impl XrSession {
         }
         let began = Instant::now();
         let finished = if shows {
-            self.frames.end(&queue, frame.display_time, &self.stage, &self.eyes, &self.images, self.near_m)
+            let panel = self.panel.layer(&self.stage);
+            let shown = ShownLayers { eyes: &self.eyes, images: &self.images, near_m: self.near_m, panel };
+            self.frames.end(&queue, frame.display_time, &self.stage, &shown)
         } else {
             self.frames.end_empty(&queue, frame.display_time)
         };

@@ -1,5 +1,5 @@
 //! The eyes' images: a swapchain of color an eye, and one of depth where the runtime takes it, wrapped as wgpu
-//! textures.
+//! textures; and the picture of a panel, which is one more.
 //!
 //! Two things that no validation layer notices are made impossible here. The runtime's queue use in
 //! xrAcquireSwapchainImage and xrReleaseSwapchainImage needs the queue's guard. And an image can only be
@@ -83,12 +83,12 @@ impl ImageFormat {
 
 /// Both eyes' swapchains, left then right.
 pub(super) struct EyeSwapchains {
-    color: [EyeSwapchain; 2],
-    depth: Option<[EyeSwapchain; 2]>,
+    color: [LayerSwapchain; 2],
+    depth: Option<[LayerSwapchain; 2]>,
 }
 
-/// One eye's swapchain of one kind.
-struct EyeSwapchain {
+/// The swapchain of one image of a layer: an eye's color, an eye's depth, or a panel's picture.
+pub(super) struct LayerSwapchain {
     /// Images, declared and so dropped before the swapchain that owns their memory.
     images: Vec<wgpu::Texture>,
     swapchain: xr::Swapchain<xr::Vulkan>,
@@ -104,9 +104,9 @@ struct EyeSwapchain {
 enum Held {
     /// There is none.
     None,
-    /// This one, which the compositor may still read.
+    /// The image with this number, which the compositor may still read.
     Acquired(usize),
-    /// This one, to draw into.
+    /// The image with this number, to draw into.
     Ready(usize),
 }
 
@@ -137,8 +137,8 @@ impl EyeSwapchains {
         format: ImageFormat,
         sizes_px: [[u32; 2]; 2],
     ) -> xr::Result<Self> {
-        let left = EyeSwapchain::new(session, gpu, format, sizes_px[0], "left eye")?;
-        let right = EyeSwapchain::new(session, gpu, format, sizes_px[1], "right eye")?;
+        let left = LayerSwapchain::new(session, gpu, format, sizes_px[0], "left eye")?;
+        let right = LayerSwapchain::new(session, gpu, format, sizes_px[1], "right eye")?;
         Ok(Self { color: [left, right], depth: None })
     }
 
@@ -153,8 +153,8 @@ impl EyeSwapchains {
         format: ImageFormat,
     ) -> xr::Result<()> {
         let [left_px, right_px] = self.sizes_px();
-        let left = EyeSwapchain::new(session, gpu, format, left_px, "left eye's depth")?;
-        let right = EyeSwapchain::new(session, gpu, format, right_px, "right eye's depth")?;
+        let left = LayerSwapchain::new(session, gpu, format, left_px, "left eye's depth")?;
+        let right = LayerSwapchain::new(session, gpu, format, right_px, "right eye's depth")?;
         self.depth = Some([left, right]);
         Ok(())
     }
@@ -177,11 +177,11 @@ impl EyeSwapchains {
         self.depth.as_ref().map(|[left, _]| left.format.wgpu)
     }
 
-    fn all(&self) -> impl Iterator<Item = &EyeSwapchain> {
+    fn all(&self) -> impl Iterator<Item = &LayerSwapchain> {
         self.color.iter().chain(self.depth.iter().flatten())
     }
 
-    fn all_mut(&mut self) -> impl Iterator<Item = &mut EyeSwapchain> {
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut LayerSwapchain> {
         self.color.iter_mut().chain(self.depth.iter_mut().flatten())
     }
 
@@ -206,7 +206,7 @@ impl EyeSwapchains {
 
     /// The acquired images, to draw into.
     pub fn images(&self) -> EyeImages {
-        let of = |eyes: &[EyeSwapchain; 2]| eyes.each_ref().map(|eye| eye.image().clone());
+        let of = |eyes: &[LayerSwapchain; 2]| eyes.each_ref().map(|eye| eye.image().clone());
         EyeImages { color: of(&self.color), depth: self.depth.as_ref().map(of) }
     }
 
@@ -247,8 +247,12 @@ impl EyeSwapchains {
     }
 }
 
-impl EyeSwapchain {
-    fn new(
+impl LayerSwapchain {
+    /// Creates a swapchain.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn new(
         session: &xr::Session<xr::Vulkan>,
         gpu: &Gpu,
         format: ImageFormat,
@@ -279,7 +283,11 @@ impl EyeSwapchain {
         Ok(Self { images, swapchain, format, size_px, drawn_px: size_px, held: Held::None })
     }
 
-    fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<()> {
+    /// Acquires an image, unless one is held.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn acquire(&mut self, _queue: &QueueGuard<'_>) -> xr::Result<()> {
         if self.held == Held::None {
             self.held = Held::Acquired(self.swapchain.acquire_image()? as usize);
         }
@@ -287,7 +295,10 @@ impl EyeSwapchain {
     }
 
     /// Waits until the image can be drawn into; false if that takes too long.
-    fn wait(&mut self) -> xr::Result<bool> {
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn wait(&mut self) -> xr::Result<bool> {
         if let Held::Acquired(image) = self.held
             && raw::frame::wait_image(&self.swapchain, IMAGE_PATIENCE)?
         {
@@ -304,7 +315,41 @@ impl EyeSwapchain {
         }
     }
 
-    fn sub_image(&self) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
+    /// Copies a picture of the image's size and format into the image that is held, and gives that to the compositor. False if
+    /// none is held.
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn fill(&mut self, gpu: &Gpu, queue: &QueueGuard<'_>, picture: &wgpu::Texture) -> xr::Result<bool> {
+        if !matches!(self.held, Held::Ready(_)) {
+            return Ok(false);
+        }
+        let mut commands =
+            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panel") });
+        commands.copy_texture_to_texture(
+            picture.as_image_copy(),
+            self.image().as_image_copy(),
+            picture.size(),
+        );
+        let handover = wgpu::wgt::TextureTransition {
+            texture: self.image(),
+            selector: None,
+            state: self.format.handover(),
+        };
+        commands.transition_resources(std::iter::empty(), std::iter::once(handover));
+        queue.submit([commands.finish()]);
+        raw::frame::release_image(&self.swapchain)?;
+        self.held = Held::None;
+        Ok(true)
+    }
+
+    /// Width and height of the images.
+    pub fn size_px(&self) -> [u32; 2] {
+        self.size_px
+    }
+
+    /// The drawn part of the image that was released last, for a layer.
+    pub fn sub_image(&self) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
         let [width, height] = self.drawn_px.map(|size| size as i32);
         let extent = xr::Extent2Di { width, height };
         xr::SwapchainSubImage::new()

@@ -64,6 +64,8 @@ pub struct Intents {
     pub grab: [bool; 2],
     /// True if the user wants back to the start.
     pub reset: bool,
+    /// The hand whose menu button has gone down.
+    pub menu: Option<usize>,
 }
 
 /// What hands did until now.
@@ -86,6 +88,7 @@ struct Past {
     has_snapped: bool,
     is_stick_used: bool,
     reset_s: f64,
+    menu: bool,
 }
 
 impl Gestures {
@@ -93,6 +96,17 @@ impl Gestures {
     #[must_use]
     pub fn new(moving: usize, turn: Turn) -> Self {
         Self { moving, turn, hands: [Past::default(); 2], has_sticks: false, aim: None }
+    }
+
+    /// How the stick turns.
+    #[must_use]
+    pub fn turn(&self) -> Turn {
+        self.turn
+    }
+
+    /// Has the stick turn in this way from now on.
+    pub fn set_turn(&mut self, turn: Turn) {
+        self.turn = turn;
     }
 
     /// Takes in what hands do for `seconds`.
@@ -106,6 +120,10 @@ impl Gestures {
             let past = &mut self.hands[number];
             let before = past.reset_s;
             past.reset_s = if hand.reset { before + seconds } else { 0.0 };
+            if hand.menu && !past.menu {
+                intents.menu = Some(number);
+            }
+            past.menu = hand.menu;
             intents.reset |= before < RESET_S && past.reset_s >= RESET_S;
         }
         self.turning_stick(&input.hands[1 - self.moving], &mut intents);

@@ -27,13 +27,13 @@ pub enum Method {
     /// Four points a thread, loaded at once, and a look at the pixel first [2022 §3.4]: the frame's own.
     #[default]
     Prefetch,
-    /// The same with one point a thread at a time [2022 §3.2].
+    /// One point a thread at a time, after a look at the pixel [2022 §3.2].
     Basic,
     /// Whoever comes last has the pixel: wrong, and as fast as writing can be [2021 §5].
     JustSet,
     /// Wait until nobody has the pixel locked, lock it, write, unlock it [2021 §2.2, §5].
     BusyLoop,
-    /// The same without a lock: compare and exchange until nobody comes between.
+    /// Without a lock: a thread compares and exchanges the pixel until no other comes between.
     ExchangeLoop,
     /// Every point asks for its pixel [2021 §3.1].
     AtomicMin,
@@ -41,15 +41,15 @@ pub enum Method {
     EarlyZ,
     /// A subgroup that has only one pixel asks once, and so do pairs of threads [2021 §3.3].
     Reduce,
-    /// The same with a look at the pixel first.
+    /// A look at the pixel first, then as `reduce` [2021 §3.2, §3.3].
     ReduceEarlyZ,
     /// A look at the pixel first, then a subgroup asks for each of its pixels once [2021 §3.4, §5].
     Dedup,
     /// High-quality shading by two 64-bit additions a point [2021 §3.5].
     Hqs,
-    /// By one, exact up to 1023 points a pixel [2021 §3.5.1].
+    /// High-quality shading by one 64-bit addition a point, exact up to 1023 points a pixel [2021 §3.5.1].
     Hqs1,
-    /// By one, and further additions where that is not enough [2021 §3.5.1].
+    /// High-quality shading by one 64-bit addition a point, and further ones where that is not enough [2021 §3.5.1].
     Hqs1r,
     /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
     Fixed40,

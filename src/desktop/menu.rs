@@ -1,0 +1,176 @@
+//! The menu that is seen in the headset: large buttons for a ray or a fingertip. egui paints it into a texture, on a thread of
+//! its own, whenever hands or what it shows have changed.
+
+use super::easel::{Easel, PIXELS_PER_POINT};
+use super::{numbers, style};
+use crate::walk::action::{Action, Stance};
+use crate::walk::link::PaintEnd;
+use crate::walk::menu::MenuInput;
+use crate::walk::moving::Turn;
+use crate::walk::state::Snapshot;
+use base::task::CancelToken;
+use egui::{Button, CentralPanel, Event, Frame, Margin, Modifiers, PointerButton, Pos2, RichText, Ui, vec2};
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+/// Size of the menu's texture, pixels.
+pub(super) const SIZE_PX: [u32; 2] = [720, 1200];
+/// Pause between two looks at what hands do, while it is open.
+const LOOK_EVERY: Duration = Duration::from_millis(12);
+/// Pause between two looks whether it has been opened.
+const LOOK_CLOSED_EVERY: Duration = Duration::from_millis(60);
+/// Height of a button, points.
+const BUTTON: f32 = 29.0;
+/// Strengths of the vignette that one can choose.
+const VIGNETTES: [(&str, f32); 3] = [("None", 0.0), ("Some", 0.5), ("Strong", 1.0)];
+
+/// Paints the menu of a walk until `stop` is requested, and sends what is chosen in it.
+pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
+    let mut easel: Option<Easel> = None;
+    let mut painted: Option<(Snapshot, MenuInput)> = None;
+    while !stop.is_cancelled() {
+        let snapshot = walk.snapshot();
+        let gpu = walk.gpu().filter(|gpu| gpu.lost().is_none());
+        let Some((gpu, stance)) = gpu.zip(snapshot.stance).filter(|_| snapshot.menu.is_some()) else {
+            if let Some(easel) = easel.take() {
+                walk.set_menu(easel.gpu(), None);
+            }
+            painted = None;
+            std::thread::sleep(LOOK_CLOSED_EVERY);
+            continue;
+        };
+        if easel.as_ref().is_none_or(|easel| !Arc::ptr_eq(easel.gpu(), &gpu)) {
+            // The menu of another GPU cannot be shown on this one.
+            (easel, painted) = (Some(Easel::new(&gpu, SIZE_PX)), None);
+        }
+        let input = walk.menu_input();
+        if let Some(easel) = easel.as_mut().filter(|_| painted != Some((snapshot, input))) {
+            let events = events(painted.map(|(_, before)| before).unwrap_or_default(), input);
+            let mut chosen = Vec::new();
+            let menu = easel.paint(events, |ui| chosen.extend(contents(ui, &snapshot, &stance)));
+            if let Some(menu) = menu {
+                walk.set_menu(&gpu, Some(menu));
+                painted = Some((snapshot, input));
+            }
+            for action in chosen {
+                // Sending fails if the walk has ended.
+                let _ = actions.send(action);
+            }
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+/// What egui is told of a hand that did `before` and does `now`.
+fn events(before: MenuInput, now: MenuInput) -> Vec<Event> {
+    let place = |at: [f64; 2]| {
+        Pos2::from([0, 1].map(|axis: usize| at[axis] as f32 * SIZE_PX[axis] as f32 / PIXELS_PER_POINT))
+    };
+    let button = |at: [f64; 2], pressed: bool| Event::PointerButton {
+        pos: place(at),
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    match (before.at, now.at) {
+        // A press that began elsewhere is none of a button.
+        (None, Some(at)) if !now.is_pressed => vec![Event::PointerMoved(place(at))],
+        (None, Some(_)) | (None, None) => Vec::new(),
+        (Some(_), Some(at)) => {
+            let mut events = vec![Event::PointerMoved(place(at))];
+            if before.is_pressed != now.is_pressed {
+                events.push(button(at, now.is_pressed));
+            }
+            events
+        }
+        (Some(_), None) => vec![Event::PointerGone],
+    }
+}
+
+/// Draws the menu; returns the actions that were chosen.
+pub(super) fn contents(ui: &mut Ui, snapshot: &Snapshot, stance: &Stance) -> Vec<Action> {
+    let mut chosen = Vec::new();
+    let frame = Frame::new().inner_margin(Margin::same(12)).fill(style::card().fill.to_opaque());
+    CentralPanel::default().frame(frame).show(ui, |ui| {
+        ui.spacing_mut().item_spacing = vec2(6.0, 5.0);
+        row(ui, &mut chosen, &[("Back to the start", Action::Reset)]);
+        let size = if stance.scale == 1.0 {
+            ("As a model", Action::ShowModel)
+        } else {
+            ("As large as life", Action::LifeSize)
+        };
+        row(ui, &mut chosen, &[size]);
+        let way = if stance.is_walking { "Fly" } else { "Walk on floors" };
+        row(ui, &mut chosen, &[(way, Action::ToggleWalking)]);
+        title(ui, &format!("Places: {} kept", stance.num_places));
+        row(
+            ui,
+            &mut chosen,
+            &[("Keep", Action::SavePlace), ("Before", Action::PreviousPlace), ("Next", Action::NextPlace)],
+        );
+        title(ui, &format!("Speed {}", numbers::with_unit(snapshot.speed.into(), "times")));
+        row(ui, &mut chosen, &[("Slower", Action::Faster(-2.0)), ("Faster", Action::Faster(2.0))]);
+        title(ui, &format!("Height {:+.1} m", stance.raised_m));
+        row(
+            ui,
+            &mut chosen,
+            &[
+                ("Lower", Action::Raise(-0.1)),
+                ("Higher", Action::Raise(0.1)),
+                ("Seated", Action::ToggleSeated),
+            ],
+        );
+        title(ui, "Comfort");
+        let turn = match stance.turn {
+            Turn::Snap => ("Turns by steps", Action::SetTurn(Turn::Smooth)),
+            Turn::Smooth => ("Turns smoothly", Action::SetTurn(Turn::Snap)),
+        };
+        let at = VIGNETTES.iter().position(|(_, part)| *part >= stance.vignette).unwrap_or(0);
+        let (_, next) = VIGNETTES[(at + 1) % VIGNETTES.len()];
+        let dark = format!("Dark edge: {}", VIGNETTES[at].0.to_lowercase());
+        row(ui, &mut chosen, &[turn, (&*dark, Action::SetVignette(next))]);
+        ui.label(RichText::new("The headset's own button for it recenters the scan, too.").small());
+        let hand = snapshot.menu.unwrap_or_default();
+        row(ui, &mut chosen, &[("Close", Action::ToggleMenu(hand)), ("Leave scanwalk", Action::Quit)]);
+    });
+    chosen
+}
+
+fn title(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).color(style::FAINT));
+}
+
+/// Draws buttons side by side, which share the width.
+fn row(ui: &mut Ui, chosen: &mut Vec<Action>, buttons: &[(&str, Action)]) {
+    let gaps = ui.spacing().item_spacing.x * (buttons.len() - 1) as f32;
+    let width = (ui.available_width() - gaps) / buttons.len() as f32;
+    ui.horizontal(|ui| {
+        for (text, action) in buttons {
+            if ui.add_sized([width, BUTTON], Button::new(*text)).clicked() {
+                chosen.push(action.clone());
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_counts_where_it_begins() {
+        let at = |x: f64, is_pressed| MenuInput { at: Some([x, 0.5]), is_pressed };
+        let away = MenuInput::default();
+        let presses = |before, now| {
+            let events = events(before, now);
+            events.iter().filter(|event| matches!(event, Event::PointerButton { pressed: true, .. })).count()
+        };
+        assert_eq!(presses(at(0.5, false), at(0.5, true)), 1);
+        assert_eq!(presses(away, at(0.5, true)), 0, "a trigger that was held before it pointed here");
+        assert_eq!(presses(at(0.5, true), at(0.6, true)), 0, "it is held");
+        assert!(events(at(0.5, true), away) == [Event::PointerGone]);
+        let moved = events(away, at(0.5, false));
+        assert!(moved == [Event::PointerMoved(Pos2::new(120.0, 200.0))], "{moved:?}");
+    }
+}
