@@ -72,6 +72,8 @@ pub(super) struct Controls {
     held: Vec<KeyCode>,
     sent: Action,
     drag_from_px: Option<[f64; 2]>,
+    /// What a drag that is under way does.
+    drag: WindowInput,
     /// Where a button went down, while the pointer has stayed there: letting go is a click.
     click_px: Option<[f64; 2]>,
     pointer_px: [f64; 2],
@@ -90,6 +92,7 @@ impl Controls {
             held: Vec::new(),
             sent: AT_REST,
             drag_from_px: None,
+            drag: WindowInput::Drag,
             click_px: None,
             pointer_px: [0.0; 2],
         }
@@ -117,13 +120,16 @@ impl Controls {
             KeyAction::FullScreen => view.full_screen = !view.full_screen,
             KeyAction::Help => view.help = !view.help,
             KeyAction::Back => view.back(now),
-            KeyAction::Move(..) | KeyAction::Fast | KeyAction::Look | KeyAction::GoToSeen => {}
+            KeyAction::Move(..) | KeyAction::Fast | KeyAction::Look | KeyAction::Orbit => {}
+            KeyAction::GoToSeen => {}
         }
         None
     }
 
-    /// Takes in that a mouse button went down on the picture (not on the panel), or up anywhere. True if it was a click.
-    pub(super) fn button(&mut self, pressed: bool) -> bool {
+    /// Takes in that a mouse button went down on the picture (not on the panel), or up anywhere; while it is down, moving the
+    /// mouse is `drag`. True if it was a click.
+    pub(super) fn button(&mut self, pressed: bool, drag: WindowInput) -> bool {
+        self.drag = drag;
         self.drag_from_px = pressed.then_some(self.pointer_px);
         let clicked = self.click_px.take().is_some() && !pressed;
         self.click_px = self.drag_from_px;
@@ -147,8 +153,12 @@ impl Controls {
         self.click_px = self.click_px.filter(is_near);
         let from_px = self.drag_from_px.as_mut().map(|from| std::mem::replace(from, at_px))?;
         let delta_px = [(at_px[0] - from_px[0]) as f32, (at_px[1] - from_px[1]) as f32];
-        (keys::action(WindowInput::Drag) == Some(KeyAction::Look) && delta_px != [0.0; 2])
-            .then_some(Action::Look { delta_px })
+        let action = match keys::action(self.drag)? {
+            KeyAction::Look => Action::Look { delta_px },
+            KeyAction::Orbit => Action::Orbit { delta_px },
+            _ => return None,
+        };
+        (delta_px != [0.0; 2]).then_some(action)
     }
 
     /// Takes in that the wheel turned by this many lines; up is positive.
@@ -222,7 +232,7 @@ mod tests {
     fn losing_the_keyboard_stops_everything_once() {
         let (mut c, now) = (controls(), Instant::now());
         c.key(KeyCode::KeyW, true, now);
-        c.button(true);
+        c.button(true, WindowInput::Drag);
         assert_eq!(c.release_all(), Some(AT_REST));
         assert_eq!(c.release_all(), None);
         assert!(!c.dragging());
@@ -233,27 +243,29 @@ mod tests {
     fn only_a_drag_looks() {
         let mut c = controls();
         assert_eq!(c.pointer([10.0, 10.0]), None);
-        c.button(true);
+        c.button(true, WindowInput::Drag);
         assert_eq!(c.pointer([13.0, 6.0]), Some(Action::Look { delta_px: [3.0, -4.0] }));
         assert_eq!(c.pointer([13.0, 6.0]), None);
         assert_eq!(c.pointer([14.0, 6.0]), Some(Action::Look { delta_px: [1.0, 0.0] }));
-        c.button(false);
+        c.button(false, WindowInput::Drag);
         assert_eq!(c.pointer([50.0, 50.0]), None);
+        c.button(true, WindowInput::RightDrag);
+        assert_eq!(c.pointer([52.0, 50.0]), Some(Action::Orbit { delta_px: [2.0, 0.0] }));
     }
 
     #[test]
     fn a_click_is_let_go_where_it_began() {
         let mut c = controls();
         c.pointer([10.0, 10.0]);
-        assert!(!c.button(true) && c.button(false), "a click");
-        assert!(!c.button(true));
+        assert!(!c.button(true, WindowInput::Drag) && c.button(false, WindowInput::Drag), "a click");
+        assert!(!c.button(true, WindowInput::Drag));
         c.pointer([12.0, 12.0]);
-        assert!(c.button(false), "a hand is never quite still");
-        assert!(!c.button(true));
+        assert!(c.button(false, WindowInput::Drag), "a hand is never quite still");
+        assert!(!c.button(true, WindowInput::Drag));
         c.pointer([60.0, 10.0]);
         c.pointer([10.0, 10.0]);
-        assert!(!c.button(false), "a drag that comes back is none");
-        assert!(!c.button(false), "nothing went down");
+        assert!(!c.button(false, WindowInput::Drag), "a drag that comes back is none");
+        assert!(!c.button(false, WindowInput::Drag), "nothing went down");
     }
 
     #[test]

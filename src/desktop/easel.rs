@@ -32,6 +32,11 @@ impl Easel {
         &self.gpu
     }
 
+    /// Width, height of the textures.
+    pub(super) fn size_px(&self) -> [u32; 2] {
+        self.size_px
+    }
+
     /// Paints a texture of its own: the one before may be on its way to the eyes. `None` if the GPU's queue cannot be had.
     pub(super) fn paint(
         &mut self,

@@ -10,8 +10,10 @@ use winit::keyboard::KeyCode;
 pub(super) enum WindowInput {
     /// A key by its position.
     Key(KeyCode),
-    /// Moving the mouse with a button held.
+    /// Moving the mouse with the left button held.
     Drag,
+    /// Moving the mouse with the right button held.
+    RightDrag,
     /// The left mouse button, pressed and let go at one place.
     Click,
     /// The mouse wheel.
@@ -29,6 +31,8 @@ pub(super) enum KeyAction {
     Send(Action),
     /// Looks around.
     Look,
+    /// Goes round the scan.
+    Orbit,
     /// Goes to the floor that is seen there.
     GoToSeen,
     /// Changes the speed by this many steps, faster (> 0) or slower (< 0); the wheel does so for each line.
@@ -58,14 +62,17 @@ pub(super) struct KeyBinding {
 
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[KeyBinding] = {
-    use KeyAction::{Back, Fast, FullScreen, GoToSeen, Help, Look, Move, NextMirror, Panel, Send, Speed};
+    use KeyAction::{
+        Back, Fast, FullScreen, GoToSeen, Help, Look, Move, NextMirror, Orbit, Panel, Send, Speed,
+    };
     use KeyCode as K;
-    use WindowInput::{Click, Drag, Key, Wheel};
+    use WindowInput::{Click, Drag, Key, RightDrag, Wheel};
     const fn bind(inputs: &'static [WindowInput], action: KeyAction, does: &'static str) -> KeyBinding {
         KeyBinding { inputs, action, does }
     }
     &[
         bind(&[Drag], Look, "Look around"),
+        bind(&[RightDrag], Orbit, "Go round the scan"),
         bind(&[Click], GoToSeen, "Go to where one clicks"),
         bind(&[Key(K::KeyW), Key(K::ArrowUp)], Move(2, 1.0), "Forward"),
         bind(&[Key(K::KeyS), Key(K::ArrowDown)], Move(2, -1.0), "Back"),
@@ -79,6 +86,7 @@ pub(super) const BINDINGS: &[KeyBinding] = {
         bind(&[Key(K::ArrowLeft), Key(K::Comma)], Send(Action::Snap(-1)), "Turn left by a step"),
         bind(&[Key(K::ArrowRight), Key(K::Period)], Send(Action::Snap(1)), "Turn right by a step"),
         bind(&[Key(K::KeyF), Key(K::Home)], Send(Action::WholeView), "See the whole scan"),
+        bind(&[Key(K::KeyT)], Send(Action::TopView), "Look down from above"),
         bind(&[Key(K::KeyR)], Send(Action::Reset), "Back to the starting place"),
         bind(&[Key(K::KeyG)], Send(Action::ToggleWalking), "Walk on floors, or fly"),
         bind(&[Key(K::KeyV)], Send(Action::ShowModel), "The whole scan as a model"),
@@ -122,6 +130,7 @@ impl WindowInput {
     fn label(&self) -> String {
         let name = match self {
             Self::Drag => "Mouse drag",
+            Self::RightDrag => "Right drag",
             Self::Click => "Mouse click",
             Self::Wheel => "Mouse wheel",
             Self::Key(key) => match key {

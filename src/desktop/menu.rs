@@ -1,5 +1,5 @@
-//! The menu that is seen in the headset: large buttons for a ray or a fingertip. egui paints it into a texture, on a thread of
-//! its own, whenever hands or what it shows have changed.
+//! The menu that is seen in the headset: large buttons for a ray or a fingertip; and the label that says how large two hands
+//! make the scan. egui paints them into a texture, on a thread of its own, whenever hands or what is shown have changed.
 
 use super::easel::{Easel, PIXELS_PER_POINT};
 use super::{numbers, style};
@@ -16,6 +16,8 @@ use std::time::Duration;
 
 /// Size of the menu's texture, pixels.
 pub(super) const SIZE_PX: [u32; 2] = [720, 1200];
+/// Size of the label's texture, pixels.
+const LABEL_PX: [u32; 2] = [432, 144];
 /// Pause between two looks at what hands do, while it is open.
 const LOOK_EVERY: Duration = Duration::from_millis(12);
 /// Pause between two looks whether it has been opened.
@@ -32,7 +34,8 @@ pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
     while !stop.is_cancelled() {
         let snapshot = walk.snapshot();
         let gpu = walk.gpu().filter(|gpu| gpu.lost().is_none());
-        let Some((gpu, stance)) = gpu.zip(snapshot.stance).filter(|_| snapshot.menu.is_some()) else {
+        let is_wanted = |stance: &Stance| snapshot.menu.is_some() || stance.is_scaling;
+        let Some((gpu, stance)) = gpu.zip(snapshot.stance.filter(is_wanted)) else {
             if let Some(easel) = easel.take() {
                 walk.set_menu(easel.gpu(), None);
             }
@@ -40,17 +43,23 @@ pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
             std::thread::sleep(LOOK_CLOSED_EVERY);
             continue;
         };
-        if easel.as_ref().is_none_or(|easel| !Arc::ptr_eq(easel.gpu(), &gpu)) {
+        let size_px = if snapshot.menu.is_some() { SIZE_PX } else { LABEL_PX };
+        let is_fit = |easel: &Easel| Arc::ptr_eq(easel.gpu(), &gpu) && easel.size_px() == size_px;
+        if !easel.as_ref().is_some_and(is_fit) {
             // The menu of another GPU cannot be shown on this one.
-            (easel, painted) = (Some(Easel::new(&gpu, SIZE_PX)), None);
+            (easel, painted) = (Some(Easel::new(&gpu, size_px)), None);
         }
         let input = walk.menu_input();
         if let Some(easel) = easel.as_mut().filter(|_| painted != Some((snapshot, input))) {
             let events = events(painted.map(|(_, before)| before).unwrap_or_default(), input);
             let mut chosen = Vec::new();
-            let menu = easel.paint(events, |ui| chosen.extend(contents(ui, &snapshot, &stance)));
-            if let Some(menu) = menu {
-                walk.set_menu(&gpu, Some(menu));
+            let picture = if snapshot.menu.is_some() {
+                easel.paint(events, |ui| chosen.extend(contents(ui, &snapshot, &stance)))
+            } else {
+                easel.paint(Vec::new(), |ui| label(ui, stance.scale))
+            };
+            if let Some(picture) = picture {
+                walk.set_menu(&gpu, Some(picture));
                 painted = Some((snapshot, input));
             }
             for action in chosen {
@@ -60,6 +69,14 @@ pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
         }
         std::thread::sleep(LOOK_EVERY);
     }
+}
+
+/// Draws the label.
+pub(super) fn label(ui: &mut Ui, scale: f64) {
+    let frame = Frame::new().inner_margin(Margin::same(6)).fill(style::card().fill.to_opaque());
+    CentralPanel::default().frame(frame).show(ui, |ui| {
+        ui.centered_and_justified(|ui| ui.label(RichText::new(numbers::scale(scale)).size(18.0)));
+    });
 }
 
 /// What egui is told of a hand that did `before` and does `now`.

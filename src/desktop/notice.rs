@@ -3,7 +3,7 @@
 use super::numbers;
 use super::style::{self, BAD, FAINT, GOOD, WARN};
 use crate::walk::action::Action;
-use crate::walk::link::LoadState;
+use crate::walk::link::{HeadsetState, LoadState};
 use base::task::Done;
 use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
 use std::time::{Duration, Instant};
@@ -30,13 +30,26 @@ pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant
     }
 }
 
-/// Draws why the walk waits for the headset that it had, with a button to look for it at once.
-pub(super) fn waiting(ui: &mut Ui, because: Option<&str>) -> Option<Action> {
-    let because = because?;
+/// States of a session in which nobody sees the walk.
+const UNSEEN: [&str; 4] = ["IDLE", "READY", "SYNCHRONIZED", "STOPPING"];
+
+/// Draws why the walk waits for the headset that it had, with a button to look for it at once; or that nobody wears the one
+/// that there is.
+pub(super) fn waiting(ui: &mut Ui, headset: &HeadsetState) -> Option<Action> {
+    let is_unseen = UNSEEN.contains(&headset.session);
+    let because = headset.waiting_because.as_deref();
+    if because.is_none() && !is_unseen {
+        return None;
+    }
     let area = Area::new(Id::unique("waiting")).anchor(Align2::RIGHT_TOP, [-16.0, 16.0]);
     let shown = area.show(ui.ctx(), |ui| {
         let contents = style::card().show(ui, |ui| {
             ui.set_max_width(300.0);
+            let Some(because) = because else {
+                ui.label(RichText::new("Nobody wears the headset").color(WARN));
+                ui.label("Put it on to walk in it.");
+                return false;
+            };
             ui.label(RichText::new("Waiting for the headset").color(WARN));
             ui.label(because);
             ui.button("Look for it now").clicked()

@@ -184,6 +184,11 @@ fn the_menu_sends_what_is_chosen_in_it() {
     }
 }
 
+#[test]
+fn the_label_says_how_large_hands_make_the_scan() {
+    assert!(painted(|ui| menu::label(ui, 0.08)).contains("1 : 12.5"));
+}
+
 /// Somebody who walks in an interior.
 fn stance() -> Stance {
     Stance {
@@ -191,6 +196,7 @@ fn stance() -> Stance {
         said: None,
         is_walking: true,
         scale: 1.0,
+        is_scaling: false,
         raised_m: 0.0,
         num_places: 0,
         turn: Turn::Snap,
@@ -387,14 +393,16 @@ fn notices_say_what_goes_on() {
         "",
         "nothing goes on any more"
     );
-    assert_eq!(painted(|ui| _ = notice::waiting(ui, None)), "");
-    let words = painted(|ui| _ = notice::waiting(ui, Some("the headset was lost (LOSS_PENDING)")));
-    assert!(
-        ["Waiting for the headset", "LOSS_PENDING", "Look for it now"]
-            .iter()
-            .all(|said| words.contains(said)),
-        "{words}"
-    );
+    let waiting = |headset: HeadsetState| painted(|ui| _ = notice::waiting(ui, &headset));
+    let focused = HeadsetState { session: "FOCUSED", ..HeadsetState::default() };
+    assert_eq!([waiting(focused.clone()), waiting(HeadsetState::default())], ["", ""]);
+    let words = waiting(HeadsetState { session: "SYNCHRONIZED", ..focused.clone() });
+    assert!(words.contains("Nobody wears the headset") && !words.contains("Look for it"), "{words}");
+    let lost = Some("the headset was lost (LOSS_PENDING)".to_owned());
+    let words = waiting(HeadsetState { session: "simulated", waiting_because: lost, ..focused });
+    for said in ["Waiting for the headset", "LOSS_PENDING", "Look for it now"] {
+        assert!(words.contains(said), "{said}: {words}");
+    }
     let now = Instant::now();
     let told = Some((now, "Saved a.left.png".to_string()));
     let words = |at| painted(|ui| notice::told(ui, told.as_ref(), at));

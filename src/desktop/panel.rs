@@ -250,6 +250,7 @@ fn machine(ui: &mut Ui, contents: &Contents) {
     fold(ui, "Machine", true, |ui| {
         fact(ui, "GPU", &contents.headset.device);
         fact(ui, "Headset", &contents.headset.runtime);
+        fact(ui, "Session", contents.headset.session);
         if let Some([width, height]) = contents.eye_px {
             fact(ui, "An eye", &format!("{width} × {height} px"));
         }

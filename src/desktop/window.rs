@@ -3,6 +3,7 @@
 
 use super::controls::{Controls, WindowState};
 use super::history::History;
+use super::keys::WindowInput;
 use super::painter::{EguiPicture, Painter};
 use super::placement::{panes, seen_at};
 use super::screen::WindowSurface;
@@ -250,7 +251,9 @@ impl App {
                 ..
             } => {
                 let pressed = state == ElementState::Pressed;
-                let clicked = (ours || !pressed) && self.controls.button(pressed);
+                let drag =
+                    if button == MouseButton::Left { WindowInput::Drag } else { WindowInput::RightDrag };
+                let clicked = (ours || !pressed) && self.controls.button(pressed, drag);
                 // The other button looks around only.
                 (clicked && button == MouseButton::Left).then(|| self.go_to_clicked()).flatten()
             }
@@ -311,7 +314,7 @@ impl App {
         let mut output = context.run_ui(input, |ui| {
             asked.extend(panel::show(ui, &contents, view));
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
-            asked.extend(notice::waiting(ui, self.headset.waiting_because.as_deref()));
+            asked.extend(notice::waiting(ui, &self.headset));
             notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
         });

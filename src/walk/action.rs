@@ -32,6 +32,13 @@ pub enum Action {
     Reset,
     /// Move back until the whole scan is in view.
     WholeView,
+    /// Look down on the whole scan from above.
+    TopView,
+    /// Mouse moved while going round the scan: pixels right, pixels down.
+    Orbit {
+        /// Pixels right, pixels down.
+        delta_px: [f32; 2],
+    },
     /// Walk on floors if one flew, fly if one walked.
     ToggleWalking,
     /// Go to a floor, the head above it.
@@ -95,6 +102,8 @@ pub struct Stance {
     pub is_walking: bool,
     /// Size of the scan: 1 is as large as life.
     pub scale: f64,
+    /// True while hands change the size.
+    pub is_scaling: bool,
     /// Meters by which the user is raised above the floor.
     pub raised_m: f64,
     /// Number of places that one can go back to.

@@ -4,7 +4,7 @@ use super::action::Action;
 use super::governor::{Governor, Settings};
 use super::locomotion::{Locomotion, head_of};
 use super::masks::Masks;
-use super::menu::MenuOfWalk;
+use super::menu::{self, MenuOfWalk};
 use super::mirror::Mirror;
 use super::rows::pass_on;
 use super::run::{Walk, WalkError};
@@ -49,6 +49,8 @@ pub(super) struct Frames {
     menu: MenuOfWalk,
     /// The menu, if it is drawn into the eyes' images.
     drawn_panel: Option<Panel>,
+    /// State of the session, as the window was told.
+    session: &'static str,
     /// True once the governor knows of all of the scan.
     has_begun: bool,
 }
@@ -104,6 +106,7 @@ impl Frames {
             hands: SeenHands::default(),
             menu: MenuOfWalk::default(),
             drawn_panel: None,
+            session: "",
             has_begun: false,
         })
     }
@@ -119,6 +122,10 @@ impl Frames {
             return Ok(Step::Ended(End::DeviceLost(reason.into())));
         }
         self.take_loaded(walk, walker)?;
+        if headset.session() != self.session {
+            self.session = headset.session();
+            walk.link.update_headset(|shown| shown.session = headset.session());
+        }
         let waited = Instant::now();
         match headset.wait() {
             FrameState::Ended(end) => return Ok(Step::Ended(end)),
@@ -175,9 +182,9 @@ impl Frames {
         let head = &walker.stage_from_head;
         let free = self.menu.advance(walker.state.menu, &self.hands, head, &walk.link);
         let speed = walker.state.speed();
-        let mut menu = None;
+        let mut pressed = None;
         if let Some(locomotion) = &mut walker.state.locomotion {
-            menu = locomotion.advance(seconds, speed, &free.controllers, head);
+            pressed = locomotion.advance(seconds, speed, &free.controllers, head);
             for (hand, event) in locomotion.guides().events.into_iter().enumerate() {
                 if let Some(event) = event {
                     let (strength, seconds) = event.tick();
@@ -185,14 +192,16 @@ impl Frames {
                 }
             }
         }
-        if let Some(hand) = menu {
+        if let Some(hand) = pressed {
             walker.state.apply(Action::ToggleMenu(hand));
         }
         let settings = self.settle(walker.rows.frame, headset)?;
-        let panel = self.menu.panel(&walk.link);
+        let is_scaling = walker.state.locomotion.as_ref().is_some_and(|user| user.guides().scale.is_some());
+        let label = is_scaling.then(|| menu::label(&self.hands, &walker.stage_from_head)).flatten();
+        let panel = self.menu.panel(&walk.link, label);
         // What the headset cannot show by itself is drawn into the eyes' images.
         self.drawn_panel = panel.filter(|panel| !headset.show_panel(Some(panel)));
-        if self.drawn_panel.is_none() && !self.menu.is_open() {
+        if self.drawn_panel.is_none() && !self.menu.is_open() && label.is_none() {
             headset.show_panel(None);
         }
         let Some(images) = headset.acquire() else {

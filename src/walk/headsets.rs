@@ -27,7 +27,7 @@ const LOOK_AT_LEAST_EVERY: Duration = Duration::from_secs(16);
 const LASTING: Duration = Duration::from_secs(10);
 
 /// Use of something that may be absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wish {
     /// Use it if it is there.
     #[default]

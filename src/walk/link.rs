@@ -44,6 +44,8 @@ pub struct HeadsetState {
     pub runtime: String,
     /// The GPU's name.
     pub device: String,
+    /// State of its session: "FOCUSED", "simulated".
+    pub session: &'static str,
     /// Why the walk waits for a real headset that it had: the sentence for people.
     pub waiting_because: Option<String>,
 }

@@ -413,3 +413,30 @@ fn a_click_on_the_floor_leads_there_to_the_centimeter() {
     assert!(walk.stance().scale < 0.5 && walk.go_where_pointed(from, DVec3::NEG_Z));
     assert!(walk.stance().scale == 1.0 && (walk.feet_in_world() - aimed).length() < 0.01);
 }
+
+#[test]
+fn the_scan_is_gone_round_and_looked_down_upon() {
+    let mut walk = walk();
+    let pivot = start().bounds.center();
+    walk.apply(Action::WholeView);
+    let head = head_of(&eyes());
+    // Where the scan's middle is in sight, in view space.
+    let in_sight = |walk: &Locomotion| {
+        let Pose { position, orientation } = walk.world_from_head(&head);
+        orientation.inverse() * (pivot - position)
+    };
+    let before = in_sight(&walk);
+    let from = walk.world_from_head(&head).position;
+    walk.apply(Action::Orbit { delta_px: [200.0, 0.0] });
+    walk.apply(Action::Orbit { delta_px: [0.0, 100.0] });
+    assert!((in_sight(&walk) - before).length() < 1e-6, "{}", in_sight(&walk));
+    let to = walk.world_from_head(&head).position;
+    assert!((to - from).length() > 10.0 && to.z > from.z, "dragging down lifts the viewer: {}", to - from);
+    walk.apply(Action::TopView);
+    let seen = in_sight(&walk);
+    assert!(seen.truncate().length() < 1e-6 && seen.z < 0.0, "it is right below: {seen}");
+    // A head that pitches itself is only moved level.
+    walk.set_may_pitch(false);
+    walk.apply(Action::TopView);
+    assert_eq!(walk.world_from_head(&head).orientation, walk.stage().pose_in_world(&head).orientation);
+}

@@ -1,4 +1,5 @@
-//! The menu in the headset: it opens by the wrist, stays where it opened, and takes what hands point at or touch.
+//! The menu in the headset: it opens by the wrist, stays where it opened, and takes what hands point at or touch. And the
+//! label between two hands that says how large they make the scan.
 
 use super::link::WalkEnd;
 use super::scenery::SeenHands;
@@ -8,6 +9,10 @@ use xr::{HandInput, HandJoints, Panel, joint};
 
 /// Width, height of the menu, meters.
 const SIZE_M: [f64; 2] = [0.21, 0.35];
+/// Width, height of the label, meters.
+const LABEL_M: [f64; 2] = [0.18, 0.06];
+/// Height of the label above the hands, meters.
+const LABEL_ABOVE_M: f64 = 0.08;
 /// Height of its middle above the hand that opens it, meters.
 const ABOVE_M: f64 = 0.2;
 /// Distance before the head at which it opens when nobody knows where the hand is, meters.
@@ -81,13 +86,15 @@ impl MenuOfWalk {
         self.stage_from_menu.is_some()
     }
 
-    /// What is to be shown, once it is painted; never waits for whoever paints it.
-    pub fn panel(&mut self, link: &WalkEnd) -> Option<Panel> {
-        let stage_from_panel = self.stage_from_menu?;
+    /// What is to be shown, once it is painted: the menu, or the label of the scale where `stage_from_label` is; never waits
+    /// for whoever paints it.
+    pub fn panel(&mut self, link: &WalkEnd, stage_from_label: Option<Pose>) -> Option<Panel> {
+        let menu = self.stage_from_menu.map(|menu| (menu, SIZE_M));
+        let (stage_from_panel, size_m) = menu.or(stage_from_label.map(|label| (label, LABEL_M)))?;
         if let Some(picture) = link.try_menu() {
             self.picture = picture;
         }
-        Some(Panel { picture: self.picture.clone()?, stage_from_panel, size_m: SIZE_M })
+        Some(Panel { picture: self.picture.clone()?, stage_from_panel, size_m })
     }
 }
 
@@ -97,6 +104,18 @@ fn opening(hand: Option<&HandInput>, stage_from_head: &Pose) -> Pose {
     let held = hand.and_then(|hand| hand.stage_from_grip.or(hand.stage_from_aim));
     let ahead = (stage_from_head.orientation * DVec3::NEG_Z).with_y(0.0).normalize_or(DVec3::NEG_Z);
     let position = held.map_or(head + BEFORE_M * ahead, |held| held.position + ABOVE_M * DVec3::Y);
+    facing(position, head, ahead)
+}
+
+/// The pose of the label between two hands that change the scale.
+pub(super) fn label(hands: &SeenHands, stage_from_head: &Pose) -> Option<Pose> {
+    let [left, right] = hands.controllers.hands.map(|hand| hand.stage_from_grip.or(hand.stage_from_aim));
+    let middle = 0.5 * (left?.position + right?.position) + LABEL_ABOVE_M * DVec3::Y;
+    Some(facing(middle, stage_from_head.position, stage_from_head.orientation * DVec3::NEG_Z))
+}
+
+/// A pose at `position`, upright and facing the head, which looks `ahead`.
+fn facing(position: DVec3, head: DVec3, ahead: DVec3) -> Pose {
     let away = position - head;
     // A menu right above or below the head would face nowhere.
     let away = if away.with_y(0.0).length() > 1e-3 { away } else { ahead };
@@ -163,6 +182,18 @@ mod tests {
     }
 
     #[test]
+    fn the_label_is_between_the_hands_and_faces_the_head() {
+        let mut hands = SeenHands::default();
+        assert_eq!(label(&hands, &HEAD), None);
+        hands.controllers.hands = [at(DVec3::new(-0.3, 1.2, -0.4)), at(DVec3::new(0.5, 1.4, -0.4))];
+        let label = label(&hands, &HEAD).expect("a label");
+        assert!((label.position - DVec3::new(0.1, 1.3 + LABEL_ABOVE_M, -0.4)).length() < 1e-9);
+        assert!(
+            (label.orientation * DVec3::Z - (HEAD.position - label.position).normalize()).length() < 1e-9
+        );
+    }
+
+    #[test]
     fn rays_and_fingertips_point_at_it() {
         let menu = Pose { position: DVec3::new(0.0, 1.5, -0.5), orientation: DQuat::IDENTITY };
         let mut hand = at(DVec3::new(0.05, 1.5, 0.0));
@@ -210,6 +241,6 @@ mod tests {
         // Closed, it takes nothing.
         let rest = menu.advance(None, &hands, &HEAD, &walk);
         assert!(rest.controllers.hands[1].select && menu.pointing.is_none());
-        assert!(menu.panel(&walk).is_none());
+        assert!(menu.panel(&walk, None).is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! Hands in the walk: they are seen, one of them aims an arc at the floor, and the user is where it landed; the menu opens
 //! by one, and the other chooses in it.
 
-use crate::scene::ViewedScans;
+use crate::scene::{ViewedScans, num_whole};
 use base::space::Pose;
 use glam::DVec3;
 use kit::picture::Picture;
@@ -100,8 +100,10 @@ fn aimed(from: DVec3, at: DVec3) -> RemotePose {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     let lab = RuntimeSlot::enter();
-    let courtyard = ViewedScans::get().courtyard.to_str().expect("a UTF-8 path");
-    let args = ["view", courtyard, "--headset", "require", "--window", "off", "-v"];
+    let scene = ViewedScans::get();
+    let log = scene.file("menu.csv");
+    let [courtyard, log_path] = [&scene.courtyard, &log].map(|path| path.to_str().expect("a UTF-8 path"));
+    let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log_path, "-v"];
     let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
     let mut run = runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat());
@@ -123,10 +125,8 @@ fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     remote.send(&packet(aside, false));
     run.wait_until_said("headset session: FOCUSED", 1);
     let eye = || run.screen().columns(0, EYE_PX);
-    let is_bright = |[r, g, b]: &&[u8; 3]| *r > 90 || *g > 90 || *b > 90;
-    wait_for("the scan", 150.0, || {
-        (eye().pixels.iter().filter(is_bright).count() >= EYE_PX * 300).then_some(())
-    });
+    // What is seen stays once all points have come.
+    wait_for("the whole scan", 150.0, || (num_whole(&log) >= 3).then_some(()));
     remote.send(&packet(aside, true));
     // The menu is dark, and nothing else is as dark and as little colored over so much of the sight.
     let is_menu = |[r, g, b]: &&[u8; 3]| *r < 45 && *g < 45 && *b < 50 && r.abs_diff(*g) < 8;
@@ -147,10 +147,17 @@ fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     let num_ray = |picture: &Picture| picture.pixels.iter().filter(is_ray).count();
     let seen = wait_for("the ray", 60.0, || Some(eye()).filter(|eye| num_ray(eye) > num_ray(&opened) + 100));
     seen.keep("hands-menu-ray");
-    // The trigger is pulled for some frames, and let go.
-    remote.send(&packet(RemoteHand { trigger: 1.0, ..pointing }, false));
-    wait_for("the button to be pressed", 60.0, || Some(eye()).filter(|eye| eye.num_different(&seen) > 200));
-    remote.send(&packet(pointing, false));
+    // The trigger is pulled for some frames, and let go; frames are counted by the log. A frame may come late.
+    let num_frames = || LogRows::so_far(&log).map_or(0, |rows| rows.column("frame").len());
+    let has_left = || run.said().contains("; ended ");
+    for trigger in [0.0, 1.0].into_iter().cycle().take(20) {
+        remote.send(&packet(RemoteHand { trigger, ..pointing }, false));
+        let from = num_frames();
+        wait_for("further frames", 60.0, || (num_frames() >= from + 4 || has_left()).then_some(()));
+        if has_left() {
+            break;
+        }
+    }
     let done = run.finish();
     done.assert_ok();
     assert!(done.vulkan_complaints().is_empty(), "{:?}", done.vulkan_complaints());

@@ -2,6 +2,7 @@
 
 use base::space::Pose;
 use glam::DVec3;
+use kit::rows::LogRows;
 use kit::{made_up, spread};
 use lab::synth::{self, SynthKind};
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use std::sync::OnceLock;
 pub const EYE_DISTANCE: f64 = 0.063;
 
 /// Number of points of the courtyard.
-pub const NUM_POINTS: u64 = 400_000;
+const NUM_POINTS: u64 = 400_000;
 
 pub struct ViewedScans {
     pub courtyard: PathBuf,
@@ -72,4 +73,13 @@ fn write_ball(path: &Path, center: DVec3) {
             .expect("a point");
     }
     writer.close().expect("the ball is written");
+}
+
+/// Number of frames in a log that is being written that are of the walk and have all points of the courtyard: while
+/// nodes still arrive, a picture may stay for some frames and change afterwards.
+pub fn num_whole(log: &Path) -> usize {
+    let Some(rows) = LogRows::so_far(log) else { return 0 };
+    let (phases, resident) = (rows.column("phase"), rows.column("points_resident"));
+    let all = NUM_POINTS.to_string();
+    phases.iter().zip(resident).filter(|(phase, resident)| **phase == "walking" && *resident == all).count()
 }

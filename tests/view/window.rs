@@ -1,9 +1,8 @@
 //! `view` with a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
 
 use crate::program::Program;
-use crate::scene::{NUM_POINTS, ViewedScans};
+use crate::scene::{ViewedScans, num_whole};
 use kit::picture::Picture;
-use kit::rows::LogRows;
 use kit::screen::Screen;
 use kit::wait::wait_for;
 use kit::xr::RuntimeSlot;
@@ -31,15 +30,6 @@ fn wait_lit(screen: &Screen, window: &str) -> Picture {
         let picture = screen.picture(window);
         (lit(&picture) > 2000).then_some(picture)
     })
-}
-
-/// Number of frames in a log that is being written that are of the walk and have all points of the courtyard: while
-/// nodes still arrive, a picture may stay for some frames and change afterwards.
-fn num_whole(log: &Path) -> usize {
-    let Some(rows) = LogRows::so_far(log) else { return 0 };
-    let (phases, resident) = (rows.column("phase"), rows.column("points_resident"));
-    let all = NUM_POINTS.to_string();
-    phases.iter().zip(resident).filter(|(phase, resident)| **phase == "walking" && *resident == all).count()
 }
 
 /// Returns the window's picture once further frames of the whole scan show nothing else.

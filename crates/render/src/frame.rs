@@ -12,20 +12,40 @@ use crate::scenery::{SceneryView, Shapes};
 use base::space::View;
 use timing::{STAGES, StageMs};
 
-/// Place of `clear` in [`STAGES`], and of its times.
-const CLEAR: usize = 0;
-/// Place of `lod` in [`STAGES`], and of its times.
-const LOD: usize = 1;
-/// Place of `cull` in [`STAGES`], and of its times.
-const CULL: usize = 2;
-/// Place of `depth` in [`STAGES`], and of its times.
-pub(super) const DEPTH: usize = 3;
-/// Place of `color` in [`STAGES`], and of its times.
-const COLOR: usize = 4;
-/// Place of `resolve` in [`STAGES`], and of its times.
-const RESOLVE: usize = 5;
-/// Place of `scenery` in [`STAGES`], and of its times.
-const SCENERY: usize = 6;
+/// Places of the stages in [`STAGES`], and of their times.
+const CLEAR: usize = place_of("clear");
+const LOD: usize = place_of("lod");
+const CULL: usize = place_of("cull");
+pub(super) const DEPTH: usize = place_of("depth");
+const COLOR: usize = place_of("color");
+const RESOLVE: usize = place_of("resolve");
+const SCENERY: usize = place_of("scenery");
+
+/// The place of a stage's name in [`STAGES`]; a name that is not there does not compile.
+const fn place_of(name: &str) -> usize {
+    let mut place = 0;
+    while place < STAGES.len() {
+        if is_same(STAGES[place].as_bytes(), name.as_bytes()) {
+            return place;
+        }
+        place += 1;
+    }
+    panic!("no stage has this name")
+}
+
+const fn is_same(a: &[u8], b: &[u8]) -> bool {
+    if a.len() != b.len() {
+        return false;
+    }
+    let mut at = 0;
+    while at < a.len() {
+        if a[at] != b[at] {
+            return false;
+        }
+        at += 1;
+    }
+    true
+}
 
 // Rows of finished pixels begin where copies need them to.
 const _: () = assert!(4 * IMAGE_PITCH_PX == wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);

@@ -27,6 +27,7 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"ASTM-E57", "it is an E57 file", CONVERT),
     (b"# .PCD", "it is a PCD file", CONVERT),
     (b"VERSION .7", "it is a PCD file", CONVERT),
+    (b"VERSION 0.7", "it is a PCD file", CONVERT),
     (b"glTF", "it is a glTF model", CONVERT),
     (b"Kaydara FBX Binary", "it is an FBX model", CONVERT),
     (b"solid ", "it is an STL model", CONVERT),
