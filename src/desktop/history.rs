@@ -95,6 +95,11 @@ impl History {
         Some(frame_s.recip().min(with_next))
     }
 
+    /// True if frames have come, and none has for so long that something keeps them.
+    pub(super) fn is_stalled(&self, now: Instant) -> bool {
+        self.last_push.is_some_and(|at| now.saturating_duration_since(at).as_secs_f64() > STALLED_S)
+    }
+
     /// Missed display periods since the start.
     pub(super) fn num_missed(&self) -> u64 {
         self.num_missed
@@ -162,6 +167,17 @@ pub(super) mod tests {
             history.push(row(i as u64, time_s, 5.0), Instant::now());
         }
         history
+    }
+
+    #[test]
+    fn frames_that_stop_are_stalled() {
+        let (mut history, now) = (History::default(), Instant::now());
+        assert!(!history.is_stalled(now), "none has come yet");
+        history.push(row(0, 0.0, 1.0), now);
+        assert!(
+            !history.is_stalled(now + Duration::from_secs(2))
+                && history.is_stalled(now + Duration::from_secs(4))
+        );
     }
 
     #[test]

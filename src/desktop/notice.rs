@@ -33,12 +33,21 @@ pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant
 /// States of a session in which nobody sees the walk.
 const UNSEEN: [&str; 4] = ["IDLE", "READY", "SYNCHRONIZED", "STOPPING"];
 
+/// States of a session in which somebody does.
+const SEEN: [&str; 2] = ["VISIBLE", "FOCUSED"];
+
 /// Draws why the walk waits for the headset that it had, with a button to look for it at once; or that nobody wears the one
-/// that there is.
-pub(super) fn waiting(ui: &mut Ui, headset: &HeadsetState) -> Option<Action> {
-    let is_unseen = UNSEEN.contains(&headset.session);
+/// that there is; or that it keeps the frames, which have stalled.
+pub(super) fn waiting(ui: &mut Ui, headset: &HeadsetState, is_stalled: bool) -> Option<Action> {
+    let said = if UNSEEN.contains(&headset.session) {
+        ["Nobody wears the headset", "Put it on to walk in it."]
+    } else if is_stalled && SEEN.contains(&headset.session) {
+        ["The headset's software does not answer", "Esc, twice, leaves all the same."]
+    } else {
+        [""; 2]
+    };
     let because = headset.waiting_because.as_deref();
-    if because.is_none() && !is_unseen {
+    if because.is_none() && said == [""; 2] {
         return None;
     }
     let area = Area::new(Id::unique("waiting")).anchor(Align2::RIGHT_TOP, [-16.0, 16.0]);
@@ -46,8 +55,8 @@ pub(super) fn waiting(ui: &mut Ui, headset: &HeadsetState) -> Option<Action> {
         let contents = style::card().show(ui, |ui| {
             ui.set_max_width(300.0);
             let Some(because) = because else {
-                ui.label(RichText::new("Nobody wears the headset").color(WARN));
-                ui.label("Put it on to walk in it.");
+                ui.label(RichText::new(said[0]).color(WARN));
+                ui.label(said[1]);
                 return false;
             };
             ui.label(RichText::new("Waiting for the headset").color(WARN));

@@ -393,11 +393,15 @@ fn notices_say_what_goes_on() {
         "",
         "nothing goes on any more"
     );
-    let waiting = |headset: HeadsetState| painted(|ui| _ = notice::waiting(ui, &headset));
+    let waiting = |headset: HeadsetState| painted(|ui| _ = notice::waiting(ui, &headset, false));
     let focused = HeadsetState { session: "FOCUSED", ..HeadsetState::default() };
     assert_eq!([waiting(focused.clone()), waiting(HeadsetState::default())], ["", ""]);
     let words = waiting(HeadsetState { session: "SYNCHRONIZED", ..focused.clone() });
     assert!(words.contains("Nobody wears the headset") && !words.contains("Look for it"), "{words}");
+    let words = painted(|ui| _ = notice::waiting(ui, &focused, true));
+    assert!(words.contains("does not answer") && words.contains("Esc"), "{words}");
+    let simulated = HeadsetState { session: "simulated", ..HeadsetState::default() };
+    assert_eq!(painted(|ui| _ = notice::waiting(ui, &simulated, true)), "", "a slow driver is no headset");
     let lost = Some("the headset was lost (LOSS_PENDING)".to_owned());
     let words = waiting(HeadsetState { session: "simulated", waiting_because: lost, ..focused });
     for said in ["Waiting for the headset", "LOSS_PENDING", "Look for it now"] {

@@ -314,7 +314,7 @@ impl App {
         let mut output = context.run_ui(input, |ui| {
             asked.extend(panel::show(ui, &contents, view));
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
-            asked.extend(notice::waiting(ui, &self.headset));
+            asked.extend(notice::waiting(ui, &self.headset, self.history.is_stalled(now)));
             notice::told(ui, self.viewer.notice().as_ref(), now);
             help::show(ui, view);
         });

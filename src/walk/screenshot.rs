@@ -69,7 +69,11 @@ impl Screenshots {
         let write = move || {
             let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
             link.set_notice(match write(&gpu, Path::new(""), now, &pictures) {
-                Ok(stem) => format!("Saved {}.left.png and .right.png", stem.display()),
+                Ok(stem) => {
+                    // Whoever started the program from a menu does not know its folder.
+                    let stem = std::path::absolute(&stem).unwrap_or(stem);
+                    format!("Saved {}.left.png and .right.png", stem.display())
+                }
                 Err(error) => format!("No screenshot: {error:#}"),
             });
         };

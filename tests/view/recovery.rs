@@ -218,7 +218,7 @@ fn nobody_waits_for_a_runtime_that_does_not_answer() {
 }
 
 /// How many faults happen at random; the environment may say it (SCANWALK_FAULTS).
-const NUM_FAULTS: usize = 8;
+const NUM_FAULTS: usize = 6;
 /// Longest time that a fault and the way back from it take, seconds.
 const FAULT_S: usize = 20;
 
