@@ -222,7 +222,7 @@ impl Frames {
 
         let submit_began = Instant::now();
         let eyes = headset.locate();
-        walker.stage_from_head = head_of(&eyes);
+        walker.locate_head(head_of(&eyes));
         self.mask(headset, &eyes);
         let world_from_head = self.show(walk, walker, &eyes, headset.is_simulated());
         headset.submit(Some(encoder));
@@ -326,7 +326,7 @@ impl Frames {
         let view = locomotion.stage().view(&world_from_head, eyes, self.drawn_px, walk.draw.near);
         self.renderer.set_view(&queue, &view);
         let stand = Stand {
-            eyes,
+            eyes: &locomotion.pitched(eyes),
             drawn_px: self.drawn_px,
             near_m: walk.draw.near,
             locomotion: Some(locomotion),

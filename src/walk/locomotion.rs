@@ -17,7 +17,9 @@ use base::space::Pose;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use timing::Place;
-use xr::ControllerInput;
+use xr::{ControllerInput, StageEye};
+
+mod around;
 
 pub use super::moving::options::LocomotionOptions;
 pub use super::moving::place::head_of;
@@ -107,6 +109,27 @@ impl Locomotion {
         };
         user.begin();
         user
+    }
+
+    /// Begins with the head here: the headset has told for the first time where it is.
+    pub fn begin_with(&mut self, stage_from_head: &Pose) {
+        self.stage_from_head = *stage_from_head;
+        self.reset();
+    }
+
+    /// The eyes as the pitch of the view turns them about the head, in the stage.
+    #[must_use]
+    pub fn pitched(&self, eyes: &[StageEye; 2]) -> [StageEye; 2] {
+        if !self.may_pitch || self.pitch == 0.0 {
+            return *eyes;
+        }
+        let head = head_of(eyes);
+        let orientation = (head.orientation * DQuat::from_rotation_x(self.pitch)).normalize();
+        let pitched = Pose { orientation, ..head };
+        eyes.map(|eye| {
+            let head_from_view = head.inverse().then(&eye.stage_from_view);
+            StageEye { stage_from_view: pitched.then(&head_from_view), ..eye }
+        })
     }
 
     /// Sets whether the mouse may look up and down, which is for simulated headsets only: a head pitches itself.
@@ -408,35 +431,6 @@ impl Locomotion {
         if self.start.kind == ScanKind::Landscape {
             self.show_model();
         }
-    }
-
-    /// Looks at the whole scan from above, north up, if the view may pitch; else from where all of it is seen.
-    fn look_down(&mut self) {
-        let Start { overview, bounds, .. } = self.start;
-        self.go(&overview);
-        self.pitch = 0.0;
-        if self.may_pitch {
-            let size = bounds.size();
-            // A view of 90 degrees holds the longer side, with a little to spare.
-            let above = 0.55 * size.truncate().max_element().max(0.1 * size.z) + size.z;
-            self.place.bring(self.stage_from_head.position, bounds.center().with_z(bounds.min.z + above));
-            self.pitch = -FRAC_PI_2;
-        }
-    }
-
-    /// Goes round the middle of the scan, which stays where it is in sight. The pitch changes only if it may.
-    fn orbit(&mut self, delta_px: [f32; 2]) {
-        let [right, down] = delta_px.map(|px| -f64::from(px) * self.options.look_rad_per_px);
-        let pivot = self.start.bounds.center();
-        self.place.turn_about(self.place.p_in_stage(pivot), right);
-        if self.may_pitch {
-            let head = self.world_from_head(&self.stage_from_head);
-            let pitch = (self.pitch + down).clamp(-FRAC_PI_2, FRAC_PI_2);
-            let turn = DQuat::from_axis_angle(head.orientation * DVec3::X, pitch - self.pitch);
-            self.pitch = pitch;
-            self.place.bring(self.stage_from_head.position, pivot + turn * (head.position - pivot));
-        }
-        self.feet.forget();
     }
 
     fn visit(&mut self, steps: i64) {

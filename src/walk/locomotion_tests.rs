@@ -440,3 +440,24 @@ fn the_scan_is_gone_round_and_looked_down_upon() {
     walk.apply(Action::TopView);
     assert_eq!(walk.world_from_head(&head).orientation, walk.stage().pose_in_world(&head).orientation);
 }
+
+#[test]
+fn a_landscape_that_is_there_before_the_head_is_known_is_looked_down_at() {
+    let start = Start { kind: ScanKind::Landscape, ..start() };
+    let (starts, floors) = (StartsCell::default(), FloorsCell::default());
+    let mut walk = Locomotion::new(LocomotionOptions::default(), start, starts, floors, &Pose::IDENTITY);
+    walk.set_may_pitch(true);
+    let head = head_of(&eyes());
+    walk.begin_with(&head);
+    let Pose { position, orientation } = walk.world_from_head(&head);
+    let middle = orientation.inverse() * (start.bounds.center() - position);
+    assert!(middle.truncate().length() < 1e-6 && middle.z < 0.0, "{middle}");
+    assert!((orientation * DVec3::NEG_Z).z < -0.2, "one looks down at a table");
+    // What is drawn beside the scan is seen from the same eyes.
+    let (eyes, view) = (walk.pitched(&eyes()), seen(&walk, &eyes()));
+    for (eye, seen) in eyes.iter().zip(&view.eyes) {
+        let in_world = walk.stage().pose_in_world(&eye.stage_from_view);
+        assert!((in_world.position - seen.world_from_view.position).length() < 1e-6);
+        assert!(in_world.orientation.angle_between(seen.world_from_view.orientation) < 1e-6);
+    }
+}

@@ -32,6 +32,8 @@ pub(super) struct Walker {
     /// The scan that the user wants opened.
     pub wanted: Option<Arc<ScanRequest>>,
     pub stage_from_head: Pose,
+    /// True once a headset has told where the head is.
+    is_located: bool,
     pub last_view: Option<View>,
 }
 
@@ -48,6 +50,7 @@ impl Walker {
             looks_for_headset: false,
             wanted: None,
             stage_from_head: Pose::IDENTITY,
+            is_located: false,
             last_view: None,
         }
     }
@@ -55,6 +58,16 @@ impl Walker {
     /// Takes in that the scan comes to another GPU.
     pub fn await_scan(&mut self, loaded: Receiver<Loaded>) {
         (self.cloud, self.loaded) = (None, Some(loaded));
+    }
+
+    /// Takes in where the head is. A walk that has begun before anybody knew begins there.
+    pub fn locate_head(&mut self, stage_from_head: Pose) {
+        self.stage_from_head = stage_from_head;
+        if !std::mem::replace(&mut self.is_located, true)
+            && let Some(locomotion) = &mut self.state.locomotion
+        {
+            locomotion.begin_with(&stage_from_head);
+        }
     }
 
     /// Lets go of the scan, for another is wanted.
