@@ -258,8 +258,10 @@ mod tests {
     use crate::walk::link;
     use base::task::Cancelled;
     use cloud::Order;
+    use lab::synth::{self, SynthKind, SynthOptions};
     use points::ReadOptions;
     use render::gpu::Gpu;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// The panel says what keeps a scan from getting its octree, and the walk goes on.
     #[test]
@@ -294,6 +296,46 @@ mod tests {
         stay_flat(UploadError::Lost(wgpu::PollError::Timeout).into(), &link)
             .expect_err("there is no GPU any more");
         assert!(viewer.load().warnings.is_empty());
+    }
+
+    /// A scan that cannot be read keeps nobody from opening another.
+    #[test]
+    fn a_failure_is_followed_by_another_scan() {
+        let gpu = Arc::new(Gpu::open(None).unwrap());
+        let folder = tempfile::tempdir().unwrap();
+        let [broken, good] = ["broken.las", "good.las"].map(|name| folder.path().join(name));
+        std::fs::write(&broken, b"LASF").unwrap();
+        let (kind, points, seed) = (SynthKind::Photogrammetry, 20_000, 1);
+        let out = base::output::Output::new(&good, synth::SCAN).unwrap();
+        synth::write(&SynthOptions { kind, out, points, seed }, &CancelToken::default()).unwrap();
+        let request =
+            |file| Arc::new(ScanRequest { files: vec![file], read: ReadOptions::default(), kind: None });
+        let (link, _actions, viewer) = link::link();
+        let (mut filler, fillings) = Filler::new(request(broken), &CancelToken::default());
+        let options = CloudOptions {
+            lod: Some(LodMethod::Octree),
+            order: Order::Morton,
+            cull_backfaces: false,
+            chunk_limit: 0,
+        };
+        let loader = Loader { options, link, stop: CancelToken::default() };
+        let (begun, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let count = |number: &AtomicUsize| _ = number.fetch_add(1, Ordering::SeqCst);
+        std::thread::scope(|scope| {
+            let in_vain = filler.fill(&gpu);
+            let (loader, count, begun, failed) = (&loader, &count, &begun, &failed);
+            scope.spawn(move || loader.run(&fillings, || count(begun), |_| count(failed)));
+            assert!(in_vain.recv().is_err());
+            filler.want(request(good));
+            let loaded = filler.fill(&gpu);
+            let Loaded { cloud, .. } = loaded.recv().expect("a cloud");
+            assert!(loaded.recv().is_err(), "one cloud");
+            assert_eq!(cloud.num_resident(), points);
+            drop(filler);
+        });
+        assert_eq!([begun, failed].map(AtomicUsize::into_inner), [2, 1]);
+        let load = viewer.load();
+        assert_eq!((load.error.as_ref(), load.names().as_str()), (None, "good.las"));
     }
 
     /// The walk begins with the root alone, and all that follows is drawn from the same buffers.

@@ -26,6 +26,6 @@ pub(super) fn show(
     combo(ui, widgets, "cloud.unit", &mut read.unit, &Unit::choices());
     // What the user has said of the scan stays said.
     let kind = stance.and_then(|stance| stance.said).or(request.kind);
-    let files = || request.files.clone();
-    (read != request.read).then(|| Action::Open(Arc::new(ScanRequest { files: files(), read, kind })))
+    let is_another = read != request.read;
+    is_another.then(|| Action::Open(Arc::new(ScanRequest { files: request.files.clone(), read, kind })))
 }

@@ -8,7 +8,7 @@ use kit::picture::Picture;
 use kit::rows::LogRows;
 use kit::wait::wait_for;
 use kit::xr::poses::{Packet, RemoteEye, RemoteHand, RemotePose};
-use kit::xr::{Compositor, RuntimeSlot};
+use kit::xr::{Compositor, Running, RuntimeSlot};
 use std::path::Path;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
@@ -46,17 +46,22 @@ fn num_of_arc(image: &Picture) -> usize {
     image.pixels.iter().filter(is_arc).count()
 }
 
+/// A walk through the courtyard in the compositor's headset, which writes this log.
+fn walk(lab: &RuntimeSlot, log: &Path) -> Running {
+    let courtyard = &ViewedScans::get().courtyard;
+    let [courtyard, log] = [courtyard, log].map(|path| path.to_str().expect("a UTF-8 path"));
+    let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log, "-v"];
+    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
+    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
+    runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat())
+}
+
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn a_hand_aims_at_the_floor_and_the_user_is_there() {
     let lab = RuntimeSlot::enter();
-    let scene = ViewedScans::get();
-    let log = scene.file("hands.csv");
-    let [courtyard, log_path] = [&scene.courtyard, &log].map(|path| path.to_str().expect("a UTF-8 path"));
-    let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log_path, "-v"];
-    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
-    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
-    let mut run = runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat());
+    let log = ViewedScans::get().file("hands.csv");
+    let mut run = walk(&lab, &log);
     let mut remote = run.remote();
     remote.send(&packet(RemoteHand::default()));
     run.wait_until_said("headset session: FOCUSED", 1);
@@ -100,13 +105,8 @@ fn aimed(from: DVec3, at: DVec3) -> RemotePose {
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     let lab = RuntimeSlot::enter();
-    let scene = ViewedScans::get();
-    let log = scene.file("menu.csv");
-    let [courtyard, log_path] = [&scene.courtyard, &log].map(|path| path.to_str().expect("a UTF-8 path"));
-    let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log_path, "-v"];
-    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
-    let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
-    let mut run = runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat());
+    let log = ViewedScans::get().file("menu.csv");
+    let mut run = walk(&lab, &log);
     let mut remote = run.remote();
     // The right hand opens the menu; the left one waits aside, pointing away.
     let right = DVec3::new(0.1, 1.25, -0.45);
